@@ -1,0 +1,57 @@
+"""gonio: shading models, each written once, for arrays, Mitsuba 3 and pictures.
+
+    import gonio
+    eon = gonio.EON(roughness=1)            # or gonio.model("eon", roughness=1)
+    f = eon.eval(wi, wo)                    # NumPy, PyTorch, JAX or Dr.Jit arrays, (..., 3)
+
+`import gonio.mitsuba` registers every model as a Mitsuba 3 BSDF; `gonio --help` shows the command line.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+from gonio import backend
+
+backend.prepare()  # before anything imports Dr.Jit
+
+import gonio.models  # noqa: E402, F401  fills the registry
+from gonio.backend import BackendError, use  # noqa: E402
+from gonio.lang import Sample  # noqa: E402
+
+# `gonio.model` and `gonio.models` are functions for the user and modules for the import system. The
+# functions win as attributes because they are bound after both modules have been imported.
+from gonio.model import Model, ModelError, child, model, models, option, param  # noqa: E402
+from gonio.version import __version__  # noqa: E402
+
+if TYPE_CHECKING:
+    from gonio.rendering import render as render
+
+__all__ = [
+    "BackendError",
+    "Model",
+    "ModelError",
+    "Sample",
+    "__version__",
+    "child",
+    "model",
+    "models",
+    "option",
+    "param",
+    "render",
+    "use",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Model classes by name (`gonio.EON`), and functions whose modules load only when used."""
+    if name == "render":
+        from gonio.rendering import render
+
+        return render
+    for cls in models().values():
+        if cls.__name__ == name:
+            return cls
+    raise AttributeError(f"module 'gonio' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, *(cls.__name__ for cls in models().values())])

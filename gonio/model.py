@@ -1,0 +1,395 @@
+"""The contract of a shading model, its parameters, and the registry that fills itself.
+
+A model is a class with fields made by `param` and `option` and the methods `eval`, `sample`, `pdf` and
+`albedo`, written in the vocabulary of `gonio.lang`. Deriving from `Model` registers it under the name
+of its file. The base class does what models must not repeat: it checks and converts what users pass
+in, keeps parameter values out of compiled kernels, and makes everything zero below the horizon.
+"""
+
+from __future__ import annotations
+
+import difflib
+import functools
+import inspect
+import math
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from numbers import Real
+from typing import Any, ClassVar, Self, get_type_hints
+
+import numpy as np
+
+from gonio import arrays, quadrature
+from gonio.lang import Color, Float, Sample, Vec2, Vec3, select, vec3
+
+
+class ModelError(ValueError):
+    """An unknown model, parameter or option, or a value out of its range."""
+
+
+@dataclass
+class Parameter:
+    """A number or colour that a model takes, with its default, its allowed range and its meaning."""
+
+    default: Any
+    low: float
+    high: float
+    doc: str
+    name: str = ""
+    width: int = 1
+    """1 for a Float, 3 for a Color."""
+
+    @property
+    def lowest(self) -> float:
+        """The lower end, or its float32 rounding where that is smaller."""
+        return min(self.low, float(np.float32(self.low)))
+
+    @property
+    def highest(self) -> float:
+        """The upper end, or its float32 rounding where that is larger: pi / 2 is, for example."""
+        return max(self.high, float(np.float32(self.high)))
+
+    def check(self, model: str, value: Any) -> Any:
+        """Return a number or tuple of numbers that is in range, or an array as it is; else raise."""
+        if arrays.is_array(value):
+            return value
+        values = tuple(value) if isinstance(value, (tuple, list)) else (value,)
+        if not all(isinstance(v, Real) and not isinstance(v, bool) for v in values):
+            raise ModelError(
+                f"{model}: {self.name} must be a number"
+                f"{' or three numbers' if self.width == 3 else ''}, got {value!r}."
+            )
+        if len(values) not in {1, self.width} or (
+            isinstance(value, (tuple, list)) and self.width == 1
+        ):
+            raise ModelError(
+                f"{model}: {self.name} takes {'one or three numbers' if self.width == 3 else 'one number'}"
+                f", got {value!r}."
+            )
+        for v in values:
+            if not self.lowest <= float(v) <= self.highest:  # NaN fails this as well
+                raise ModelError(
+                    f"{model}: {self.name}={value!r} is out of range; allowed is {self.range_text()}."
+                )
+        numbers = tuple(float(v) for v in values)
+        return numbers if len(numbers) > 1 else numbers[0]
+
+    def range_text(self) -> str:
+        """The range for people, such as "0 to 1" or "at least 0"."""
+        return (
+            f"{self.low:.7g} to {self.high:.7g}"
+            if math.isfinite(self.high)
+            else f"at least {self.low:g}"
+        )
+
+    def is_default(self, value: Any) -> bool:
+        """Whether a value is the default."""
+        return not arrays.is_array(value) and bool(value == self.default)
+
+
+@dataclass
+class Option:
+    """A choice between variants of the code, fixed for each object."""
+
+    values: tuple[str, ...]
+    doc: str
+    name: str = ""
+
+    @property
+    def default(self) -> str:
+        """The first value."""
+        return self.values[0]
+
+    def check(self, model: str, value: Any) -> str:
+        """Return the value if it is one of the allowed names, else raise."""
+        if value not in self.values:
+            raise ModelError(
+                f"{model}: {self.name}={value!r} is not known; allowed are {', '.join(self.values)}."
+            )
+        return str(value)
+
+    def is_default(self, value: Any) -> bool:
+        """Whether a value is the default."""
+        return bool(value == self.default)
+
+
+@dataclass
+class Child:
+    """A model inside a model, such as the base under a coat."""
+
+    default: str
+    doc: str
+    name: str = ""
+
+    def check(self, parent: str, value: Any) -> Model:
+        """Return a model, made from its name if need be, else raise."""
+        if isinstance(value, str):
+            return model(value)
+        if not isinstance(value, Model):
+            raise ModelError(
+                f"{parent}: {self.name} takes a model or a model's name, got {value!r}."
+            )
+        return value
+
+    def is_default(self, value: Model) -> bool:
+        """Whether a value is the default model with its default parameters."""
+        return repr(value) == repr(model(self.default))
+
+
+Field = Parameter | Option | Child
+
+
+def param(default: Any, low: float, high: float, doc: str) -> Any:
+    """Declare a number or colour: default, range and meaning. The annotation says which of the two."""
+    return Parameter(default, low, high, doc)
+
+
+def option(*values: str, doc: str) -> Any:
+    """Declare a choice that changes the code; the first value is the default."""
+    return Option(values, doc)
+
+
+def child(default: str, doc: str) -> Any:
+    """Declare a model inside the model, by the name of the default one."""
+    return Child(default, doc)
+
+
+_registry: dict[str, type[Model]] = {}
+
+
+class Model:
+    """A reflection model (BRDF). Directions are unit vectors in the local frame, with the normal +z.
+
+    `wi` points towards the light, `wo` towards the viewer. NumPy, PyTorch and JAX arrays have the
+    component last, broadcast, and come back as what came in; Dr.Jit arrays pass straight through.
+    Numbers and arrays alike can be given for every parameter.
+    """
+
+    fields: ClassVar[Mapping[str, Field]] = {}
+    name: ClassVar[str] = ""
+    caveats: ClassVar[tuple[str, ...]] = ()
+    """What is known to be wrong with the model, each with its size."""
+
+    float_type: Any = None
+    """Number type of the kernel a bound copy lives in; None for the model that users hold."""
+
+    _bound: dict[Any, Self]
+
+    def __init_subclass__(cls, *, register: bool = True) -> None:
+        """Collect the fields, wrap the methods with the contract, and register the model.
+
+        A model is named after its file; in a notebook or a script that is run, after its class.
+        `class Variant(EON, register=False)` keeps a private variant out of the registry.
+        """
+        cls.name = cls.__module__.rpartition(".")[2]
+        if cls.name == "__main__" or not register:
+            cls.name = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", cls.__name__).lower()
+        cls.fields = dict(cls.fields)
+        hints = get_type_hints(cls, include_extras=True)
+        for name, declared in list(vars(cls).items()):
+            if isinstance(declared, (Parameter, Option, Child)):
+                declared.name = name
+                if isinstance(declared, Parameter):
+                    declared.width = 3 if hints[name] is Color else 1
+                    declared.default = declared.check(cls.name, declared.default)
+                cls.fields[name] = declared
+                delattr(cls, name)
+        for name, guard in _GUARDS.items():
+            if name in vars(cls):
+                setattr(cls, name, _contract(vars(cls)[name], guard))
+        cls.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+            [
+                inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=f.default)
+                for name, f in cls.fields.items()
+            ]
+        )
+        if not register:
+            return
+        known = _registry.get(cls.name)
+        if known is not None and inspect.getsourcefile(known) != inspect.getsourcefile(cls):
+            raise ModelError(
+                f"two models are called {cls.name!r}: {inspect.getsourcefile(known)} and "
+                f"{inspect.getsourcefile(cls)}; rename one file."
+            )
+        _registry[cls.name] = cls
+
+    def __init__(self, **given: Any) -> None:
+        """Take parameters by name: numbers, triples, names of options, models, or arrays.
+
+        A parameter of an inner model has its path for a name: `**{"base.roughness": 0.5}`.
+
+        Raises:
+            ModelError: an unknown name (with the nearest known one), or a number out of its range.
+        """
+        inner: dict[str, dict[str, Any]] = {}
+        for name in list(given):
+            outer, dot, rest = name.partition(".")
+            if not isinstance(self.fields.get(outer), Child if dot else Field):
+                raise ModelError(f"{self.name} has no {name!r}{_suggest(name, self.fields)}.")
+            if dot:
+                inner.setdefault(outer, {})[rest] = given.pop(name)
+        for name, declared in self.fields.items():
+            value: Any = declared.check(self.name, given.get(name, declared.default))
+            if name in inner:
+                value = value.replace(**inner[name])
+            object.__setattr__(self, name, value)
+        object.__setattr__(self, "_bound", {})
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        """Models do not change; a changed copy is made by `replace`."""
+        raise AttributeError(
+            f"a model does not change; use model.replace({name}={value!r}) for a changed copy."
+        )
+
+    def __repr__(self) -> str:
+        """The call that makes this model, without the defaults."""
+        given = (
+            f"{name}={getattr(self, name)!r}"
+            for name, declared in self.fields.items()
+            if not declared.is_default(getattr(self, name))
+        )
+        return f"{type(self).__name__}({', '.join(given)})"
+
+    def replace(self, **changed: Any) -> Self:
+        """Return a copy with some parameters or options changed."""
+        return type(self)(**{name: getattr(self, name) for name in self.fields} | changed)
+
+    def eval(self, wi: Vec3, wo: Vec3) -> Color:
+        """BRDF value in 1/sr, WITHOUT the cosine, shape (..., 3); 0 at and below the horizon."""
+        raise NotImplementedError
+
+    def sample(self, wo: Vec3, u: Vec2) -> Sample:
+        """Sample `wi` for a known `wo` from two uniform random numbers in [0, 1), shape (..., 2).
+
+        A Monte Carlo weight is eval(wi, wo) · wi.z / pdf. A pdf of 0 marks a wasted sample.
+        """
+        raise NotImplementedError
+
+    def pdf(self, wi: Vec3, wo: Vec3) -> Float:
+        """Density in 1/sr with which `sample` returns `wi`, shape (...); 0 below the horizon."""
+        raise NotImplementedError
+
+    def albedo(self, wo: Vec3) -> Color:
+        """Directional albedo ∫ f μi dωi, shape (..., 3): closed form if known, else by quadrature."""
+        return quadrature.directional_albedo(self, wo)
+
+    def mean_albedo(self) -> Color:
+        """Mean albedo (1/π) ∫ albedo(wo) μo dωo, shape (..., 3): closed form or quadrature."""
+        return quadrature.mean_albedo(self)
+
+    def parameters(self, prefix: str = "") -> Iterator[tuple[str, Parameter, Any]]:
+        """Yield path, declaration and value of every parameter, those of inner models included."""
+        for name, declared in self.fields.items():
+            value = getattr(self, name)
+            if isinstance(declared, Parameter):
+                yield prefix + name, declared, value
+            elif isinstance(declared, Child):
+                yield from value.parameters(f"{prefix}{name}.")
+
+    def bind(
+        self,
+        Float: Any,
+        convert: Callable[[str, Parameter, Any], Any],
+        *,
+        keep: bool = False,
+        prefix: str = "",
+    ) -> Self:
+        """A copy whose parameters are Dr.Jit values, for use inside a kernel.
+
+        Args:
+            Float: the number type of the kernel (`float` for plain Python).
+            convert: makes a parameter's Dr.Jit value from its path, declaration and stored value.
+            keep: remember the copy for this Float, so that numbers become device memory only once.
+            prefix: of the paths, for inner models.
+        """
+        if keep and Float in self._bound:
+            return self._bound[Float]
+        bound = object.__new__(type(self))
+        for name, declared in self.fields.items():
+            value = getattr(self, name)
+            if isinstance(declared, Parameter):
+                value = convert(prefix + name, declared, value)
+            elif isinstance(declared, Child):
+                value = value.bind(Float, convert, prefix=f"{prefix}{name}.")
+            object.__setattr__(bound, name, value)
+        object.__setattr__(bound, "float_type", Float)
+        if keep:
+            self._bound[Float] = bound
+        return bound
+
+
+def _suggest(name: str, known: Mapping[str, Any]) -> str:
+    near = difflib.get_close_matches(name, known, n=1)
+    did = f"; did you mean {near[0]!r}?" if near else ""
+    return f"{did}{'' if near else ';'} known are {', '.join(known)}" if known else ""
+
+
+# The horizon is handled here and nowhere else. Directions below it are replaced by the normal before
+# the model sees them: the values are masked anyway, and their derivatives stay finite that way.
+
+
+def _guard_eval(method: Any, model: Model, wi: Vec3, wo: Vec3) -> Color:
+    above = (wi.z > 0) & (wo.z > 0)
+    return select(above, method(model, _upwards(above, wi), _upwards(above, wo)), 0)
+
+
+def _guard_sample(method: Any, model: Model, wo: Vec3, u: Vec2) -> Sample:
+    above = wo.z > 0
+    wi, pdf = method(model, _upwards(above, wo), u)
+    return Sample(wi, select(above & (wi.z > 0), pdf, 0))
+
+
+def _guard_albedo(method: Any, model: Model, wo: Vec3) -> Color:
+    above = wo.z >= 0  # the albedo has a limit at the horizon
+    return select(above, method(model, _upwards(above, wo)), 0)
+
+
+def _upwards(above: Any, w: Vec3) -> Vec3:
+    return select(above, w, vec3(0 * w.z, 0 * w.z, 0 * w.z + 1))
+
+
+_GUARDS: dict[str, Callable[..., Any] | None] = {
+    "eval": _guard_eval,
+    "sample": _guard_sample,
+    "pdf": _guard_eval,
+    "albedo": _guard_albedo,
+    "mean_albedo": None,
+}
+
+
+def _contract(method: Any, guard: Any) -> Any:
+    """Wrap a model's method: convert what users pass in, and mask what is below the horizon."""
+
+    @functools.wraps(method)
+    def call(self: Model, *directions: Any, **named: Any) -> Any:
+        directions = inspect.signature(method).bind(self, *directions, **named).args[1:]
+        if self.float_type is None:
+            return arrays.call(self, method.__name__, directions)
+        if guard is None:
+            return method(self, *directions)
+        return guard(method, self, *directions)
+
+    return call
+
+
+for _name, _guard in _GUARDS.items():
+    setattr(Model, _name, _contract(vars(Model)[_name], _guard))
+
+
+def models() -> dict[str, type[Model]]:
+    """All registered models by name, sorted."""
+    return dict(sorted(_registry.items()))
+
+
+def model(name: str, **parameters: Any) -> Model:
+    """Make a model from its name and parameters, such as model("eon", roughness=1).
+
+    Raises:
+        ModelError: an unknown model or parameter, or a value out of range.
+    """
+    if name not in _registry:
+        near = difflib.get_close_matches(name, _registry, n=1)
+        did = f"did you mean {near[0]!r}? " if near else ""
+        raise ModelError(f"no model {name!r}; {did}'gonio list' shows all.")
+    return _registry[name](**parameters)

@@ -1,0 +1,166 @@
+"""EON: energy-preserving Oren–Nayar rough diffuse reflection.
+
+Source: Portsmouth, Kutz, Hill, "EON: A practical energy-preserving rough diffuse BRDF",
+arXiv:2410.18026. Symbols and equation numbers are the paper's.
+Deviations: every difference that the paper takes (1 - E_F, 1 - <E_F>, 1 + s) is rearranged so that
+nothing cancels; the values are the same, but finite at the horizon and exact in float32.
+"""
+
+from gonio.lang import (
+    INV_PI,
+    PI,
+    Color,
+    Float,
+    Sample,
+    Vec2,
+    Vec3,
+    safe_asin,
+    safe_sqrt,
+)
+from gonio.model import Model, option, param
+from gonio.parts import cltc
+from gonio.parts.hemisphere import pdf_cosine, pdf_uniform, sample_cosine, sample_uniform
+from gonio.parts.oren_nayar import MEAN_G_FUJII, fujii_shape
+
+C1 = 0.5 - 2 / (3 * PI)  # A_F = 1 / (1 + C1 r)
+C2 = MEAN_G_FUJII  # the hemispherical mean of E_F is A_F (1 + C2 r)
+
+# Eq. 14: G_F / pi as a polynomial in 1 - mu, error below 0.1 %.
+G1, G2, G3, G4 = 0.0571085289, 0.491881867, -0.332181442, 0.0714429953
+L0 = C1 - (G1 + G2 + G3 + G4)
+L1 = G1 + 2 * G2 + 3 * G3 + 4 * G4
+L2 = -(G2 + 3 * G3 + 6 * G4)
+L3 = G3 + 4 * G4
+L4 = -G4
+MEAN_G_FITTED = G1 / 3 + G2 / 6 + G3 / 10 + G4 / 15  # its hemispherical mean: g_k 2 / ((k+1)(k+2))
+
+
+def loss_exact(mu: Float) -> Float:
+    """C1 - G_F / pi at cosine mu, from 0 at grazing to C1 at the normal: 1 - E_F = r A_F loss.
+
+    With 1 - s = mu^2 / (1 + s) every term of Eq. 13 that cancels against C1 can be collected, which
+    leaves a sum of positive terms.
+    """
+    s = safe_sqrt((1 - mu) * (1 + mu))
+    lost = mu * mu / (1 + s) * (PI / 2 - 2 / 3 - s * mu * (s + 2) / (3 * (1 + s)))
+    return INV_PI * (lost + s * safe_asin(mu))
+
+
+def loss_fitted(mu: Float) -> Float:
+    """The same from the fit of Eq. 14; within 5e-4 of `loss_exact`, and -5e-4 at grazing.
+
+    Eq. 14 is a polynomial in 1 - mu; multiplied out in mu, its small value at grazing keeps its digits.
+    """
+    return L0 + mu * (L1 + mu * (L2 + mu * (L3 + mu * L4)))
+
+
+class EON(Model):
+    """Rough, clay-like diffuse. Reciprocal; white stays white; Lambert at roughness 0."""
+
+    rho: Color = param((0.8, 0.8, 0.8), 0, 1, "single-scattering albedo, linear RGB")
+    roughness: Float = param(0.5, 0, 1, "unitless r; not the Oren-Nayar angle sigma")
+    albedo_form: str = option(
+        "exact", "fitted", doc="E_F inside the BRDF: Eq. 13, or the faster fit of Eq. 14"
+    )
+    color_shift: str = option(
+        "physical",
+        "none",
+        doc="multiple scattering saturates the colour, or rho only multiplies the white BRDF",
+    )
+    sampler: str = option(
+        "cltc_uniform",
+        "cltc",
+        "ltc",
+        "ltc_nonnegative",
+        "uniform",
+        "cosine",
+        doc="how `sample` draws directions; the paper's Figure 11 compares them",
+    )
+    caveats = (
+        "albedo_form='fitted' reflects up to 0.05 % more or less than it should (rho = 1).",
+        "sampler='ltc' wastes the samples that fall below the horizon; 'cltc' has rare high weights.",
+    )
+
+    def eval(self, wi: Vec3, wo: Vec3) -> Color:
+        """Eq. 16 and 19: BRDF value in 1/sr, without the cosine."""
+        r = self.roughness
+        A_F = 1 / (1 + C1 * r)
+        single = A_F * fujii_shape(wi, wo, r)
+        # (1 - E_i)(1 - E_o) / (1 - <E>), of which r^2 A_F^2 / (r A_F) remains
+        multiple = A_F * r * (1 / (C1 - C2)) * self._loss(wi.z) * self._loss(wo.z)
+        if self.color_shift == "none":
+            return self.rho * (INV_PI * (single + multiple))
+        return INV_PI * (self.rho * single + self._rho_multiple(self.rho) * multiple)
+
+    def sample(self, wo: Vec3, u: Vec2) -> Sample:
+        """By default CLTC with a uniform lobe: over 100 times less variance at grazing than cosine."""
+        r = self.roughness
+        if self.sampler == "cltc_uniform":
+            wi = cltc.sample_cltc_uniform(wo, r, u)
+        elif self.sampler == "cltc":
+            wi = cltc.sample_cltc(wo, r, u)
+        elif self.sampler == "ltc":
+            wi = cltc.sample_ltc(wo, r, u)
+        elif self.sampler == "ltc_nonnegative":
+            wi = cltc.sample_ltc_nonnegative(wo, r, u)
+        elif self.sampler == "uniform":
+            wi = sample_uniform(u)
+        else:
+            wi = sample_cosine(u)
+        return Sample(wi, self.pdf(wi, wo))
+
+    def pdf(self, wi: Vec3, wo: Vec3) -> Float:
+        """Density of the chosen sampler in 1/sr."""
+        r = self.roughness
+        if self.sampler == "cltc_uniform":
+            return cltc.pdf_cltc_uniform(wi, wo, r)
+        if self.sampler == "cltc":
+            return cltc.pdf_cltc(wi, wo, r)
+        if self.sampler == "ltc":
+            return cltc.pdf_ltc(wi, wo, r)
+        if self.sampler == "ltc_nonnegative":
+            return cltc.pdf_ltc_nonnegative(wi, wo, r)
+        if self.sampler == "uniform":
+            return pdf_uniform() + 0 * wi.z
+        return pdf_cosine(wi)
+
+    def albedo(self, wo: Vec3) -> Color:
+        """rho E_F + rho_ms (1 - E_F), after Eq. 20: exactly 1 for rho = 1 and albedo_form='exact'.
+
+        For 'fitted' this is the exact integral of the fitted BRDF.
+        """
+        r = self.roughness
+        A_F = 1 / (1 + C1 * r)
+        single = 1 - r * A_F * loss_exact(wo.z)
+        multiple = r * A_F * self._loss(wo.z) * self._mean_loss_ratio()
+        if self.color_shift == "none":
+            return self.rho * (single + multiple)
+        return self.rho * single + self._rho_multiple(self.rho) * multiple
+
+    def mean_albedo(self) -> Color:
+        """Hemispherical mean of `albedo`."""
+        r = self.roughness
+        A_F = 1 / (1 + C1 * r)
+        single = A_F * (1 + C2 * r)
+        ratio = self._mean_loss_ratio()
+        multiple = r * A_F * (C1 - C2) * ratio * ratio
+        if self.color_shift == "none":
+            return self.rho * (single + multiple)
+        return self.rho * single + self._rho_multiple(self.rho) * multiple
+
+    def _loss(self, mu: Float) -> Float:
+        if self.albedo_form == "exact":
+            return loss_exact(mu)
+        return loss_fitted(mu)
+
+    def _mean_loss_ratio(self) -> float:
+        """Hemispherical mean of `_loss` over that of `loss_exact`."""
+        if self.albedo_form == "exact":
+            return 1
+        return (C1 - MEAN_G_FITTED) / (C1 - C2)
+
+    def _rho_multiple(self, rho: Color) -> Color:
+        """Colour of the multiple scattering (Eq. 19)."""
+        r = self.roughness
+        mean_E = (1 + C2 * r) / (1 + C1 * r)
+        return rho * rho * mean_E / (1 - rho * (1 - mean_E))

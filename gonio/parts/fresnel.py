@@ -1,0 +1,102 @@
+"""Fresnel reflectance and its approximations.
+
+cos_theta is the cosine at which light meets the (micro)surface, in [0, 1]. Reflectances are those of
+unpolarised light. eta is the relative index n_inside / n_outside, k the extinction over n_outside; both
+may be numbers or colours.
+"""
+
+from gonio.lang import (
+    Color,
+    Float,
+    absolute,
+    lerp,
+    maximum,
+    select,
+    sqrt,
+)
+
+# Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
+# It is reached at the edge of total internal reflection, where the true derivative is infinite.
+ROOT_MIN = 1e-16
+
+
+def schlick_weight(cos_theta: Float) -> Float:
+    """(1 - cos_theta)^5 of Schlick's approximation."""
+    k = 1 - cos_theta
+    k2 = k * k
+    return k2 * k2 * k
+
+
+def F_schlick(cos_theta: Float, f0: Color, f90: Color) -> Color:
+    """Schlick, "An inexpensive BRDF model for physically-based rendering", 1994, Eq. 15, with an F90."""
+    return lerp(f0, f90, schlick_weight(cos_theta))
+
+
+def F_dielectric(cos_theta: Float, eta: Color) -> Color:
+    """Exact reflectance of a dielectric. Below eta = 1 all light is reflected past the critical angle."""
+    # r_s = (c - g) / (c + g) and r_p = (eta^2 c - g) / (eta^2 c + g) with g = eta cos(theta_t). Multiplied
+    # out with g^2 = eta^2 - 1 + c^2, the differences leave eta^2 - 1 as a factor: nothing cancels.
+    c = cos_theta
+    contrast = (eta - 1) * (eta + 1)
+    g2 = contrast + c * c
+    g = sqrt(maximum(g2, ROOT_MIN))
+    eta2 = eta * eta
+    s = c + g
+    p = eta2 * c + g
+    r_s = contrast / (s * s)
+    r_p = contrast * ((eta2 + 1) * c * c - 1) / (p * p)
+    return select(g2 > 0, 0.5 * (r_s * r_s + r_p * r_p), 1)
+
+
+def F_conductor(cos_theta: Float, eta: Color, k: Color) -> Color:
+    """Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0."""
+    # As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g = sqrt(contrast + c^2)
+    c = cos_theta
+    contrast_re, contrast_im = (eta - 1) * (eta + 1) - k * k, 2 * eta * k
+    w_re = contrast_re + c * c
+    w_abs = sqrt(maximum(w_re * w_re + contrast_im * contrast_im, ROOT_MIN * ROOT_MIN))
+    # Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
+    large = sqrt(0.5 * maximum(w_abs + absolute(w_re), ROOT_MIN))
+    small = 0.5 * contrast_im / large
+    g_re, g_im = select(w_re > 0, large, small), select(w_re > 0, small, large)
+
+    contrast_abs2 = contrast_re * contrast_re + contrast_im * contrast_im
+    s_re = c + g_re
+    s_abs2 = s_re * s_re + g_im * g_im
+    eps_re = contrast_re + 1
+    p_re, p_im = eps_re * c + g_re, contrast_im * c + g_im
+    p_abs2 = p_re * p_re + p_im * p_im
+    q_re, q_im = (eps_re + 1) * c * c - 1, contrast_im * c * c
+    R_s = contrast_abs2 / (s_abs2 * s_abs2)
+    R_p = contrast_abs2 * (q_re * q_re + q_im * q_im) / (p_abs2 * p_abs2)
+    return 0.5 * (R_s + R_p)
+
+
+def F_lazanyi(cos_theta: Float, eta: Color, k: Color) -> Color:
+    """Lazányi and Szirmay-Kalos, "Fresnel term approximations for metals", WSCG 2005, Eq. 4.
+
+    Schlick's curve through the exact F0 of a metal.
+    """
+    below = eta - 1
+    above = eta + 1
+    k2 = k * k
+    return (below * below + 4 * eta * schlick_weight(cos_theta) + k2) / (above * above + k2)
+
+
+def f0_from_eta(eta: Color) -> Color:
+    """Reflectance of a dielectric at normal incidence, ((eta - 1) / (eta + 1))^2."""
+    r = (eta - 1) / (eta + 1)
+    return r * r
+
+
+def f0_from_conductor(eta: Color, k: Color) -> Color:
+    """Reflectance of a conductor at normal incidence."""
+    below, above = eta - 1, eta + 1
+    return (below * below + k * k) / (above * above + k * k)
+
+
+def eta_from_f0(f0: Color) -> Color:
+    """Index of the dielectric (eta >= 1) with this reflectance at normal incidence, for f0 < 1."""
+    r = sqrt(maximum(f0, ROOT_MIN))
+    # 1 - r = (1 - f0) / (1 + r); f0 = 1 would be an infinite index
+    return (1 + r) * (1 + r) / maximum(1 - f0, ROOT_MIN)

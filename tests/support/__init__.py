@@ -1,0 +1,1 @@
+"""Inputs and independent quadrature that several test files share."""

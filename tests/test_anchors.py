@@ -1,0 +1,92 @@
+"""Values from outside: publications, and derivations in mpmath that know nothing of gonio."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+import sys
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import gonio
+from gonio.parts.oren_nayar import qualitative_coefficients
+
+ROWS = [
+    row
+    for file in sorted(Path(__file__).parent.glob("anchors*.csv"))
+    for row in csv.DictReader(file.read_text(encoding="utf-8").splitlines())
+]
+MINIMUM_PER_MODEL = 5
+
+# Derived values have 17 digits. The directions are unit only to 1e-16, and two forms of the same
+# formula (1 + s as a sum of squares) differ by that, which the absolute part allows for.
+DERIVED_RTOL, DERIVED_ATOL = 1e-10, 1e-14
+
+# Albedos without a closed form come from the rule in gonio.quadrature.
+NUMERIC_RTOL = 1e-5
+
+# mean_albedo takes no array whose precision it could follow, and is computed in float32.
+FLOAT32_RTOL = 1e-6
+
+
+def compute(row: dict[str, str]) -> Any:
+    parameters = {
+        k: tuple(v) if isinstance(v, list) else v for k, v in json.loads(row["parameters"]).items()
+    }
+    model = gonio.model(row["model"], **parameters)
+    directions = [np.array(json.loads(row[name]), np.float64) for name in ("wi", "wo") if row[name]]
+    if row["quantity"] == "mean_albedo":
+        return model.mean_albedo()
+    return getattr(model, row["quantity"])(*directions)
+
+
+def check(row: dict[str, str]) -> None:
+    value = compute(row)
+    expected = np.array(json.loads(row["value"]))
+    if decimals := re.match(r"published, (\d+) decimals", row["source"]):
+        np.testing.assert_allclose(value, expected, atol=0.51 * 10 ** -int(decimals[1]), rtol=0)
+        return
+    rtol = DERIVED_RTOL
+    if row["quantity"] == "mean_albedo":
+        rtol = FLOAT32_RTOL
+    elif row["quantity"] not in vars(gonio.models()[row["model"]]):
+        rtol = NUMERIC_RTOL
+    np.testing.assert_allclose(value, expected, rtol=rtol, atol=DERIVED_ATOL)
+
+
+@pytest.mark.parametrize(
+    "row", ROWS, ids=[f"{n}-{r['model']}-{r['quantity']}" for n, r in enumerate(ROWS, 2)]
+)
+def test_anchor(row: dict[str, str]) -> None:
+    check(row)
+
+
+def test_every_model_has_anchors() -> None:
+    count = Counter(row["model"] for row in ROWS)
+    few = {name: count[name] for name in gonio.models() if count[name] < MINIMUM_PER_MODEL}
+    assert not few
+
+
+def test_a_wrong_constant_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
+    """0.34 in place of 0.33 in QON's A moves values by 1 % at most; no anchor may let it pass."""
+    monkeypatch.setattr(
+        sys.modules["gonio.models.qon"],
+        "qualitative_coefficients",
+        lambda sigma, offset: qualitative_coefficients(sigma, offset + 0.01),
+    )
+    rough = [
+        row
+        for row in ROWS
+        if row["model"] == "qon"
+        and json.loads(row["parameters"])["sigma"] > 0
+        and row["source"].startswith("derived")
+    ]
+    assert len(rough) >= MINIMUM_PER_MODEL
+    for row in rough:
+        with pytest.raises(AssertionError):
+            check(row)
