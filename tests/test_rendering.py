@@ -1,0 +1,247 @@
+"""Pictures: what is rendered, what is written, and what stays behind when something fails."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import mitsuba as mi
+import numpy as np
+import pytest
+
+import gonio
+from gonio.files import replacing
+from gonio.material import MaterialError, load_material
+from gonio.rendering import (
+    _passes,
+    compare,
+    demo,
+    describe,
+    render,
+    render_scene,
+    write_picture,
+)
+
+SMALL: Any = {"size": (32, 24), "spp": 4}
+
+SCENE = """<scene version="3.0.0">
+  <integrator type="direct"/>
+  <sensor type="orthographic">
+    <transform name="to_world"><lookat origin="0, 0, 4" target="0, 0, 0" up="0, 1, 0"/></transform>
+    <film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="16"/>
+      <string name="pixel_format" value="rgb"/></film>
+    <sampler type="independent"><integer name="sample_count" value="16"/></sampler>
+  </sensor>
+  <emitter type="constant"/>
+  <bsdf type="diffuse" id="paint"><rgb name="reflectance" value="0.1, 0.1, 0.1"/></bsdf>
+  <shape type="rectangle" id="wall">
+    <transform name="to_world"><scale value="5"/></transform>
+    {bsdf}
+  </shape>
+</scene>"""
+
+
+@pytest.fixture(autouse=True)
+def _variant() -> None:
+    mi.set_variant("llvm_ad_rgb")
+
+
+def test_the_seed_decides_the_picture() -> None:
+    model = gonio.EON(roughness=1)
+    first = render(model, **SMALL)
+    assert first.shape == (24, 32, 3)
+    assert first.dtype == np.float32
+    # Threads add their samples to a pixel in any order, so the last bit may differ.
+    np.testing.assert_allclose(first, render(model, **SMALL), rtol=1e-5)
+    assert np.abs(first / render(model, seed=1, **SMALL) - 1).max() > 1e-2
+
+
+def test_passes_are_squares_that_add_up() -> None:
+    for spp in (1, 7, 16, 50, 64, 100, 1000):
+        for limit in (1, 5, 16, 40, 1000):
+            counts = list(_passes(spp, limit))
+            assert sum(counts) == spp
+            assert all(math.isqrt(n) ** 2 == n and n <= limit for n in counts)
+
+
+def test_progress_arrives_at_the_end() -> None:
+    seen: list[tuple[int, int]] = []
+    render(gonio.Lambert(), size=(16, 16), spp=20, progress=lambda n, of: seen.append((n, of)))
+    assert seen == [(16, 20), (20, 20)]
+
+
+def test_white_eon_disappears_in_the_furnace_and_qon_does_not() -> None:
+    white = {"size": (48, 48), "spp": 64, "furnace": True}
+    eon = render(gonio.EON(rho=1, roughness=1), **white)
+    qon = render(gonio.QON(rho=1, sigma=math.pi / 2), **white)
+    assert abs(float(eon.mean()) - 1) < 2e-3
+    assert float(qon[20:28, 20:28].mean()) < 0.8
+
+
+@pytest.mark.parametrize(
+    ("bsdf", "name"),
+    [('<ref id="paint"/>', "paint"), ('<ref id="paint"/>', "wall"), ("", "wall")],
+)
+def test_a_users_scene_gets_the_model(tmp_path: Path, bsdf: str, name: str) -> None:
+    """A plane seen at right angles under radiance 1 shows the albedo at the normal, a closed form."""
+    path = tmp_path / "scene.xml"
+    path.write_text(SCENE.format(bsdf=bsdf))
+    before = path.read_bytes()
+    qon = gonio.QON(rho=(0.9, 0.5, 0.2), sigma=1.2)
+    pixels = render_scene(path, {name: qon}, spp=256)
+    A = 1 - 0.5 * 1.2**2 / (1.2**2 + 0.33)  # G_Q = 0 at the normal
+    np.testing.assert_allclose(pixels.mean((0, 1)), A * np.array([0.9, 0.5, 0.2]), rtol=5e-3)
+    assert path.read_bytes() == before
+    assert render_scene(path, {}, size=(8, 4)).shape == (4, 8, 3)
+
+
+@pytest.mark.parametrize(
+    ("text", "assign", "message"),
+    [
+        (
+            SCENE.format(bsdf=""),
+            {"wal": "lambert"},
+            r"no shape or bsdf with the id 'wal'; ids: paint, wall",
+        ),
+        ("<scene>", {}, r"is not an XML file"),
+        ("<mesh/>", {}, r"its root is <mesh>, not <scene>"),
+        ('<scene version="3.0.0"/>', {}, r"has no <sensor>"),
+        (SCENE.format(bsdf='<bsdf type="difuse"/>'), {}, r"does not load: .*difuse"),
+    ],
+)
+def test_a_bad_scene_gets_one_clear_line(
+    tmp_path: Path, text: str, assign: dict[str, str], message: str
+) -> None:
+    path = tmp_path / "scene.xml"
+    path.write_text(text)
+    with pytest.raises(ValueError, match=message) as caught:
+        render_scene(path, {k: gonio.model(v) for k, v in assign.items()})
+    assert "\n" not in str(caught.value)
+
+
+def test_a_missing_scene_is_named(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match="no scene file"):
+        render_scene(tmp_path / "none.xml", {})
+
+
+def test_pictures_are_srgb_and_labelled(tmp_path: Path) -> None:
+    from PIL import Image
+
+    pixels = np.full((40, 80, 3), 0.5, np.float32)
+    write_picture(tmp_path / "a.png", pixels, labels=["left", "right"], row_labels=["row"])
+    picture = np.asarray(Image.open(tmp_path / "a.png"))
+    assert picture.shape[0] > 40
+    assert picture.shape[1] > 80
+    write_picture(tmp_path / "b.png", pixels)
+    # IEC 61966-2-1: linear 0.5 is 187.5 of 255, linear 0.25 is 136.96
+    assert abs(int(np.asarray(Image.open(tmp_path / "b.png"))[5, 5, 0]) - 188) <= 1
+    write_picture(tmp_path / "b.png", pixels, exposure=-1)
+    assert abs(int(np.asarray(Image.open(tmp_path / "b.png"))[5, 5, 0]) - 137) <= 1
+    write_picture(tmp_path / "c.exr", pixels)
+    np.testing.assert_array_equal(np.array(mi.Bitmap(str(tmp_path / "c.exr"))), pixels)
+
+
+def test_a_failed_write_leaves_nothing_and_keeps_the_old_file(tmp_path: Path) -> None:
+    target = tmp_path / "a.png"
+    target.write_text("old")
+
+    with pytest.raises(KeyboardInterrupt), replacing(target) as temporary:  # noqa: PT012
+        temporary.write_text("half")
+        raise KeyboardInterrupt
+    with pytest.raises(ValueError, match="not finite"):
+        write_picture(target, np.full((2, 2, 3), np.nan, np.float32))
+    with pytest.raises(ValueError, match=r"'a.jpg'; the suffix must be .png or .exr"):
+        write_picture(tmp_path / "a.jpg", np.zeros((2, 2, 3), np.float32))
+    with pytest.raises(FileNotFoundError, match="no folder"):
+        write_picture(tmp_path / "none" / "a.png", np.zeros((2, 2, 3), np.float32))
+    assert target.read_text() == "old"
+    assert [p.name for p in tmp_path.iterdir()] == ["a.png"]
+
+
+def test_comparison_puts_materials_side_by_side() -> None:
+    models = [gonio.Lambert(rho=0.2), gonio.Lambert(rho=0.9)]
+    sheet = compare([{}, {"environment": "white"}], models, **SMALL)
+    assert sheet.shape == (48, 64, 3)
+    np.testing.assert_allclose(sheet[:24, :32], render(models[0], **SMALL), rtol=1e-5)
+    np.testing.assert_allclose(
+        sheet[24:, 32:], render(models[1], environment="white", **SMALL), rtol=1e-5
+    )
+
+
+def test_demo_writes_its_strip(tmp_path: Path) -> None:
+    seen: list[tuple[int, int]] = []
+    (path,) = demo(tmp_path / "out", cell=24, spp=1, progress=lambda n, of: seen.append((n, of)))
+    assert path.is_file()
+    assert seen[-1][0] == seen[-1][1]
+    assert sorted(n / of for n, of in seen) == [n / of for n, of in seen]
+
+
+def test_labels_say_what_differs() -> None:
+    assert describe(gonio.EON()) == "eon"
+    assert describe(gonio.EON(roughness=1, rho=(0.1, 0.2, 0.3), sampler="cosine")) == (
+        "eon rho=0.1/0.2/0.3 roughness=1 cosine"
+    )
+
+
+# --- material files ------------------------------------------------------------------------------
+
+
+def write(folder: Path, text: str) -> Path:
+    path = folder / "clay.toml"
+    path.write_text(text)
+    return path
+
+
+def test_a_material_file_is_read(tmp_path: Path) -> None:
+    material = load_material(
+        write(tmp_path, 'model = "eon"\nrho = [0.6, 0.3, 0.2]\nroughness = 1\nsampler = "cosine"\n')
+    )
+    assert material.name == "clay"
+    assert material.model.rho == (0.6, 0.3, 0.2)
+    assert material.model.roughness == 1
+    assert material.model.sampler == "cosine"
+
+
+def test_a_texture_drives_a_parameter(tmp_path: Path) -> None:
+    mi.Bitmap(np.full((2, 2, 3), 0.25, np.float32)).write(str(tmp_path / "grey.exr"))
+    material = load_material(write(tmp_path, 'model = "lambert"\nrho = "grey.exr"\n'))
+    path = tmp_path / "scene.xml"
+    path.write_text(SCENE.format(bsdf=""))
+    pixels = render_scene(path, {"wall": material}, spp=256)
+    assert pixels.mean() == pytest.approx(0.25, rel=5e-3)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('model = "eon"\nrougness = 1\n', r"clay.toml:2: eon has no 'rougness'; did you mean"),
+        ('model = "eon"\n\nroughness = 3\n', r"clay.toml:3: eon: roughness=3 is out of range"),
+        ('# x\nmodel = "eno"\n', r"clay.toml:2: no model 'eno'; did you mean 'eon'"),
+        ("roughness = 1\n", r"the line 'model = \"NAME\"' is missing"),
+        (
+            'model = "eon"\nrho = "none.png"\n',
+            r"clay.toml:2: rho names a picture that does not exist",
+        ),
+        ('model = "eon"\nroughness = \n', r"not a TOML file: .*line 2"),
+        ('model = "eon"\nroughness = [1, 2]\n', r"clay.toml:2: eon: roughness takes one number"),
+        ("model = 3\n", r"clay.toml:1: no model 3"),
+        (
+            'model = "eon"\nroughness = 2020-01-01\n',
+            r"clay.toml:2: eon: roughness must be a number",
+        ),
+        ('model = ["eon"]\n', r"clay.toml:1: no model \['eon'\]"),
+    ],
+)
+def test_a_bad_material_file_names_the_line(tmp_path: Path, text: str, message: str) -> None:
+    with pytest.raises(MaterialError, match=message):
+        load_material(write(tmp_path, text))
+
+
+def test_binary_and_missing_material_files_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "clay.toml"
+    with pytest.raises(FileNotFoundError, match="no material file"):
+        load_material(path)
+    path.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(MaterialError, match="not a TOML file"):
+        load_material(path)
