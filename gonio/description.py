@@ -1,0 +1,165 @@
+"""What is known about a model, read from its own file: as data, and as text for people."""
+
+from __future__ import annotations
+
+import inspect
+import math
+import re
+import textwrap
+from collections.abc import Iterator
+from typing import Any
+
+from gonio.model import Child, Model, Option, Parameter, model
+
+
+def describe(name: str) -> dict[str, Any]:
+    """All that is known about a model, as plain dicts and lists that JSON can hold.
+
+    Raises:
+        ModelError: there is no such model.
+    """
+    cls = type(model(name))
+    notes = _module_notes(cls)
+    fields = cls.fields.values()
+    return {
+        "name": cls.name,
+        "class": cls.__name__,
+        "title": notes.pop("title"),
+        "description": inspect.getdoc(cls) or "",
+        "source": notes.pop("source", None),
+        "notes": notes,
+        "parameters": [
+            {
+                "name": f.name,
+                "type": "color" if f.width == 3 else "float",
+                "default": f.default,
+                "low": f.low,
+                "high": f.high if math.isfinite(f.high) else None,
+                "meaning": f.doc,
+            }
+            for f in fields
+            if isinstance(f, Parameter)
+        ],
+        "options": [
+            {"name": f.name, "default": f.default, "values": list(f.values), "meaning": f.doc}
+            for f in fields
+            if isinstance(f, Option)
+        ],
+        "models": [
+            {"name": f.name, "default": f.default, "meaning": f.doc}
+            for f in fields
+            if isinstance(f, Child)
+        ],
+        "methods": {
+            method: (inspect.getdoc(getattr(cls, method)) or "").partition("\n")[0]
+            for method in ("eval", "sample", "pdf", "albedo", "mean_albedo")
+        },
+        "closed_form": {
+            method: getattr(cls, method) is not getattr(Model, method)
+            for method in ("albedo", "mean_albedo")
+        },
+        "caveats": list(cls.caveats),
+        "mitsuba": f"gonio_{cls.name}",
+    }
+
+
+def summary(cls: type[Model]) -> str:
+    """What a model is, in one line: the first of its class's docstring."""
+    return (inspect.getdoc(cls) or "").partition("\n")[0]
+
+
+def _module_notes(cls: type[Model]) -> dict[str, str]:
+    """The paragraphs of a model file's docstring: its title, and those that start with "Word:"."""
+    title, _, rest = (inspect.getdoc(inspect.getmodule(cls)) or "").partition("\n")
+    notes = {"title": title}
+    current = "remarks"
+    for line in rest.splitlines():
+        if match := re.match(r"([A-Z][a-z]+): (.*)", line):
+            current, line = match[1].lower(), match[2]
+        elif not line.strip():
+            current = "remarks"
+        notes[current] = f"{notes.get(current, '')} {line.strip()}".strip()
+    return {key: text for key, text in notes.items() if text or key == "title"}
+
+
+def _wrapped(text: str, indent: str, first: str | None = None) -> list[str]:
+    lead = indent if first is None else first
+    return textwrap.wrap(
+        text, 96, initial_indent=lead, subsequent_indent=indent, break_long_words=False
+    )
+
+
+def description(about: dict[str, Any]) -> Iterator[str]:
+    """The lines of what `describe` returns, for a terminal."""
+    yield from _wrapped(about["title"], "")
+    for paragraph in about["description"].split("\n\n"):
+        yield from _wrapped(paragraph, "")
+    for heading, text in (("Source", about["source"]), *about["notes"].items()):
+        if text:
+            yield from ("", heading.capitalize(), *_wrapped(text[:1].upper() + text[1:], "  "))
+    if about["parameters"]:
+        yield from ("", "Parameters")
+        yield from _parameter_rows(about["parameters"])
+    if about["options"]:
+        yield from ("", "Options")
+        for option in about["options"]:
+            values = [f"{v} (default)" if v == option["default"] else v for v in option["values"]]
+            yield f"  {option['name']} = {' | '.join(values)}"
+            yield from _wrapped(option["meaning"], "      ")
+    if about["models"]:
+        yield from ("", "Inner models")
+        for inner in about["models"]:
+            lead = f"  {inner['name']} = {inner['default']} (default)  "
+            yield from _wrapped(inner["meaning"], " " * len(lead), lead)
+    yield from ("", "Methods")
+    for method, how in about["methods"].items():
+        if about["closed_form"].get(method) is False:
+            how = "By numeric quadrature; no closed form is known or written here."
+        elif method in about["closed_form"]:
+            how = f"Closed form: {how}"
+        yield from _wrapped(how, " " * 15, f"  {method:<11}  ")
+    if about["caveats"]:
+        yield from ("", "What is known to be wrong")
+        for caveat in about["caveats"]:
+            yield from _wrapped(caveat, "    ", "  - ")
+    yield from ("", "Use", *_usage(about))
+
+
+def _parameter_rows(parameters: list[dict[str, Any]]) -> Iterator[str]:
+    rows = []
+    for p in parameters:
+        high = "inf" if p["high"] is None else f"{p['high']:.7g}"
+        allowed = f"[{p['low']:g}, {high}]"
+        rows.append((p["name"], p["type"], _short(p["default"]), allowed, p["meaning"]))
+    widths = [max(len(row[i]) for row in rows) for i in range(4)]
+    for row in rows:
+        cells = (f"{cell:<{width}}" for cell, width in zip(row[:4], widths, strict=True))
+        lead = "  " + "  ".join(cells) + "  "
+        yield from _wrapped(row[4], " " * len(lead), lead)
+
+
+def _usage(about: dict[str, Any]) -> list[str]:
+    floats = [p for p in about["parameters"] if p["type"] == "float"]
+    first = (floats or about["parameters"])[:1]
+    python = "".join(f"{p['name']}={_literal(p['default'])}" for p in first)
+    mitsuba = "".join(f', "{p["name"]}": {_literal(p["default"])}' for p in floats[:1])
+    tags = "".join(f'<float name="{p["name"]}" value="{p["default"]:g}"/>' for p in floats[:1])
+    shell = "".join(f" --param {p['name']}={_literal(p['default'])}" for p in floats[:1])
+    plugin = about["mitsuba"]
+    return [
+        f"  Python   gonio.{about['class']}({python}).eval(wi, wo)",
+        f"  Mitsuba  import gonio.mitsuba, then {{'type': '{plugin}'{mitsuba.replace(chr(34), chr(39))}}}",
+        f'  XML      <bsdf type="{plugin}">{tags}</bsdf>',
+        f"  Shell    gonio eval {about['name']} --theta-i 30 --theta-o 60{shell}",
+    ]
+
+
+def _literal(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else repr(value)
+
+
+def _short(value: Any) -> str:
+    if isinstance(value, (list, tuple)):
+        distinct = value[:1] if len(set(value)) == 1 else value
+        return ", ".join(f"{v:.7g}" for v in distinct)
+    return f"{value:.7g}"

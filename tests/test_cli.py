@@ -1,0 +1,392 @@
+"""The command line: what it prints, and how it says what was wrong."""
+
+import json
+import math
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import gonio
+from gonio import cli, doctor
+from gonio.description import describe
+from gonio.evaluation import directions, evaluate
+from gonio.notation import parse_model
+
+PROGRAM = Path(sys.executable).with_name("gonio")
+
+
+def run(*arguments):
+    return CliRunner().invoke(cli.main, [str(a) for a in arguments])
+
+
+def run_json(*arguments):
+    result = run(*arguments, "--json")
+    assert result.exit_code == 0, result.stderr
+    return json.loads(result.stdout)
+
+
+# ------------------------------------------------------------------------------- list and show
+
+
+def test_list_has_a_line_for_every_model():
+    lines = run("list").stdout.splitlines()
+    assert [line.split()[0] for line in lines] == list(gonio.models())
+    assert all(len(line.split()) > 3 for line in lines)
+
+
+def test_list_as_json_has_names_and_summaries():
+    rows = run_json("list")
+    assert [row["name"] for row in rows] == list(gonio.models())
+    assert all(row["summary"] for row in rows)
+
+
+@pytest.mark.parametrize("name", gonio.models())
+def test_show_tells_all_about_every_model(name):
+    about = run_json("show", name)
+    cls = gonio.models()[name]
+    assert about["source"]
+    assert about["mitsuba"] == f"gonio_{name}"
+    shown = [f["name"] for f in about["parameters"] + about["options"]]
+    assert sorted(shown) == sorted(cls.fields)
+    text = run("show", name).stdout
+    for word in (*cls.fields, "Source", f"gonio.{cls.__name__}(", f"gonio_{name}"):
+        assert word in text
+    for caveat in cls.caveats:
+        assert " ".join(caveat.split()) in " ".join(text.split())
+
+
+def test_show_says_which_albedos_are_closed_forms():
+    assert describe("eon")["closed_form"] == {"albedo": True, "mean_albedo": True}
+    assert describe("oren_nayar")["closed_form"] == {"albedo": False, "mean_albedo": False}
+    assert "numeric quadrature" in run("show", "oren_nayar").stdout
+
+
+def test_the_python_line_of_show_works():
+    for name in gonio.models():
+        line = next(x for x in run("show", name).stdout.splitlines() if "  Python " in x)
+        call = line.split(maxsplit=1)[1]
+        w = np.array([0, 0, 1.0])
+        assert np.shape(eval(call, {"gonio": gonio, "wi": w, "wo": w})) == (3,)
+
+
+def test_the_ranges_that_show_prints_are_accepted():
+    for name in gonio.models():
+        for line in run("show", name).stdout.splitlines():
+            if " float " in line:
+                field = line.split()[0]
+                low, high = line.partition("[")[2].partition("]")[0].split(", ")
+                for value in (low, high):
+                    if value != "inf":
+                        parse_model(f"{name}:{field}={value}")
+
+
+# --------------------------------------------------------------------------------------- eval
+
+
+def test_lambert_is_rho_over_pi():
+    result = run_json("eval", "lambert", "--wi", 0, 0, 1, "--wo", 0.6, 0, 0.8, "--double")
+    assert result["eval"] == pytest.approx([0.8 / math.pi] * 3, rel=1e-15)
+    assert result["pdf"] == pytest.approx(1 / math.pi, rel=1e-15)
+    assert result["weight"] == pytest.approx([0.8] * 3, rel=1e-15)
+    assert result["albedo"] == result["mean_albedo"] == [0.8] * 3
+
+
+def test_white_eon_reflects_everything():
+    result = run_json("eval", "eon", "--theta-i", 10, "--theta-o", 85, "-p", "rho=1")
+    assert result["albedo"] == pytest.approx([1] * 3, abs=1e-6)
+    assert result["mean_albedo"] == pytest.approx([1] * 3, abs=1e-6)
+
+
+def test_double_has_the_digits_of_double_everywhere():
+    args = ("eval", "fon:roughness=1,rho=1", "--theta-i", 0, "--theta-o", 0)
+    c1 = 0.5 - 2 / (3 * math.pi)
+    expected = (1 + 2 / 3 - 28 / (15 * math.pi)) / (1 + c1)  # Eq. 15 of EON
+    assert run_json(*args, "--double")["mean_albedo"] == pytest.approx([expected] * 3, rel=1e-14)
+    assert run_json(*args)["mean_albedo"] == pytest.approx([expected] * 3, rel=1e-6)
+
+
+def test_angles_and_vectors_are_two_ways_to_say_the_same():
+    vectors = run_json(
+        "eval", "eon", "--wi", -0.6, 0, 0.8, "--wo", 1, 0, 1, "--normalize", "--double"
+    )
+    theta_i = math.degrees(math.asin(0.6))
+    angles = run_json(
+        "eval", "eon", "--theta-i", theta_i, "--theta-o", 45, "--phi", 180, "--double"
+    )
+    assert vectors["eval"] == pytest.approx(angles["eval"], rel=1e-14)
+
+
+def test_phi_is_the_azimuth_from_viewer_to_light():
+    wi, wo = directions(None, None, 90, 90, 90, False)
+    assert wi.tolist() == [0, 1, 0]
+    assert wo.tolist() == [1, 0, 0]
+
+
+def test_options_and_colours_are_parameters_too():
+    result = run_json(
+        "eval",
+        "eon",
+        "--theta-i",
+        0,
+        "--theta-o",
+        0,
+        "-p",
+        "sampler=cosine",
+        "-p",
+        "rho=0.8,0.3,0.1",
+    )
+    assert result["pdf"] == pytest.approx(1 / math.pi, rel=1e-6)
+    assert result["eval"][0] > result["eval"][1] > result["eval"][2]
+
+
+def test_the_text_of_eval_has_the_numbers_of_its_json():
+    args = ("eval", "lambert:rho=0.8/0.3/0.1", "--theta-i", 30, "--theta-o", 60)
+    text, numbers = run(*args).stdout, run_json(*args)
+    assert f"{numbers['pdf']:.9g} 1/sr" in text
+    assert ", ".join(f"{v:.9g}" for v in numbers["eval"]) in text
+    assert "(theta 30°)" in text
+
+
+def test_below_the_horizon_there_is_no_weight():
+    args = ("eval", "eon", "--theta-i", 100, "--theta-o", 0)
+    result = run_json(*args)
+    assert result["eval"] == [0] * 3
+    assert result["weight"] is None
+    assert "wi not above the horizon" in run(*args).stdout
+
+
+def test_evaluate_is_a_python_function():
+    assert evaluate(gonio.Lambert(), [0, 0, 1], [0, 0, 1]).pdf == pytest.approx(1 / math.pi)
+
+
+# -------------------------------------------------------------------------------- parse_model
+
+
+def test_parse_model_reads_numbers_colours_and_options():
+    model = parse_model("eon:roughness=1,rho=0.8/0.3/0.1", ["sampler=cosine", "roughness=0"])
+    assert repr(model) == "EON(rho=(0.8, 0.3, 0.1), roughness=1.0, sampler='cosine')"
+
+
+@pytest.mark.parametrize(
+    ("text", "params", "message"),
+    [
+        ("phong", (), "no model 'phong'; 'gonio list' shows all."),
+        ("eonn", (), "no model 'eonn'; did you mean 'eon'? 'gonio list' shows all."),
+        ("eon:", (), "'eon:' ends in a colon; write eon:name=value or eon."),
+        ("eon:rough", (), "eon: 'rough' is not name=value; its names are rho, roughness,"),
+        ("eon", ("=1",), "eon: '=1' is not name=value; its names are rho, roughness,"),
+        ("eon:roughness=abc", (), "eon: roughness=abc is not a number; allowed is 0 to 1."),
+        ("eon", ("roughness=",), "eon: roughness= is not a number; allowed is 0 to 1."),
+        ("eon", ("roughness=0.5,1",), "eon: roughness takes one number, got (0.5, 1.0)."),
+        ("eon", ("roughness=2",), "eon: roughness=2.0 is out of range; allowed is 0 to 1."),
+        ("eon", ("roughness=nan",), "eon: roughness=nan is out of range; allowed is 0 to 1."),
+        ("eon", ("rho=red",), "eon: rho=red is not one or three numbers, such as 0.8,0.3,0.1;"),
+        ("eon", ("rho=1,2",), "eon: rho takes one or three numbers, got (1.0, 2.0)."),
+        ("eon:rho=0.8,0.3,0.1", (), "in a model's text a colour has slashes, such as rho=0.8/0.3"),
+        ("eon", ("roughness=1", "roughness=0"), "eon: roughness is given twice."),
+        ("eon", ("sampler=best",), "eon: sampler='best' is not known; allowed are cltc_uniform,"),
+        ("eon", ("rougness=1",), "eon has no 'rougness'; did you mean 'roughness'? known are rho,"),
+    ],
+)
+def test_a_model_that_makes_no_sense_is_explained(text, params, message):
+    with pytest.raises(gonio.ModelError) as caught:
+        parse_model(text, params)
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+# --------------------------------------------------------------------- plot, convert, doctor
+
+
+def test_plot_writes_the_numbers_of_lambert(tmp_path):
+    path = tmp_path / "x.csv"
+    result = run("plot", "lambert", "-p", "rho=0.5", "--theta-o", "0,45", "-o", path)
+    assert result.exit_code == 0, result.stderr
+    assert result.stdout == f"{path}\n"
+    header, *rows = path.read_text().splitlines()
+    assert header.split(",")[:3] == ["model", "theta_o [deg]", "theta_i [deg]"]
+    assert len(rows) == 2 * 361
+    middle = rows[180].split(",")
+    assert [float(v) for v in middle[1:]] == pytest.approx([0, 0, *[0.5 / math.pi] * 3], rel=1e-8)
+
+
+def test_plot_has_a_name_for_its_file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert run("plot", "lambert", "--kind", "albedo", "--dpi", 40).exit_code == 0
+    assert (tmp_path / "albedo.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_vary_plots_every_value_of_every_model(tmp_path):
+    path = tmp_path / "x.csv"
+    args = ("--vary", "roughness=0,1", "--theta-o", 0, "--no-cosine", "-o", path)
+    assert run("plot", "eon", "fon:rho=0.5", *args).exit_code == 0
+    models = {row.partition('",')[0] for row in path.read_text().splitlines()[1:]}
+    assert len(models) == 4
+
+
+def test_convert_prints_the_value_and_how():
+    result = run("convert", 0.5, "--from", "perceptual", "--to", "alpha")
+    value, step = result.stdout.splitlines()
+    assert value == "0.25"
+    assert "alpha = perceptual²" in step
+    assert run_json("convert", 10, "--from", "shininess", "--to", "sigma") == {
+        "value": pytest.approx(math.sqrt(0.2)),
+        "from": "shininess",
+        "to": "sigma",
+        "steps": ["sigma_from_shininess"],
+    }
+
+
+def test_the_help_of_convert_lists_the_scales_that_there_are():
+    from gonio.conversions import SCALES
+
+    text = " ".join(run("convert", "--help").stdout.split())
+    for scale in SCALES.values():
+        assert f"{scale.name} {scale.meaning}" in text
+
+
+def test_doctor_ends_with_1_when_nothing_computes(monkeypatch):
+    found = [doctor.Finding("backend", "ok", "llvm")]
+    monkeypatch.setattr(doctor, "diagnose", lambda: found)
+    assert run("doctor").exit_code == 0
+    assert run_json("doctor") == [
+        {"name": "backend", "status": "ok", "value": "llvm", "advice": ""}
+    ]
+    found[0] = doctor.Finding("backend", "broken", "scalar", "install LLVM")
+    result = run("doctor")
+    assert result.exit_code == 1
+    assert "→ install LLVM" in result.stdout
+
+
+# ------------------------------------------------------------------------------------- errors
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "message"),
+    [
+        (("show", "eonn"), 1, "no model 'eonn'; did you mean 'eon'?"),
+        (("lst",), 2, "no command 'lst'; did you mean 'list'? 'gonio --help' shows all."),
+        (("eval", "eon", "--roughness", "1"), 2, "given as --param roughness=VALUE."),
+        (("eval", "eon"), 1, "give both directions, either as vectors, --wi X Y Z --wo X Y Z"),
+        (("eval", "eon", "--wi", "0", "0", "1"), 1, "give both directions"),
+        (("eval", "eon", "--theta-i", "1", "--wo", "0", "0", "1"), 1, "give both directions"),
+        (("eval", "eon", "--theta-i", "nan", "--theta-o", "1"), 1, "theta-i must be a number of"),
+        (("eval", "eon", "--wi", "0", "1"), 2, "Option '--wi' requires 3 arguments"),
+        (
+            ("eval", "eon", "--wi", "0", "0", "2", "--wo", "0", "0", "1"),
+            1,
+            "wi = [0.0, 0.0, 2.0] has length 2; give unit vectors, or add --normalize.",
+        ),
+        (
+            ("eval", "eon", "--wi", "0", "0", "0", "--wo", "0", "0", "1", "--normalize"),
+            1,
+            "wi = [0.0, 0.0, 0.0] has no direction; give finite numbers, not all 0.",
+        ),
+        (("plot",), 2, "Missing argument 'MODEL...'"),
+        (("plot", "eon", "-o", "x.gif"), 1, "'x.gif': its name must end in .png, .svg, .pdf or"),
+        (("plot", "eon", "-o", "no/x.png"), 1, "cannot write 'no/x.png': no folder 'no'."),
+        (("plot", "eon", "--theta-o", "30;60"), 1, "--theta-o 30;60 is not a list of degrees"),
+        (("plot", "eon", "--vary", "roughness"), 1, "--vary roughness is not NAME=A,B,..., such"),
+        (("plot", "eon:roughness=1", "--vary", "roughness=0"), 1, "roughness is given twice."),
+        (("plot", "eon", "-k", "pie"), 2, "'pie' is not one of 'polar', 'albedo', 'surface'"),
+        (("convert", "2", "--from", "alpha", "--to", "r"), 1, "alpha 2 is out of range; allowed"),
+        (("convert", "2", "--from", "gloss", "--to", "r"), 1, "known are perceptual, alpha,"),
+    ],
+)
+def test_errors_are_one_line_and_say_what_is_allowed(
+    arguments, code, message, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    result = run(*arguments)
+    assert result.exit_code == code
+    assert result.stdout == ""
+    assert result.stderr.startswith("gonio: error: ")
+    assert result.stderr.count("\n") == 1
+    assert message in result.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("place", [0, 2])
+def test_debug_shows_the_traceback_wherever_it_stands(place):
+    arguments = ["show", "eonn"]
+    arguments.insert(place, "--debug")
+    assert isinstance(run(*arguments).exception, gonio.ModelError)
+
+
+def test_an_unforeseen_error_is_one_line_too(monkeypatch):
+    monkeypatch.setattr(doctor, "diagnose", lambda: {}["missing"])
+    result = run("doctor")
+    assert result.exit_code == 1
+    assert result.stderr == "gonio: error: KeyError: 'missing' ('gonio --debug ...' shows where)\n"
+
+
+def test_an_interrupt_ends_with_130(monkeypatch):
+    def interrupt():
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(doctor, "diagnose", interrupt)
+    result = run("doctor")
+    assert result.exit_code == 130
+    assert result.stderr.strip() == "gonio: interrupted"
+
+
+def test_every_command_teaches_by_example():
+    assert "gonio plot" in run().stdout
+    for name, command in cli.main.commands.items():
+        text = run(name, "--help").stdout
+        assert "Example" in text
+        assert f"  gonio {name} " in text or name in {"list", "doctor"}
+        assert command.help
+
+
+def test_the_version_is_printed():
+    assert run("--version").stdout == f"gonio {gonio.__version__}\n"
+
+
+# --------------------------------------------------------------------------- as a real process
+
+
+def test_the_installed_program_lists_without_loading_anything_heavy():
+    code = (
+        "import sys; from gonio.cli import main\n"
+        "try: main(['list'])\n"
+        "except SystemExit as end: assert end.code == 0\n"
+        "heavy = {'matplotlib', 'mitsuba', 'torch', 'jax', 'trimesh', 'PIL'} & set(sys.modules)\n"
+        "assert not heavy, heavy"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "lambert" in done.stdout
+
+
+def test_a_closed_pipe_is_quiet():
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = subprocess.run(
+        [PROGRAM, "list"], stdout=writer, stderr=subprocess.PIPE, text=True, check=False
+    )
+    os.close(writer)
+    assert done.returncode == 1
+    assert done.stderr == ""
+
+
+def test_a_terminal_without_unicode_gets_question_marks():
+    env = {**os.environ, "PYTHONIOENCODING": "latin-1", "PYTHONUTF8": "0"}
+    done = subprocess.run(
+        [PROGRAM, "show", "eon"], env=env, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0
+    assert "Oren?Nayar" in done.stdout
+
+
+def test_errors_of_the_installed_program_go_to_stderr():
+    done = subprocess.run([PROGRAM, "show", "eonn"], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr == (
+        "gonio: error: no model 'eonn'; did you mean 'eon'? 'gonio list' shows all.\n"
+    )
