@@ -156,15 +156,15 @@ class Kernel:
     ) -> tuple[list[Any], list[tuple[int, ...]], Any]:
         """Evaluate on flat Dr.Jit arrays.
 
-        Returns the flat results (component fastest), their shapes, and an array with one flag per leaf
-        that is 1 where a value was not allowed (None when validation is off).
+        Returns the flat results (component fastest), their shapes, and an array with one number: that of
+        a leaf (from 1) with a value that is not allowed, else 0 (None when validation is off).
         """
         batch = self.batch_shape(shapes)
         values = [
             _spread(flat, self._batch(leaf, shape), leaf.width, batch)
             for leaf, flat, shape in zip(self.leaves, flats, shapes, strict=True)
         ]
-        flags = self._flags(values, Float) if backend.validating() else None
+        flag = self._flag(values, Float) if backend.validating() else None
         bound = self._bind(Float, values)
         count = len(_DIRECTION_NAMES[self.method])
         result = getattr(bound, self.method)(*values[:count])
@@ -178,7 +178,7 @@ class Kernel:
             wide = part + dr.zeros(type(part), shape=(width, size) if width > 1 else size)
             flat_results.append(dr.ravel(wide) if width > 1 else wide)
             result_shapes.append((*batch, width) if width > 1 else batch)
-        return flat_results, result_shapes, flags
+        return flat_results, result_shapes, flag
 
     def _bind(self, Float: Any, values: Sequence[Any]) -> Model:
         def convert(path: str, parameter: Parameter, value: Any) -> Any:
@@ -189,20 +189,19 @@ class Kernel:
         # Numbers alone: the bound model is kept, and its opaque numbers stay on the device.
         return self.model.bind(Float, convert, keep=not self.slots)
 
-    def _flags(self, values: Sequence[Any], Float: Any) -> Any:
+    def _flag(self, values: Sequence[Any], Float: Any) -> Any:
         UInt = dr.uint32_array_t(dr.detached_t(Float))
-        flags = dr.zeros(UInt, max(len(self.leaves), 1))
-        for place, (leaf, value) in enumerate(zip(self.leaves, values, strict=True)):
-            dr.scatter(flags, UInt(1), UInt(place), active=~_allowed(leaf, dr.detach(value)))
-        return flags
+        wrong = UInt(0)
+        for number, (leaf, value) in enumerate(zip(self.leaves, values, strict=True), 1):
+            wrong = dr.select(_allowed(leaf, dr.detach(value)), wrong, number)
+        flag = dr.zeros(UInt, 1)
+        dr.scatter(flag, wrong, UInt(0), active=wrong > 0)
+        return flag
 
-    def complain(self, flags: Any, arrays: Callable[[int], np.ndarray[Any, Any]]) -> None:
-        """Raise a ValueError that shows the first value that is not allowed, if a flag is set."""
-        if flags is None:
-            return
-        for place, flag in enumerate(flags.numpy()[: len(self.leaves)]):
-            if flag:
-                raise ValueError(_complaint(self.leaves[place], arrays(place)))
+    def complain(self, flag: Any, arrays: Callable[[int], np.ndarray[Any, Any]]) -> None:
+        """Raise a ValueError that shows the first value that is not allowed, if the flag is set."""
+        if flag is not None and (number := int(flag[0])):
+            raise ValueError(_complaint(self.leaves[number - 1], arrays(number - 1)))
 
 
 def _allowed(leaf: Leaf, value: Any) -> Any:
@@ -306,14 +305,11 @@ def _run(
     if math.prod(kernel.batch_shape(shapes)) == 0:
         return _empty(kernel, shapes, dtype)
     flats = [Float(a.reshape(-1)) for a in arrays]
-    results, result_shapes, flags = kernel.evaluate(flats, shapes, Float)
-    dr.eval(results, flags)
-    kernel.complain(flags, lambda place: arrays[place].reshape(shapes[place]))
-    # A Dr.Jit array hands out its memory; the copy gives the caller one that is its own.
-    return [
-        np.array(r.numpy(), copy=True).reshape(s)
-        for r, s in zip(results, result_shapes, strict=True)
-    ]
+    results, result_shapes, flag = kernel.evaluate(flats, shapes, Float)
+    dr.eval(results, flag)
+    kernel.complain(flag, lambda place: arrays[place].reshape(shapes[place]))
+    # NumPy keeps the results' memory alive; nobody else refers to it.
+    return [r.numpy().reshape(s) for r, s in zip(results, result_shapes, strict=True)]
 
 
 def _empty(
@@ -428,9 +424,9 @@ def _torch_function() -> Any:
         @staticmethod
         def forward(kernel: Kernel, shapes: Any, *tensors: Any) -> tuple[Any, ...]:
             flat, Float = flats(tensors)
-            results, result_shapes, flags = kernel.evaluate(flat, shapes, Float)
-            dr.eval(results, flags)
-            kernel.complain(flags, lambda place: tensors[place].detach().cpu().numpy())
+            results, result_shapes, flag = kernel.evaluate(flat, shapes, Float)
+            dr.eval(results, flag)
+            kernel.complain(flag, lambda place: tensors[place].detach().cpu().numpy())
             dr.sync_thread()
             return tuple(
                 r.torch().clone().reshape(s) for r, s in zip(results, result_shapes, strict=True)
@@ -490,10 +486,7 @@ def _call_jax(kernel: Kernel, values: Sequence[Any]) -> Any:
             gradients = _pull_back(
                 kernel, numbers[: len(inputs)], shapes, numbers[len(inputs) :], Float
             )
-            return [
-                np.array(g.numpy(), copy=True).reshape(s)
-                for g, s in zip(gradients, shapes, strict=True)
-            ]
+            return [g.numpy().reshape(s) for g, s in zip(gradients, shapes, strict=True)]
 
         shapes_ = [jax.ShapeDtypeStruct(a.shape, dtype) for a in arrays]
         return tuple(

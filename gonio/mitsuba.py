@@ -23,6 +23,7 @@ from typing import Any
 
 import drjit as dr
 import mitsuba as mi
+import numpy as np
 
 from gonio import backend
 from gonio.arrays import is_array
@@ -32,6 +33,25 @@ from gonio.model import Child, Model, ModelError, Parameter, models
 PREFIX = "gonio_"
 
 _registered: dict[tuple[str, str], type[Model]] = {}
+
+
+def plugin(model: Model) -> dict[str, Any]:
+    """A model with its parameters as a dict for `mitsuba.load_dict`.
+
+    Raises:
+        ModelError: a parameter is an array; pictures take numbers, colours and Mitsuba's textures.
+    """
+    node: dict[str, Any] = {"type": PREFIX + model.name}
+    for name in model.fields:
+        value = getattr(model, name)
+        if is_array(value):
+            raise ModelError(
+                f"{model.name}: {name} is an array; a picture takes numbers, colours or textures."
+            )
+        if isinstance(value, tuple):
+            value = {"type": "rgb", "value": list(value)}
+        node[name] = plugin(value) if isinstance(value, Model) else value
+    return node
 
 
 def register(*private: type[Model]) -> None:
@@ -186,7 +206,7 @@ def _texture(cls: type[Model], declared: Parameter, properties: Any) -> Any:
         for v in value.values:
             declared.check(cls.name, float(v))
         if declared.width == 3:
-            return properties.get_texture(name)
+            return properties.get_unbounded_texture(name)
         if value.is_uniform():
             value = float(value.values[0])
     elif dr.is_array_v(value) and len(value) == 3:  # <rgb>
@@ -199,10 +219,23 @@ def _texture(cls: type[Model], declared: Parameter, properties: Any) -> Any:
         )
     if isinstance(value, tuple) and declared.width == 1:
         value = sum(value) / 3  # the mean stands for a colour where one number is needed
-    constant = mi.Properties()
     value = declared.check(cls.name, value)
+    if isinstance(value, tuple) and mi.is_spectral and max(value) > 1:
+        return _upsampled(value)
+    constant = mi.Properties()
     constant["value"] = mi.ScalarColor3d(value) if isinstance(value, tuple) else value
     return constant.get_unbounded_texture("value")  # the range has been checked
+
+
+def _upsampled(colour: tuple[float, ...]) -> Any:
+    """A spectrum for a colour above 1, such as a metal's index, at which Mitsuba's own spectra end."""
+    scale = max(colour)
+    coefficients = np.ravel(mi.srgb_model_fetch(mi.ScalarColor3f([c / scale for c in colour])))
+    x = np.polyval(coefficients, np.arange(mi.MI_CIE_MIN, mi.MI_CIE_MAX + 5, 5))
+    # The sigmoid of Jakob, Hanika, "A low-dimensional function space for spectral upsampling", 2019
+    values = scale * (0.5 + 0.5 * x / np.sqrt(1 + x * x))
+    limits = {"wavelength_min": mi.MI_CIE_MIN, "wavelength_max": mi.MI_CIE_MAX}
+    return mi.load_dict({"type": "regular", "values": ", ".join(map(str, values))} | limits)
 
 
 def _inner(cls: type[Model], declared: Child, properties: Any) -> Any:
@@ -223,20 +256,3 @@ if "DRJIT_LIBLLVM_PATH" not in os.environ and (_problem := _llvm_problem()):
     # gonio came too late to choose; the error that Mitsuba may raise does not say what helps.
     warnings.warn(_problem, stacklevel=2)
 mi.detail.add_variant_callback(lambda old, new: register())
-
-
-def plugin(model: Model) -> dict[str, Any]:
-    """A model with its parameters as a dict for `mitsuba.load_dict`.
-
-    Raises:
-        ModelError: a parameter is an array; pictures take numbers, colours and Mitsuba's textures.
-    """
-    node: dict[str, Any] = {"type": PREFIX + model.name}
-    for name in model.fields:
-        value = getattr(model, name)
-        if is_array(value):
-            raise ModelError(
-                f"{model.name}: {name} is an array; a picture takes numbers, colours or textures."
-            )
-        node[name] = {"type": "rgb", "value": list(value)} if isinstance(value, tuple) else value
-    return node

@@ -21,7 +21,7 @@ from typing import Any, ClassVar, Self, get_type_hints
 import numpy as np
 
 from gonio import arrays, quadrature
-from gonio.lang import Color, Float, Sample, Vec2, Vec3, select, vec3
+from gonio.lang import Color, Float, Sample, Vec2, Vec3, select, vec2, vec3
 
 
 class ModelError(ValueError):
@@ -170,6 +170,10 @@ class Model:
     name: ClassVar[str] = ""
     caveats: ClassVar[tuple[str, ...]] = ()
     """What is known to be wrong with the model, each with its size."""
+    albedo_rule: ClassVar[str] = "angles"
+    """How `gonio.quadrature` finds albedos without a closed form: "angles", or "half_vectors"."""
+    isotropic: ClassVar[bool] = True
+    """False if turning both directions about the normal changes the value."""
 
     float_type: Any = None
     """Number type of the kernel a bound copy lives in; None for the model that users hold."""
@@ -278,6 +282,10 @@ class Model:
         """Mean albedo (1/π) ∫ albedo(wo) μo dωo, shape (..., 3): closed form or quadrature."""
         return quadrature.mean_albedo(self)
 
+    def slope_widths(self) -> Vec2:
+        """Widths of the highlight's slopes along x and y, up to a factor; only `gonio.quadrature` asks."""
+        return vec2(1, 1)
+
     def parameters(self, prefix: str = "") -> Iterator[tuple[str, Parameter, Any]]:
         """Yield path, declaration and value of every parameter, those of inner models included."""
         for name, declared in self.fields.items():
@@ -330,8 +338,9 @@ def _suggest(name: str, known: Mapping[str, Any]) -> str:
 
 
 def _guard_eval(method: Any, model: Model, wi: Vec3, wo: Vec3) -> Color:
-    above = (wi.z > 0) & (wo.z > 0)
-    return select(above, method(model, _upwards(above, wi), _upwards(above, wo)), 0)
+    above_i, above_o = wi.z > 0, wo.z > 0
+    value = method(model, _upwards(above_i, wi), _upwards(above_o, wo))
+    return select(above_i & above_o, value, 0)
 
 
 def _guard_sample(method: Any, model: Model, wo: Vec3, u: Vec2) -> Sample:
@@ -346,7 +355,7 @@ def _guard_albedo(method: Any, model: Model, wo: Vec3) -> Color:
 
 
 def _upwards(above: Any, w: Vec3) -> Vec3:
-    return select(above, w, vec3(0 * w.z, 0 * w.z, 0 * w.z + 1))
+    return vec3(select(above, w.x, 0), select(above, w.y, 0), select(above, w.z, 1))
 
 
 _GUARDS: dict[str, Callable[..., Any] | None] = {
@@ -361,9 +370,13 @@ _GUARDS: dict[str, Callable[..., Any] | None] = {
 def _contract(method: Any, guard: Any) -> Any:
     """Wrap a model's method: convert what users pass in, and mask what is below the horizon."""
 
+    signature = inspect.signature(method)
+    count = len(signature.parameters) - 1
+
     @functools.wraps(method)
     def call(self: Model, *directions: Any, **named: Any) -> Any:
-        directions = inspect.signature(method).bind(self, *directions, **named).args[1:]
+        if named or len(directions) != count:
+            directions = signature.bind(self, *directions, **named).args[1:]
         if self.float_type is None:
             return arrays.call(self, method.__name__, directions)
         if guard is None:

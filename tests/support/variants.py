@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -14,11 +15,20 @@ PLACES = (0.0, 1e-7, 1e-3, 0.1, 0.5, 0.9, 1.0)
 # Ranges that span more than this factor above 1 are walked by powers of ten.
 WIDE = 100.0
 
+# Choices with a kink inside the highlight, at which numeric albedos lose digits (see gonio.quadrature).
+KINKED = {
+    "cook_torrance": 1e-3,
+    "neumann": 1e-3,
+    "smith_walter": 1e-3,
+    "dielectric": 0.03,  # the edge of total internal reflection, for indices below 1
+}
+
 
 def place(declared: Parameter, t: Any) -> Any:
     """The value at a place t in [0, 1] of a parameter's range; arrays work as well."""
     if declared.high - declared.low > WIDE:
-        return declared.low + np.expm1(t * np.log1p(declared.high - declared.low))
+        wide = declared.low + np.expm1(t * np.log1p(declared.high - declared.low))
+        return np.minimum(wide, declared.high)  # the round trip may end a bit above
     return declared.low + (declared.high - declared.low) * t
 
 
@@ -29,6 +39,26 @@ def options(cls: type[Model]) -> list[dict[str, str]]:
         if isinstance(declared, Option):
             found += [{name: value} for value in declared.values[1:]]
     return found
+
+
+def chosen(cls: type[Model], choice: dict[str, str]) -> dict[str, str]:
+    """The value of every option: the given ones and the defaults of the others."""
+    return {n: d.default for n, d in cls.fields.items() if isinstance(d, Option)} | choice
+
+
+def admits(cls: type[Model], choice: dict[str, str], words: str) -> bool:
+    """Whether a caveat has these words; one that names options (x='y') speaks of those only."""
+    values = set(chosen(cls, choice).items())
+    for caveat in cls.caveats:
+        named = set(re.findall(r"(\w+)='(\w+)'", caveat))
+        if words in caveat and (not named or named & values):
+            return True
+    return False
+
+
+def kink_error(cls: type[Model], choice: dict[str, str]) -> float:
+    """How much numeric albedos may be off because of kinks that no rule can know of."""
+    return max((KINKED.get(v, 0) for v in chosen(cls, choice).values()), default=0)
 
 
 def sweep(cls: type[Model]) -> list[dict[str, Any]]:

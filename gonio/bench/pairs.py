@@ -1,0 +1,421 @@
+"""Models on arrays of directions: gonio's kernels beside the C++ baseline, and NumPy beside both."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import drjit as dr
+import numpy as np
+
+import gonio
+from gonio.bench import native
+from gonio.bench.kernels import changed_copies, launched, moved_bytes, needed_again
+from gonio.bench.native import Baseline, Directions, Floats
+from gonio.bench.report import (
+    BenchError,
+    Column,
+    Section,
+    Value,
+    goal_text,
+    milliseconds,
+    percent,
+    ratio,
+)
+from gonio.bench.timing import SHORT_CALLS, Side, alternate, stopwatch
+from gonio.model import Model, Option, Parameter
+
+Progress = Callable[[str], None]
+
+# How many times faster than the loop of calls a trial of the same formulas was, on two cores.
+EVAL_GOALS = {"eon_fitted": 7.5, "eon_exact": 14.0, "oren_nayar": 35.0}
+SAMPLE_GOALS = {"eon_exact": 11.0}
+
+# Time with NumPy arrays in and out, as a multiple of the time with Dr.Jit arrays.
+NUMPY_GOAL = 4.0
+
+# Both sides are float32, and the baseline takes the papers' formulas as they are printed: their
+# differences of nearly equal numbers lose up to 5e-4 where directions graze. A wrong formula, or a
+# parameter in another unit, is off by more than 1e-2.
+TOLERANCE = 1e-3
+
+# Values below this share of the mean are compared with that share: some are differences near zero.
+SMALL = 1e-2
+
+DISTRIBUTION = (
+    "Directions are random: cosine uniform in (0, 1], azimuth uniform, wi and wo independent "
+    "(seed 1), so all of them lie above the horizon."
+)
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """The same random input as NumPy arrays, for C++, and as Dr.Jit arrays."""
+
+    wi: Directions
+    wo: Directions
+    u: tuple[Floats, Floats]
+    jit_wi: Any
+    jit_wo: Any
+    jit_u: Any
+
+    @property
+    def count(self) -> int:
+        """How many pairs."""
+        return len(self.wi[0])
+
+
+def random_pairs(count: int) -> Pairs:
+    """Directions uniform over the hemisphere (cosine in (0, 1]), and random numbers in [0, 1)."""
+    random = np.random.default_rng(1)
+
+    def directions() -> Directions:
+        mu, phi = 1 - random.random(count), 2 * np.pi * random.random(count)
+        sine = np.sqrt(1 - mu * mu)
+        return _float32(sine * np.cos(phi)), _float32(sine * np.sin(phi)), _float32(mu)
+
+    wi, wo = directions(), directions()
+    u = (random.random(count, np.float32), random.random(count, np.float32))
+    Array2f, Array3f = dr.llvm.ad.Array2f, dr.llvm.ad.Array3f
+    jit = (_resident(Array3f, wi), _resident(Array3f, wo), _resident(Array2f, u))
+    return Pairs(wi, wo, u, *jit)
+
+
+def _float32(values: Any) -> Floats:
+    return np.asarray(values, np.float32)
+
+
+def _resident(Vector: Any, components: Sequence[Floats]) -> Any:
+    """A copy in memory of Dr.Jit's own, aligned as it likes it."""
+    Float = dr.value_t(Vector)
+    vector = Vector(*(Float(c) + dr.opaque(Float, 0) for c in components))
+    dr.eval(vector)
+    return vector
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A model of the registry, and the row of the baseline that computes the same."""
+
+    label: str
+    model: Model
+    in_baseline: bool
+    roughness: float
+    """The baseline's second parameter."""
+
+
+def entries(names: Sequence[str]) -> Iterator[Entry]:
+    """Every registered model with its defaults; names: the rows of the baseline.
+
+    A row carries the model's name, or the name and the value of one of its options (`eon_fitted`).
+    A model without a row comes once, alone.
+    """
+    for name, cls in gonio.models().items():
+        variants = {
+            f"{name}_{value}": {option: value}
+            for option, declared in cls.fields.items()
+            if isinstance(declared, Option)
+            for value in declared.values
+        }
+        found = {label: options for label, options in variants.items() if label in names}
+        for label, options in (found or {name: {}}).items():
+            model = cls(**options)
+            numbers = _numbers(model)
+            # The baseline takes a colour and one number.
+            fits = label in names and len(numbers) <= 1
+            yield Entry(label, model, fits, numbers[0] if numbers else 0.0)
+
+
+def _numbers(model: Model) -> list[float]:
+    return [
+        getattr(model, name)
+        for name, declared in model.fields.items()
+        if isinstance(declared, Parameter) and declared.width == 1
+    ]
+
+
+def _rho(model: Model) -> tuple[float, float, float]:
+    colours = [
+        getattr(model, name)
+        for name, declared in model.fields.items()
+        if isinstance(declared, Parameter) and declared.width == 3
+    ]
+    if not colours:
+        return (1.0, 1.0, 1.0)
+    red, green, blue = colours[0] if isinstance(colours[0], tuple) else (colours[0],) * 3
+    return red, green, blue
+
+
+def _finished(*results: Any) -> tuple[Any, ...]:
+    """Compute the results, and wait until they are there."""
+    dr.eval(*results)
+    dr.sync_thread()
+    return results
+
+
+def difference(ours: Floats, theirs: Floats) -> float:
+    """Largest relative difference; infinite if either side is NaN or infinite anywhere."""
+    if not (np.isfinite(ours).all() and np.isfinite(theirs).all()):
+        return float("inf")
+    worst = 0.0
+    for a, b in zip(np.atleast_2d(ours), np.atleast_2d(theirs), strict=True):
+        scale = np.maximum(np.abs(b), SMALL * np.mean(np.abs(b), dtype=np.float64))
+        apart = np.abs(a - b)
+        # Where both are zero everywhere there is nothing to divide by.
+        relative = np.divide(apart, scale, out=np.zeros_like(scale), where=apart > 0)
+        worst = max(worst, float(np.max(relative, initial=0)))
+    return worst
+
+
+def _agree(label: str, quantity: str, ours: Floats, theirs: Floats) -> float:
+    found = difference(ours, theirs)
+    if not found <= TOLERANCE:
+        raise BenchError(
+            f"{label}: gonio's {quantity} and the C++ baseline's differ by {found:.2g} (relative), "
+            f"allowed is {TOLERANCE:g}: times of different results cannot be compared."
+        )
+    return found
+
+
+_COLUMNS = (
+    Column("row", "row"),
+    Column("calls_seconds", "C++ calls, ms", milliseconds),
+    Column("inlined_seconds", "C++ inlined, ms", milliseconds),
+    Column("seconds", "gonio, ms", milliseconds),
+    Column("seconds_per_pair", "ns/pair", lambda s: f"{1e9 * s:.2f}"),
+    Column("calls_ratio", "× calls", ratio),
+    Column("inlined_ratio", "× inlined", ratio),
+    Column("goal", "goal (calls)"),
+    Column("bytes_per_pair", "bytes/pair"),
+    Column("bandwidth_share", "of bandwidth", percent),
+    Column("difference", "max. difference", lambda d: f"{d:.1e}"),
+)
+
+_HOW = (
+    "C++ calls: one call through a pointer for each pair, as a renderer calls its BSDF; C++ inlined: "
+    "the compiler sees loop and model together and may vectorise.",
+    "× is the C++ time divided by gonio's, goals are what an earlier trial reached against the calls.",
+    "Bytes are what the kernel's own code reads and writes per pair; 100 % of the bandwidth is what "
+    "the simplest Dr.Jit kernel (a + b x) over 36 bytes per pair reaches in the same rounds.",
+)
+
+
+def eval_section(
+    baseline: Baseline, pairs: Pairs, memory: Side, repeat: int, only: Only, progress: Progress
+) -> Section:
+    """`eval` of every registered model, in turn with its row of the baseline."""
+    rows = []
+    for entry in entries(baseline.eval_names):
+        if not only(entry):
+            continue
+        progress(f"eval {entry.label}")
+        model = entry.model
+
+        def work(model: Model = model) -> Any:
+            return _finished(model.eval(pairs.jit_wi, pairs.jit_wo))
+
+        theirs = None
+        if entry.in_baseline:
+
+            def theirs(*, entry: Entry = entry, **how: Any) -> native.Timed:
+                return baseline.eval(
+                    entry.label,
+                    pairs.wi,
+                    pairs.wo,
+                    rho=_rho(entry.model),
+                    roughness=entry.roughness,
+                    threads=dr.thread_count(),
+                    repeat=1,
+                    **how,
+                )
+
+        row = _measure(entry.label, work, theirs, pairs.count, memory, repeat, EVAL_GOALS)
+        if theirs is not None:
+            (value,) = work()
+            row["difference"] = _agree(entry.label, "value", value.numpy(), theirs().value)
+        rows.append(row)
+    title = f"eval of {_millions(pairs.count)} pairs of directions"
+    return Section("eval", title, _HOW, _COLUMNS, rows)
+
+
+def sample_section(
+    baseline: Baseline, pairs: Pairs, memory: Side, repeat: int, only: Only, progress: Progress
+) -> Section:
+    """`sample`, its pdf and `eval` at the sampled direction, for the rows the baseline has."""
+    rows = []
+    for entry in entries(baseline.sample_names):
+        if not entry.in_baseline or not only(entry):
+            continue
+        progress(f"sample {entry.label}")
+        model = entry.model
+
+        def work(model: Model = model) -> Any:
+            wi, pdf = model.sample(pairs.jit_wo, pairs.jit_u)
+            return _finished(wi, pdf, model.eval(wi, pairs.jit_wo))
+
+        def theirs(*, entry: Entry = entry, **how: Any) -> native.TimedSamples:
+            return baseline.sample_pdf_eval(
+                entry.label,
+                pairs.wo,
+                *pairs.u,
+                rho=_rho(entry.model),
+                roughness=entry.roughness,
+                threads=dr.thread_count(),
+                repeat=1,
+                **how,
+            )
+
+        row = _measure(entry.label, work, theirs, pairs.count, memory, repeat, SAMPLE_GOALS)
+        row["difference"] = _compare_samples(entry.label, model, pairs, theirs())
+        rows.append(row)
+    title = f"sample + pdf + eval, {_millions(pairs.count)} times"
+    note = (
+        "pdf and value are compared at the directions that C++ sampled: the same density may map the "
+        "same random numbers to other directions."
+    )
+    return Section("sample", title, [note], _COLUMNS, rows)
+
+
+def _compare_samples(label: str, model: Model, pairs: Pairs, samples: native.TimedSamples) -> float:
+    # Rounding may push a sample into the horizon, where gonio's guard returns zero.
+    above = samples.wi[2] > 0
+    wi = dr.llvm.ad.Array3f(*(np.ascontiguousarray(c[above]) for c in samples.wi))
+    wo = dr.llvm.ad.Array3f(*(np.ascontiguousarray(c[above]) for c in pairs.wo))
+    pdf, value = _finished(model.pdf(wi, wo), model.eval(wi, wo))
+    return max(
+        _agree(label, "pdf", pdf.numpy(), samples.pdf[above]),
+        _agree(label, "value", value.numpy(), samples.value[:, above]),
+    )
+
+
+def _measure(
+    label: str,
+    work: Callable[[], tuple[Any, ...]],
+    theirs: Callable[..., native.Timed] | None,
+    count: int,
+    memory: Side,
+    repeat: int,
+    goals: Mapping[str, float],
+) -> dict[str, Value]:
+    sides = {"gonio": stopwatch(work, SHORT_CALLS), "memory": memory}
+    if theirs is not None:
+        sides["calls"] = lambda: theirs(inlined=False).seconds
+        sides["inlined"] = lambda: theirs(inlined=True).seconds
+    work()  # the first call may also fill tables
+    kernels = launched(work)
+    if [kernel.size for kernel in kernels] != [count]:
+        raise BenchError(
+            f"{label}: expected one kernel over {count} pairs, Dr.Jit ran kernels over "
+            f"{[kernel.size for kernel in kernels]}; time and bytes per pair would mean nothing."
+        )
+    seconds = alternate(sides, repeat)
+    ours, moved = seconds["gonio"], moved_bytes(kernels[0])
+    row: dict[str, Value] = {
+        "row": label,
+        "seconds": ours,
+        "seconds_per_pair": ours / count,
+        "bytes_per_pair": moved,
+        "bandwidth_share": (moved / ours) / (STREAM_BYTES / seconds["memory"]),
+    }
+    for side in ("calls", "inlined"):
+        if side in seconds:
+            row[f"{side}_seconds"] = seconds[side]
+            row[f"{side}_ratio"] = seconds[side] / ours
+    if label in goals and "calls" in seconds:
+        row["goal"] = goal_text(seconds["calls"] / ours, at_least=goals[label])
+    return row
+
+
+STREAM_BYTES = 36
+"""Bytes that `stream` moves per pair: as many as an `eval` that reads wi and wo and writes a colour."""
+
+
+def stream(pairs: int) -> Side:
+    """A side that runs the simplest kernel, a + b x, over STREAM_BYTES per pair."""
+    Float, floats = dr.llvm.Float, STREAM_BYTES // 12 * pairs
+    x = dr.opaque(Float, 0.5)
+    a, b = (dr.full(Float, v, floats) for v in (1.0, 2.0))
+    dr.make_opaque(a, b)
+    return stopwatch(lambda: _finished(dr.fma(b, x, a)), SHORT_CALLS)
+
+
+def numpy_section(count: int, repeat: int, progress: Progress) -> Section:
+    """EON on NumPy arrays beside the same on Dr.Jit arrays."""
+    progress("NumPy in and out")
+    pairs = random_pairs(count)
+    wi, wo = np.stack(pairs.wi, -1), np.stack(pairs.wo, -1)
+    model = gonio.model("eon")
+
+    def unchecked() -> Any:
+        validating = gonio.backend.validating()
+        gonio.use(validate=False)
+        try:
+            return model.eval(wi, wo)
+        finally:
+            gonio.use(validate=validating)
+
+    # One call in turn: with several in a row, the arrays of the first kind would stay in the cache.
+    sides = {
+        "drjit": stopwatch(lambda: _finished(model.eval(pairs.jit_wi, pairs.jit_wo))),
+        "numpy": stopwatch(lambda: model.eval(wi, wo)),
+        "unchecked": stopwatch(unchecked),
+    }
+    seconds = alternate(sides, repeat)
+    names = {
+        "drjit": "Dr.Jit arrays",
+        "numpy": "NumPy arrays",
+        "unchecked": "NumPy arrays, gonio.use(validate=False)",
+    }
+    rows: list[dict[str, Value]] = []
+    for side, name in names.items():
+        multiple = seconds[side] / seconds["drjit"]
+        rows.append({"row": name, "seconds": seconds[side], "multiple": multiple})
+    rows[1]["goal"] = goal_text(seconds["numpy"] / seconds["drjit"], at_most=NUMPY_GOAL)
+    columns = (
+        Column("row", "arrays"),
+        Column("seconds", "ms", milliseconds),
+        Column("multiple", "× Dr.Jit", ratio),
+        Column("goal", "goal"),
+    )
+    note = (
+        "EON with its defaults; float32 arrays of shape (n, 3) in and out, with the checks of length "
+        "and range that a call makes, and without them."
+    )
+    return Section("numpy", f"NumPy, {_millions(count)} pairs", [note], columns, rows)
+
+
+def kernel_rows(progress: Progress) -> list[dict[str, Value]]:
+    """New kernels for another value of each parameter, of every model, on Dr.Jit and NumPy arrays."""
+    progress("kernels of changed parameters")
+    pairs = random_pairs(64)
+    host = np.stack(pairs.wi, -1), np.stack(pairs.wo, -1)
+    return [
+        _changes("eval of every model, Dr.Jit arrays", pairs.jit_wi, pairs.jit_wo),
+        _changes("eval of every model, NumPy arrays", *host),
+    ]
+
+
+def _changes(name: str, wi: Any, wo: Any) -> dict[str, Value]:
+    changes = compiled = 0
+    for cls in gonio.models().values():
+        model = cls()
+        for _, copy in changed_copies(model):
+            changes += 1
+            compiled += needed_again(
+                partial(_evaluate, model, wi, wo), partial(_evaluate, copy, wi, wo)
+            )
+    return {"row": name, "changes": changes, "compiled": compiled}
+
+
+def _evaluate(model: Model, wi: Any, wo: Any) -> None:
+    dr.eval(model.eval(wi, wo))
+
+
+Only = Callable[[Entry], bool]
+"""Which entries to measure."""
+
+
+def _millions(count: int) -> str:
+    return f"{count / 1e6:g} million" if count >= 100_000 else f"{count:,}"
