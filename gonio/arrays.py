@@ -17,7 +17,7 @@ import drjit as dr
 import numpy as np
 
 from gonio import backend
-from gonio.lang import Sample
+from gonio.lang import Sample, vec3
 
 if TYPE_CHECKING:
     from gonio.model import Model, Parameter
@@ -183,7 +183,9 @@ class Kernel:
     def _bind(self, Float: Any, values: Sequence[Any]) -> Model:
         def convert(path: str, parameter: Parameter, value: Any) -> Any:
             if path in self.slots:
-                return values[self.slots[path]]
+                value = values[self.slots[path]]
+                grey = self.leaves[self.slots[path]].width < parameter.width
+                return vec3(value, value, value) if grey else value
             return opaque(Float, parameter.width, value)
 
         # Numbers alone: the bound model is kept, and its opaque numbers stay on the device.

@@ -150,7 +150,11 @@ def available(backend: str) -> bool:
     import drjit as dr
 
     # Asking is safe; creating an array without the backend would end the process.
-    return bool(dr.has_backend({"llvm": dr.JitBackend.LLVM, "cuda": dr.JitBackend.CUDA}[backend]))
+    if backend == "cuda":
+        return bool(dr.has_backend(dr.JitBackend.CUDA))
+    # Dr.Jit, imported before gonio, may have taken an LLVM that cannot compile its kernels.
+    usable = dr.detail.llvm_version()[0] >= LLVM_MINIMUM
+    return usable and bool(dr.has_backend(dr.JitBackend.LLVM))
 
 
 def use(backend: str | None = None, *, validate: bool | None = None) -> None:

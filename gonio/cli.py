@@ -125,19 +125,25 @@ param_option = click.option(
 )
 
 
-@main.command("list", short_help="List all models.")
+@main.command("list", short_help="List all models, or materials.")
+@click.option("--materials", is_flag=True, help="The ready materials instead of the models.")
 @json_option
-def list_command(as_json: bool) -> None:
-    """List all models with a line on each.
+def list_command(materials: bool, as_json: bool) -> None:
+    """List all models with a line on each; with --materials, the ready materials.
 
     \b
     Examples:
       gonio list
+      gonio list --materials
       gonio list --json | jq -r '.[].name'
     """
     from gonio.description import summary
+    from gonio.material import library, load_material
 
-    rows = [{"name": name, "summary": summary(cls)} for name, cls in gonio.models().items()]
+    if materials:
+        rows = [{"name": name, "summary": load_material(name).description} for name in library()]
+    else:
+        rows = [{"name": name, "summary": summary(cls)} for name, cls in gonio.models().items()]
     if as_json:
         _echo_json(rows)
         return
@@ -348,6 +354,7 @@ class Size(click.ParamType[tuple[int, int]]):
 @click.argument("model", required=False, shell_complete=_complete)
 @param_option
 @click.option("--material", metavar="FILE.toml", help="A material file instead of MODEL.")
+@click.option("--sheet", is_flag=True, help="A contact sheet of all ready materials instead.")
 @click.option(
     "--env",
     "environment",
@@ -383,6 +390,7 @@ def render(
     model: str | None,
     params: tuple[str, ...],
     material: str | None,
+    sheet: bool,
     environment: str,
     mesh: str | None,
     up: str,
@@ -399,7 +407,8 @@ def render(
 ) -> None:
     """Render MODEL on a shader ball, on your mesh, or in your own Mitsuba scene.
 
-    A MODEL may carry parameters: eon:roughness=1,rho=0.8/0.3/0.1 (colours with slashes).
+    A MODEL may carry parameters: eon:roughness=1,rho=0.8/0.3/0.1 (colours with slashes). The name of a
+    ready material does as well: 'gonio list --materials' shows them.
 
     \b
     Examples:
@@ -407,15 +416,34 @@ def render(
       gonio render eon --mesh bunny.obj --env studio.hdr
       gonio render lambert --compare qon:sigma=1.57 --compare eon:roughness=1 --env side
       gonio render eon:rho=1,roughness=1 --furnace
+      gonio render lacquered_walnut --compare gold --env sunsky
+      gonio render --sheet -o materials.png
       gonio render --material clay.toml --size 1024x768 --spp 256 -o clay.exr
       gonio render --scene room.xml --assign wall=eon:roughness=0.8 -o room.png
     """
     from pathlib import Path
 
     from gonio import rendering
-    from gonio.material import load_material
-    from gonio.notation import parse_model
+    from gonio.material import find, library, load_material
 
+    if sheet:
+        if model or material or others or scene:
+            raise click.UsageError("--sheet shows all ready materials; it goes with no other")
+        target = Path(output or "materials.png")
+        cell = (size or (256, 256))[0]
+        with _progress("rendering") as step:
+            rendering.write_sheet(
+                target,
+                [load_material(name) for name in library()],
+                cell=cell,
+                spp=spp or 64,
+                seed=seed,
+                environment=environment,
+                furnace=furnace,
+                progress=step,
+            )
+        click.echo(target)
+        return
     if scene is not None:
         if model or material or others or furnace or mesh:
             raise click.UsageError(
@@ -426,7 +454,7 @@ def render(
             name, equals, value = text.partition("=")
             if not (name and equals and value):
                 raise click.UsageError(f"--assign {text} is not ID=MODEL, such as wall=eon")
-            assign[name] = parse_model(value, params)
+            assign[name] = find(value, params)
         target = Path(output or f"{Path(scene).stem}.png")
         rendering.check_format(target)
         with _progress("rendering") as step:
@@ -442,8 +470,8 @@ def render(
         raise click.UsageError(
             "give a MODEL or --material FILE.toml; 'gonio list' shows the models"
         )
-    first: Any = load_material(material) if material else parse_model(str(model), params)
-    shown = [first, *(parse_model(text) for text in others)]
+    first = load_material(material) if material else find(str(model), params)
+    shown = [first, *(find(text) for text in others)]
     target = Path(output or f"{first.name}.png")
     rendering.check_format(target)
     settings: dict[str, Any] = {"mesh": mesh, "up": up, "turn": turn} if mesh else {}

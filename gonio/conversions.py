@@ -7,6 +7,9 @@
 Every function takes a number or a NumPy array (any shape, elementwise) and returns the same kind.
 A value outside its scale is a ValueError. Only `alpha_from_perceptual`, `sigma_from_shininess` and
 their inverses are definitions; the others match two shapes that are not equal, and say how.
+
+`specular_from_metallic` and `metallic_from_specular` convert whole materials between the two workflows of
+games, base colour-metallic-roughness and diffuse-specular-gloss.
 """
 
 from __future__ import annotations
@@ -15,7 +18,7 @@ import inspect
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -231,3 +234,107 @@ def convert(value: Any, source: str, target: str) -> Conversion:
     for step in steps:
         value = step(value)
     return Conversion(value, steps)
+
+
+class Metallic(NamedTuple):
+    """A material as `metallic_roughness`, `ue4`, `unity_standard` and `disney` describe it."""
+
+    base_color: Any
+    """Diffuse colour of dielectrics and F0 of metals, linear RGB, shape (..., 3)."""
+    metallic: Any
+    """0 for dielectrics, 1 for metals, shape (...)."""
+    roughness: Any
+    """Perceptual roughness, shape (...)."""
+
+
+class Specular(NamedTuple):
+    """The same material as its two terms: what a diffuse and a specular model take."""
+
+    diffuse: Any
+    """Albedo of the diffuse term, linear RGB, shape (..., 3)."""
+    specular: Any
+    """Reflectance at normal incidence F0, linear RGB, shape (..., 3)."""
+    gloss: Any
+    """1 - perceptual roughness, which Unity calls smoothness, shape (...)."""
+
+
+# F0 of every dielectric in the metallic workflow.
+F0_DIELECTRIC = 0.04
+
+# How far `metallic_from_specular` lets a material be from one that has a metallic description: half a step
+# of an 8-bit texture.
+WORKFLOW_TOLERANCE = 0.5 / 255
+
+# Difference of two fits that is rounding: the two roots are then equally good.
+ROOT_ROUNDING = 1e-9
+
+
+def specular_from_metallic(base_color: Any, metallic: Any, roughness: Any) -> Specular:
+    """diffuse = base (1 - metallic), specular = lerp(0.04, base, metallic), gloss = 1 - roughness.
+
+    Numbers or arrays from 0 to 1; base_color has three numbers last. Every material has a result.
+    """
+    base = _unit("base_color", base_color, width=3)
+    m = _unit("metallic", metallic)
+    r = _unit("roughness", roughness)
+    dielectric = (1 - m)[..., None]
+    specular = F0_DIELECTRIC * dielectric + base * m[..., None]
+    return Specular(base * dielectric, specular, 1 - r)
+
+
+def metallic_from_specular(diffuse: Any, specular: Any, gloss: Any) -> Metallic:
+    """The inverse of `specular_from_metallic`.
+
+    It exists for materials that `specular_from_metallic` can return: three channels of diffuse and three
+    of specular have to agree on one metallic, so a dielectric with a coloured or an unusual F0 has none.
+    It is unique if the brightest channel of the base colour is more than 0.04. Otherwise two materials
+    may have the same two terms, and the least metallic one is returned: black plastic stays plastic.
+
+    Raises:
+        ValueError: no metallic material is within half an 8-bit step of this one.
+    """
+    d = _unit("diffuse", diffuse, width=3)
+    s = _unit("specular", specular, width=3)
+    g = _unit("gloss", gloss)
+    # q = 1 - metallic solves 0.04 q^2 - (d + s) q + d = 0 in every channel, and base = d + s - 0.04 q.
+    # The brightest channel has the best-conditioned roots.
+    brightest = np.argmax(d + s, axis=-1, keepdims=True)
+    total = np.take_along_axis(d + s, brightest, -1)[..., 0]
+    d_max = np.take_along_axis(np.broadcast_to(d, (d + s).shape), brightest, -1)[..., 0]
+    root = np.sqrt(np.maximum(total * total - 4 * F0_DIELECTRIC * d_max, 0))
+    larger = np.minimum((total + root) / (2 * F0_DIELECTRIC), 1)
+    # Of the two forms of the smaller root, the one without cancellation
+    smaller = np.minimum(2 * d_max / np.where(total + root > 0, total + root, 1), 1)
+    # Darker than 0.04 both may fit the brightest channel, and the others decide.
+    base, error = _base_color(d, s, larger)
+    base_smaller, error_smaller = _base_color(d, s, smaller)
+    less_metallic = error <= error_smaller + ROOT_ROUNDING
+    q = np.where(less_metallic, larger, smaller)
+    base = np.where(less_metallic[..., None], base, base_smaller)
+    error = np.minimum(error, error_smaller)
+    if np.any(error > WORKFLOW_TOLERANCE):
+        place = np.unravel_index(np.argmax(error), error.shape)
+        diffuse_text = np.broadcast_to(d, base.shape)[place].tolist()
+        specular_text = np.broadcast_to(s, base.shape)[place].tolist()
+        raise ValueError(
+            f"no metallic material has diffuse {diffuse_text} and specular {specular_text} (off by "
+            f"{error[place]:.3g}, allowed is {WORKFLOW_TOLERANCE:.3g}); a dielectric needs specular 0.04."
+        )
+    return Metallic(np.clip(base, 0, 1), 1 - q, 1 - g)
+
+
+def _base_color(d: Any, s: Any, q: Any) -> tuple[Any, Any]:
+    """Base colour for 1 - metallic = q, and how far it is from giving d and s."""
+    base = d + s - F0_DIELECTRIC * q[..., None]
+    outside = np.max(np.maximum(base - 1, -base), axis=-1)
+    return base, np.maximum(np.max(np.abs(d - base * q[..., None]), axis=-1), outside)
+
+
+def _unit(name: str, value: Any, width: int | None = None) -> npt.NDArray[np.float64]:
+    """The value as float64 with numbers from 0 to 1, and three of them last if `width` is 3."""
+    array = np.asarray(value, np.float64)
+    if width is not None and array.shape[-1:] != (width,):
+        raise ValueError(
+            f"{name} must have {width} numbers on its last axis, got the shape {array.shape}."
+        )
+    return np.asarray(Scale(name, 0, 1, "").check(array))

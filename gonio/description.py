@@ -74,8 +74,8 @@ def _module_notes(cls: type[Model]) -> dict[str, str]:
     notes = {"title": title}
     current = "remarks"
     for line in rest.splitlines():
-        if match := re.match(r"([A-Z][a-z]+): (.*)", line):
-            current, line = match[1].lower(), match[2]
+        if match := re.match(r"([A-Z][a-z]+):\s*(.*)", line):
+            current, line = match[1].lower().replace("sources", "source"), match[2]
         elif not line.strip():
             current = "remarks"
         notes[current] = f"{notes.get(current, '')} {line.strip()}".strip()
@@ -96,7 +96,7 @@ def description(about: dict[str, Any]) -> Iterator[str]:
         yield from _wrapped(paragraph, "")
     for heading, text in (("Source", about["source"]), *about["notes"].items()):
         if text:
-            yield from ("", heading.capitalize(), *_wrapped(text[:1].upper() + text[1:], "  "))
+            yield from ("", heading.capitalize(), *_wrapped(_sentence(text), "  "))
     if about["parameters"]:
         yield from ("", "Parameters")
         yield from _parameter_rows(about["parameters"])
@@ -123,6 +123,11 @@ def description(about: dict[str, Any]) -> Iterator[str]:
         for caveat in about["caveats"]:
             yield from _wrapped(caveat, "    ", "  - ")
     yield from ("", "Use", *_usage(about))
+
+
+def _sentence(text: str) -> str:
+    """With a capital letter, unless it begins with a symbol such as f."""
+    return text if text[1:2].isspace() else text[:1].upper() + text[1:]
 
 
 def _parameter_rows(parameters: list[dict[str, Any]]) -> Iterator[str]:

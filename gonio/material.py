@@ -1,10 +1,18 @@
 """Materials as small TOML files: the name of a model and its parameters.
 
-    model = "eon"
-    roughness = 0.9
-    rho = [0.62, 0.35, 0.24]        # or rho = "clay.png", a picture relative to this file
+    model = "weidlich_wilkie"
+    description = "Walnut under a clear lacquer."
+    alpha = 0.05
+    thickness = "wear.png"          # a picture relative to this file drives the parameter
 
-Options take their names as strings. Strings for numbers and colours are textures, for pictures only.
+    [base]                          # an inner model
+    model = "eon"
+    rho = [0.25, 0.12, 0.06]
+
+Options take their names as strings. `metal = "Au"` stands for eta and k (or metal_eta and metal_k). A table
+[flakes] (size, density, flake_size, spread, seed, tiles) makes the map of a paint's flakes, and
+`growth = "mesh"` lets patina grow in the cavities of whatever mesh it is put on; see `gonio.textures`.
+Materials that come with gonio are in the folder `materials` and are loaded by their names.
 """
 
 from __future__ import annotations
@@ -12,11 +20,19 @@ from __future__ import annotations
 import difflib
 import re
 import tomllib
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from gonio.model import Model, ModelError, Parameter, models
+from gonio.model import Child, Model, ModelError, Parameter, models
+from gonio.notation import parse_model
+
+# How often a flake map repeats along the texture coordinates, and what a [flakes] table may hold.
+FLAKE_TILES = 24.0
+FLAKE_SETTINGS = ("size", "density", "flake_size", "spread", "seed", "tiles")
+
+LIBRARY = Path(__file__).parent / "materials"
 
 
 class MaterialError(ValueError):
@@ -29,69 +45,189 @@ class Material:
 
     name: str
     model: Model
+    description: str = ""
     textures: dict[str, Path] = field(default_factory=dict)
-    """Pictures by parameter name; the model has the default there."""
+    """Pictures by the path of their parameter; the model has the default there."""
+    flakes: dict[str, Any] = field(default_factory=dict)
+    """How to make the map of flakes; empty for none."""
+    grows: bool = False
+    """Whether growth comes from the mesh, as a vertex attribute (see `gonio.textures.add_growth`)."""
 
     def bsdf(self) -> dict[str, Any]:
         """The Mitsuba plug-in as a dict for `mitsuba.load_dict`."""
         from gonio.mitsuba import plugin
 
         node = plugin(self.model)
-        for name, path in self.textures.items():
-            width = self.model.fields[name].width  # type: ignore[union-attr]
+        widths = {path: declared.width for path, declared, _ in self.model.parameters()}
+        for path, picture in self.textures.items():
+            *outer, name = path.split(".")
+            inner = node
+            for part in outer:
+                inner = inner[part]
             # Numbers are stored as they are, colours in sRGB.
-            node[name] = {"type": "bitmap", "filename": str(path), "raw": width == 1}
+            inner[name] = {"type": "bitmap", "filename": str(picture), "raw": widths[path] == 1}
+        if self.flakes:
+            from gonio.textures import flake_map, flake_texture
+
+            settings = dict(self.flakes)
+            tiles = settings.pop("tiles", FLAKE_TILES)
+            node |= flake_texture(flake_map(**settings), tiles)
+        if self.grows:
+            from gonio.textures import growth_texture
+
+            node["growth"] = growth_texture()
         return node
 
 
-def load_material(path: str | Path) -> Material:
-    """Read a material file.
+def library() -> dict[str, Path]:
+    """The files of the materials that come with gonio, by name, sorted."""
+    return {path.stem: path for path in sorted(LIBRARY.glob("*.toml"))}
+
+
+def load_material(name: str | Path) -> Material:
+    """Read a material: one of gonio's by its name, or a user's file.
 
     Raises:
-        FileNotFoundError: no such file.
+        FileNotFoundError: no such file, and no material of that name.
         MaterialError: not TOML, an unknown model or parameter, or a value out of range, with the line.
     """
-    path = Path(path)
+    known = library()
+    path = known.get(str(name), Path(name))
     if not path.is_file():
-        raise FileNotFoundError(f"there is no material file {path}.")
+        near = difflib.get_close_matches(str(name), known, n=1)
+        did = f"did you mean {near[0]!r}? " if near else ""
+        raise FileNotFoundError(
+            f"there is no material file {path}, nor a material of that name; {did}"
+            "'gonio list --materials' shows them."
+        )
     try:
         text = path.read_text(encoding="utf-8")
         table = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise MaterialError(f"{path}: not a TOML file: {error}.") from None
-    return _build(path, text, table)
+    description = table.pop("description", "")
+    reader = _Reader(path, text)
+    if not isinstance(description, str):
+        raise reader.error("description", "description must be a text in quotes.")
+    flakes, grows = reader.flakes(table), reader.grows(table)
+    model = reader.model(table)
+    for wanted, name in ((flakes, "flake_x"), (grows, "growth")):
+        if wanted and name not in model.fields:
+            raise reader.error("model", f"{model.name} has no {name}, which this file drives.")
+    return Material(path.stem, model, description, reader.textures, flakes, grows)
 
 
-def _build(path: Path, text: str, table: dict[str, Any]) -> Material:
-    def fail(key: str, message: str) -> MaterialError:
-        for number, line in enumerate(text.splitlines(), 1):
-            if re.match(rf"\s*[\"']?{re.escape(key)}[\"']?\s*=", line):
-                return MaterialError(f"{path}:{number}: {message}")
-        return MaterialError(f"{path}: {message}")
+def find(text: str, params: Iterable[str] = ()) -> Model | Material:
+    """A model from text such as "eon:roughness=1" (see `gonio.notation`), or a material by its name.
 
-    known = models()
-    name = table.pop("model", None)
-    if name is None:
-        raise fail("model", 'the line \'model = "NAME"\' is missing; "gonio list" shows the names.')
-    if not isinstance(name, str) or name not in known:
-        near = difflib.get_close_matches(str(name), known, n=1)
-        did = f"did you mean {near[0]!r}? " if near else ""
-        raise fail("model", f"no model {name!r}; {did}'gonio list' shows all.")
-    cls = known[name]
-    given, textures = {}, {}
-    for key, value in table.items():
-        declared = cls.fields.get(key)
-        if isinstance(value, list):
-            value = tuple(value)
-        if isinstance(declared, Parameter) and isinstance(value, str):
-            picture = path.parent / value
-            if not picture.is_file():
-                raise fail(key, f"{key} names a picture that does not exist: {picture}.")
-            textures[key] = picture
-            continue
+    Raises:
+        ModelError: neither a model nor a material, or parameters for a material.
+    """
+    name = text.partition(":")[0]
+    known = library()
+    if name in models() or name not in known:
+        if name not in models() and (near := difflib.get_close_matches(name, known, n=1)):
+            raise ModelError(
+                f"no model and no material {name!r}; did you mean the material {near[0]!r}? "
+                "'gonio list' and 'gonio list --materials' show all."
+            )
+        return parse_model(text, params)
+    if text != name or list(params):
+        raise ModelError(
+            f"{name} is a material and has its parameters; copy {known[name]} to change them."
+        )
+    return load_material(name)
+
+
+@dataclass
+class _Reader:
+    path: Path
+    text: str
+    textures: dict[str, Path] = field(default_factory=dict)
+
+    def flakes(self, table: dict[str, Any]) -> dict[str, Any]:
+        """The settings of a [flakes] table, taken out of the file's table."""
+        settings = table.pop("flakes", {})
+        if not isinstance(settings, dict):
+            raise self.error("flakes", "flakes is a table: write [flakes] and settings below.")
+        for key, value in settings.items():
+            if key not in FLAKE_SETTINGS:
+                allowed = ", ".join(FLAKE_SETTINGS)
+                raise self.error(key, f"no setting {key!r}; allowed are {allowed}.", "flakes.")
+            if isinstance(value, bool) or not isinstance(value, (int, float)):
+                raise self.error(key, f"{key} must be a number, got {value!r}.", "flakes.")
+        return settings
+
+    def grows(self, table: dict[str, Any]) -> bool:
+        """Whether the file says growth = "mesh", which is taken out."""
+        if table.get("growth") != "mesh":
+            return False
+        del table["growth"]
+        return True
+
+    def error(self, key: str, message: str, section: str = "") -> MaterialError:
+        """An error at the line of a key in a section such as "base.", or at no line if there is none."""
+        here = ""
+        for number, line in enumerate(self.text.splitlines(), 1):
+            if header := re.match(r"\s*\[\s*([^\]]+?)\s*\]", line):
+                here = header[1].replace(" ", "").replace('"', "") + "."
+            elif here == section and re.match(rf"\s*[\"']?{re.escape(key)}[\"']?\s*=", line):
+                return MaterialError(f"{self.path}:{number}: {message}")
+        return MaterialError(f"{self.path}: {message}")
+
+    def model(self, table: dict[str, Any], section: str = "") -> Model:
+        """The model of a table; `section` is the table's path with a dot behind, "" for the file."""
+        known = models()
+        name = table.pop("model", None)
+        if name is None:
+            where = f" under [{section[:-1]}]" if section else ""
+            raise self.error(
+                "model",
+                f"the line 'model = \"NAME\"' is missing{where}; 'gonio list' shows the names.",
+            )
+        if not isinstance(name, str) or name not in known:
+            near = difflib.get_close_matches(str(name), known, n=1)
+            did = f"did you mean {near[0]!r}? " if near else ""
+            raise self.error("model", f"no model {name!r}; {did}'gonio list' shows all.", section)
+        cls = known[name]
+        given = self._metal(cls, table, section)
+        for key, value in table.items():
+            declared = cls.fields.get(key)
+            if isinstance(declared, Parameter) and isinstance(value, str):
+                self.textures[section + key] = self._picture(key, value, section)
+                continue
+            if isinstance(declared, Child) and isinstance(value, dict):
+                given[key] = self.model(value, f"{section}{key}.")
+                continue
+            value = tuple(value) if isinstance(value, list) else value
+            try:
+                cls(**{key: value})
+            except ModelError as error:
+                raise self.error(key, str(error), section) from None
+            given[key] = value
         try:
-            cls(**{key: value})
-        except ModelError as error:
-            raise fail(key, str(error)) from None
-        given[key] = value
-    return Material(path.stem, cls(**given), textures)
+            return cls(**given)
+        except ModelError as error:  # values that do not go together
+            raise self.error("model", str(error), section) from None
+
+    def _picture(self, key: str, value: str, section: str) -> Path:
+        picture = self.path.parent / value
+        if not picture.is_file():
+            message = f"{key} names a picture that does not exist: {picture}."
+            raise self.error(key, message, section)
+        return picture
+
+    def _metal(self, cls: type[Model], table: dict[str, Any], section: str) -> dict[str, Any]:
+        """eta and k of a named metal, if the table names one."""
+        if "metal" not in table or "metal" in cls.fields:
+            return {}
+        from gonio.metals import metal
+
+        prefix = next((p for p in ("", "metal_") if {p + "eta", p + "k"} <= set(cls.fields)), None)
+        if prefix is None:
+            raise self.error("metal", f"{cls.name} has no eta and k for a metal.", section)
+        try:
+            indices = metal(table.pop("metal"))
+        except (ValueError, TypeError) as error:
+            raise self.error("metal", str(error), section) from None
+        return {prefix + name: value for name, value in indices.items()}

@@ -97,10 +97,15 @@ def _derive(cls: type[Model]) -> Any:
     types: Any = getattr(mi, mi.variant())
     lobe = mi.BSDFFlags.GlossyReflection
 
-    def spectrum(value: Any) -> Any:
-        if types.is_polarized:
-            return types.mueller.depolarizer(types.UnpolarizedSpectrum(value))
-        return types.Spectrum(value)
+    # Models know colours of three channels. One is given three times, and of four the first three and
+    # three times the last; what is computed twice that way, Dr.Jit compiles once.
+    count = dr.size_v(types.UnpolarizedSpectrum)
+    triples = [[min(first + c, count - 1) for c in range(3)] for first in range(0, count, 3)]
+
+    def spectrum(colours: list[Any]) -> Any:
+        channels = [c for colour in colours for c in types.Vector3f(colour)]
+        value = types.UnpolarizedSpectrum(*channels[:count])
+        return types.mueller.depolarizer(value) if types.is_polarized else types.Spectrum(value)
 
     class Plugin(types.BSDF):  # type: ignore[misc]
         """One model as a BSDF of one variant."""
@@ -136,21 +141,22 @@ def _derive(cls: type[Model]) -> Any:
         def sample(
             self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True
         ) -> tuple[Any, Any]:
-            model, wo = self._bound(si, active), _plain(si.wi)
+            models, wo = self._bound(si, active), _plain(si.wi)
             # Where to look is not differentiated, only what is seen there. A picture's expectation
             # does not depend on the sampling; but samplers choose between lobes, and a derivative
             # that follows the samples misses those that change over from one lobe to the other.
             with dr.suspend_grad():
-                wi, pdf = model.sample(wo, vec2(sample2.x, sample2.y))
+                wi, pdf = models[0].sample(wo, vec2(sample2.x, sample2.y))
             active = active & (pdf > 0) & ctx.is_enabled(lobe)
-            weight = model.eval(wi, wo) * (wi.z / dr.select(active, pdf, 1))
+            factor = wi.z / dr.select(active, pdf, 1)
+            weight = spectrum([model.eval(wi, wo) * factor for model in models])
             bs = dr.zeros(types.BSDFSample3f)
             bs.wo = types.Vector3f(wi.x, wi.y, wi.z)
             bs.pdf = dr.select(active, pdf, 0)
             bs.eta = 1.0
             bs.sampled_type = types.UInt32(+lobe)
             bs.sampled_component = types.UInt32(0)
-            return bs, dr.select(active, spectrum(weight), 0)
+            return bs, dr.select(active, weight, 0)
 
         def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
             return self.eval_pdf(ctx, si, wo, active)[0]
@@ -160,24 +166,35 @@ def _derive(cls: type[Model]) -> Any:
 
         def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
             active = active & ctx.is_enabled(lobe)
-            model, wi, wo = self._bound(si, active), _plain(wo), _plain(si.wi)
-            value = spectrum(model.eval(wi, wo) * wi.z)  # 0 where wi.z is negative
+            models, wi, wo = self._bound(si, active), _plain(wo), _plain(si.wi)
+            # 0 where wi.z is negative
+            value = spectrum([model.eval(wi, wo) * wi.z for model in models])
             with dr.suspend_grad():  # as in sample, so that weights of MIS still add up to 1
-                pdf = model.pdf(wi, wo)
+                pdf = models[0].pdf(wi, wo)
             return dr.select(active, value, 0), dr.select(active, pdf, 0)
 
         def eval_diffuse_reflectance(self, si: Any, active: Any = True) -> Any:
-            return dr.select(active, spectrum(self._bound(si, active).albedo(_plain(si.wi))), 0)
+            albedos = [model.albedo(_plain(si.wi)) for model in self._bound(si, active)]
+            return dr.select(active, spectrum(albedos), 0)
 
-        def _bound(self, si: Any, active: Any) -> Model:
-            def convert(path: str, declared: Parameter, _: Any) -> Any:
+        def _bound(self, si: Any, active: Any) -> list[Model]:
+            """The model with what the textures hold at si, once for every three channels."""
+            values = {}
+            for path, declared, _ in self.model.parameters():
                 texture = self.textures[path]
                 value = (texture.eval if declared.width == 3 else texture.eval_1)(si, active)
                 # Not dr.clip, whose derivative is 0 at the lower end: optimisers would stay there.
                 value = dr.select(value < declared.low, declared.low, value)
-                return dr.select(value > declared.high, declared.high, value)
+                values[path] = dr.select(value > declared.high, declared.high, value)
 
-            return self.model.bind(type(si.t), convert)
+            def bind(triple: list[int]) -> Model:
+                def convert(path: str, declared: Parameter, _: Any) -> Any:
+                    value = values[path]
+                    return vec3(*(value[c] for c in triple)) if declared.width == 3 else value
+
+                return self.model.bind(type(si.t), convert)
+
+            return [bind(triple) for triple in triples]
 
     return Plugin
 

@@ -1,15 +1,15 @@
 """Numeric albedos, for models that have no closed form. A model's `albedo_rule` names one of three.
 
-angles: Gauss–Legendre in angles. θi is split at θo, and the azimuth into quarters measured from wo's, because
-that is where the published models have their kinks (max(θi, θo), and the sign of cos(φi − φo)). Nodes
-crowd at θo from both sides, where a grazing wo makes the integrand steep.
+angles: Gauss–Legendre in angles. θi is split at θo, and the azimuth into quarters measured from wo's,
+because that is where the published models have their kinks (max(θi, θo), and the sign of cos(φi − φo)).
+Nodes crowd at θo from both sides, where a grazing wo makes the integrand steep.
 
 half_vectors: for highlights of any sharpness. The nodes are half vectors m, at slopes t = tan θm that are
 spaced like τ sinh y: evenly around m = N, and evenly in log t beyond, so that a lobe of any width α has its
 share of them without the rule knowing α; an anisotropic model says by `slope_widths` how wide it is along x
-over along y. For each azimuth of m the slope ends where wi meets the horizon,
-which has a closed form: t² − 2 t tan θo cos φ = 1. Computed in double precision, because wi + wo in single
-precision would blur a sharp lobe.
+over along y, and gives its round lobes, if it has some, as `eval_round`. For each azimuth of m the slope
+ends where wi meets the horizon, t² − 2 t tan θo cos φ = 1, and is split where wi is as high as wo,
+t = tan θo cos φ. Computed in double precision, because wi + wo in single precision would blur a sharp lobe.
 
 mirror: for lobes that are round about the mirror direction, as Phong's. The nodes lie on circles around it,
 spaced as above; each circle ends in the horizon, and one has its edge at a right angle.
@@ -36,9 +36,9 @@ THETA_NODES = 16
 PHI_NODES = 8
 CROWDING = 3
 
-# The same for half vectors. τ is a third of the sharpest α, which anisotropy divides by up to 3.2. The error
-# is below 5e-6 where F and G are smooth. Kinks inside the lobe cost digits: 3e-5 for Neumann's G and for
-# Walter's fit, 3e-4 for Cook and Torrance's G, and 1e-2 for the edge of total internal reflection.
+# The same for half vectors. τ is a third of the sharpest α, which anisotropy divides by up to 3.2. The
+# error is below 5e-6 where F and G are smooth but for a kink at μi = μo. Others inside the lobe cost
+# digits: 3e-5 for Walter's fit, 3e-4 for Cook and Torrance's G, and 1e-2 for the edge of total reflection.
 SLOPE_SCALE = 3e-5
 SLOPE_NODES = 112
 AZIMUTH_NODES = 16

@@ -68,7 +68,23 @@ def render(
         spp=spp,
         **stage,
     )
+    if isinstance(material, Material) and material.grows:
+        _grow(node)
     return _integrate(mi.load_dict(node), spp, seed, progress)
+
+
+def _grow(node: dict[str, Any]) -> None:
+    """Put growth on the meshes under test, for materials that grow in cavities."""
+    import mitsuba as mi
+
+    from gonio.textures import add_growth, growth_map
+
+    for name in scene.TESTED:
+        if name in node:
+            buffers = mi.traverse(node[name])
+            positions = np.array(buffers["vertex_positions"]).reshape(-1, 3)
+            faces = np.array(buffers["faces"]).reshape(-1, 3)
+            add_growth(node[name], growth_map(positions, faces))
 
 
 def render_scene(
@@ -147,11 +163,24 @@ def _assign(root: ET.Element, assign: Mapping[str, Model | Material], path: Path
 
 def _xml(material: Model | Material) -> ET.Element:
     """A material as an XML <bsdf>, two-sided as most scenes expect."""
-    node = _bsdf(material)
+    if isinstance(material, Material) and (material.flakes or material.grows):
+        raise ValueError(
+            f"{material.name} has textures that are made for the mesh it is on, which a scene file cannot "
+            "hold; use --mesh, or write the textures with gonio.textures and name them in the scene."
+        )
     outer = ET.Element("bsdf", type="twosided")
-    inner = ET.SubElement(outer, "bsdf", type=node["type"])
+    _fill(ET.SubElement(outer, "bsdf"), _bsdf(material))
+    return outer
+
+
+def _fill(inner: ET.Element, node: Mapping[str, Any]) -> None:
+    """Write a plug-in's dict into an XML <bsdf>."""
+    inner.set("type", node["type"])
     for name, value in node.items():
         if name == "type":
+            continue
+        if isinstance(value, dict) and value["type"].startswith("gonio_"):
+            _fill(ET.SubElement(inner, "bsdf", name=name), value)
             continue
         if isinstance(value, dict) and value["type"] == "rgb":
             text = ", ".join(repr(float(v)) for v in value["value"])
@@ -165,7 +194,6 @@ def _xml(material: Model | Material) -> ET.Element:
             ET.SubElement(inner, "string", name=name, value=value)
         else:
             ET.SubElement(inner, "float", name=name, value=repr(value))
-    return outer
 
 
 def _resize(root: ET.Element, size: tuple[int, int]) -> None:
@@ -253,11 +281,7 @@ def write_picture(
         with replacing(path) as temporary:
             mi.Bitmap(np.ascontiguousarray(pixels, np.float32)).write(str(temporary))
         return
-    scaled = np.ascontiguousarray(pixels * np.float32(2.0**exposure))
-    bitmap = mi.Bitmap(scaled).convert(
-        mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.UInt8, srgb_gamma=True
-    )
-    picture = _captioned(np.array(bitmap), labels, row_labels)
+    picture = _captioned(_to_srgb(pixels, exposure), labels, row_labels)
     with replacing(path) as temporary:
         picture.save(temporary, format="PNG")
 
@@ -268,38 +292,112 @@ def check_format(path: Path) -> None:
         raise ValueError(f"cannot write {path.name!r}; the suffix must be {' or '.join(FORMATS)}.")
 
 
+BACKGROUND, INK = (24, 24, 24), (235, 235, 235)
+
+
 def _captioned(pixels: NDArray[np.uint8], labels: Sequence[str], rows: Sequence[str]) -> Any:
     """A Pillow image with labels under its columns and at the left of its rows."""
-    import matplotlib
-    from PIL import Image, ImageDraw, ImageFont
+    from PIL import Image, ImageDraw
 
     picture = Image.fromarray(pixels)
     if not labels and not rows:
         return picture
     height, width = pixels.shape[:2]
-    cell_width = width // max(len(labels), 1)
     cell_height = height // max(len(rows), 1)
+    cell_width = width // max(len(labels), 1)
     font_size = max(11, min(cell_width, cell_height) // 20)
-    font_file = Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf"
-    font = ImageFont.truetype(str(font_file), font_size)
     footer = 2 * font_size if labels else 0
     margin = 2 * font_size if rows else 0
-    sheet = Image.new("RGB", (width + margin, height + footer), (24, 24, 24))
+    sheet = Image.new("RGB", (width + margin, height + footer), BACKGROUND)
     sheet.paste(picture, (margin, 0))
     draw = ImageDraw.Draw(sheet)
     for n, label in enumerate(labels):
-        fitted = font
-        while fitted.size > 7 and draw.textlength(label, font=fitted) > cell_width - 4:
-            fitted = ImageFont.truetype(str(font_file), fitted.size - 1)
         centre = (margin + cell_width * (n + 0.5), height + footer / 2)
-        draw.text(centre, label, font=fitted, fill=(235, 235, 235), anchor="mm")
+        draw.text(
+            centre, label, font=_font(label, font_size, cell_width - 4), fill=INK, anchor="mm"
+        )
     for n, label in enumerate(rows):
-        strip = Image.new("RGB", (cell_height, margin), (24, 24, 24))
+        strip = Image.new("RGB", (cell_height, margin), BACKGROUND)
         ImageDraw.Draw(strip).text(
-            (cell_height / 2, margin / 2), label, font=font, fill=(235, 235, 235), anchor="mm"
+            (cell_height / 2, margin / 2),
+            label,
+            font=_font(label, font_size, cell_height - 4),
+            fill=INK,
+            anchor="mm",
         )
         sheet.paste(strip.rotate(90, expand=True), (0, n * cell_height))
     return sheet
+
+
+def _font(text: str, size: int, width: int) -> Any:
+    """A font in which the text is at most `width` pixels wide, if that is legible at all."""
+    import matplotlib
+    from PIL import ImageFont
+
+    file = str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf")
+    while size > 7 and ImageFont.truetype(file, size).getlength(text) > width:
+        size -= 1
+    return ImageFont.truetype(file, size)
+
+
+def write_sheet(
+    path: str | Path,
+    materials: Sequence[Model | Material],
+    *,
+    columns: int = 6,
+    cell: int = 256,
+    progress: Progress | None = None,
+    **common: Any,
+) -> None:
+    """Render a contact sheet of materials into a .png, each with its name.
+
+    Args:
+        path: the file; it appears only when it is complete.
+        materials: what to show, row by row.
+        columns: how many side by side.
+        cell: pixels of one picture.
+        progress: called after each pass.
+        common: further arguments of `render`, such as environment="sunsky".
+
+    Raises:
+        ValueError: no materials, or a suffix other than .png.
+    """
+    from PIL import Image
+
+    path = Path(path)
+    if path.suffix.lower() != ".png":
+        raise ValueError(f"cannot write a sheet to {path.name!r}; the suffix must be .png.")
+    if not materials:
+        raise ValueError("a sheet needs at least one material.")
+    strips = []
+    for first in range(0, len(materials), columns):
+        shown = materials[first : first + columns]
+
+        def step(done: int, total: int, first: int = first, count: int = len(shown)) -> None:
+            if progress is not None:
+                progress(first * total + done * count, len(materials) * total)
+
+        pixels = compare([{}], shown, size=(cell, cell), progress=step, **common)
+        strips.append(_captioned(_to_srgb(pixels, 0.0), [describe(m) for m in shown], []))
+    width = max(strip.width for strip in strips)
+    sheet = Image.new("RGB", (width, sum(strip.height for strip in strips)), BACKGROUND)
+    top = 0
+    for strip in strips:
+        sheet.paste(strip, (0, top))
+        top += strip.height
+    with replacing(path) as temporary:
+        sheet.save(temporary, format="PNG")
+
+
+def _to_srgb(pixels: Pixels, exposure: float) -> NDArray[np.uint8]:
+    """8-bit sRGB of linear pixels, clipped, after an exposure in stops."""
+    import mitsuba as mi
+
+    scaled = np.ascontiguousarray(pixels * np.float32(2.0**exposure))
+    bitmap = mi.Bitmap(scaled).convert(
+        mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.UInt8, srgb_gamma=True
+    )
+    return np.array(bitmap)
 
 
 DEMO_ROWS = (("front-lit", {"environment": "front"}), ("side-lit", {"environment": "side"}))

@@ -30,6 +30,8 @@ MESH_RADIUS = 1.12
 
 MAX_PIXELS = 16384  # per side; more is a slip of the keyboard and would take all memory
 
+TESTED = ("shell", "core", "mesh")  # the shapes that wear the material under test
+
 MESH_FORMATS = (".obj", ".ply", ".glb")
 IMAGE_FORMATS = (".exr", ".hdr")
 HALF_MAX = 65504.0  # largest half float: what an overflowed sun pixel (inf) stood for

@@ -213,13 +213,23 @@ def test_plugin_agrees_with_arrays(cls: type[Model], variant: str) -> None:
         assert error < FLOAT32, model
 
 
-@pytest.mark.parametrize("variant", ["scalar_rgb", "llvm_ad_rgb"], indirect=True)
 @EACH
-def test_diffuse_reflectance_is_the_albedo(cls: type[Model], variant: str) -> None:
-    model = cls(**between(cls, 0.37))
+def test_diffuse_reflectance_is_the_albedo(cls: type[Model]) -> None:
+    check_diffuse_reflectance(cls(**between(cls, 0.37)))
+
+
+@IN_EACH_VARIANT
+def test_diffuse_reflectance_in_each_variant(variant: str) -> None:
+    check_diffuse_reflectance(gonio.EON(rho=0.75, roughness=0.5))
+
+
+def check_diffuse_reflectance(model: Model) -> None:
     wo = polar([0.5, 2.0]).astype(np.float32)
     found = reflectance(mi.load_dict(gonio.mitsuba.plugin(model)), wo)
-    np.testing.assert_allclose(found, model.albedo(wo), rtol=1e-4)
+    expected = model.albedo(wo)
+    if found.shape != expected.shape:
+        expected = expected[:, :1]  # other channels than RGB: the model is grey
+    np.testing.assert_allclose(found, np.broadcast_to(expected, found.shape), rtol=1e-4)
     assert (found[1] == 0).all()
 
 
@@ -375,7 +385,7 @@ def bitmap(*texels: Any) -> dict[str, Any]:
     return {"type": "bitmap", "bitmap": image, "raw": True, "filter_type": "nearest"}
 
 
-# What users write, and what it means to gonio.EON. The texture is read at uv = (0.25, 0.5).
+# What users write, and what it means to gonio.EON. Textures are read at uv = (0.25, 0.25).
 WAYS: list[tuple[str, dict[str, Any], dict[str, Any]]] = [
     ("", {}, {}),
     (
@@ -840,8 +850,8 @@ def end_error(cls: type[Model], arrays: type[Model]) -> float:
             end = float(np.float32(place(p, t)))
             bsdf, leaf = load(cls), mi.Float(end)
             dr.enable_grad(leaf)
-            expected = dr.llvm.ad.Array3f if p.width == 3 else mi.Float
-            f = arrays(**{p.name: expected(leaf)}).eval(mi.Vector3f(wi), mi.Vector3f(wo))
+            value = mi.Vector3f(leaf) if p.width == 3 else leaf
+            f = arrays(**{p.name: value}).eval(mi.Vector3f(wi), mi.Vector3f(wo))
             dr.forward(leaf)
             expected = dr.grad(f).numpy()[:, 0] * np.cos(1.0)
 
@@ -856,9 +866,10 @@ def end_error(cls: type[Model], arrays: type[Model]) -> float:
     return worst
 
 
-@EACH
-def test_derivatives_at_the_ends_of_the_range_remain(cls: type[Model]) -> None:
+@pytest.mark.parametrize("name", ["eon", "oren_nayar", "triace_oren_nayar"])
+def test_derivatives_at_the_ends_of_the_range_remain(name: str) -> None:
     """An optimiser that has limited a value to its range must be able to leave the end again."""
+    cls = gonio.models()[name]
     assert end_error(cls, cls) < 1e-4
 
 
@@ -874,29 +885,39 @@ def test_a_derivative_that_ends_before_the_range_does_is_caught() -> None:
     assert end_error(Clipped, gonio.EON) > 0.9
 
 
-def derivatives_are_finite(cls: type[Model], **choice: Any) -> bool:
-    """Of sample weights, at every end of parameters, directions and random numbers."""
-    wo = adversarial_pairs()[1][::3]
-    u = np.random.default_rng(3).choice(np.float32(RANDOM), (2, len(wo)))
+def derivatives_are_finite(cls: type[Model], **choice: str) -> bool:
+    """Of sample weights along all parameters and the view, at every end of all that goes in."""
+    wo = adversarial_pairs()[1]
+    u = mi.Point2f(
+        *map(mi.Float, np.random.default_rng(3).choice(np.float32(RANDOM), (2, len(wo))))
+    )
+    bsdf = load(cls, **choice)
+    parameters, keys = mi.traverse(bsdf), [f"{p.name}.value" for p in numbers(cls)]
     finite = True
     for t in (0.0, 0.5, 1.0):
-        bsdf, si = load(cls, **choice), interaction(wo)
-        parameters = mi.traverse(bsdf)
-        leaves = {name: mi.Float(value) for name, value in between(cls, t).items()}
-        dr.enable_grad(leaves, si.wi)
-        for name, leaf in leaves.items():
-            parameters[f"{name}.value"] = type(parameters[f"{name}.value"])(leaf)
+        si = interaction(wo)
+        for key, value in zip(keys, between(cls, t).values(), strict=True):
+            parameters[key] = type(parameters[key])(value)
+            dr.enable_grad(parameters[key])
+            dr.set_grad(parameters[key], 1)
         parameters.update()
-        _, weight = bsdf.sample(mi.BSDFContext(), si, 0.5, mi.Point2f(*map(mi.Float, u)))
-        dr.backward(dr.sum(weight, axis=None), dr.ADFlag.Default | dr.ADFlag.AllowNoGrad)
-        for leaf in (*leaves.values(), si.wi):
-            finite &= bool(np.isfinite(dr.grad(leaf).numpy()).all())
+        dr.enable_grad(si.wi)
+        dr.set_grad(si.wi, mi.Vector3f(-si.wi.z, 0.5, si.wi.x))
+        _, weight = bsdf.sample(mi.BSDFContext(), si, 0.5, u)
+        dr.enqueue(dr.ADMode.Forward, si.wi, *(parameters[key] for key in keys))
+        dr.traverse(dr.ADMode.Forward)
+        finite &= bool(np.isfinite(dr.grad(weight).numpy()).all())
     return finite
 
 
 @EACH
 def test_derivatives_through_samples_are_finite(cls: type[Model]) -> None:
     assert derivatives_are_finite(cls)
+
+
+@pytest.mark.parametrize("sampler", gonio.EON.fields["sampler"].values)
+def test_derivatives_through_each_sampler_are_finite(sampler: str) -> None:
+    assert derivatives_are_finite(gonio.EON, sampler=sampler)
 
 
 def test_an_infinite_derivative_is_caught() -> None:
@@ -921,10 +942,12 @@ def results(bsdf: Any, wi: Array = WI, wo: Array = WO) -> dict[str, Array]:
 
 def test_blendbsdf_is_the_weighted_mean() -> None:
     smooth = {"type": "gonio_burley_diffuse", "roughness": 0.2}
-    blend = results({"type": "blendbsdf", "weight": 0.3, "first": ROUGH, "second": smooth})
-    first, second = results(ROUGH), results(smooth)
+    wrapper = {"type": "blendbsdf", "weight": 0.3, "first": ROUGH, "second": smooth}
+    blend, first, second = results(wrapper), results(ROUGH), results(smooth)
     for name in ("value", "pdf"):
         np.testing.assert_allclose(blend[name], 0.7 * first[name] + 0.3 * second[name], rtol=1e-5)
+    albedos = [reflectance(mi.load_dict(bsdf), WO) for bsdf in (wrapper, ROUGH, smooth)]
+    np.testing.assert_allclose(albedos[0], 0.7 * albedos[1] + 0.3 * albedos[2], rtol=1e-5)
 
 
 def test_twosided_is_the_mirror_image_below() -> None:
@@ -935,6 +958,8 @@ def test_twosided_is_the_mirror_image_below() -> None:
         np.testing.assert_allclose(upper[name], plain[name], rtol=1e-6)
         np.testing.assert_allclose(lower[name], plain[name], rtol=1e-6)
     np.testing.assert_allclose(lower["sample"], plain["sample"] * below, rtol=1e-6)
+    seen = [reflectance(mi.load_dict(wrapped), wo) for wo in (WO, WO * below)]
+    np.testing.assert_allclose(seen[1], seen[0], rtol=1e-6)
     for value in ("value", "pdf"):  # light does not pass through
         assert (results(wrapped, WI * below, WO)[value] == 0).all()
 
@@ -981,9 +1006,18 @@ CHI2_TESTS = 200
 def chi2(cls: type[Model], degrees: float, **properties: Any) -> tuple[bool, str]:
     """Whether 1e7 samples at a resolution of 31 follow the pdf, and Mitsuba's remarks."""
     gonio.mitsuba.register(cls)
-    name = f"gonio_{cls.name}"
-    wo = [float(c) for c in polar(np.radians(degrees), AZIMUTH)]
-    sample, pdf = mi.chi2.BSDFAdapter(name, {"type": name, **properties}, wi=wo)
+    bsdf, ctx = mi.load_dict({"type": f"gonio_{cls.name}", **properties}), mi.BSDFContext()
+    si = interaction(polar(np.radians(degrees), AZIMUTH))
+    dr.make_opaque(si.wi)  # one kernel for all angles
+
+    def sample(u: Any) -> tuple[Any, Any]:
+        bs, _ = bsdf.sample(ctx, si, u[0], mi.Point2f(u[1], u[2]))
+        # mi.chi2.BSDFAdapter tells wasted samples by their weight, but black ones are not wasted.
+        return bs.wo, dr.select(bs.pdf > 0, mi.Float(1), 0)
+
+    def pdf(wi: Any) -> Any:
+        return bsdf.pdf(ctx, si, wi)
+
     test = mi.chi2.ChiSquareTest(
         domain=mi.chi2.SphericalDomain(),
         sample_func=sample,
@@ -1001,7 +1035,7 @@ def test_samples_follow_the_density(cls: type[Model]) -> None:
     """At three angles; at the middle one with every option as well."""
     cases = [(degrees, {}) for degrees in ANGLES] + [(60.0, c) for c in options(cls)[1:]]
     for degrees, choice in cases:
-        passed, messages = chi2(cls, degrees, **between(cls, 0.5), **choice)
+        passed, messages = chi2(cls, degrees, **between(cls, 0.4), **choice)
         assert passed, (degrees, choice, messages)
 
 
@@ -1026,7 +1060,7 @@ class HalfAPercentTooMuch(Lambertian, register=False):
 
 
 class Turned(gonio.EON, register=False):
-    """Samples turned by a half a degree about the normal."""
+    """Samples turned by half a degree about the normal."""
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         wi, _ = super().sample(wo, u)
@@ -1035,7 +1069,7 @@ class Turned(gonio.EON, register=False):
 
 
 class Tilted(Lambertian, register=False):
-    """Samples tilted by a half a degree."""
+    """Samples tilted by half a degree."""
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         wi = sample_cosine(u)
@@ -1102,7 +1136,7 @@ WHITE = {"type": "rgb", "value": [1, 1, 1]}
 
 
 def test_white_eon_vanishes_in_a_furnace() -> None:
-    """A hundred bounces: every loss or gain of 0.1 % per bounce would show."""
+    """Light bounces until it finds a way out; a loss of 0.1 % on the way would show."""
     bsdf = {"type": "gonio_eon", "rho": WHITE, "roughness": 1.0}
     picture = mi.render(mi.load_dict(room(bsdf, 100)), spp=1024, seed=1).numpy()
     assert picture.mean() == pytest.approx(1, abs=1e-3)
@@ -1126,7 +1160,7 @@ ANCHORS = [
 
 
 def plate(bsdf: Any, wo: Any) -> tuple[float, float]:
-    """Mean pixel and its standard error of a plate that fills a picture taken from wo."""
+    """Mean and standard error of the 32² pixels of a plate that fills a picture taken from wo."""
     scene = ball(bsdf, {"type": "direct", "emitter_samples": 0, "bsdf_samples": 1}, size=32)
     scene["ball"] = {"type": "rectangle", "to_world": mi.ScalarTransform4f().scale(1000)}
     scene["ball"]["bsdf"] = bsdf
@@ -1178,19 +1212,6 @@ def test_a_plate_shows_an_error_of_half_a_percent() -> None:
 
 def rgb(value: Any) -> dict[str, Any]:
     return {"type": "rgb", "value": [float(v) for v in value]}
-
-
-def test_a_plate_shows_an_error_of_half_a_percent() -> None:
-    class Brighter(gonio.QON, register=False):
-        def eval(self, wi: Vec3, wo: Vec3) -> Color:
-            return super().eval(wi, wo) * 1.005
-
-    gonio.mitsuba.register(Brighter)
-    wo = polar(np.radians(60))
-    right = float(gonio.QON(rho=1, sigma=1).albedo(wo)[0])
-    given = {"rho": WHITE, "sigma": 1.0}
-    assert plate({"type": "gonio_qon", **given}, wo) == pytest.approx(right, abs=PLATE)
-    assert plate({"type": f"gonio_{Brighter.name}", **given}, wo) > right + PLATE
 
 
 def test_lambert_renders_like_mitsubas_diffuse() -> None:

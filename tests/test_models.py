@@ -12,7 +12,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from support import integrate
 from support.directions import RANDOM, adversarial_pairs, polar, random_directions
-from support.variants import admits, kink_error, options, place, random_parameters, sweep
+from support.variants import (
+    admits,
+    kink_error,
+    options,
+    place,
+    random_parameters,
+    strong,
+    sweep,
+    thinned,
+)
 
 import gonio
 from gonio.lang import Color, Float, Sample, Vec2, Vec3
@@ -47,7 +56,10 @@ def test_model_is_reciprocal(cls: type[Model]) -> None:
     for choice in options(cls):
         errors = [reciprocity_error(cls(**parameters, **choice)) for parameters in sweep(cls)]
         if admits(cls, choice, "not reciprocal"):
-            assert max(errors) > 0.01, f"{choice}: a caveat says that this is not reciprocal, but it is"
+            errors.append(reciprocity_error(cls(**strong(cls), **choice)))
+            assert max(errors) > 0.01, (
+                f"{choice}: a caveat says that this is not reciprocal, but it is"
+            )
         else:
             assert max(errors) < RECIPROCAL, (choice, sweep(cls)[int(np.argmax(errors))])
 
@@ -65,22 +77,27 @@ def test_a_model_that_is_not_reciprocal_is_caught() -> None:
 # --- albedo --------------------------------------------------------------------------------------
 
 
-def albedo_error(model: Model) -> float:
+def albedo_error(model: Model, mean: bool = True) -> float:
     """Largest difference between the model's albedos and quadrature of its eval, in float64."""
     worst = 0.0
     for theta in ANGLES:
         expected = integrate.albedo(model.eval, theta, integrate.rule_for(model, theta))
         worst = max(worst, float(np.max(np.abs(model.albedo(polar(theta)) - expected))))
-    expected = integrate.mean(model.albedo, turns=1 if model.isotropic else 24)
+    if not mean:
+        return worst
+    expected = integrate.mean(model.albedo, turns=1 if model.isotropic else 12)
     return max(worst, float(np.max(np.abs(model.mean_albedo() - expected))))
 
 
 @EACH
 def test_albedo_is_the_integral_of_eval(cls: type[Model]) -> None:
     for choice in options(cls):
-        for parameters in sweep(cls)[::3]:
+        for count, parameters in enumerate(thinned(cls, 3, choice)):
             tolerance = (1e-5 if cls.isotropic else 3e-5) + kink_error(cls, choice)
-            assert albedo_error(cls(**parameters, **choice)) < tolerance, (choice, parameters)
+            # Means of numeric albedos take a second each
+            mean = cls.albedo_rule == "angles" or count == 0
+            model = cls(**parameters, **choice)
+            assert albedo_error(model, mean) < tolerance, (choice, parameters)
 
 
 def test_a_wrong_albedo_is_caught() -> None:
@@ -156,7 +173,7 @@ def test_mean_weight_is_the_albedo(cls: type[Model]) -> None:
         # The general LTC never reaches some directions, CLTC few: the paper's "slight bias".
         bias = {"ltc": 0.02, "cltc": 0.02}.get(choice.get("sampler", ""), 0)
         bias += kink_error(cls, choice)
-        for parameters in sweep(cls)[::3]:
+        for parameters in thinned(cls, 3, choice):
             model = cls(**parameters, **choice)
             for theta in ANGLES:
                 w = weights(model, theta, 256)
@@ -187,7 +204,7 @@ def test_sample_reports_the_density_that_pdf_has(cls: type[Model]) -> None:
 @EACH
 def test_pdf_integrates_to_one(cls: type[Model]) -> None:
     for choice in options(cls):
-        for parameters in sweep(cls)[::3]:
+        for parameters in thinned(cls, 3, choice):
             model = cls(**parameters, **choice)
             for theta in np.radians([0.0, 40.0, 75.0, 88.0]):
                 wi, w = integrate.rule_for(model, theta, 96)
@@ -250,6 +267,11 @@ def test_the_default_sampler_of_eon_has_bounded_weights() -> None:
 # --- precision -----------------------------------------------------------------------------------
 
 
+# Far tails of a lobe are compared with this: D has few digits left below 1e-38, and the other factors,
+# 1 / (4 mu_i mu_o) for one, may be as large as 1e13.
+FAR_TAIL = 1e-20
+
+
 def precision_error(cls: type[Model], choice: dict[str, str], count: int) -> dict[str, Any]:
     """Largest relative error of float32 against float64, on the same float32 inputs."""
     wi, wo = adversarial_pairs()
@@ -261,8 +283,9 @@ def precision_error(cls: type[Model], choice: dict[str, str], count: int) -> dic
     worst = {}
     for name, args in {"eval": (wi, wo), "pdf": (wi, wo), "albedo": (wo,)}.items():
         if name == "albedo" and name not in vars(cls):
-            args = (wo[:3000],)  # quadrature
-            p = {k: v[:3000] for k, v in parameters.items()}
+            some = 3000 if cls.albedo_rule == "angles" else 300
+            args = (wo[:some],)  # quadrature
+            p = {k: v[:some] for k, v in parameters.items()}
             s, d = cls(**p, **choice), cls(**{k: v.astype(np.float64) for k, v in p.items()})
         else:
             s, d = single, double
@@ -281,10 +304,18 @@ def precision_error(cls: type[Model], choice: dict[str, str], count: int) -> dic
         if name == "pdf" and choice.get("sampler") in {"ltc", "cltc"}:
             scale = np.maximum(scale, 0.1)  # the rim of the lobe, see gonio.parts.cltc
         error = np.abs(low - high)
-        if cls.albedo_rule == "half_vectors":
+        if cls.albedo_rule != "angles":
             # The tails of a sharp lobe are powers and exponentials of 1 / alpha, which magnify its last
-            # bit: eight roundings of the parameters are allowed, each by what it changes in float64.
-            error = np.maximum(error - 8 * rounding_effect(cls, choice, parameters, name, args, high), 0)
+            # bit, and total reflection sets in suddenly: eight roundings of the parameters and of the
+            # directions' length are allowed, each by what it changes in float64.
+            scale = np.maximum(scale, FAR_TAIL)
+            rows = np.flatnonzero((error > 5e-6 * scale).reshape(len(error), -1).any(axis=1))
+            if len(rows):
+                few = {k: v[rows] for k, v in parameters.items()}
+                effect = rounding_effect(
+                    cls, choice, few, name, [a[rows] for a in args], high[rows]
+                )
+                error[rows] = np.maximum(error[rows] - 8 * effect, 0)
         error = error / scale
         place_ = np.unravel_index(error.argmax(), error.shape)
         worst[name] = (float(error.max()), int(place_[0]))
@@ -294,17 +325,19 @@ def precision_error(cls: type[Model], choice: dict[str, str], count: int) -> dic
 def rounding_effect(
     cls: type[Model], choice: dict[str, str], parameters: Any, name: str, args: Any, value: Any
 ) -> Any:
-    """Change of a value, in float64, if every parameter grows by half a float32 epsilon."""
-    count = len(args[0])
-    moved = {}
-    for k, v in parameters.items():
+    """Change of a value, in float64, by half a float32 epsilon in the parameters and in |wi| and |wo|."""
+    same = {k: v.astype(np.float64) for k, v in parameters.items()}
+    args = [a.astype(np.float64) for a in args]
+    shorter = [a * (1 - 2.0**-24) for a in args]
+    total = np.abs(getattr(cls(**same, **choice), name)(*shorter) - value)
+    for k, v in same.items():
         declared = cls.fields[k]
         assert isinstance(declared, Parameter)
-        v = v[:count].astype(np.float64)
         up = v * (1 + 2.0**-24)
-        moved[k] = np.where(up <= declared.highest, up, v * (1 - 2.0**-24))
-    args = [a.astype(np.float64) for a in args]
-    return np.abs(getattr(cls(**moved, **choice), name)(*args) - value)
+        inside = (up >= declared.lowest) & (up <= declared.highest)
+        moved = same | {k: np.where(inside, up, v * (1 - 2.0**-24))}
+        total += np.abs(getattr(cls(**moved, **choice), name)(*args) - value)
+    return total
 
 
 @EACH
@@ -312,7 +345,8 @@ def test_float32_agrees_with_float64(cls: type[Model]) -> None:
     for choice in options(cls):
         worst = precision_error(cls, choice, 1_000_000 if not choice else 100_000)
         for name, (error, _) in worst.items():
-            assert error < 1e-5, (choice, name, worst)
+            limit = 1e-4 if admits(cls, choice, "within 1e-4") else 1e-5
+            assert error < limit, (choice, name, worst)
 
 
 @EACH
@@ -320,7 +354,7 @@ def test_gradients_are_finite(cls: type[Model]) -> None:
     wi, wo = adversarial_pairs()
     u = np.random.default_rng(3).choice(np.float32(RANDOM), (len(wo), 2))
     for choice in options(cls):
-        for parameters in sweep(cls)[::2]:
+        for parameters in thinned(cls, 2, choice):
             check_gradients(cls, parameters, choice, wi, wo, u)
 
 
@@ -331,7 +365,7 @@ def check_gradients(
     directions = {"wi": ad.Array3f(wi.T), "wo": ad.Array3f(wo.T), "u": ad.Array2f(u.T)}
     for method, names in {"eval": "wi wo", "pdf": "wi wo", "sample": "wo u"}.items():
         leaves = {
-            k: ad.Array3f(v) if cls.fields[k].width == 3 else ad.Float(v)  # type: ignore[union-attr]
+            k: dr.opaque(ad.Array3f if cls.fields[k].width == 3 else ad.Float, v)  # type: ignore[union-attr]
             for k, v in parameters.items()
         }
         args = [type(directions[n])(directions[n]) for n in names.split()]
@@ -356,7 +390,7 @@ def test_gradients_are_central_differences(cls: type[Model]) -> None:
     for name, declared in cls.fields.items():
         if not isinstance(declared, Parameter) or declared.width == 3:
             continue
-        x = float(place(declared, 0.5))
+        x = float(place(declared, 0.55))  # the middle is special for some, such as a tilt of 0
         leaf = ad.Float64(x)
         dr.enable_grad(leaf)
         value = cls(**{name: leaf}).eval(ad.Array3f64(wi.T), ad.Array3f64(wo.T)).x

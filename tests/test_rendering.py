@@ -12,7 +12,6 @@ import pytest
 
 import gonio
 from gonio.files import replacing
-from gonio.material import MaterialError, load_material
 from gonio.rendering import (
     _passes,
     compare,
@@ -182,66 +181,3 @@ def test_labels_say_what_differs() -> None:
     assert describe(gonio.EON(roughness=1, rho=(0.1, 0.2, 0.3), sampler="cosine")) == (
         "eon rho=0.1/0.2/0.3 roughness=1 cosine"
     )
-
-
-# --- material files ------------------------------------------------------------------------------
-
-
-def write(folder: Path, text: str) -> Path:
-    path = folder / "clay.toml"
-    path.write_text(text)
-    return path
-
-
-def test_a_material_file_is_read(tmp_path: Path) -> None:
-    material = load_material(
-        write(tmp_path, 'model = "eon"\nrho = [0.6, 0.3, 0.2]\nroughness = 1\nsampler = "cosine"\n')
-    )
-    assert material.name == "clay"
-    assert material.model.rho == (0.6, 0.3, 0.2)
-    assert material.model.roughness == 1
-    assert material.model.sampler == "cosine"
-
-
-def test_a_texture_drives_a_parameter(tmp_path: Path) -> None:
-    mi.Bitmap(np.full((2, 2, 3), 0.25, np.float32)).write(str(tmp_path / "grey.exr"))
-    material = load_material(write(tmp_path, 'model = "lambert"\nrho = "grey.exr"\n'))
-    path = tmp_path / "scene.xml"
-    path.write_text(SCENE.format(bsdf=""))
-    pixels = render_scene(path, {"wall": material}, spp=256)
-    assert pixels.mean() == pytest.approx(0.25, rel=5e-3)
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ('model = "eon"\nrougness = 1\n', r"clay.toml:2: eon has no 'rougness'; did you mean"),
-        ('model = "eon"\n\nroughness = 3\n', r"clay.toml:3: eon: roughness=3 is out of range"),
-        ('# x\nmodel = "eno"\n', r"clay.toml:2: no model 'eno'; did you mean 'eon'"),
-        ("roughness = 1\n", r"the line 'model = \"NAME\"' is missing"),
-        (
-            'model = "eon"\nrho = "none.png"\n',
-            r"clay.toml:2: rho names a picture that does not exist",
-        ),
-        ('model = "eon"\nroughness = \n', r"not a TOML file: .*line 2"),
-        ('model = "eon"\nroughness = [1, 2]\n', r"clay.toml:2: eon: roughness takes one number"),
-        ("model = 3\n", r"clay.toml:1: no model 3"),
-        (
-            'model = "eon"\nroughness = 2020-01-01\n',
-            r"clay.toml:2: eon: roughness must be a number",
-        ),
-        ('model = ["eon"]\n', r"clay.toml:1: no model \['eon'\]"),
-    ],
-)
-def test_a_bad_material_file_names_the_line(tmp_path: Path, text: str, message: str) -> None:
-    with pytest.raises(MaterialError, match=message):
-        load_material(write(tmp_path, text))
-
-
-def test_binary_and_missing_material_files_are_refused(tmp_path: Path) -> None:
-    path = tmp_path / "clay.toml"
-    with pytest.raises(FileNotFoundError, match="no material file"):
-        load_material(path)
-    path.write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(MaterialError, match="not a TOML file"):
-        load_material(path)

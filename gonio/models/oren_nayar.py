@@ -32,6 +32,11 @@ from gonio.parts.oren_nayar import qualitative_coefficients, tangential_cross, t
 SIN4_MIN = 1e-20
 
 
+# Mean of (L1 - C1 rho / pi) pi / rho over both hemispheres, divided by sigma^2 / (sigma^2 + 0.09), on which
+# all of it depends in the same way. From tests/derive_anchors.py, at 40 digits.
+K_MEAN = 0.027764286107928
+
+
 class OrenNayar(Model):
     """Rough diffuse from V-shaped grooves, single and double scattering. Reciprocal; loses energy."""
 
@@ -90,3 +95,9 @@ class OrenNayar(Model):
         """Density of `sample` in 1/sr."""
         A, B = qualitative_coefficients(self.sigma, 0.33)
         return cltc.pdf_cltc_uniform(wi, wo, B / A)
+
+    def mean_albedo(self) -> Color:
+        """Hemispherical mean of the albedo; the azimuth averages L2's c to nothing."""
+        s2 = self.sigma * self.sigma
+        single = 1 - 0.5 * s2 / (s2 + 0.33) + K_MEAN * s2 / (s2 + 0.09)
+        return self.rho * (single + self.rho * (0.17 * s2 / (s2 + 0.13)))

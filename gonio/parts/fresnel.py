@@ -9,7 +9,6 @@ from gonio.lang import (
     Color,
     Float,
     absolute,
-    lerp,
     maximum,
     select,
     sqrt,
@@ -29,7 +28,10 @@ def schlick_weight(cos_theta: Float) -> Float:
 
 def F_schlick(cos_theta: Float, f0: Color, f90: Color) -> Color:
     """Schlick, "An inexpensive BRDF model for physically-based rendering", 1994, Eq. 15, with an F90."""
-    return lerp(f0, f90, schlick_weight(cos_theta))
+    # 1 - k^5 with k = 1 - c, without its cancellation in the horizon
+    k = 1 - cos_theta
+    rest = cos_theta * (1 + k * (1 + k * (1 + k * (1 + k))))
+    return f0 * rest + f90 * schlick_weight(cos_theta)
 
 
 def F_dielectric(cos_theta: Float, eta: Color) -> Color:
@@ -38,13 +40,15 @@ def F_dielectric(cos_theta: Float, eta: Color) -> Color:
     # out with g^2 = eta^2 - 1 + c^2, the differences leave eta^2 - 1 as a factor: nothing cancels.
     c = cos_theta
     contrast = (eta - 1) * (eta + 1)
-    g2 = contrast + c * c
-    g = sqrt(maximum(g2, ROOT_MIN))
     eta2 = eta * eta
+    sin2 = (1 - c) * (1 + c)
+    # Two forms of the same, of which the first is exact in the horizon and the second near the normal
+    g2 = select(c < 0.5, contrast + c * c, eta2 - sin2)
+    g = sqrt(maximum(g2, ROOT_MIN))
     s = c + g
     p = eta2 * c + g
     r_s = contrast / (s * s)
-    r_p = contrast * ((eta2 + 1) * c * c - 1) / (p * p)
+    r_p = contrast * (eta2 * c * c - sin2) / (p * p)
     return select(g2 > 0, 0.5 * (r_s * r_s + r_p * r_p), 1)
 
 
@@ -53,7 +57,9 @@ def F_conductor(cos_theta: Float, eta: Color, k: Color) -> Color:
     # As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g = sqrt(contrast + c^2)
     c = cos_theta
     contrast_re, contrast_im = (eta - 1) * (eta + 1) - k * k, 2 * eta * k
-    w_re = contrast_re + c * c
+    eps_re = (eta - k) * (eta + k)
+    sin2 = (1 - c) * (1 + c)
+    w_re = select(c < 0.5, contrast_re + c * c, eps_re - sin2)
     w_abs = sqrt(maximum(w_re * w_re + contrast_im * contrast_im, ROOT_MIN * ROOT_MIN))
     # Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     large = sqrt(0.5 * maximum(w_abs + absolute(w_re), ROOT_MIN))
@@ -63,19 +69,21 @@ def F_conductor(cos_theta: Float, eta: Color, k: Color) -> Color:
     contrast_abs2 = contrast_re * contrast_re + contrast_im * contrast_im
     s_re = c + g_re
     s_abs2 = s_re * s_re + g_im * g_im
-    eps_re = contrast_re + 1
     p_re, p_im = eps_re * c + g_re, contrast_im * c + g_im
     p_abs2 = p_re * p_re + p_im * p_im
-    q_re, q_im = (eps_re + 1) * c * c - 1, contrast_im * c * c
-    R_s = contrast_abs2 / (s_abs2 * s_abs2)
-    R_p = contrast_abs2 * (q_re * q_re + q_im * q_im) / (p_abs2 * p_abs2)
+    q_re, q_im = eps_re * c * c - sin2, contrast_im * c * c
+    # One quotient after the other: for a matched index in the horizon the squares would leave a float32
+    R_s = contrast_abs2 / s_abs2 / s_abs2
+    R_p = contrast_abs2 / p_abs2 * ((q_re * q_re + q_im * q_im) / p_abs2)
     return 0.5 * (R_s + R_p)
 
 
 def F_lazanyi(cos_theta: Float, eta: Color, k: Color) -> Color:
     """Lazányi and Szirmay-Kalos, "Fresnel term approximations for metals", WSCG 2005, Eq. 4.
 
-    Schlick's curve through the exact F0 of a metal.
+    Schlick's curve through the exact F0 of a metal. Within 0.03 of `F_conductor` for gold, silver and
+    copper; it has no dip before the horizon, and is up to 0.13 too bright there for aluminium, 0.27 for
+    chromium.
     """
     below = eta - 1
     above = eta + 1

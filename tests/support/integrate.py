@@ -104,7 +104,7 @@ def rule_for(model: Any, theta_o: float, nodes: int = NODES) -> tuple[Array, Arr
     if model.albedo_rule == "angles":
         return hemisphere_rule(theta_o, nodes)
     if model.albedo_rule == "mirror":
-        return mirror_rule(theta_o, nodes)
+        return mirror_rule(theta_o, nodes + 12)
     stretch = getattr(model, "anisotropy", getattr(model, "anisotropic", 0.0))
     # Half way between a stretched lobe and a round one, so that both stay resolved
     aspect = float(1 - 0.9 * stretch) ** 0.25
@@ -122,7 +122,7 @@ def albedo(
     return np.asarray(np.sum(f * (weights * wi[:, 2])[:, None], axis=0))
 
 
-def mean(directional: Callable[[Array], Any], nodes: int = 48, turns: int = 1) -> Array:
+def mean(directional: Callable[[Array], Any], nodes: int = 24, turns: int = 1) -> Array:
     """(1/pi) ∫ E(wo) cos(theta_o) of an albedo, float64, shape (3,); turns: azimuths per quarter."""
     x, w = np.polynomial.legendre.leggauss(nodes)
     # Half of the nodes crowd in the horizon, where masking by sharp facets sets in

@@ -58,7 +58,8 @@ def admits(cls: type[Model], choice: dict[str, str], words: str) -> bool:
 
 def kink_error(cls: type[Model], choice: dict[str, str]) -> float:
     """How much numeric albedos may be off because of kinks that no rule can know of."""
-    return max((KINKED.get(v, 0) for v in chosen(cls, choice).values()), default=0)
+    declared = 1e-3 if admits(cls, choice, "Has a kink") else 0.0
+    return max([KINKED.get(v, 0.0) for v in chosen(cls, choice).values()] + [declared])
 
 
 def sweep(cls: type[Model]) -> list[dict[str, Any]]:
@@ -71,6 +72,29 @@ def sweep(cls: type[Model]) -> list[dict[str, Any]]:
     tint = {p.name: tuple(place(p, t) for t in (0.95, 0.4, 0.05)) for p in numbers if p.width == 3}
     found.append({p.name: place(p, 0.7) for p in numbers} | tint)
     return [{k: v if isinstance(v, tuple) else float(v) for k, v in f.items()} for f in found]
+
+
+def strong(cls: type[Model]) -> dict[str, Any]:
+    """A setting at which effects show: default colours, numbers above the middle, wide ranges low."""
+    return {
+        p.name: float(place(p, 0.0 if p.high - p.low > WIDE else 0.6))
+        for p in cls.fields.values()
+        if isinstance(p, Parameter) and p.width == 1
+    }
+
+
+def thinned(cls: type[Model], step: int, choice: dict[str, str]) -> list[dict[str, Any]]:
+    """Every step-th of `sweep`, or fewer, for slow tests; the last one has tinted colours.
+
+    At most 14 with default options and 5 with others; half of that where albedos are quadratures of
+    sharp lobes, which take seconds each.
+    """
+    every = sweep(cls)
+    found = every[:-1:step]
+    limit = 4 if choice else 13
+    if cls.albedo_rule != "angles":
+        limit = 1 if choice else 5
+    return [*found[:: -(-len(found) // limit)], every[-1]]
 
 
 def random_parameters(cls: type[Model], count: int, seed: int) -> dict[str, Any]:

@@ -1,0 +1,84 @@
+"""Metallic–roughness: one colour, a metalness and a roughness, the way games describe materials.
+
+Source: "PBR theory, part 1: foundations" (SZ's temple, 2019), section 4, after Burley 2012: Lambert with
+k_d = 1 - F and c_d = base_color (1 - metallic), Cook-Torrance with GGX, Smith and Schlick, F0 between
+0.04 and the base colour. The text leaves Smith's form open: both are here.
+Deviation: alpha = roughness^2 is at least ALPHA_MIN, where the highlight still is a function.
+"""
+
+from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, lerp, maximum, select
+from gonio.model import Model, option, param
+from gonio.parts.distribution import ALPHA_MIN, D_ggx, cos_half, half_vector
+from gonio.parts.fresnel import schlick_weight
+from gonio.parts.hemisphere import pdf_cosine, sample_cosine
+from gonio.parts.lobes import (
+    average,
+    choose,
+    pdf_ggx_lobe,
+    sample_ggx_lobe,
+    schlick_complement,
+    schlick_weight_half,
+    shares,
+)
+from gonio.parts.masking import V_smith_correlated_ggx, V_smith_ggx
+
+# Reflectance of every dielectric at normal incidence.
+F0_DIELECTRIC = 0.04
+
+
+class MetallicRoughness(Model):
+    """Diffuse below a GGX highlight, which takes its share of the light facet by facet. Reciprocal."""
+
+    albedo_rule = "half_vectors"
+
+    base_color: Color = param((0.8, 0.8, 0.8), 0, 1, "diffuse colour, or F0 of metals, linear RGB")
+    metallic: Float = param(0, 0, 1, "0 for dielectrics, 1 for metals")
+    roughness: Float = param(0.5, 0, 1, "perceptual roughness, alpha = roughness^2")
+    masking: str = option(
+        "smith_correlated", "smith", doc="Smith's G, correlated by height or G1(wi) G1(wo)"
+    )
+    caveats = (
+        "Reflects more than it receives at grazing angles: k_d = 1 - F at the half vector leaves "
+        "nearly all of the diffuse term beside the highlight. A white dielectric reaches 1.93 "
+        "(roughness 0, 90 degrees).",
+        "Loses what facets reflect more than once: a white metal of roughness 1 reflects 31 % at "
+        "the normal.",
+    )
+
+    def eval(self, wi: Vec3, wo: Vec3) -> Color:
+        """BRDF value in 1/sr, without the cosine."""
+        alpha = self._alpha()
+        f0 = self._f0()
+        F = lerp(f0, 1, schlick_weight_half(wi, wo))
+        # 1 - F without its cancellation
+        k_d = (1 - f0) * schlick_complement(cos_half(wi, wo))
+        diffuse = INV_PI * (1 - self.metallic) * self.base_color * k_d
+        D = D_ggx(half_vector(wi, wo), alpha, alpha)
+        if self.masking == "smith":
+            return diffuse + F * (D * V_smith_ggx(wi, wo, alpha, alpha))
+        return diffuse + F * (D * V_smith_correlated_ggx(wi, wo, alpha, alpha))
+
+    def sample(self, wo: Vec3, u: Vec2) -> Sample:
+        """Cosine-weighted or a visible GGX normal, by the estimated albedos."""
+        alpha = self._alpha()
+        first, v = choose(self._shares(wo).x, u)
+        wi = select(first, sample_cosine(v), sample_ggx_lobe(wo, alpha, alpha, v))
+        return Sample(wi, self.pdf(wi, wo))
+
+    def pdf(self, wi: Vec3, wo: Vec3) -> Float:
+        """Density of `sample` in 1/sr."""
+        alpha = self._alpha()
+        P = self._shares(wo)
+        return P.x * pdf_cosine(wi) + P.y * pdf_ggx_lobe(wi, wo, alpha, alpha)
+
+    def _alpha(self) -> Float:
+        return maximum(self.roughness * self.roughness, ALPHA_MIN)
+
+    def _f0(self) -> Color:
+        return lerp(F0_DIELECTRIC, self.base_color, self.metallic)
+
+    def _shares(self, wo: Vec3) -> Vec2:
+        """Probabilities of the diffuse lobe and of the highlight."""
+        f0 = self._f0()
+        diffuse = (1 - self.metallic) * self.base_color * (1 - f0)
+        return shares(average(diffuse), average(lerp(f0, 1, schlick_weight(wo.z))))

@@ -1,0 +1,253 @@
+"""Torrance–Sparrow: mirrors of microscopic size, with every published choice of D, G and F.
+
+f = F D G / (4 mu_i mu_o). Also called Cook–Torrance, whose own paper prints 1 / pi in place of 1 / 4.
+
+Sources:
+Torrance, Sparrow, "Theory for off-specular reflection from roughened surfaces", JOSA 57, 1967;
+Cook, Torrance, "A reflectance model for computer graphics", 1982;
+Walter et al., "Microfacet models for refraction through rough surfaces", EGSR 2007;
+Kulla, Conty, "Revisiting physically based shading at Imageworks", SIGGRAPH 2017 course;
+Turquin, "Practical multiple scattering compensation for microfacet models", 2019.
+Those of D, G and F are named in gonio.parts.distribution, masking and fresnel.
+"""
+
+from typing import Any
+
+from gonio.lang import (
+    INV_PI,
+    Color,
+    Float,
+    Sample,
+    Vec2,
+    Vec3,
+    clamp,
+    select,
+    vec2,
+)
+from gonio.metals import metal
+from gonio.model import Model, ModelError, option, param
+from gonio.parts import distribution, fresnel, ggx_loss, masking
+from gonio.parts.distribution import ALPHA_MIN
+from gonio.parts.hemisphere import pdf_cosine, sample_cosine
+
+GOLD = metal("Au")
+
+# Range of the index: the smallest measured for metals is 0.02, the largest about 7.
+ETA_MIN, ETA_MAX = 0.01, 20.0
+
+# Gauss's rule with three nodes for the integral of F 2 mu over mu in [0, 1] (Gauss-Jacobi).
+# It is exact for Schlick's F.
+MU_1, MU_2, MU_3 = 0.21234053823915294, 0.59053313555926529, 0.91141204048729605
+W_1, W_2, W_3 = 0.13965395980290825, 0.45848221271917249, 0.40186382747791926
+
+# Smallest share of the samples that the compensation gets, so that no weight grows without bound.
+SHARE_MIN = 0.05
+
+
+class TorranceSparrow(Model):
+    """Rough metal, or the reflection of a rough dielectric. Reciprocal; loses energy when rough."""
+
+    albedo_rule = "half_vectors"
+    isotropic = False
+
+    alpha: Float = param(
+        0.3, ALPHA_MIN, 1, "width of the facets' slopes: GGX's alpha, Beckmann's m"
+    )
+    anisotropy: Float = param(
+        0, 0, 1, "0 round, 1 smoothest along y; only ggx and beckmann have it"
+    )
+    eta: Color = param(GOLD["eta"], ETA_MIN, ETA_MAX, "index of refraction; the default is gold's")
+    k: Color = param(
+        GOLD["k"], 0, 20, "extinction, the imaginary part of the index; not for dielectric"
+    )
+    f0: Color = param((0.9, 0.9, 0.9), 0, 1, "reflectance at normal incidence; only for schlick")
+    f90: Color = param((1, 1, 1), 0, 1, "reflectance at grazing incidence; only for schlick")
+    distribution: str = option(
+        "ggx",
+        "beckmann",
+        "blinn_phong",
+        "gaussian",
+        doc="D: how the facets are tilted; Blinn-Phong's exponent is 2 / alpha^2 - 2",
+    )
+    masking: str = option(
+        "smith_correlated",
+        "smith",
+        "smith_walter",
+        "cook_torrance",
+        "kelemen",
+        "neumann",
+        "implicit",
+        "schlick_ggx",
+        "schlick_beckmann",
+        doc="G: how facets hide each other; Smith's is GGX's own or Beckmann's, smith_walter fits that",
+    )
+    fresnel: str = option(
+        "conductor",
+        "dielectric",
+        "schlick",
+        "lazanyi",
+        "white",
+        doc="F: exact, or Schlick's with f0 and f90, or Lazanyi's with eta and k; white is 1",
+    )
+    compensation: str = option(
+        "none",
+        "kulla_conty",
+        "turquin",
+        doc="puts back what facets reflect more than once; for ggx with smith_correlated",
+    )
+    caveats = (
+        "Loses what facets reflect more than once: white GGX of alpha 1 reflects 31 % at the normal. "
+        "compensation='kulla_conty' or 'turquin' puts it back to 0.4 %.",
+        "Wastes the samples that a facet mirrors below the horizon, at most 52 % of them.",
+        "compensation='turquin' is not reciprocal.",
+    )
+
+    def __init__(self, **given: Any) -> None:
+        """As every model; also refuses a compensation that was not made for the chosen D and G."""
+        super().__init__(**given)
+        made_for = self.distribution == "ggx" and self.masking == "smith_correlated"
+        if self.compensation != "none" and not made_for:
+            raise ModelError(
+                f"{self.name}: compensation={self.compensation!r} is made for distribution='ggx' with "
+                f"masking='smith_correlated', got {self.distribution!r} with {self.masking!r}."
+            )
+
+    def eval(self, wi: Vec3, wo: Vec3) -> Color:
+        """BRDF value in 1/sr, without the cosine."""
+        m = distribution.half_vector(wi, wo)
+        cos_h = distribution.cos_half(wi, wo)
+        single = self._F(cos_h) * (self._D(m) * self._V(wi, wo, m, cos_h))
+        if self.compensation == "kulla_conty":
+            # Kulla and Conty, pages 8 and 14
+            lost = ggx_loss.loss(wi.z, self.alpha) * ggx_loss.loss(wo.z, self.alpha)
+            return single + self._colour() * (INV_PI * lost / ggx_loss.mean_loss(self.alpha))
+        if self.compensation == "turquin":
+            # Turquin, Eq. 16
+            lost = ggx_loss.loss(wo.z, self.alpha)
+            return single * (1 + self._F(1) * (lost / (1 - lost)))
+        return single
+
+    def sample(self, wo: Vec3, u: Vec2) -> Sample:
+        """Visible normals where the masking has them, else normals; a cosine lobe for Kulla-Conty."""
+        if self.compensation == "kulla_conty":
+            share = self._diffuse_share(wo)
+            diffuse = u.x < share
+            u1 = select(diffuse, u.x / share, (u.x - share) / (1 - share))
+            facet = distribution.mirror(wo, self._sample_m(wo, vec2(u1, u.y)))
+            wi = select(diffuse, sample_cosine(vec2(u1, u.y)), facet)
+        else:
+            wi = distribution.mirror(wo, self._sample_m(wo, u))
+        return Sample(wi, self.pdf(wi, wo))
+
+    def pdf(self, wi: Vec3, wo: Vec3) -> Float:
+        """Density of `sample` in 1/sr."""
+        m = distribution.half_vector(wi, wo)
+        cos_h = distribution.cos_half(wi, wo)
+        specular = self._pdf_m(wo, m, cos_h)
+        if self.compensation == "kulla_conty":
+            share = self._diffuse_share(wo)
+            return share * pdf_cosine(wi) + (1 - share) * specular
+        return specular
+
+    def slope_widths(self) -> Vec2:
+        """As the facets' slopes."""
+        if self.distribution in ("blinn_phong", "gaussian"):
+            return vec2(self.alpha, self.alpha)
+        return self._widths()
+
+    def _widths(self) -> Vec2:
+        return distribution.anisotropic_alpha(self.alpha, self.anisotropy)
+
+    def _D(self, m: Vec3) -> Float:
+        if self.distribution == "blinn_phong":
+            return distribution.D_blinn_phong(m, self.alpha)
+        if self.distribution == "gaussian":
+            return distribution.D_gaussian(m, self.alpha)
+        a = self._widths()
+        if self.distribution == "beckmann":
+            return distribution.D_beckmann(m, a.x, a.y)
+        return distribution.D_ggx(m, a.x, a.y)
+
+    def _V(self, wi: Vec3, wo: Vec3, m: Vec3, cos_h: Float) -> Float:
+        """G / (4 mu_i mu_o)."""
+        if self.masking == "cook_torrance":
+            return masking.V_cook_torrance(wi, wo, m.z, cos_h)
+        if self.masking == "kelemen":
+            return masking.V_kelemen(cos_h)
+        if self.masking == "neumann":
+            return masking.V_neumann(wi, wo)
+        if self.masking == "implicit":
+            return masking.V_implicit()
+        if self.masking == "schlick_ggx":
+            return masking.V_schlick(wi, wo, masking.schlick_k_ggx(self.alpha))
+        if self.masking == "schlick_beckmann":
+            return masking.V_schlick(wi, wo, masking.schlick_k_beckmann(self.alpha))
+        return self._V_smith(wi, wo)
+
+    def _V_smith(self, wi: Vec3, wo: Vec3) -> Float:
+        if self.distribution == "ggx":
+            a = self._widths()
+            if self.masking == "smith_correlated":
+                return masking.V_smith_correlated_ggx(wi, wo, a.x, a.y)
+            return masking.V_smith_ggx(wi, wo, a.x, a.y)
+        # The others have no masking of their own, and take that of Beckmann facets of the same width.
+        a = self.slope_widths()
+        if self.masking == "smith_correlated":
+            return masking.V_smith_correlated_beckmann(wi, wo, a.x, a.y)
+        if self.masking == "smith":
+            return masking.V_smith_beckmann(wi, wo, a.x, a.y)
+        return masking.V_smith_beckmann_fitted(wi, wo, a.x, a.y)
+
+    def _F(self, cos_h: Float) -> Color:
+        if self.fresnel == "conductor":
+            return fresnel.F_conductor(cos_h, self.eta, self.k)
+        if self.fresnel == "dielectric":
+            return fresnel.F_dielectric(cos_h, self.eta)
+        if self.fresnel == "schlick":
+            return fresnel.F_schlick(cos_h, self.f0, self.f90)
+        if self.fresnel == "lazanyi":
+            return fresnel.F_lazanyi(cos_h, self.eta, self.k)
+        return 1 + 0 * self.f0
+
+    def _F_mean(self) -> Color:
+        """Mean of F over the hemisphere, by Gauss's rule."""
+        return W_1 * self._F(MU_1) + W_2 * self._F(MU_2) + W_3 * self._F(MU_3)
+
+    def _colour(self) -> Color:
+        """What is left of light after two and more reflections. Kulla and Conty, page 14."""
+        F = self._F_mean()
+        lost = ggx_loss.mean_loss(self.alpha)
+        return F * F * (1 - lost) / (1 - F * lost)
+
+    def _diffuse_share(self, wo: Vec3) -> Float:
+        """How many samples the compensation gets: as much as it reflects of white."""
+        return clamp(ggx_loss.loss(wo.z, self.alpha), SHARE_MIN, 1 - SHARE_MIN)
+
+    def _sample_m(self, wo: Vec3, u: Vec2) -> Vec3:
+        """Visible normals need Smith's G1, and a G that is no larger than it.
+
+        With Cook-Torrance's or Kelemen's G their weights grow like alpha / mu_o in the horizon, but those
+        of all normals are at most 2.
+        """
+        if self.distribution == "blinn_phong":
+            return distribution.sample_blinn_phong(self.alpha, u)
+        if self.distribution == "gaussian":
+            return distribution.sample_gaussian(self.alpha, u)
+        a = self._widths()
+        if self.distribution == "beckmann":
+            if self.masking in ("cook_torrance", "kelemen"):
+                return distribution.sample_beckmann(a.x, a.y, u)
+            return distribution.sample_beckmann_visible(wo, a.x, a.y, u)
+        if self.masking in ("cook_torrance", "kelemen"):
+            return distribution.sample_ggx(a.x, a.y, u)
+        return distribution.sample_ggx_visible(wo, a.x, a.y, u)
+
+    def _pdf_m(self, wo: Vec3, m: Vec3, cos_h: Float) -> Float:
+        if self.distribution == "gaussian":
+            return distribution.pdf_mirror(distribution.density_gaussian(m, self.alpha), cos_h)
+        if self.distribution == "blinn_phong" or self.masking in ("cook_torrance", "kelemen"):
+            return distribution.pdf_mirror(self._D(m) * m.z, cos_h)
+        a = self._widths()
+        if self.distribution == "beckmann":
+            return distribution.pdf_beckmann_visible(wo, m, a.x, a.y)
+        return distribution.pdf_ggx_visible(wo, m, a.x, a.y)

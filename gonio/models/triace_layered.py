@@ -1,0 +1,182 @@
+"""tri-Ace layered: two Blinn–Phong layers with an absorbing one between, made for game consoles.
+
+Source: Gotanda, "Beyond a simple physically based Blinn-Phong model in real-time", SIGGRAPH 2012 course
+"Practical physically based shading in film and game production", section 2. Symbols are the course's; the
+alpha' of Eq. 3 is sigma_a times thickness here, as in Eq. 2.
+Choices where the course is silent: the fraction of Eq. 1 and the transmittance of Eq. 5 have Schlick's F,
+and Eq. 4 the exact one, all at wo.H; the lower layer uses directions that are not refracted, except in the
+exact absorption; F_trans takes its part from the lower layer's diffuse reflection as well, which an option
+turns off.
+"""
+
+from gonio.lang import (
+    INV_PI,
+    MU_MIN,
+    Color,
+    Float,
+    Sample,
+    Vec2,
+    Vec3,
+    lerp,
+    maximum,
+    select,
+    sqrt,
+    vec3,
+)
+from gonio.model import Model, option, param
+from gonio.parts import cltc
+from gonio.parts.distribution import blinn_phong_alpha, cos_half
+from gonio.parts.fresnel import f0_from_eta, schlick_weight
+from gonio.parts.hemisphere import pdf_cosine, sample_cosine
+from gonio.parts.interface import (
+    LOBE_MIN,
+    F_between,
+    absorbed,
+    f0_between,
+    refract,
+    refracted_cos2,
+    transmittance,
+    transmittance_lazanyi,
+)
+from gonio.parts.lobes import (
+    average,
+    choose,
+    pdf_ggx_lobe,
+    sample_ggx_lobe,
+    schlick_weight_half,
+    shares,
+)
+from gonio.parts.oren_nayar import s_over_t_fujii, tangential_dot
+from gonio.parts.triace import blinn_phong_highlight
+
+# Smallest share of the samples that a highlight gets: it bounds their weights.
+LOBE_SHARE_MIN = 0.1
+
+
+class TriAceLayered(Model):
+    """A glossy layer over a glossy and matte one, with absorption between. Reciprocal."""
+
+    albedo_rule = "half_vectors"
+
+    top_eta: Float = param(1.33333, 1, 3, "index n1 of the upper layer")
+    top_shininess: Float = param(200, 0, 1e5, "Blinn-Phong exponent of the upper layer")
+    bottom_eta: Float = param(1.5, 1, 3, "index n2 of the lower layer, as it would be in air")
+    bottom_shininess: Float = param(20, 0, 1e5, "Blinn-Phong exponent of the lower layer")
+    rho: Color = param((0.5, 0.5, 0.5), 0, 1, "diffuse albedo R_d of the lower layer, linear RGB")
+    sigma_a: Color = param((0, 0, 0), 0, 10, "absorption of the upper layer per unit of thickness")
+    thickness: Float = param(1, 0, 1, "thickness of the upper layer, in the unit of sigma_a")
+    absorption: str = option("exact", "linear", doc="Eq. 2 with refracted paths, or Eq. 3")
+    bottom_fresnel: str = option("exact", "constant", doc="Eq. 4, or Eq. 5 with two constants")
+    top_transmission: str = option(
+        "on", "off", doc="whether F_trans of Eq. 5 multiplies all that comes from below"
+    )
+    diffuse: str = option(
+        "lambert", "oren_nayar", doc="below; Oren-Nayar is the course's Eq. 25, bottom_shininess"
+    )
+    caveats = (
+        "Has a kink where Eq. 3 reaches 0, with absorption='linear'.",
+        "Has a kink where cos(phi_i - phi_o) changes sign, with diffuse='oren_nayar'.",
+        "Eq. 2 to 5 have no light that bounces between the layers and no compression of solid angles.",
+        "Reflects more than it receives: up to 1.012 with rho 1, at 75 degrees; 1.25 at eta 3 with "
+        "top_transmission='off'.",
+        "absorption='linear' is black beyond the angle where Eq. 3 ends; near it, float32 keeps an "
+        "absolute accuracy of 1e-6, not a relative one.",
+    )
+
+    def eval(self, wi: Vec3, wo: Vec3) -> Color:
+        """Eq. 1 twice, with Eq. 2 to 5 between: BRDF value in 1/sr, without the cosine."""
+        cos_h = cos_half(wi, wo)
+        F_top = lerp(f0_from_eta(self.top_eta), 1, schlick_weight_half(wi, wo))
+        top = F_top * blinn_phong_highlight(wi, wo, self.top_shininess)
+        glossy, matte = self._bottom_fresnel(cos_h)
+        bottom = glossy * blinn_phong_highlight(wi, wo, self.bottom_shininess)
+        below = bottom + matte * self.rho * (INV_PI * self._diffuse_shape(wi, wo))
+        return top + below * self._absorption(wi, wo)
+
+    def sample(self, wo: Vec3, u: Vec2) -> Sample:
+        """Diffuse, or the GGX lobe as wide as one of the highlights, chosen by what they reflect."""
+        P_top, P_bottom = self._shares(wo)
+        on_top, v = choose(P_top.x, u)
+        on_bottom, t = choose(P_bottom.x, v)
+        alpha_1, alpha_2 = self._alphas()
+        w_top = sample_ggx_lobe(wo, alpha_1, alpha_1, v)
+        w_bottom = sample_ggx_lobe(wo, alpha_2, alpha_2, t)
+        if self.diffuse == "lambert":
+            w_matte = sample_cosine(t)
+        else:
+            w_matte = cltc.sample_cltc_uniform(wo, self._roughness(), t)
+        wi = select(on_top, w_top, select(on_bottom, w_bottom, w_matte))
+        return Sample(wi, self.pdf(wi, wo))
+
+    def pdf(self, wi: Vec3, wo: Vec3) -> Float:
+        """Density of `sample` in 1/sr."""
+        P_top, P_bottom = self._shares(wo)
+        alpha_1, alpha_2 = self._alphas()
+        top = pdf_ggx_lobe(wi, wo, alpha_1, alpha_1)
+        bottom = pdf_ggx_lobe(wi, wo, alpha_2, alpha_2)
+        if self.diffuse == "lambert":
+            matte = pdf_cosine(wi)
+        else:
+            matte = cltc.pdf_cltc_uniform(wi, wo, self._roughness())
+        return P_top.x * top + P_top.y * (P_bottom.x * bottom + P_bottom.y * matte)
+
+    def _alphas(self) -> tuple[Float, Float]:
+        return blinn_phong_alpha(self.top_shininess), blinn_phong_alpha(self.bottom_shininess)
+
+    def _bottom_fresnel(self, cos_h: Float) -> tuple[Float, Float]:
+        """Factors of the lower layer's glossy and matte reflection (Eq. 4 or 5, and Eq. 9)."""
+        n1, n2 = self.top_eta, self.bottom_eta
+        if self.bottom_fresnel == "exact":
+            # Both crossings of the upper surface have the same F at angles that belong together.
+            T = transmittance(cos_h, n1)
+            cos_t = sqrt(maximum(refracted_cos2(cos_h, n1), MU_MIN)) / n1
+            inner = F_between(cos_t, n1, n2) * T
+            glossy = T * inner
+        else:
+            T = transmittance_lazanyi(cos_h, n1)  # with k = 0, which is Schlick's
+            inner = f0_between(n1, n2) * (1 - f0_from_eta(n1)) + 0 * cos_h
+            glossy = inner
+            if self.top_transmission == "on":
+                glossy = T * inner
+        if self.top_transmission == "on":
+            return glossy, T * (1 - inner)
+        return glossy, 1 - glossy
+
+    def _depth(self) -> Color:
+        d = self.thickness
+        return self.sigma_a * vec3(d, d, d)
+
+    def _absorption(self, wi: Vec3, wo: Vec3) -> Color:
+        """Eq. 2 or 3."""
+        if self.absorption == "exact":
+            return absorbed(self._depth(), refract(wi, self.top_eta), refract(wo, self.top_eta))
+        path = 1 / maximum(wi.z, MU_MIN) + 1 / maximum(wo.z, MU_MIN)
+        return maximum(1 - self._depth() * path, 0)
+
+    def _diffuse_shape(self, wi: Vec3, wo: Vec3) -> Float:
+        if self.diffuse == "lambert":
+            return 1 + 0 * wi.z
+        A, B = self._coefficients()
+        return A + B * s_over_t_fujii(tangential_dot(wi, wo), wi, wo)
+
+    def _coefficients(self) -> tuple[Float, Float]:
+        """A' and B of Eq. 25."""
+        n = self.bottom_shininess
+        return 1 - 1 / (2 + 0.65 * n), 1 / (2.22222 + 0.1 * n)
+
+    def _roughness(self) -> Float:
+        A, B = self._coefficients()
+        return B / A
+
+    def _shares(self, wo: Vec3) -> tuple[Vec2, Vec2]:
+        """Probabilities: upper highlight or lower layer; of that, its highlight or its diffuse part."""
+        glossy, matte = self._bottom_fresnel(wo.z)
+        # The shortest way in, the light's, bounds what the absorption can leave.
+        up = vec3(0 * wo.z, 0 * wo.z, 0 * wo.z + 1)
+        kept = self._absorption(up, wo)
+        top = lerp(f0_from_eta(self.top_eta), 1, schlick_weight(wo.z))
+        bottom, diffuse = glossy * average(kept), matte * average(kept * self.rho) + LOBE_MIN
+        lower = bottom + diffuse
+        # Half vectors away from the normal reflect more than this estimate, which is made for the normal.
+        P_top = shares(maximum(top, LOBE_SHARE_MIN * lower), lower)
+        return P_top, shares(maximum(bottom, LOBE_SHARE_MIN * diffuse), diffuse)

@@ -1,0 +1,81 @@
+"""Unity BRDF2: the cheaper shading that Unity's built-in render pipeline takes on mobile devices.
+
+Source: UnityStandardBRDF.cginc of Unity 2018.2, which "PBR theory, part 1: foundations" (SZ's temple,
+2019), section 5, names beside BRDF1; the highlight is the one of "Optimizing PBR for mobile", SIGGRAPH
+2015 course: masking and Fresnel together are 1 / ((wo.H)^2 (alpha + 0.5)). Unity's own value is pi times f.
+Where it departs from physics: the highlight has the colour F0 at every angle, and nothing masks grazing
+directions. Unity's constants are kept: at roughness 0 there is no highlight at all.
+BRDF3, the lowest of the three, is absent: it reads its highlight from a table that is not public.
+"""
+
+from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, lerp, maximum, select, sqrt
+from gonio.model import Model, param
+from gonio.parts.distribution import cos_half, half_vector
+from gonio.parts.hemisphere import pdf_cosine, sample_cosine
+from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, shares
+
+# Unity's dielectric reflectance (linear colour space).
+F0_DIELECTRIC = 0.04
+
+# Unity's limits: of (wo.H)^2, and what its 1.00001 adds to the denominator of D.
+COS2_UNITY = 0.1
+D_UNITY = 1e-5
+
+
+class UnityBRDF2(Model):
+    """Lambert plus a highlight without masking and Fresnel. Reciprocal; gains energy."""
+
+    albedo_rule = "half_vectors"
+
+    base_color: Color = param((0.8, 0.8, 0.8), 0, 1, "diffuse colour, or F0 of metals, linear RGB")
+    metallic: Float = param(0, 0, 1, "0 for dielectrics, 1 for metals")
+    roughness: Float = param(0.5, 0, 1, "perceptual roughness, 1 - Unity's smoothness")
+    caveats = (
+        "Reflects more than it receives: white metals 1.869 at the normal at most (roughness "
+        "0.15), white dielectrics 1.035.",
+        "Has no highlight at roughness 0, and little below 0.05: a white metal of roughness 0.03 "
+        "reflects 15 %.",
+        "Has a kink where light and viewer are 143 degrees apart, from Unity's max(0.1, "
+        "(wo.H)^2): numeric albedos are good to 1e-3 only.",
+    )
+
+    def eval(self, wi: Vec3, wo: Vec3) -> Color:
+        """BRDF value in 1/sr, without the cosine."""
+        a = self.roughness * self.roughness
+        m = half_vector(wi, wo)
+        c = cos_half(wi, wo)
+        # (N.H)^2 (a^2 - 1) + 1.00001, without its cancellation
+        d = m.x * m.x + m.y * m.y + a * a * m.z * m.z + D_UNITY
+        highlight = a * a / (4 * maximum(c * c, COS2_UNITY) * (a + 0.5) * d * d)
+        return INV_PI * (self._diffuse() + self._specular() * highlight)
+
+    def sample(self, wo: Vec3, u: Vec2) -> Sample:
+        """Cosine-weighted or a visible GGX normal, by the estimated albedos."""
+        alpha = self._alpha()
+        first, v = choose(self._shares(wo).x, u)
+        wi = select(first, sample_cosine(v), sample_ggx_lobe(wo, alpha, alpha, v))
+        return Sample(wi, self.pdf(wi, wo))
+
+    def pdf(self, wi: Vec3, wo: Vec3) -> Float:
+        """Density of `sample` in 1/sr."""
+        alpha = self._alpha()
+        P = self._shares(wo)
+        return P.x * pdf_cosine(wi) + P.y * pdf_ggx_lobe(wi, wo, alpha, alpha)
+
+    def _alpha(self) -> Float:
+        """Width of the GGX that d is the denominator of: D_UNITY never lets it vanish."""
+        a2 = self.roughness * self.roughness * self.roughness * self.roughness
+        return sqrt((a2 + D_UNITY) / (1 + D_UNITY))
+
+    def _diffuse(self) -> Color:
+        return (1 - F0_DIELECTRIC) * (1 - self.metallic) * self.base_color
+
+    def _specular(self) -> Color:
+        return lerp(F0_DIELECTRIC, self.base_color, self.metallic)
+
+    def _shares(self, wo: Vec3) -> Vec2:
+        """Probabilities of the diffuse lobe and of the highlight."""
+        # The highlight's albedo at the normal is near 1 / (a + 0.5), times the part that D_UNITY leaves.
+        a = self.roughness * self.roughness
+        reflected = a * a / ((a * a + D_UNITY) * (a + 0.5))
+        return shares(average(self._diffuse()), average(self._specular()) * reflected)

@@ -1,0 +1,246 @@
+"""A clear layer's surface: refraction, transmittance, absorption, and light that bounces inside.
+
+eta is the index of the layer over that of the medium above it. Directions leave the surface on the side of
+the normal, inside the layer as well: a refracted direction keeps the azimuth of the one it belongs to.
+
+Sources: Walsh, "The reflection factor of a polished glass surface for diffused light", 1926, for the
+diffuse reflectance; Weidlich, Wilkie, "Arbitrarily layered micro-facet surfaces", GRAPHITE 2007, for the
+absorption.
+"""
+
+from __future__ import annotations
+
+import copy
+from typing import TYPE_CHECKING
+
+from gonio.lang import (
+    MU_MIN,
+    Color,
+    Float,
+    Vec3,
+    absolute,
+    exp,
+    fma,
+    log,
+    maximum,
+    minimum,
+    normalize,
+    safe_sqrt,
+    select,
+    sqrt,
+    vec3,
+)
+from gonio.parts.fresnel import ROOT_MIN
+from gonio.parts.lobes import schlick_complement
+
+if TYPE_CHECKING:
+    from gonio.model import Model
+
+# Smallest squared sine whose root is divided by; the azimuth of smaller ones does not matter.
+SIN2_MIN = 1e-18
+
+# Squared cosines inside a layer down to which light is followed; smaller ones have a transmittance
+# below 1e-7, and their reciprocal's derivative would leave the range of a float32.
+COS2_MIN = 1e-16
+
+# The analytic part of the diffuse reflectance over x = (eta - 1) / (eta + 1), times (1 + x^2)^3, as a
+# polynomial fitted to 50-digit values for eta in [1, 3]: error 2e-11.
+# fmt: off
+W0, W1, W2, W3 = 0.666666666645, 3.83333334536, 0.466665563105, -1.23329376639
+W4, W5, W6, W7 = 0.284984070108, 1.81266759233, 0.68589219084, 0.912356419076
+W8, W9, W10, W11 = -0.372378845687, 1.38203234214, -1.28370394485, 0.75661449279
+# fmt: on
+
+# 2 E_3(x) exp(x) = (1 + a x) / (1 + b x + a x^2 / 2), error below 0.27 % for every x >= 0 (its limits are
+# exact): the share of diffuse light that crosses an optical depth x.
+E3_A, E3_B = 1.0483666697, 1.9225672060
+
+# Cosine of the flattest internal path that is reckoned with, when the layer has the lower index and
+# nothing is reflected totally.
+SLANT_MIN = 0.3
+
+
+def refracted_cos2(mu: Float, eta: Float) -> Float:
+    """eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally."""
+    # Both squares are taken with their rounding errors: at grazing angles, and at the critical one,
+    # little else is left.
+    mu2, eta2 = mu * mu, eta * eta
+    error = fma(mu, mu, -mu2) + fma(eta, eta, -eta2)
+    return mu2 + (eta2 - 1) + error
+
+
+def refract(w: Vec3, eta: Float) -> Vec3:
+    """The direction inside the layer that belongs to w outside; z = 0 where there is none."""
+    cos2 = refracted_cos2(w.z, eta)
+    z = select(cos2 > COS2_MIN, sqrt(maximum(cos2, COS2_MIN)), 0)
+    return vec3(w.x, w.y, z) / eta
+
+
+def transmittance(mu: Float, eta: Float) -> Float:
+    """1 - F of a smooth dielectric at a cosine mu outside; exact where it nearly vanishes."""
+    # 1 - r_s^2 = 4 c g / (c + g)^2 with g = eta cos(theta_t), and alike for r_p
+    cos2 = refracted_cos2(mu, eta)
+    g = sqrt(maximum(cos2, ROOT_MIN))
+    eta2 = eta * eta
+    s, p = mu + g, eta2 * mu + g
+    return select(cos2 > COS2_MIN, 2 * mu * g * (1 / (s * s) + eta2 / (p * p)), 0)
+
+
+def transmittance_lazanyi(cos_theta: Float, eta: Float) -> Float:
+    """1 - F of Lazányi's approximation, which is Schlick's for a dielectric."""
+    above = eta + 1
+    return 4 * eta / (above * above) * schlick_complement(cos_theta)
+
+
+def transmittance_conductor(cos_theta: Float, eta: Color, k: Color) -> Color:
+    """1 - F of a conductor; exact where it nearly vanishes."""
+    # With eps = (eta + i k)^2 and g^2 = eps - 1 + c^2: 1 - R_s = 4 c Re(g) / |c + g|^2, and 1 - R_p is
+    # 4 c Re(conj(g) eps) / |eps c + g|^2.
+    c = cos_theta
+    eps_re, eps_im = (eta - k) * (eta + k), 2 * eta * k
+    w_re = (eta - 1) * (eta + 1) - k * k + c * c
+    w_abs = sqrt(maximum(w_re * w_re + eps_im * eps_im, ROOT_MIN * ROOT_MIN))
+    # Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
+    large = sqrt(0.5 * maximum(w_abs + absolute(w_re), ROOT_MIN))
+    small = 0.5 * eps_im / large
+    g_re, g_im = select(w_re > 0, large, small), select(w_re > 0, small, large)
+    s_re, p_re, p_im = c + g_re, eps_re * c + g_re, eps_im * c + g_im
+    T_s = g_re / (s_re * s_re + g_im * g_im)
+    T_p = (eps_re * g_re + eps_im * g_im) / (p_re * p_re + p_im * p_im)
+    return 2 * c * (T_s + T_p)
+
+
+def F_between(cos_theta: Float, n1: Float, n2: Float) -> Float:
+    """Exact reflectance between two dielectrics, with the cosine on the side of n1.
+
+    `F_dielectric` for n2 / n1; the difference of the two indices keeps its digits here.
+    """
+    c = n1 * cos_theta
+    contrast = (n2 - n1) * (n2 + n1)
+    g2 = contrast + c * c
+    g = sqrt(maximum(g2, ROOT_MIN))
+    s, p = c + g, n2 * n2 * c + n1 * n1 * g
+    r_s = contrast / (s * s)
+    r_p = contrast * ((n2 * n2 + n1 * n1) * c * c - n1 * n1 * n1 * n1) / (p * p)
+    return select(g2 > 0, 0.5 * (r_s * r_s + r_p * r_p), 1)
+
+
+def f0_between(n1: Float, n2: Float) -> Float:
+    """The same at normal incidence."""
+    r = (n2 - n1) / (n2 + n1)
+    return r * r
+
+
+def absorbed(depth: Color, wi: Vec3, wo: Vec3) -> Color:
+    """exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+
+    wi, wo: refracted directions. depth: absorption times thickness.
+    """
+    return exp(-depth * (1 / maximum(wi.z, MU_MIN) + 1 / maximum(wo.z, MU_MIN)))
+
+
+# --- diffuse light -------------------------------------------------------------------------------------
+
+
+def _diffuse_reflectance_above_one(eta: Float) -> Float:
+    """Walsh's integral of 2 F(mu) mu for eta in [1, 3], error 1e-11."""
+    x = (eta - 1) / (eta + 1)
+    x2 = x * x
+    # The logarithm has this factor exactly; the rest is analytic.
+    logarithmic = 2 * x * (1 + x) * (1 + x) * log(maximum(x, MU_MIN))
+    p = W6 + x * (W7 + x * (W8 + x * (W9 + x * (W10 + x * W11))))
+    p = W0 + x * (W1 + x * (W2 + x * (W3 + x * (W4 + x * (W5 + x * p)))))
+    q = 1 + x2
+    return x * (logarithmic + p) / (q * q * q)
+
+
+def diffuse_reflectance(eta: Float) -> Float:
+    """Share of diffuse light from above that the smooth surface reflects: 0.0918 at eta = 1.5."""
+    flipped = 1 / eta
+    above = _diffuse_reflectance_above_one(maximum(eta, flipped))
+    return select(eta >= 1, above, 1 - eta * eta * (1 - above))
+
+
+def diffuse_reflectance_inside(eta: Float) -> Float:
+    """Share of diffuse light from inside that the smooth surface reflects: 0.5963 at eta = 1.5."""
+    # What passes is the same in both directions, counted in eta^2 times the solid angle inside.
+    flipped = 1 / eta
+    above = _diffuse_reflectance_above_one(maximum(eta, flipped))
+    return select(eta >= 1, 1 - (1 - above) * flipped * flipped, above)
+
+
+def diffuse_return(depth: Color, eta: Float) -> Color:
+    """Share of diffuse light leaving the base that comes back to it from the surface.
+
+    Exact without absorption. With it, the light is taken as diffuse within the angles of total reflection,
+    which holds most of it.
+    """
+    slant = sqrt(maximum(1 - 1 / (eta * eta), SLANT_MIN * SLANT_MIN))
+    x = 2 * depth / slant
+    kept = exp(-x) * (1 + E3_A * x) / (1 + x * (E3_B + 0.5 * E3_A * x))
+    return diffuse_reflectance_inside(eta) * kept
+
+
+# Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
+LOBE_MIN = 1e-12
+
+
+# --- sampling ------------------------------------------------------------------------------------------
+# A base is sampled inside the layer. Directions within the critical angle leave by refraction. The others
+# cannot leave, and would be wasted: their ring is spread over the whole outer hemisphere instead, so that
+# cosine-weighted samples inside are cosine-weighted samples outside, exactly.
+
+
+def critical_cosine(eta: Float) -> Float:
+    """Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1."""
+    return safe_sqrt((eta - 1) * (eta + 1)) / eta
+
+
+def leave(w: Vec3, eta: Float) -> Vec3:
+    """The outer direction for a direction inside: refracted, or spread out if it cannot leave."""
+    k = critical_cosine(eta)
+    refracted = w.z > k
+    spread = minimum(w.z / maximum(k, MU_MIN), 1)
+    cos_refracted = safe_sqrt(1 - eta * eta * (1 - w.z * w.z))
+    z = select(refracted, cos_refracted, spread)
+    sin2 = w.x * w.x + w.y * w.y
+    scale = safe_sqrt(1 - z * z) / sqrt(maximum(sin2, SIN2_MIN))
+    # A sample above the horizon stays there, however flat.
+    z = select(w.z > 0, maximum(z, MU_MIN), -1)
+    return normalize(vec3(w.x * scale, w.y * scale, z))
+
+
+def gather(w: Vec3, eta: Float) -> Vec3:
+    """The inner direction that `leave` spreads to w; z = 0 for eta <= 1, which has none."""
+    k = critical_cosine(eta)
+    z = k * w.z
+    sin2 = w.x * w.x + w.y * w.y
+    scale = safe_sqrt(1 - z * z) / sqrt(maximum(sin2, SIN2_MIN))
+    near = sin2 < SIN2_MIN  # no azimuth: any is right
+    x = select(near, safe_sqrt(1 - z * z), w.x * scale)
+    return vec3(x, select(near, 0, w.y * scale), z)
+
+
+def pdf_leave(pdf_refracted: Float, pdf_gathered: Float, w: Vec3, w_t: Vec3, eta: Float) -> Float:
+    """Density of `leave` at w, from the inner density at w_t = refract(w) and at gather(w)."""
+    # Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
+    # k^2, and the cosines are k mu and mu.
+    jacobian = select(w_t.z > 0, w.z / (eta * eta * maximum(w_t.z, MU_MIN)), 0)
+    return pdf_refracted * jacobian + pdf_gathered * critical_cosine(eta)
+
+
+# --- the base ------------------------------------------------------------------------------------------
+
+
+def at_least_as_rough(base: Model, alpha: Float) -> Model:
+    """A base whose highlight is at least as wide as the layer above has made the light.
+
+    Elek, "Layered materials in real-time rendering", CESCG 2010, section 3: m2 = max(m1, m2). A base
+    without a parameter `alpha` stays as it is. In other languages this is a copy of the base's struct
+    with `alpha` raised.
+    """
+    if "alpha" not in base.fields:
+        return base
+    rougher = copy.copy(base)
+    vars(rougher)["alpha"] = maximum(vars(base)["alpha"], alpha)
+    return rougher

@@ -1,0 +1,119 @@
+"""What models of several lobes share: Schlick's terms at the half vector, lobe choice, a GGX lobe.
+
+The one-sample mixture: a lobe is chosen with a probability near its share of the albedo, the random
+number that chose it is stretched back to [0, 1) and used again, and the density is the whole mixture's.
+"""
+
+from gonio.lang import (
+    MU_MIN,
+    Color,
+    Float,
+    Mask,
+    Vec2,
+    Vec3,
+    absolute,
+    clamp,
+    exp,
+    log,
+    maximum,
+    minimum,
+    select,
+    vec2,
+    vec3,
+)
+from gonio.parts.distribution import (
+    cos_half,
+    half_vector,
+    mirror,
+    pdf_ggx_visible,
+    sample_ggx_visible,
+)
+from gonio.parts.special import log1p
+
+# Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
+# that can be seen is that small.
+BLACK = 1e-20
+
+# The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+# its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+SHARE_LEAST = 0.1
+ESTIMATE_TRUST = 50
+
+# Smallest probability that is divided by: a random number falls below it once in a million million.
+SHARE_MIN = 1e-12
+
+# The largest float32 below 1, up to which random numbers go.
+RANDOM_MAX = 1 - 2.0**-24
+
+
+def average(color: Color) -> Float:
+    """Mean of the three channels, by which lobes are weighed against each other."""
+    return (color.x + color.y + color.z) / 3
+
+
+def shares(first: Float, second: Float) -> Vec2:
+    """Probabilities of two lobes with the given albedos; the first is certain if both are black."""
+    inv = 1 / (first + second + BLACK)
+    a, b = _raised((first + BLACK) * inv), _raised(second * inv)
+    # The smaller one by itself: 1 minus a probability near 1 has no digits left.
+    smaller = first < second
+    return vec2(select(smaller, a, 1 - b), select(smaller, 1 - a, b))
+
+
+def _raised(probability: Float) -> Float:
+    return maximum(probability, minimum(SHARE_LEAST, ESTIMATE_TRUST * probability))
+
+
+def share(first: Float, second: Float) -> Float:
+    """The first of the two probabilities."""
+    return shares(first, second).x
+
+
+def choose(probability: Float, u: Vec2) -> tuple[Mask, Vec2]:
+    """Whether the first of two lobes is taken, and fresh random numbers made of the used ones."""
+    first = u.x < probability
+    below = u.x / maximum(probability, SHARE_MIN)
+    above = (u.x - probability) / maximum(1 - probability, SHARE_MIN)
+    return first, vec2(clamp(select(first, below, above), 0, RANDOM_MAX), u.y)
+
+
+def schlick_weight_half(wi: Vec3, wo: Vec3) -> Float:
+    """(1 - c)^5 at c = wo . m, the half vector's cosine."""
+    # 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
+    # weight keeps its digits where the two meet and it goes to 0.
+    x, y, z = wi.x - wo.x, wi.y - wo.y, wi.z - wo.z
+    k = 0.25 * (x * x + y * y + z * z) / (1 + cos_half(wi, wo))
+    k2 = k * k
+    return k2 * k2 * k
+
+
+def schlick_complement(c: Float) -> Float:
+    """1 - (1 - c)^5, multiplied out so that it keeps its digits as c goes to 0."""
+    return c * (5 - c * (10 - c * (10 - c * (5 - c))))
+
+
+def sample_ggx_lobe(wo: Vec3, alpha_x: Float, alpha_y: Float, u: Vec2) -> Vec3:
+    """wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+
+    No sample is wasted, and as the density is the sum of both, no weight grows.
+    """
+    w = mirror(wo, sample_ggx_visible(wo, alpha_x, alpha_y, u))
+    return vec3(w.x, w.y, absolute(w.z))
+
+
+def pdf_ggx_lobe(wi: Vec3, wo: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
+    """Density of `sample_ggx_lobe` in 1/sr."""
+    straight = pdf_ggx_visible(wo, half_vector(wi, wo), alpha_x, alpha_y)
+    # The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    exists = wo.z > wi.z
+    image = vec3(wi.x, wi.y, select(exists, -wi.z, wi.z))
+    folded = pdf_ggx_visible(wo, half_vector(image, wo), alpha_x, alpha_y)
+    return straight + select(exists, folded, 0)
+
+
+def cos_power(m: Vec3, exponent: Float) -> Float:
+    """(N.m)^exponent, exact for sharp lobes."""
+    # (N.m)^n = (1 + tan^2)^(-n / 2): a sharp lobe needs the digits of the tangent, not of the cosine
+    tan2 = (m.x * m.x + m.y * m.y) / maximum(m.z * m.z, 0.25)
+    steep = log(clamp(m.z, MU_MIN, 0.75))
+    return exp(exponent * select(m.z > 0.5, -0.5 * log1p(tan2), steep))

@@ -1,0 +1,142 @@
+"""Masking and shadowing of microfacets.
+
+Two forms: G1 is the share of facets that one direction sees, in [0, 1]; V is the pair's G(wi, wo) over
+4 mu_i mu_o, which is all that a microfacet BRDF needs (f = F D V) and stays finite in the horizon, where
+G and the cosines vanish together. So G = 4 mu_i mu_o V.
+
+Sources:
+Walter et al., "Microfacet models for refraction through rough surfaces", EGSR 2007: Smith and its fit;
+Heitz, "Understanding the masking-shadowing function in microfacet-based BRDFs", JCGT 2014: Lambda;
+Cook, Torrance, "A reflectance model for computer graphics", 1982; Neumann et al., "Compact metallic
+reflectance models", 1999; Kelemen, Szirmay-Kalos, "A microfacet based coupled specular-matte BRDF model",
+2001; Schlick, "An inexpensive BRDF model for physically-based rendering", 1994; Karis, "Real shading in
+Unreal Engine 4", SIGGRAPH 2013 course.
+"""
+
+from gonio.lang import (
+    MU_MIN,
+    Float,
+    Vec3,
+    maximum,
+    minimum,
+    select,
+)
+from gonio.parts.distribution import beckmann_lambda_mu, ggx_length, stretched_sine
+
+SQRT_2_OVER_PI = 0.7978845608028654
+
+
+# --- without a width -------------------------------------------------------------------------------
+
+
+def V_implicit() -> float:
+    """G = mu_i mu_o, which cancels the denominator."""
+    return 0.25
+
+
+def V_neumann(wi: Vec3, wo: Vec3) -> Float:
+    """G = mu_i mu_o / max(mu_i, mu_o)."""
+    return 0.25 / maximum(maximum(wi.z, wo.z), MU_MIN)
+
+
+def V_cook_torrance(wi: Vec3, wo: Vec3, cos_m: Float, cos_h: Float) -> Float:
+    """G = min(1, 2 cos_m mu_o / cos_h, 2 cos_m mu_i / cos_h) of V-grooves; cos_m = m.z, cos_h = wo . m."""
+    high, low = maximum(maximum(wi.z, wo.z), MU_MIN), maximum(minimum(wi.z, wo.z), MU_MIN)
+    return minimum(0.25 / low, 0.5 * cos_m / maximum(cos_h, MU_MIN)) / high
+
+
+def V_kelemen(cos_h: Float) -> Float:
+    """G = mu_i mu_o / (wo . m)^2."""
+    c = maximum(cos_h, MU_MIN)
+    return 0.25 / c / c
+
+
+# --- Smith, GGX ------------------------------------------------------------------------------------
+
+
+def G1_ggx(w: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
+    """Smith's masking 1 / (1 + Lambda) with Lambda = (sqrt(1 + alpha^2 tan^2) - 1) / 2."""
+    return 2 * w.z / (w.z + ggx_length(w, alpha_x, alpha_y))
+
+
+def V_smith_ggx(wi: Vec3, wo: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
+    """G = G1(wi) G1(wo): masking and shadowing taken as independent."""
+    length_i, length_o = ggx_length(wi, alpha_x, alpha_y), ggx_length(wo, alpha_x, alpha_y)
+    return 1 / ((wi.z + length_i) * (wo.z + length_o))
+
+
+def V_smith_correlated_ggx(wi: Vec3, wo: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
+    """G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99."""
+    length_i, length_o = ggx_length(wi, alpha_x, alpha_y), ggx_length(wo, alpha_x, alpha_y)
+    return 0.5 / (wo.z * length_i + wi.z * length_o)
+
+
+# --- Smith, Beckmann -------------------------------------------------------------------------------
+# Blinn-Phong uses these with its own width: c = sqrt(n / 2 + 1) / tan(theta) is 1 / (alpha tan(theta)).
+
+
+def G1_beckmann(w: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
+    """Smith's masking 1 / (1 + Lambda), exact."""
+    return w.z / maximum(w.z + beckmann_lambda_mu(w, alpha_x, alpha_y), MU_MIN)
+
+
+def V_smith_beckmann(wi: Vec3, wo: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
+    """G = G1(wi) G1(wo), exact."""
+    area_i = wi.z + beckmann_lambda_mu(wi, alpha_x, alpha_y)
+    area_o = wo.z + beckmann_lambda_mu(wo, alpha_x, alpha_y)
+    return 0.25 / (area_i * area_o)
+
+
+def V_smith_correlated_beckmann(wi: Vec3, wo: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
+    """G = 1 / (1 + Lambda_i + Lambda_o), exact."""
+    masked = wo.z * beckmann_lambda_mu(wi, alpha_x, alpha_y)
+    shadowed = wi.z * beckmann_lambda_mu(wo, alpha_x, alpha_y)
+    return 0.25 / maximum(wi.z * wo.z + (masked + shadowed), MU_MIN)
+
+
+def _walter_over_mu(w: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
+    """Walter's rational fit of Beckmann's G1, over mu."""
+    sigma = stretched_sine(w, alpha_x, alpha_y)
+    # Walter et al. take 1 from 1.6 on, where the fit has reached 1.00006
+    a = minimum(w.z / sigma, 1.6)
+    fit = (3.535 + 2.181 * a) / (sigma * (1 + 2.276 * a + 2.577 * a * a))
+    return select(w.z < 1.6 * sigma, fit, 1 / maximum(w.z, 1.6 * sigma))
+
+
+def G1_beckmann_fitted(w: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
+    """Walter et al., section 5.2: a rational fit of `G1_beckmann`, error below 0.35 %."""
+    return w.z * _walter_over_mu(w, alpha_x, alpha_y)
+
+
+def V_smith_beckmann_fitted(wi: Vec3, wo: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
+    """G = G1(wi) G1(wo) with Walter's fit."""
+    return 0.25 * _walter_over_mu(wi, alpha_x, alpha_y) * _walter_over_mu(wo, alpha_x, alpha_y)
+
+
+# --- Schlick ---------------------------------------------------------------------------------------
+
+
+def schlick_k_beckmann(alpha: Float) -> Float:
+    """k = alpha sqrt(2 / pi), made for Beckmann."""
+    return SQRT_2_OVER_PI * alpha
+
+
+def schlick_k_ggx(alpha: Float) -> Float:
+    """k = alpha / 2, made for GGX; Unreal Engine 4 uses it for image-based light."""
+    return 0.5 * alpha
+
+
+def schlick_k_ue4(roughness: Float) -> Float:
+    """k = (r + 1)^2 / 8 of Unreal Engine 4's punctual lights; r is the perceptual roughness."""
+    r = roughness + 1
+    return r * r / 8
+
+
+def G1_schlick(mu: Float, k: Float) -> Float:
+    """Schlick's masking mu / (mu (1 - k) + k)."""
+    return mu / maximum(mu * (1 - k) + k, MU_MIN)
+
+
+def V_schlick(wi: Vec3, wo: Vec3, k: Float) -> Float:
+    """G = G1_schlick(mu_i) G1_schlick(mu_o)."""
+    return 0.25 / (maximum(wi.z * (1 - k) + k, MU_MIN) * maximum(wo.z * (1 - k) + k, MU_MIN))

@@ -1,0 +1,37 @@
+"""log(1 + x) and exp(x) - 1, whose digits the plain functions lose near x = 0."""
+
+from gonio.lang import Float, exp, log, maximum, minimum, select
+
+# Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+LOG1P_SMALL = 0.25
+
+# Below this the series needs eleven terms; above, the plain difference is exact to 2e-7 in float32.
+EXPM1_SMALL = 0.3
+
+
+def log1p_over(x: Float) -> Float:
+    """log(1 + x) / x for x > -1; 1 at x = 0."""
+    # 2 atanh(y) with y = x / (2 + x): the series of odd powers, error below 1e-16 for |x| < 0.25.
+    near = maximum(minimum(x, LOG1P_SMALL), -LOG1P_SMALL)
+    y = near / (2 + near)
+    y2 = y * y
+    series = 1 / 9 + y2 * (1 / 11 + y2 * (1 / 13 + y2 * (1 / 15 + y2 * (1 / 17))))
+    series = 1 + y2 * (1 / 3 + y2 * (1 / 5 + y2 * (1 / 7 + y2 * series)))
+    small = (x > -LOG1P_SMALL) & (x < LOG1P_SMALL)
+    far = select(small, 1, x)
+    return select(small, 2 / (2 + near) * series, log(1 + far) / far)
+
+
+def log1p(x: Float) -> Float:
+    """log(1 + x) for x > -1, exact where x is small."""
+    return x * log1p_over(x)
+
+
+def expm1(x: Float) -> Float:
+    """exp(x) - 1, exact where x is small."""
+    near = maximum(minimum(x, EXPM1_SMALL), -EXPM1_SMALL)
+    # Taylor's series up to x^11 / 11!, error below 2e-15 for |x| < 0.3.
+    series = 1 + near / 8 * (1 + near / 9 * (1 + near / 10 * (1 + near / 11)))
+    series = 1 + near / 5 * (1 + near / 6 * (1 + near / 7 * series))
+    series = near * (1 + near / 2 * (1 + near / 3 * (1 + near / 4 * series)))
+    return select((x > -EXPM1_SMALL) & (x < EXPM1_SMALL), series, exp(x) - 1)

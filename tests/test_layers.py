@@ -1,0 +1,599 @@
+"""Layered models: closed numbers, Snell's law, energy, sampling, and Mitsuba's coated plastics."""
+
+from __future__ import annotations
+
+import math
+import sys
+from itertools import pairwise
+from typing import Any
+
+import drjit as dr
+import numpy as np
+import pytest
+from support import integrate
+from support.directions import from_cosine, polar, random_directions
+
+import gonio
+from gonio.lang import Color, Float, Vec3
+from gonio.model import Model
+from gonio.models.car_paint import CarPaint
+from gonio.models.patina import Patina
+from gonio.models.triace_layered import TriAceLayered
+from gonio.models.weidlich_wilkie import WeidlichWilkie
+from gonio.parts import interface, tilt
+
+ANGLES = [0, 30, 60, 80, 89]
+EXACT = {
+    "interface": "smooth",
+    "transmission": "both_ways",
+    "solid_angle": "compressed",
+    "bounces": "diffuse",
+}
+PHYSICAL = {
+    "transmission": "both_ways",
+    "solid_angle": "compressed",
+    "distribution": "ggx",
+    "masking": "smith_correlated",
+}
+WHITE = {"base.rho": 1.0}
+WI, WO = (
+    w / np.linalg.norm(w, axis=1, keepdims=True)
+    for w in (random_directions(500, seed).astype(np.float64) for seed in (1, 2))
+)
+
+
+def jit(w: Any) -> Any:
+    return dr.llvm.ad.Array3f64(np.asarray(w, np.float64).T)
+
+
+def array(w: Any) -> Any:
+    return np.array(w).T
+
+
+def fresnel(mu: Any, n: complex) -> Any:
+    """Textbook form, apart from the package's."""
+    mu_t = np.sqrt(1 - (1 - np.square(mu)) / n**2)
+    r_s = (mu - n * mu_t) / (mu + n * mu_t)
+    r_p = (n * mu - mu_t) / (n * mu + mu_t)
+    return (np.abs(r_s) ** 2 + np.abs(r_p) ** 2) / 2
+
+
+def furnace(model: Model, degrees: float) -> float:
+    """What a smooth coat reflects of white light: its mirror reflection and all that it lets out."""
+    theta = math.radians(degrees)
+    mirror = fresnel(math.cos(theta), model.eta)  # type: ignore[attr-defined]
+    return float(mirror + integrate.albedo(model.eval, theta)[0])
+
+
+# --- closed numbers ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("degrees", ANGLES)
+@pytest.mark.parametrize("eta", [1.05, 1.33, 1.5, 2.4, 3.0])
+def test_exact_smooth_coat_over_white_reflects_everything(degrees: float, eta: float) -> None:
+    model = WeidlichWilkie(eta=eta, **EXACT, **WHITE)
+    assert furnace(model, degrees) == pytest.approx(1, abs=1e-9)
+
+
+def test_what_each_option_costs_a_white_base() -> None:
+    """formulas: 0.4275 with 1/eta^2 and no inner bounce, 0.912 with Fresnel both ways alone."""
+    without_bounces = EXACT | {"bounces": "none"}
+    assert furnace(WeidlichWilkie(**without_bounces, **WHITE), 0) == pytest.approx(0.4275, abs=5e-5)
+    only_fresnel = without_bounces | {"solid_angle": "none"}
+    assert furnace(WeidlichWilkie(**only_fresnel, **WHITE), 0) == pytest.approx(0.912, abs=5e-4)
+
+
+def test_a_bounce_series_that_is_a_percent_off_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(
+        sys.modules["gonio.models.weidlich_wilkie"],
+        "diffuse_return",
+        lambda depth, eta: 1.01 * interface.diffuse_return(depth, eta),
+    )
+    assert abs(furnace(WeidlichWilkie(**EXACT, **WHITE), 30) - 1) > 1e-3
+
+
+def test_diffuse_reflectances_are_the_integrals_of_fresnel() -> None:
+    x, w = np.polynomial.legendre.leggauss(400)
+    mu, w = ((x + 1) / 2) ** 2, w * (x + 1) / 2  # squared: the integrand has a root at 0
+    for eta in (1.0, 1.001, 1.1, 1.5, 2.0, 3.0):
+        expected = np.sum(2 * mu * w * fresnel(mu, eta))
+        external = interface.diffuse_reflectance(dr.llvm.ad.Float64(eta))[0]
+        assert external == pytest.approx(expected, abs=1e-8)
+        internal = interface.diffuse_reflectance_inside(dr.llvm.ad.Float64(eta))[0]
+        assert internal == pytest.approx(1 - (1 - expected) / eta**2, abs=1e-8)
+        # The same interface seen from its other side
+        assert interface.diffuse_reflectance(dr.llvm.ad.Float64(1 / eta))[0] == pytest.approx(
+            internal
+        )
+    assert interface.diffuse_reflectance(dr.llvm.ad.Float64(1.5))[0] == pytest.approx(
+        0.09178, abs=5e-6
+    )
+    inside = interface.diffuse_reflectance_inside(dr.llvm.ad.Float64(1.5))[0]
+    assert inside == pytest.approx(0.59635, abs=5e-6)
+
+
+@pytest.mark.parametrize("depth", [0.01, 0.1, 0.5, 2.0])
+@pytest.mark.parametrize("eta", [1.33, 1.5, 2.0])
+def test_absorption_of_bouncing_light_is_near_its_integral(depth: float, eta: float) -> None:
+    x, w = np.polynomial.legendre.leggauss(400)
+    critical = math.sqrt(1 - 1 / eta**2)
+    total = 0.0
+    for low, high in ((0, critical), (critical, 1)):
+        mu, weight = low + (high - low) * (x + 1) / 2, (high - low) * w / 2
+        mu_out = np.sqrt(np.maximum(1 - eta**2 * (1 - mu**2), 0))
+        F = np.where(mu_out > 0, fresnel(np.maximum(mu_out, 1e-12), eta), 1)
+        total += float(np.sum(2 * mu * weight * F * np.exp(-2 * depth / mu)))
+    found = interface.diffuse_return(dr.llvm.ad.Float64(depth), dr.llvm.ad.Float64(eta))[0]
+    # All reflection is taken as total; the rest is steeper and less absorbed.
+    assert found == pytest.approx(total, abs=0.012)
+
+
+# --- refraction ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("eta", [0.7, 1.0, 1.5, 2.5])
+def test_refraction_obeys_snell_and_keeps_the_azimuth(eta: float) -> None:
+    inside = array(interface.refract(jit(WI), eta))
+    enters = WI[:, 2] ** 2 > 1 - eta**2
+    sine, sine_t = np.hypot(WI[:, 0], WI[:, 1]), np.hypot(inside[:, 0], inside[:, 1])
+    np.testing.assert_allclose(sine, eta * sine_t, rtol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(inside[enters], axis=1), 1, rtol=1e-12)
+    assert (inside[~enters, 2] == 0).all()
+    np.testing.assert_allclose(
+        inside[:, 0] * WI[:, 1], inside[:, 1] * WI[:, 0], atol=1e-15
+    )  # a mirrored azimuth, as in the published code, would pass this ...
+    assert (inside[:, 0] * WI[:, 0] >= 0).all()  # ... but not this
+
+
+def test_transmittance_is_the_same_from_both_sides() -> None:
+    mu = np.linspace(0.01, 1, 50)
+    for eta in (1.1, 1.5, 2.5):
+        mu_t = np.sqrt(1 - (1 - mu**2) / eta**2)
+        up = interface.transmittance(dr.llvm.ad.Float64(mu), eta).numpy()
+        down = interface.transmittance(dr.llvm.ad.Float64(mu_t), 1 / eta).numpy()
+        np.testing.assert_allclose(up, 1 - fresnel(mu, eta), rtol=1e-10)
+        np.testing.assert_allclose(up, down, rtol=1e-7)
+
+
+def test_transmittance_of_conductors_is_what_they_do_not_reflect() -> None:
+    mu = dr.llvm.ad.Float64(np.linspace(0.001, 1, 100))
+    for eta, k in ((0.2, 3.9), (2.95, 0.1), (1.0, 0.0), (5.0, 3.0), (0.01, 20.0)):
+        found = interface.transmittance_conductor(mu, eta, k).numpy()
+        np.testing.assert_allclose(found, 1 - fresnel(mu.numpy(), eta + 1j * k), atol=1e-12)
+
+
+def test_every_inner_direction_leaves_and_comes_back() -> None:
+    for eta in (1.0, 1.5, 2.5):
+        k = math.sqrt(1 - 1 / eta**2)
+        outside = array(interface.leave(jit(WI), eta))
+        np.testing.assert_allclose(np.linalg.norm(outside, axis=1), 1, rtol=1e-12)
+        assert (outside[:, 2] > 0).all()
+        steep = WI[:, 2] > k
+        back = array(interface.refract(jit(outside), eta))
+        np.testing.assert_allclose(back[steep], WI[steep], atol=1e-7)
+        gathered = array(interface.gather(jit(outside), eta))
+        np.testing.assert_allclose(gathered[~steep], WI[~steep], atol=1e-7)
+
+
+def test_a_cosine_lobe_inside_is_a_cosine_lobe_outside() -> None:
+    """No sample is lost to total reflection, and Lambert under a coat is sampled without variance."""
+    for eta in (1.0, 1.3, 1.5, 3.0):
+        model = WeidlichWilkie(eta=eta, interface="smooth")
+        np.testing.assert_allclose(model.pdf(WI, WO), WI[:, 2] / np.pi, rtol=1e-6)
+
+
+# --- layers by hand ------------------------------------------------------------------------------
+
+
+def test_three_nested_layers_are_the_recursion_by_hand() -> None:
+    etas, alphas, sigmas = (1.5, 1.2, 1.1), (0.1, 0.3, 0.2), (0.2, 1.0, 0.4)
+
+    def by_hand(level: int, wi: Any, wo: Any, alpha_min: float) -> Any:
+        if level == 3:
+            return 0.7 / np.pi * np.ones(len(wi))
+        eta, alpha = etas[level], max(alphas[level], alpha_min)
+        h = wi + wo
+        h /= np.linalg.norm(h, axis=1, keepdims=True)
+        c = np.sum(h * wo, axis=1)
+        c2 = np.maximum(1 - (1 - c**2) / eta**2, 0)
+        F = np.where(c2 > 0, fresnel(np.where(c2 > 0, c, 1), eta), 1)
+        tan2 = 1 / h[:, 2] ** 2 - 1
+        D = np.exp(-tan2 / alpha**2) / (np.pi * alpha**2 * h[:, 2] ** 4)
+        G = np.minimum(1, 2 * h[:, 2] * np.minimum(wi[:, 2], wo[:, 2]) / c)
+        inside, passes = [], np.ones(len(wi), bool)
+        for w in (wi, wo):
+            cos2 = 1 - (1 - w[:, 2] ** 2) / eta**2
+            passes &= cos2 > 0
+            z = np.sqrt(np.where(cos2 > 0, cos2, 1))
+            inside.append(np.stack([w[:, 0] / eta, w[:, 1] / eta, z], -1))
+        a = np.exp(-sigmas[level] * (1 / inside[0][:, 2] + 1 / inside[1][:, 2]))
+        t = (1 - G) + (1 - F) * G
+        below = (1 - F) * by_hand(level + 1, *inside, alpha) * a * t
+        return F * D * G / (4 * wi[:, 2] * wo[:, 2]) + np.where(passes, below, 0)
+
+    nested: Model = gonio.Lambert(rho=0.7)
+    for eta, alpha, sigma in zip(etas[::-1], alphas[::-1], sigmas[::-1], strict=True):
+        nested = WeidlichWilkie(eta=eta, alpha=alpha, sigma_a=sigma, base=nested)
+    expected = by_hand(0, WI, WO, 0.0)
+    np.testing.assert_allclose(nested.eval(WI, WO)[:, 0], expected, rtol=1e-9)
+    unclamped = WeidlichWilkie(eta=1.5, alpha=0.3, base=nested, roughness_clamp="off")
+    clamped = unclamped.replace(roughness_clamp="on")
+    assert np.abs(unclamped.eval(WI, WO) - clamped.eval(WI, WO)).max() > 1e-3
+
+
+def test_a_coat_of_index_one_is_only_a_filter() -> None:
+    base = gonio.model("eon", rho=0.6, roughness=0.8)
+    model = WeidlichWilkie(eta=1, base=base, sigma_a=(0.1, 1.0, 3.0), thickness=0.5)
+    path = 1 / WI[:, 2] + 1 / WO[:, 2]
+    expected = base.eval(WI, WO) * np.exp(-0.5 * path[:, None] * np.array([0.1, 1.0, 3.0]))
+    np.testing.assert_allclose(model.eval(WI, WO), expected, rtol=1e-9, atol=1e-200)
+
+
+def test_the_base_is_at_least_as_rough_as_a_rough_coat() -> None:
+    wi, wo = WI.astype(np.float64), WO.astype(np.float64)
+    sharp = gonio.model("torrance_sparrow", alpha=0.05)
+    rough = gonio.model("torrance_sparrow", alpha=0.4)
+    coat: dict[str, Any] = {"alpha": 0.4}
+    clamped = WeidlichWilkie(base=sharp, **coat).eval(wi, wo)
+    np.testing.assert_allclose(clamped, WeidlichWilkie(base=rough, **coat).eval(wi, wo), rtol=1e-12)
+    off = WeidlichWilkie(base=sharp, roughness_clamp="off", **coat).eval(wi, wo)
+    assert np.abs(off - clamped).max() > 0.1
+    smooth = WeidlichWilkie(base=sharp, interface="smooth", **coat)
+    np.testing.assert_array_equal(
+        smooth.eval(wi, wo), smooth.replace(roughness_clamp="off").eval(wi, wo)
+    )
+
+
+def test_derivatives_reach_a_clamped_base() -> None:
+    torch = pytest.importorskip("torch")
+    alpha = torch.tensor(0.4, dtype=torch.float64, requires_grad=True)
+    base = gonio.model("torrance_sparrow", alpha=alpha)
+
+    def total(model: Model) -> Any:
+        return WeidlichWilkie(base=model, alpha=0.2).eval(torch.tensor(WI), torch.tensor(WO)).sum()
+
+    (found,) = torch.autograd.grad(total(base), alpha)
+    h = 1e-6
+    high, low = (total(gonio.model("torrance_sparrow", alpha=0.4 + s * h)) for s in (1, -1))
+    assert float(found) == pytest.approx(float(high - low) / (2 * h), rel=1e-5)
+
+
+# --- energy --------------------------------------------------------------------------------------
+
+
+def highest_albedo(model: Model) -> float:
+    wo = polar(np.radians([0.0, 30.0, 60.0, 75.0, 85.0, 89.0]))
+    return float(model.albedo(wo).max())
+
+
+# Smith's masking leaves out that facets also shadow light on its way to the base, and T at the mean
+# surface does not know of facets; together they gain this much at small alpha.
+SLACK = 1.001
+
+
+@pytest.mark.parametrize("alpha", [0.03, 0.2, 0.7])
+@pytest.mark.parametrize("eta", [1.2, 1.5, 2.5])
+def test_physical_options_never_gain_energy(eta: float, alpha: float) -> None:
+    lambert = WeidlichWilkie(eta=eta, alpha=alpha, bounces="diffuse", **PHYSICAL, **WHITE)
+    assert highest_albedo(lambert) < SLACK
+    mirror = gonio.model("torrance_sparrow", fresnel="white", alpha=0.1)
+    assert highest_albedo(WeidlichWilkie(eta=eta, alpha=alpha, base=mirror, **PHYSICAL)) < SLACK
+
+
+@pytest.mark.parametrize("flake", [(0.0, 0.0), (1.0, -0.5), (2.0, 0.0)])
+def test_car_paint_over_a_mirror_never_gains_energy(flake: tuple[float, float]) -> None:
+    mirror = {"metal_eta": 0.1, "metal_k": 20.0, "sigma_a": 0.0}
+    for alpha in (0.03, 0.3):
+        model = CarPaint(alpha=alpha, flake_x=flake[0], flake_y=flake[1], **mirror)
+        assert highest_albedo(model) < SLACK
+        assert highest_albedo(model.replace(solid_angle="none")) > SLACK or flake != (0.0, 0.0)
+
+
+def test_the_printed_scheme_gains_as_much_energy_as_its_caveats_say() -> None:
+    up = [0.0, 0.0, 1.0]
+    mirror = gonio.model("torrance_sparrow", fresnel="white", alpha=0.1)
+    assert WeidlichWilkie(base=mirror).albedo(up)[0] == pytest.approx(1.98, abs=0.005)
+    worst = highest_albedo(WeidlichWilkie(alpha=0.05, **WHITE))
+    assert worst == pytest.approx(1.68, abs=0.005)
+    thin = Patina(
+        extent=1.65, thickness=0, sigma_a=0, alpha=0.1, coat_eta=1.2,
+        metal_eta=0.1, metal_k=20, tarnish=0,
+    )  # fmt: skip
+    assert highest_albedo(thin) == pytest.approx(1.38, abs=0.01)
+    assert highest_albedo(Patina(extent=1.65, growth=0)) < 0.81
+    assert (
+        highest_albedo(TriAceLayered(rho=1, bottom_fresnel="constant", bottom_shininess=1)) < 1.012
+    )
+
+
+# --- reciprocity ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        WeidlichWilkie(base=WeidlichWilkie(eta=1.3, base="eon"), sigma_a=1),
+        TriAceLayered(diffuse="oren_nayar", sigma_a=0.3),
+        CarPaint(flake_x=1.2, flake_y=-0.4),
+        Patina(),
+    ],
+    ids=lambda m: m.name,
+)
+def test_layers_are_reciprocal(model: Model) -> None:
+    np.testing.assert_allclose(model.eval(WI, WO), model.eval(WO, WI), rtol=1e-9, atol=1e-14)
+
+
+def test_flakes_as_printed_are_not_reciprocal() -> None:
+    model = CarPaint(flake_x=1.2, flake_cosine="light")
+    assert np.abs(model.eval(WI, WO) - model.eval(WO, WI)).max() > 1e-2
+
+
+# --- sampling ------------------------------------------------------------------------------------
+
+SAMPLED = [
+    WeidlichWilkie(),
+    WeidlichWilkie(base=gonio.model("torrance_sparrow", alpha=0.2), sigma_a=0.3, **PHYSICAL),
+    WeidlichWilkie(eta=1.8, alpha=0.4, base="eon", **PHYSICAL),
+    WeidlichWilkie(base=WeidlichWilkie(eta=1.2, alpha=0.3), alpha=0.2, masking="smith"),
+    TriAceLayered(sigma_a=0.4),
+    TriAceLayered(diffuse="oren_nayar", top_shininess=3, bottom_shininess=300),
+    CarPaint(alpha=0.2, flake_x=0.6, flake_y=-0.3),
+    Patina(),
+    Patina(extent=1.65, thickness=0.2),
+]
+EACH_SAMPLED = pytest.mark.parametrize("model", SAMPLED, ids=lambda m: repr(m)[:60])
+
+
+def stratified(count: int) -> Any:
+    rng = np.random.default_rng(5)
+    x, y = np.meshgrid(np.arange(count), np.arange(count), indexing="ij")
+    u = (np.stack([x.ravel(), y.ravel()], -1) + rng.random((count * count, 2))) / count
+    return np.minimum(u, 1 - 2.0**-24)
+
+
+def brute_force(model: Model, wo: Any) -> tuple[float, float]:
+    """Albedo and integral of the pdf by 1.4 million directions, crowded at the mirror azimuth."""
+    rows, columns = 2000, 720
+    theta = np.pi / 2 * (np.arange(rows) + 0.5) / rows
+    place = 2 * (np.arange(columns) + 0.5) / columns - 1
+    phi, d_phi = np.pi + np.pi * place**3, 6 * np.pi * place**2 / columns
+    wi = polar(*np.meshgrid(theta, phi, indexing="ij")).reshape(-1, 3)
+    weights = np.outer(np.sin(theta) * np.pi / 2 / rows, d_phi).ravel()
+    f = model.eval(wi, wo)[:, 0]
+    return float(np.sum(f * wi[:, 2] * weights)), float(np.sum(model.pdf(wi, wo) * weights))
+
+
+@EACH_SAMPLED
+@pytest.mark.parametrize("degrees", [0.0, 45.0, 80.0])
+def test_samples_have_the_density_and_the_mean_that_they_should(
+    model: Model, degrees: float
+) -> None:
+    wo = polar(math.radians(degrees))
+    wi, pdf = model.sample(wo, stratified(400))
+    kept = pdf > 0
+    f = model.eval(wi, wo)[:, 0]
+    weights = np.where(kept, f * wi[:, 2] / np.where(kept, pdf, 1), 0)
+    expected, total = brute_force(model, wo)
+    # Four standard errors of plain Monte Carlo, and the rule's own error.
+    tolerance = 4 * weights.std() / 400 + 1e-3
+    assert abs(weights.mean() - expected) < tolerance
+    # What the density lacks of 1 is what is wasted.
+    assert total == pytest.approx(kept.mean(), abs=4e-3)
+    assert weights.max() < 12
+    np.testing.assert_allclose(model.pdf(wi[kept], wo), pdf[kept], rtol=1e-9)
+
+
+@EACH_SAMPLED
+def test_histogram_of_samples_is_the_density(model: Model) -> None:
+    """Chi-squared over 12 x 24 cells of equal solid angle."""
+    wo = polar(math.radians(40))
+    rng = np.random.default_rng(9)
+    count, rows, columns = 400_000, 12, 24
+    wi, pdf = model.sample(wo, np.minimum(rng.random((count, 2)), 1 - 2.0**-24))
+    wi = wi[pdf > 0]
+    row = np.minimum((wi[:, 2] * rows).astype(int), rows - 1)
+    turn = np.mod(np.arctan2(wi[:, 1], wi[:, 0]) / (2 * np.pi), 1)
+    column = np.minimum((turn * columns).astype(int), columns - 1)
+    found = np.bincount(row * columns + column, minlength=rows * columns)
+    fine = 40
+    z = (np.arange(rows * fine) + 0.5) / (rows * fine)
+    phi = 2 * np.pi * (np.arange(columns * fine) + 0.5) / (columns * fine)
+    grid = from_cosine(*np.meshgrid(z, phi, indexing="ij"))
+    density = model.pdf(grid.reshape(-1, 3), wo).reshape(rows, fine, columns, fine)
+    expected = count * density.mean((1, 3)).ravel() * 2 * np.pi / (rows * columns)
+    chi2 = float(np.sum((found - expected) ** 2 / np.maximum(expected, 5)))
+    freedom = rows * columns
+    assert chi2 < freedom + 6 * math.sqrt(2 * freedom)
+
+
+class ForgetsTheJacobian(WeidlichWilkie, register=False):
+    """Takes the base's density inside the coat for the one outside."""
+
+    def pdf(self, wi: Vec3, wo: Vec3) -> Float:
+        eta = vars(self)["eta"]
+        return vars(self)["base"].pdf(interface.refract(wi, eta), interface.refract(wo, eta))
+
+
+def test_a_density_without_the_jacobian_of_refraction_is_caught() -> None:
+    wo = polar(0.5)
+    _, total = brute_force(ForgetsTheJacobian(interface="smooth"), wo)
+    assert abs(total - 1) > 4e-3
+
+
+# --- Mitsuba as an oracle ------------------------------------------------------------------------
+
+
+def mitsuba_lobe(node: dict[str, Any], wi: Any, wo: Any, component: int = 1) -> Any:
+    """Red channel of a Mitsuba BSDF without the cosine; component 0 is specular, 1 diffuse."""
+    mi = pytest.importorskip("mitsuba")
+    mi.set_variant("llvm_ad_rgb")
+    bsdf = mi.load_dict(node)
+    si = dr.zeros(mi.SurfaceInteraction3f, len(wi))
+    si.wi = mi.Vector3f(wo.T.astype(np.float32))
+    context = mi.BSDFContext()
+    context.component = component
+    value = bsdf.eval(context, si, mi.Vector3f(wi.T.astype(np.float32)))
+    return np.array(value[0]) / wi[:, 2]
+
+
+@pytest.mark.parametrize("eta", [1.3, 1.5, 2.0])
+@pytest.mark.parametrize("rho", [0.2, 0.9])
+def test_exact_smooth_coat_over_lambert_is_mitsubas_plastic(eta: float, rho: float) -> None:
+    above = (WI[:, 2] > 0.02) & (WO[:, 2] > 0.02)
+    node = {
+        "type": "plastic",
+        "nonlinear": True,
+        "int_ior": eta,
+        "ext_ior": 1.0,
+        "diffuse_reflectance": {"type": "rgb", "value": [rho] * 3},
+    }
+    expected = mitsuba_lobe(node, WI[above], WO[above])
+    model = WeidlichWilkie(eta=eta, base=gonio.Lambert(rho=rho), **EXACT)
+    found = model.eval(WI[above], WO[above])[:, 0]
+    # Mitsuba's diffuse reflectance is a fit: within 1e-3 of Walsh's integral.
+    np.testing.assert_allclose(found, expected, rtol=4e-3)
+    linear = mitsuba_lobe(node | {"nonlinear": False}, WI[above], WO[above])
+    if rho > 0.5:
+        assert np.abs(found / linear - 1).max() > 4e-3
+
+
+def test_light_through_a_slightly_rough_coat_is_that_of_mitsubas_roughplastic() -> None:
+    """A dark base: Mitsuba's rough facets send less of the bouncing light back than a smooth surface."""
+    above = (WI[:, 2] > 0.3) & (WO[:, 2] > 0.3)
+    node = {
+        "type": "roughplastic",
+        "nonlinear": True,
+        "distribution": "ggx",
+        "alpha": 0.03,
+        "int_ior": 1.5,
+        "ext_ior": 1.0,
+        "diffuse_reflectance": {"type": "rgb", "value": [0.1] * 3},
+    }
+    expected = mitsuba_lobe(node, WI[above], WO[above])
+    smooth = WeidlichWilkie(base=gonio.Lambert(rho=0.1), **EXACT)
+    np.testing.assert_allclose(smooth.eval(WI[above], WO[above])[:, 0], expected, rtol=4e-3)
+    rough = WeidlichWilkie(alpha=0.03, base=gonio.Lambert(rho=0.0), **PHYSICAL)
+    highlight = mitsuba_lobe(node, WI[above], WO[above], component=0)
+    # float32 in Mitsuba: its half vector blurs the tails of a sharp lobe
+    np.testing.assert_allclose(
+        rough.replace(masking="smith").eval(WI[above], WO[above])[:, 0],
+        highlight, rtol=2e-3, atol=1e-5,
+    )  # fmt: skip
+
+
+# --- tri-Ace -------------------------------------------------------------------------------------
+
+
+def test_bottom_fresnel_of_figure_1_is_nearly_flat() -> None:
+    """n1 = 1.33333, n2 = 1.5: the course replaces Eq. 4 by the constant of Eq. 5."""
+    f = {}
+    for kind in ("exact", "constant"):
+        glossy, _ = (
+            TriAceLayered(bottom_fresnel=kind)
+            .bind(
+                dr.llvm.ad.Float64, lambda path, p, v: dr.llvm.ad.Float64(v) if p.width == 1 else v
+            )
+            ._bottom_fresnel(dr.llvm.ad.Float64([1.0, 0.9, 0.8, 0.7]))
+        )
+        f[kind] = glossy.numpy()
+    np.testing.assert_allclose(f["exact"], f["constant"], rtol=0.15)
+    f0 = ((1.5 - 1.33333) / (1.5 + 1.33333)) ** 2 * (1 - (0.33333 / 2.33333) ** 2) ** 2
+    assert f["exact"][0] == pytest.approx(f0, rel=1e-6)
+    assert f["constant"][0] == pytest.approx(f0, rel=1e-6)
+
+
+def test_mean_of_the_linear_absorption_is_equation_8() -> None:
+    """(1/pi) integral of (1 / mu_r + 1 / mu_i) mu_i is 2 + 1 / mu_r exactly, while nothing is clipped."""
+    depth = 1e-4  # Eq. 3 is black only for mu < 2e-4
+    plain = {"top_eta": 1.0, "bottom_eta": 1.0, "rho": 1.0, "thickness": 1.0}
+    for degrees in (0, 40, 70):
+        theta = math.radians(degrees)
+        linear = TriAceLayered(absorption="linear", sigma_a=depth, **plain)
+        lost = [integrate.albedo(m.eval, theta)[0] for m in (linear.replace(sigma_a=0.0), linear)]
+        assert (lost[0] - lost[1]) / depth == pytest.approx(2 + 1 / math.cos(theta), rel=2e-3)
+
+
+def test_linear_absorption_is_the_first_order_of_the_exact_one_without_refraction() -> None:
+    thin = {"top_eta": 1.0, "sigma_a": 1e-4, "thickness": 1.0}
+    exact, linear = (TriAceLayered(absorption=a, **thin) for a in ("exact", "linear"))
+    wi, wo = from_cosine([0.9, 0.5, 0.7], [0, 1, 2]), from_cosine([0.8, 0.6, 0.9], [3, 3, 3])
+    np.testing.assert_allclose(exact.eval(wi, wo), linear.eval(wi, wo), rtol=1e-6)
+
+
+# --- car paint -----------------------------------------------------------------------------------
+
+
+def test_tilting_is_a_rotation_that_takes_the_normal_to_z() -> None:
+    n = np.array([[0.3, -0.4, 0.866]]) / np.linalg.norm([0.3, -0.4, 0.866])
+    normal = jit(np.repeat(n, len(WI), 0))
+    tilted = array(tilt.to_tilted(jit(WI), normal))
+    np.testing.assert_allclose(tilted[:, 2], WI @ n[0], atol=1e-12)
+    np.testing.assert_allclose(
+        np.sum(tilted * array(tilt.to_tilted(jit(WO), normal)), 1), np.sum(WI * WO, 1), atol=1e-12
+    )
+    np.testing.assert_allclose(array(tilt.from_tilted(jit(tilted), normal)), WI, atol=1e-12)
+    flat = jit(np.repeat([[0.0, 0.0, 1.0]], len(WI), 0))
+    np.testing.assert_allclose(array(tilt.to_tilted(jit(WI), flat)), WI, atol=1e-15)
+
+
+def test_flat_flakes_are_a_coated_metal() -> None:
+    paint = CarPaint(alpha=0.1, metal_alpha=0.3, sigma_a=(0.1, 0.5, 2.0))
+    eta, k = (tuple(v / 1.5 for v in getattr(paint, name)) for name in ("metal_eta", "metal_k"))
+    metal = gonio.model("torrance_sparrow", alpha=0.3, eta=eta, k=k)
+    coated = WeidlichWilkie(alpha=0.1, sigma_a=(0.1, 0.5, 2.0), base=metal, **PHYSICAL)
+    np.testing.assert_allclose(paint.eval(WI, WO), coated.eval(WI, WO), rtol=1e-9)
+
+
+def test_flakes_even_out_with_distance() -> None:
+    flat = CarPaint().eval(WI, WO)
+    change = [
+        np.abs(CarPaint(flake_x=0.8, flake_y=0.5, distance=d).eval(WI, WO) - flat).max()
+        for d in (0.0, 1.0, 10.0, 100.0, 10_000.0)
+    ]
+    assert change[0] == change[1]  # max(distance, 1)
+    assert change[1] > change[2] > change[3] > change[4]
+    assert change[4] < 1e-3 * change[1]
+
+
+# --- patina --------------------------------------------------------------------------------------
+
+
+def test_bare_and_closed_patina_are_their_two_models() -> None:
+    bare = Patina(extent=-0.65, tarnish=0)
+    metal = gonio.model("torrance_sparrow", alpha=0.15, eta=bare.metal_eta, k=bare.metal_k)
+    for growth in (0.0, 0.3, 1.0):
+        np.testing.assert_allclose(
+            bare.replace(growth=growth).eval(WI, WO), metal.eval(WI, WO), rtol=1e-9
+        )
+    closed = Patina(extent=1.65)
+    np.testing.assert_array_equal(
+        closed.replace(growth=0.0).eval(WI, WO), closed.replace(growth=1.0).eval(WI, WO)
+    )
+
+
+def test_patina_grows_from_step_to_step_and_first_where_the_map_is_dark() -> None:
+    """Figure 8's extents: the green part of what comes back grows."""
+    greenness = []
+    for extent in (-0.65, -0.05, 0.15, 0.45, 0.75, 1.65):
+        E = Patina(extent=extent).albedo([0.6, 0.0, 0.8])
+        greenness.append(E[1] / E[0])
+    assert all(a < b for a, b in pairwise(greenness))
+    dark, light = (Patina(extent=0.3, growth=g).albedo([0, 0, 1]) for g in (0.1, 0.9))
+    assert dark[1] / dark[0] > light[1] / light[0]
+
+
+class GrowsBackwards(Patina, register=False):
+    """Takes smoothstep itself for the extent factor."""
+
+    def eval(self, wi: Vec3, wo: Vec3) -> Color:
+        grown = vars(self)["growth"]
+        object.__setattr__(self, "growth", 1 - grown)
+        try:
+            return super().eval(wi, wo)
+        finally:
+            object.__setattr__(self, "growth", grown)
+
+
+def test_patina_that_grows_where_the_map_is_light_is_caught() -> None:
+    dark, light = (GrowsBackwards(extent=0.3, growth=g).albedo([0, 0, 1]) for g in (0.1, 0.9))
+    assert dark[1] / dark[0] < light[1] / light[0]

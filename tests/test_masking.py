@@ -1,0 +1,249 @@
+"""Masking and shadowing: the identities that define Smith's, and the published values of the others."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import drjit as dr
+import numpy as np
+import pytest
+from support.directions import polar, random_directions
+
+from gonio.lang import vec3
+from gonio.parts import distribution, masking
+
+Float, Float64 = dr.llvm.ad.Float, dr.llvm.ad.Float64
+
+SMITH = {
+    "ggx": (
+        distribution.D_ggx,
+        masking.G1_ggx,
+        masking.V_smith_ggx,
+        masking.V_smith_correlated_ggx,
+    ),
+    "beckmann": (
+        distribution.D_beckmann,
+        masking.G1_beckmann,
+        masking.V_smith_beckmann,
+        masking.V_smith_correlated_beckmann,
+    ),
+}
+EACH = pytest.mark.parametrize("name", SMITH)
+ANGLES = np.radians([0.0, 10.0, 40.0, 70.0, 85.0, 89.0])
+
+
+def vector(w: Any, T: Any = Float64) -> Any:
+    w = np.asarray(w, np.float64)
+    return vec3(*(T(np.ascontiguousarray(w[..., i])) for i in range(3)))
+
+
+def numbers(value: Any) -> Any:
+    return np.array(value).astype(np.float64).T
+
+
+def facets(alpha_x: float, alpha_y: float) -> tuple[Any, Any]:
+    """Normals (n, 3) and weights of solid angle that resolve a lobe of these widths."""
+    y, w = np.polynomial.legendre.leggauss(30)
+    edges = np.linspace(0, math.asinh(1e9), 40)
+    low, high = edges[:-1, None], edges[1:, None]
+    place = ((high - low) / 2 * y + (low + high) / 2).ravel()
+    t, dt = np.sinh(place), ((high - low) / 2 * w).ravel() * np.cosh(place)
+    psi = 2 * np.pi * (np.arange(512) + 0.5) / 512
+    sx, sy = alpha_x * np.cos(psi)[:, None] * t, alpha_y * np.sin(psi)[:, None] * t
+    z = 1 / np.sqrt(1 + sx * sx + sy * sy)
+    weights = alpha_x * alpha_y * t * dt * z**3 * (2 * np.pi / 512)
+    return np.stack([sx * z, sy * z, z], -1).reshape(-1, 3), weights.ravel()
+
+
+def projected_area_error(name: str, G1: Any, alpha_x: float, alpha_y: float) -> float:
+    """Largest |∫ G1(wo) max(wo.m, 0) D(m) dm / mu_o - 1|: what is seen is as large as the surface."""
+    D = SMITH[name][0]
+    m, weights = facets(alpha_x, alpha_y)
+    d = numbers(D(vector(m), Float64(alpha_x), Float64(alpha_y))) * weights
+    worst = 0.0
+    for theta in ANGLES:
+        wo = polar(theta, 0.6)
+        seen = numbers(G1(vector(wo[None]), Float64(alpha_x), Float64(alpha_y)))[0]
+        area = seen * float(np.sum(d * np.maximum(m @ wo, 0)))
+        worst = max(worst, abs(area / math.cos(theta) - 1))
+    return worst
+
+
+# 512 azimuths across the edge where wo.m = 0
+PROJECTED = 1e-4
+
+
+@EACH
+def test_visible_facets_project_to_the_area_of_the_surface(name: str) -> None:
+    for alpha in (1e-3, 0.1, 0.5, 1.0):
+        for aspect in (1.0, 0.3):
+            error = projected_area_error(name, SMITH[name][1], alpha, alpha * aspect)
+            assert error < PROJECTED, (alpha, aspect)
+
+
+def test_masking_of_the_other_distribution_is_caught() -> None:
+    assert projected_area_error("ggx", masking.G1_beckmann, 0.5, 0.5) > 0.01
+    assert projected_area_error("beckmann", masking.G1_ggx, 0.5, 0.5) > 0.01
+    # and so is Walter's fit, which is off by up to 0.35 %
+    assert projected_area_error("beckmann", masking.G1_beckmann_fitted, 0.5, 0.5) > 1e-3
+
+
+def furnace(name: str, G1: Any, theta: float, alpha: float) -> float:
+    """Weak white furnace: facets that mirror everything, masked but not shadowed, reflect all light.
+
+    ∫ G1(wo) D / (4 mu_o) dwi over the whole sphere is 1 (Heitz 2014, Eq. 93).
+    """
+    D = SMITH[name][0]
+    m, weights = facets(alpha, alpha)
+    wo = polar(theta, 0.6)
+    cos_h = m @ wo
+    d = numbers(D(vector(m), Float64(alpha), Float64(alpha)))
+    seen = numbers(G1(vector(wo[None]), Float64(alpha), Float64(alpha)))[0]
+    # dwi = 4 |wo.m| dm
+    kernel = seen * d / (4 * math.cos(theta)) * 4 * np.maximum(cos_h, 0)
+    return float(np.sum(kernel * weights))
+
+
+@EACH
+def test_weak_white_furnace(name: str) -> None:
+    for alpha in (1e-3, 0.3, 1.0):
+        for theta in ANGLES:
+            assert furnace(name, SMITH[name][1], theta, alpha) == pytest.approx(1, abs=PROJECTED)
+    assert abs(furnace(name, masking.G1_beckmann_fitted, 1.2, 0.3) - 1) > 5e-4
+
+
+@EACH
+def test_pairs_are_made_of_single_directions(name: str) -> None:
+    """4 mu_i mu_o V is G1 G1, or 1 / (1 + Lambda_i + Lambda_o) with Lambda = 1 / G1 - 1."""
+    _, G1, separable, correlated = SMITH[name]
+    wi, wo = (vector(random_directions(1000, seed)) for seed in (1, 2))
+    for ax, ay in ((0.3, 0.3), (1.0, 0.2)):
+        ax, ay = Float64(ax), Float64(ay)
+        g_i, g_o = numbers(G1(wi, ax, ay)), numbers(G1(wo, ax, ay))
+        scale = 4 * numbers(wi.z) * numbers(wo.z)
+        np.testing.assert_allclose(
+            scale * numbers(separable(wi, wo, ax, ay)), g_i * g_o, rtol=1e-12
+        )
+        expected = 1 / (1 / g_i + 1 / g_o - 1)
+        np.testing.assert_allclose(
+            scale * numbers(correlated(wi, wo, ax, ay)), expected, rtol=1e-12
+        )
+        # Facets that are low hide in both directions: correlation leaves more of them lit and seen
+        assert (expected >= g_i * g_o - 1e-12).all()
+
+
+def test_beckmann_masking_is_the_published_formula() -> None:
+    theta = np.linspace(0.05, 1.55, 60)
+    for m in (0.05, 0.4, 1.0):
+        a = 1 / (m * np.tan(theta))
+        Lambda = (np.vectorize(math.erf)(a) - 1) / 2 + np.exp(-a * a) / (2 * a * np.sqrt(np.pi))
+        found = numbers(masking.G1_beckmann(vector(polar(theta)), Float64(m), Float64(m)))
+        np.testing.assert_allclose(found, 1 / (1 + Lambda), rtol=1e-12)
+        # Blinn-Phong's, with n = 2 / m^2 - 2 in place of m
+        n = 2 / m**2 - 2
+        np.testing.assert_allclose(a, np.sqrt(n / 2 + 1) / np.tan(theta), rtol=1e-12)
+
+
+def test_walters_fit_is_as_good_as_published() -> None:
+    theta = np.linspace(0, 1.57, 2000)
+    worst = 0.0
+    for m in (0.1, 0.5, 1.0):
+        w, m = vector(polar(theta)), Float64(m)
+        exact = numbers(masking.G1_beckmann(w, m, m))
+        fitted = numbers(masking.G1_beckmann_fitted(w, m, m))
+        worst = max(worst, float(np.max(np.abs(fitted / exact - 1))))
+        V = numbers(masking.V_smith_beckmann_fitted(w, w, m, m))
+        np.testing.assert_allclose(4 * np.cos(theta) ** 2 * V, fitted**2, rtol=1e-10)
+    # "relative error below 0.35 %" (Walter et al., section 5.2)
+    assert 0.002 < worst < 0.0036
+
+
+def test_ggx_masking_is_the_published_formula() -> None:
+    theta = np.linspace(0, 1.55, 60)
+    for alpha in (1e-3, 0.4, 1.0):
+        Lambda = (-1 + np.sqrt(1 + alpha**2 * np.tan(theta) ** 2)) / 2
+        found = numbers(masking.G1_ggx(vector(polar(theta)), Float64(alpha), Float64(alpha)))
+        np.testing.assert_allclose(found, 1 / (1 + Lambda), rtol=1e-12)
+
+
+def textbook(name: str, wi: Any, wo: Any, alpha: float) -> Any:
+    """G as published, in NumPy."""
+    mu_i, mu_o = wi[:, 2], wo[:, 2]
+    h = wi + wo
+    h /= np.linalg.norm(h, axis=1, keepdims=True)
+    nh, vh = h[:, 2], np.sum(wo * h, 1)
+
+    def schlick(mu: Any, k: float) -> Any:
+        return mu / (mu * (1 - k) + k)
+
+    roughness = math.sqrt(alpha)
+    return {
+        "implicit": mu_i * mu_o,
+        "neumann": mu_i * mu_o / np.maximum(mu_i, mu_o),
+        "cook_torrance": np.minimum(1, np.minimum(2 * nh * mu_o / vh, 2 * nh * mu_i / vh)),
+        "kelemen": mu_i * mu_o / vh**2,
+        "schlick_beckmann": schlick(mu_i, alpha * math.sqrt(2 / math.pi))
+        * schlick(mu_o, alpha * math.sqrt(2 / math.pi)),
+        "schlick_ggx": schlick(mu_i, alpha / 2) * schlick(mu_o, alpha / 2),
+        "schlick_ue4": schlick(mu_i, (roughness + 1) ** 2 / 8)
+        * schlick(mu_o, (roughness + 1) ** 2 / 8),
+    }[name]
+
+
+NAMES = [
+    "implicit",
+    "neumann",
+    "cook_torrance",
+    "kelemen",
+    "schlick_beckmann",
+    "schlick_ggx",
+    "schlick_ue4",
+]
+
+
+def visibility(name: str, wi: Any, wo: Any, alpha: Any) -> Any:
+    m, cos_h = distribution.half_vector(wi, wo), distribution.cos_half(wi, wo)
+    return {
+        "implicit": lambda: masking.V_implicit() + 0 * wi.z,
+        "neumann": lambda: masking.V_neumann(wi, wo),
+        "cook_torrance": lambda: masking.V_cook_torrance(wi, wo, m.z, cos_h),
+        "kelemen": lambda: masking.V_kelemen(cos_h),
+        "schlick_beckmann": lambda: masking.V_schlick(wi, wo, masking.schlick_k_beckmann(alpha)),
+        "schlick_ggx": lambda: masking.V_schlick(wi, wo, masking.schlick_k_ggx(alpha)),
+        "schlick_ue4": lambda: masking.V_schlick(wi, wo, masking.schlick_k_ue4(dr.sqrt(alpha))),
+    }[name]()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_others_are_the_textbook_formulas(name: str) -> None:
+    wi, wo = (random_directions(2000, seed).astype(np.float64) for seed in (3, 4))
+    wi, wo = (w / np.linalg.norm(w, axis=1, keepdims=True) for w in (wi, wo))
+    found = numbers(visibility(name, vector(wi), vector(wo), Float64(0.4)))
+    G = 4 * wi[:, 2] * wo[:, 2] * found
+    np.testing.assert_allclose(G, textbook(name, wi, wo, 0.4), rtol=1e-10)
+
+
+def test_schlick_of_one_direction() -> None:
+    mu = np.array([0.0, 0.3, 1.0])
+    np.testing.assert_allclose(numbers(masking.G1_schlick(Float64(mu), 0.2)), mu / (mu * 0.8 + 0.2))
+
+
+@pytest.mark.parametrize("name", [*NAMES, *SMITH])
+def test_values_and_gradients_are_finite_in_the_horizon(name: str) -> None:
+    z = np.array([1e-7, 1e-7, 1.0, 1e-4, 1e-7, 1.0])
+    phi = np.array([0.0, math.pi, 0.0, 1.0, 2.0, 0.0])
+    wi = np.stack([np.sqrt(1 - z * z) * np.cos(phi), np.sqrt(1 - z * z) * np.sin(phi), z], -1)
+    wo = np.array([[1.0, 0, 1e-7]] * 5 + [[0, 0, 1]])
+    for value in (1e-4, 1.0):
+        a, b = vector(wi, Float), vector(wo, Float)
+        alpha = Float(np.full(len(z), value, np.float32))
+        dr.enable_grad(a, b, alpha)
+        if name in SMITH:
+            V = SMITH[name][2](a, b, alpha, alpha) + SMITH[name][3](a, b, alpha, alpha)
+        else:
+            V = visibility(name, a, b, alpha)
+        dr.backward(dr.sum(V), flags=dr.ADFlag.Default | dr.ADFlag.AllowNoGrad)
+        assert np.isfinite(numbers(V)).all()
+        for gradient in (*dr.grad(a), *dr.grad(b), dr.grad(alpha)):
+            assert np.isfinite(numbers(gradient)).all()

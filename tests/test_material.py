@@ -1,0 +1,201 @@
+"""Material files: gonio's own library, and users' files with their errors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mitsuba as mi
+import numpy as np
+import pytest
+
+import gonio
+from gonio.material import MaterialError, find, library, load_material
+from gonio.model import ModelError
+from gonio.rendering import render, render_scene, write_sheet
+
+# What the library has to offer: a kind, and how many of it there are at least.
+KINDS = {
+    "lacquered_": 3,
+    "car_paint_": 8,
+    "patina_": 6,
+    "_lacquer": 2,
+    "_plastic": 1,
+    "ceramic": 1,
+    "concrete": 1,
+    "clay": 1,
+    "moon": 1,
+    "skin": 1,
+}
+
+
+@pytest.fixture(autouse=True)
+def _variant() -> None:
+    mi.set_variant("llvm_ad_rgb")
+
+
+def write(folder: Path, text: str) -> Path:
+    path = folder / "clay.toml"
+    path.write_text(text)
+    return path
+
+
+def test_the_library_has_what_it_promises() -> None:
+    names = list(library())
+    assert {k: sum(k in n for n in names) >= v for k, v in KINDS.items()} == dict.fromkeys(
+        KINDS, True
+    )
+    metals = [n for n in names if load_material(n).model.name == "torrance_sparrow"]
+    assert len(metals) >= 9
+    colours = {n.split("_")[2] for n in names if n.startswith("car_paint_")}
+    assert len(colours) == 4
+
+
+@pytest.mark.parametrize("name", library())
+def test_every_material_of_the_library_reflects_and_loads(name: str) -> None:
+    material = load_material(name)
+    assert material.description.endswith(".")
+    up, tilted = [0, 0, 1], [0.6, 0, 0.8]
+    f = material.model.eval(tilted, up)
+    assert np.isfinite(f).all()
+    assert (f >= 0).all()
+    assert (material.model.albedo(tilted) < 1.0001).all()
+    assert mi.load_dict(material.bsdf()) is not None
+
+
+def test_nested_files_and_metals_are_read(tmp_path: Path) -> None:
+    material = load_material(
+        write(
+            tmp_path,
+            'model = "weidlich_wilkie"\nalpha = 0.2\n[base]\nmodel = "torrance_sparrow"\nmetal = "Au"\n',
+        )
+    )
+    assert material.model.alpha == 0.2
+    assert material.model.base.eta == gonio.model("torrance_sparrow").eta  # whose default is gold
+
+
+def test_a_texture_drives_an_inner_parameter(tmp_path: Path) -> None:
+    mi.Bitmap(np.full((2, 2, 3), 0.25, np.float32)).write(str(tmp_path / "grey.exr"))
+    text = 'model = "weidlich_wilkie"\n[base]\nmodel = "lambert"\nrho = "grey.exr"\n'
+    material = load_material(write(tmp_path, text))
+    assert list(material.textures) == ["base.rho"]
+    plain = gonio.model("weidlich_wilkie", base=gonio.Lambert(rho=0.25))
+    common = {"size": (24, 24), "spp": 16, "environment": "white"}
+    np.testing.assert_allclose(render(material, **common), render(plain, **common), rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('model = "weidlich_wilkie"\n[base]\nmodel = "eno"\n', r"clay.toml:3: no model 'eno'"),
+        ('model = "weidlich_wilkie"\n[base]\nrho = 1\n', r"is missing under \[base\]"),
+        (
+            'model = "weidlich_wilkie"\nalpha = 0.1\n\n[base]\nmodel = "eon"\nroughness = 7\n',
+            r"clay.toml:6: eon: roughness=7 is out of range",
+        ),
+        ('model = "weidlich_wilkie"\nbase = 3\n', r"clay.toml:2: .*takes a model"),
+        ('model = "eon"\nmetal = "Au"\n', r"clay.toml:2: eon has no eta and k"),
+        ('model = "torrance_sparrow"\nmetal = "Xx"\n', r"clay.toml:2: .*Xx"),
+        ('model = "eon"\n[flakes]\n seed = 1\n', r"clay.toml:1: eon has no flake_x"),
+        (
+            'model = "car_paint"\n[flakes]\nsede = 1\n',
+            r"clay.toml:3: no setting 'sede'; allowed are",
+        ),
+        ('model = "car_paint"\n[flakes]\nseed = "a"\n', r"clay.toml:3: seed must be a number"),
+        ('model = "car_paint"\nflakes = 3\n', r"clay.toml:2: flakes is a table"),
+        ('model = "eon"\ngrowth = "mesh"\n', r"clay.toml:1: eon has no growth"),
+        ('model = "eon"\ndescription = 3\n', r"clay.toml:2: description must be a text"),
+    ],
+)
+def test_a_bad_file_names_the_line(tmp_path: Path, text: str, message: str) -> None:
+    with pytest.raises(MaterialError, match=message):
+        load_material(write(tmp_path, text))
+
+
+def test_names_of_models_and_materials_are_found() -> None:
+    assert repr(find("eon:roughness=1")) == "EON(roughness=1.0)"
+    assert find("gold").name == "gold"
+    with pytest.raises(ModelError, match=r"did you mean the material 'gold'\?"):
+        find("godl")
+    with pytest.raises(ModelError, match="gold is a material and has its parameters; copy"):
+        find("gold", ["alpha=0.3"])
+    with pytest.raises(FileNotFoundError, match=r"did you mean 'gold'\? 'gonio list --materials'"):
+        load_material("golt")
+
+
+def test_generated_textures_are_refused_for_scene_files(tmp_path: Path) -> None:
+    path = tmp_path / "scene.xml"
+    path.write_text('<scene version="3.0.0"><shape type="sphere" id="ball"/></scene>')
+    with pytest.raises(
+        ValueError, match="car_paint_red_weak has textures that are made for the mesh"
+    ):
+        render_scene(path, {"ball": load_material("car_paint_red_weak")})
+
+
+def test_a_sheet_shows_every_material(tmp_path: Path) -> None:
+    from PIL import Image
+
+    seen: list[tuple[int, int]] = []
+    shown = [load_material(n) for n in ("clay", "moon", "plaster")]
+    target = tmp_path / "sheet.png"
+    write_sheet(
+        target, shown, columns=2, cell=24, spp=1, progress=lambda n, of: seen.append((n, of))
+    )
+    picture = np.asarray(Image.open(target))
+    assert picture.shape[1] == 48
+    assert picture.shape[0] > 48
+    assert seen[-1][0] == seen[-1][1]
+    with pytest.raises(ValueError, match=r"the suffix must be .png"):
+        write_sheet(tmp_path / "a.exr", shown)
+
+
+def test_a_material_file_is_read(tmp_path: Path) -> None:
+    material = load_material(
+        write(tmp_path, 'model = "eon"\nrho = [0.6, 0.3, 0.2]\nroughness = 1\nsampler = "cosine"\n')
+    )
+    assert material.name == "clay"
+    assert material.model.rho == (0.6, 0.3, 0.2)
+    assert material.model.roughness == 1
+    assert material.model.sampler == "cosine"
+
+
+def test_a_texture_drives_a_parameter(tmp_path: Path) -> None:
+    mi.Bitmap(np.full((2, 2, 3), 0.25, np.float32)).write(str(tmp_path / "grey.exr"))
+    material = load_material(write(tmp_path, 'model = "lambert"\nrho = "grey.exr"\n'))
+    common = {"size": (24, 24), "spp": 16}
+    plain = render(gonio.Lambert(rho=0.25), **common)
+    np.testing.assert_allclose(render(material, **common), plain, rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('model = "eon"\nrougness = 1\n', r"clay.toml:2: eon has no 'rougness'; did you mean"),
+        ('model = "eon"\n\nroughness = 3\n', r"clay.toml:3: eon: roughness=3 is out of range"),
+        ('# x\nmodel = "eno"\n', r"clay.toml:2: no model 'eno'; did you mean 'eon'"),
+        ("roughness = 1\n", r"the line 'model = \"NAME\"' is missing"),
+        (
+            'model = "eon"\nrho = "none.png"\n',
+            r"clay.toml:2: rho names a picture that does not exist",
+        ),
+        ('model = "eon"\nroughness = \n', r"not a TOML file: .*line 2"),
+        ('model = "eon"\nroughness = [1, 2]\n', r"clay.toml:2: eon: roughness takes one number"),
+        ("model = 3\n", r"clay.toml:1: no model 3"),
+        (
+            'model = "eon"\nroughness = 2020-01-01\n',
+            r"clay.toml:2: eon: roughness must be a number",
+        ),
+        ('model = ["eon"]\n', r"clay.toml:1: no model \['eon'\]"),
+    ],
+)
+def test_a_bad_material_file_names_the_line(tmp_path: Path, text: str, message: str) -> None:
+    with pytest.raises(MaterialError, match=message):
+        load_material(write(tmp_path, text))
+
+
+def test_binary_and_missing_material_files_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "clay.toml"
+    with pytest.raises(FileNotFoundError, match="there is no material file"):
+        load_material(path)
+    path.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(MaterialError, match="not a TOML file"):
+        load_material(path)
