@@ -7,17 +7,16 @@ from collections.abc import Iterator
 from typing import Any
 
 import drjit as dr
+import jax
 import numpy as np
 import pytest
+import torch
 from support.directions import random_directions
 from support.variants import sweep
 
 import gonio
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3
 from gonio.model import Model, ModelError, child, param
-
-jax = pytest.importorskip("jax", reason="installed by 'make test'")
-torch = pytest.importorskip("torch", reason="installed by 'make test'")
 
 
 @pytest.fixture
