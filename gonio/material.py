@@ -9,7 +9,8 @@
     model = "eon"
     rho = [0.25, 0.12, 0.06]
 
-Options take their names as strings. `metal = "Au"` stands for eta and k (or metal_eta and metal_k). A table
+Options take their names as strings. `metal = "Au"` stands for eta and k (or metal_eta and metal_k), and
+`neutral = true` beside it keeps grey metals grey (see `gonio.metals.metal`). A table
 [flakes] (size, density, flake_size, spread, seed, tiles) makes the map of a paint's flakes, and
 `growth = "mesh"` lets patina grow in the cavities of whatever mesh it is put on; see `gonio.textures`.
 Materials that come with gonio are in the folder `materials` and are loaded by their names.
@@ -227,7 +228,7 @@ class _Reader:
         if prefix is None:
             raise self.error("metal", f"{cls.name} has no eta and k for a metal.", section)
         try:
-            indices = metal(table.pop("metal"))
+            indices = metal(table.pop("metal"), neutral=table.pop("neutral", False) is True)
         except (ValueError, TypeError) as error:
             raise self.error("metal", str(error), section) from None
         return {prefix + name: value for name, value in indices.items()}

@@ -10,6 +10,7 @@ import pytest
 
 import gonio
 from gonio.material import MaterialError, find, library, load_material
+from gonio.metals import metal
 from gonio.model import ModelError
 from gonio.rendering import render, render_scene, write_sheet
 
@@ -71,6 +72,11 @@ def test_nested_files_and_metals_are_read(tmp_path: Path) -> None:
     )
     assert material.model.alpha == 0.2
     assert material.model.base.eta == gonio.model("torrance_sparrow").eta  # whose default is gold
+
+
+def test_a_metal_can_be_neutral(tmp_path: Path) -> None:
+    text = 'model = "torrance_sparrow"\nmetal = "Fe"\nneutral = true\n'
+    assert load_material(write(tmp_path, text)).model.eta == metal("Fe", neutral=True)["eta"]
 
 
 def test_a_texture_drives_an_inner_parameter(tmp_path: Path) -> None:
