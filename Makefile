@@ -8,7 +8,13 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: help demo test format bench clean
+# What compiles and runs exported shaders besides pip's packages: compilers, drivers that need no GPU, and
+# libraries of Blender's Python package. slangtorch (slangc) and bpy (OSL) come without their dependencies.
+PROVE_PACKAGES := glslangValidator=glslang-tools spirv-opt=spirv-tools libEGL.so.1=libegl1 \
+    libGL.so.1=libgl1 libvulkan.so.1=libvulkan1 libvulkan_lvp.so=mesa-vulkan-drivers libSM.so.6=libsm6 \
+    libXi.so.6=libxi6 libXfixes.so.3=libxfixes3 libXrender.so.1=libxrender1 libxkbcommon.so.0=libxkbcommon0
+
+.PHONY: help demo test format bench golden clean
 
 help:
 	@sed -n '2,4s/^# *//p' Makefile
@@ -20,7 +26,7 @@ test: $(VENV)/.installed-test
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
-	$(BIN)/pytest
+	$(BIN)/pytest -n auto --maxprocesses 4
 
 format: $(VENV)/.installed-test
 	$(BIN)/ruff format .
@@ -28,6 +34,9 @@ format: $(VENV)/.installed-test
 
 bench: $(VENV)/.installed
 	$(BIN)/gonio bench --output docs/performance.md
+
+golden: $(VENV)/.installed
+	$(BIN)/python tools/make_golden.py
 
 $(VENV)/bin/python:
 	PYTHON=$(PYTHON) sh .ci/system-packages
@@ -39,8 +48,9 @@ $(VENV)/.installed: pyproject.toml constraints.txt | $(VENV)/bin/python
 	touch $@
 
 $(VENV)/.installed-test: $(VENV)/.installed
-	PYTHON=$(PYTHON) sh .ci/system-packages g++
+	PYTHON=$(PYTHON) sh .ci/system-packages g++ $(PROVE_PACKAGES)
 	$(INSTALL) -e '.[test]'
+	$(INSTALL) --no-deps slangtorch 'bpy; python_version == "3.11"'
 	touch $@
 
 clean:

@@ -10,6 +10,9 @@ their inverses are definitions; the others match two shapes that are not equal, 
 
 `specular_from_metallic` and `metallic_from_specular` convert whole materials between the two workflows of
 games, base colour-metallic-roughness and diffuse-specular-gloss.
+
+Sources: Burley, SIGGRAPH 2012 course; Walter et al., EGSR 2007; Gotanda, SIGGRAPH 2012 course; "PBR theory,
+part 1: foundations" (SZ's temple, 2019), section 4, for the workflows.
 """
 
 from __future__ import annotations

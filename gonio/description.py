@@ -9,7 +9,8 @@ import textwrap
 from collections.abc import Iterator
 from typing import Any
 
-from gonio.model import Child, Model, Option, Parameter, model
+from gonio.model import Child, Model, Option, Parameter
+from gonio.model_file import model_class
 
 
 def describe(name: str) -> dict[str, Any]:
@@ -18,8 +19,8 @@ def describe(name: str) -> dict[str, Any]:
     Raises:
         ModelError: there is no such model.
     """
-    cls = type(model(name))
-    notes = _module_notes(cls)
+    cls = model_class(name)
+    notes = module_notes(inspect.getdoc(inspect.getmodule(cls)) or "")
     fields = cls.fields.values()
     return {
         "name": cls.name,
@@ -58,6 +59,12 @@ def describe(name: str) -> dict[str, Any]:
             method: getattr(cls, method) is not getattr(Model, method)
             for method in ("albedo", "mean_albedo")
         },
+        "claims": [
+            {"kind": "promised", "text": "isotropic"}
+            if cls.isotropic
+            else {"kind": "known", "text": "anisotropic"},
+            *({"kind": kind, "text": text} for kind, text in dict.fromkeys(cls.claims.lines())),
+        ],
         "caveats": list(cls.caveats),
         "mitsuba": f"gonio_{cls.name}",
     }
@@ -68,9 +75,9 @@ def summary(cls: type[Model]) -> str:
     return (inspect.getdoc(cls) or "").partition("\n")[0]
 
 
-def _module_notes(cls: type[Model]) -> dict[str, str]:
-    """The paragraphs of a model file's docstring: its title, and those that start with "Word:"."""
-    title, _, rest = (inspect.getdoc(inspect.getmodule(cls)) or "").partition("\n")
+def module_notes(docstring: str) -> dict[str, str]:
+    """The paragraphs of a file's docstring: its title, and those that start with "Word:"."""
+    title, _, rest = docstring.partition("\n")
     notes = {"title": title}
     current = "remarks"
     for line in rest.splitlines():
@@ -118,6 +125,11 @@ def description(about: dict[str, Any]) -> Iterator[str]:
         elif method in about["closed_form"]:
             how = f"Closed form: {how}"
         yield from _wrapped(how, " " * 15, f"  {method:<11}  ")
+    yield from ("", "Claims, measured by 'gonio check'")
+    for kind, heading in (("promised", "Promised"), ("known", "Known not to hold")):
+        texts = [claim["text"] for claim in about["claims"] if claim["kind"] == kind]
+        if texts:
+            yield from _wrapped(f"{'; '.join(texts)}.", "    ", f"  {heading}: ")
     if about["caveats"]:
         yield from ("", "What is known to be wrong")
         for caveat in about["caveats"]:
@@ -156,6 +168,7 @@ def _usage(about: dict[str, Any]) -> list[str]:
         f"  Mitsuba  import gonio.mitsuba, then {{'type': '{plugin}'{mitsuba.replace(chr(34), chr(39))}}}",
         f'  XML      <bsdf type="{plugin}">{tags}</bsdf>',
         f"  Shell    gonio eval {about['name']} --theta-i 30 --theta-o 60{shell}",
+        f"  Shader   gonio export {about['name']} --to wgsl",
     ]
 
 

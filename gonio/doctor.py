@@ -9,6 +9,7 @@ processes of its own, so that looking never crashes.
 
 from __future__ import annotations
 
+import functools
 import importlib.metadata
 import json
 import os
@@ -65,6 +66,7 @@ def diagnose() -> list[Finding]:
         ("PyTorch", lambda: _optional("PyTorch", "torch", "for tensors in and out")),
         ("JAX", lambda: _optional("JAX", "jax", "for JAX arrays in and out")),
         ("g++", _compiler),
+        *((name, functools.partial(_prover, name)) for name in _PROVERS),
     ]
     return [_guarded(name, check) for name, check in checks]
 
@@ -318,12 +320,36 @@ def _kernel_cache() -> Finding:
     )
 
 
+# Packages that compile and run exported shaders, and programs that do; what for, and what brings them
+# stands beside the programs' use, in gonio.export.prove.tools.
+_PROVERS = {
+    "glslangValidator": "GLSL and HLSL",
+    "slangc": "Slang and HLSL",
+    "wgpu": "WGSL",
+    "moderngl": "GLSL",
+    "bpy": "OSL",
+    "spirv-opt": "counting instructions",
+}
+
+
+def _prover(name: str) -> Finding:
+    from gonio.export.prove import tools
+
+    found = tools.locate(name)
+    if found is None:
+        advice = (
+            f"only 'gonio export --prove' needs it, for {_PROVERS[name]}: {tools.INSTALL[name]}"
+        )
+        return Finding(name, "absent", "not installed", advice)
+    return Finding(name, "ok", _version(name) or found)
+
+
 def _compiler() -> Finding:
     program = shutil.which("g++")
     if program is None:
-        advice = (
-            "only 'gonio bench' needs it: apt-get install g++ (or your system's compiler package)"
-        )
+        from gonio.export.prove.tools import INSTALL
+
+        advice = f"only 'gonio bench' and 'gonio export --prove' need it: {INSTALL['g++']}"
         return Finding("g++", "absent", "not installed", advice)
     done = subprocess.run(
         [program, "-dumpfullversion"], capture_output=True, text=True, timeout=20, check=False

@@ -87,6 +87,11 @@ def absolute(x: Any) -> Any:
     return dr.abs(x)
 
 
+def fract(x: Any) -> Any:
+    """What is left of `x` above the next lower whole number, in [0, 1)."""
+    return x - dr.floor(x)
+
+
 def sqrt(x: Any) -> Any:
     """Square root of a value that is greater than zero."""
     return dr.sqrt(x)

@@ -11,7 +11,7 @@
 
 Options take their names as strings. `metal = "Au"` stands for eta and k (or metal_eta and metal_k), and
 `neutral = true` beside it keeps grey metals grey (see `gonio.metals.metal`). A table
-[flakes] (size, density, flake_size, spread, seed, tiles) makes the map of a paint's flakes, and
+[flakes] (size, density, flake_size, spread, seed, tiles, fade) makes the map of a paint's flakes, and
 `growth = "mesh"` lets patina grow in the cavities of whatever mesh it is put on; see `gonio.textures`.
 Materials that come with gonio are in the folder `materials` and are loaded by their names.
 """
@@ -31,7 +31,7 @@ from gonio.notation import parse_model
 
 # How often a flake map repeats along the texture coordinates, and what a [flakes] table may hold.
 FLAKE_TILES = 24.0
-FLAKE_SETTINGS = ("size", "density", "flake_size", "spread", "seed", "tiles")
+FLAKE_SETTINGS = ("size", "density", "flake_size", "spread", "seed", "tiles", "fade")
 
 LIBRARY = Path(__file__).parent / "materials"
 
@@ -71,8 +71,8 @@ class Material:
             from gonio.textures import flake_map, flake_texture
 
             settings = dict(self.flakes)
-            tiles = settings.pop("tiles", FLAKE_TILES)
-            node |= flake_texture(flake_map(**settings), tiles)
+            tiles, fade = settings.pop("tiles", FLAKE_TILES), settings.pop("fade", None)
+            node |= flake_texture(flake_map(**settings), tiles, fade)
         if self.grows:
             from gonio.textures import growth_texture
 
@@ -83,6 +83,21 @@ class Material:
 def library() -> dict[str, Path]:
     """The files of the materials that come with gonio, by name, sorted."""
     return {path.stem: path for path in sorted(LIBRARY.glob("*.toml"))}
+
+
+def load_series(name: str) -> list[Material]:
+    """The steps NAME_1, NAME_2, ... among gonio's materials, in order.
+
+    Raises:
+        MaterialError: there is no such series (with those that there are).
+    """
+    steps: dict[str, list[str]] = {}
+    for known in library():
+        if match := re.fullmatch(r"(.+)_\d+", known):
+            steps.setdefault(match[1], []).append(known)
+    if name not in steps:
+        raise MaterialError(f"no series of materials {name!r}; known are {', '.join(steps)}.")
+    return [load_material(step) for step in sorted(steps[name], key=lambda s: (len(s), s))]
 
 
 def load_material(name: str | Path) -> Material:

@@ -11,7 +11,8 @@ are one-sided, like Mitsuba's own `diffuse`: wrap them into `twosided` where bac
 textures hold is limited to the allowed range; a number outside it is an error.
 
 This is the only file that swaps the directions (Mitsuba's `si.wi` is the viewer's, gonio's `wo`) and
-that multiplies by the cosine.
+that multiplies by the cosine, beside `gonio.reference.plugin`, whose `gonio_layered_reference` is
+registered with the models.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from gonio import backend
+from gonio import backend, viewer_distance
 from gonio.arrays import is_array
 from gonio.lang import vec2, vec3
 from gonio.model import Child, Model, ModelError, Parameter, models
@@ -74,6 +75,10 @@ def register(*private: type[Model]) -> None:
         if _registered.get((variant, cls.name)) is not cls:
             mi.register_bsdf(PREFIX + cls.name, _derive(cls))
             _registered[variant, cls.name] = cls
+    viewer_distance.register()
+    from gonio.reference import plugin as reference  # which needs this module
+
+    reference.register()
 
 
 def _llvm_problem() -> str | None:

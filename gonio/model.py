@@ -21,6 +21,7 @@ from typing import Any, ClassVar, Self, get_type_hints
 import numpy as np
 
 from gonio import arrays, quadrature
+from gonio.claims import Claims
 from gonio.lang import Color, Float, Sample, Vec2, Vec3, select, vec2, vec3
 
 
@@ -39,6 +40,8 @@ class Parameter:
     name: str = ""
     width: int = 1
     """1 for a Float, 3 for a Color."""
+    rougher: Callable[[Any, Any], Any] | None = None
+    """For widths of highlights: the value that is at least as rough as facets of a given alpha."""
 
     @property
     def lowest(self) -> float:
@@ -140,9 +143,20 @@ class Child:
 Field = Parameter | Option | Child
 
 
-def param(default: Any, low: float, high: float, doc: str) -> Any:
-    """Declare a number or colour: default, range and meaning. The annotation says which of the two."""
-    return Parameter(default, low, high, doc)
+def param(
+    default: Any,
+    low: float,
+    high: float,
+    doc: str,
+    *,
+    rougher: Callable[[Any, Any], Any] | None = None,
+) -> Any:
+    """Declare a number or colour: default, range and meaning. The annotation says which of the two.
+
+    A parameter that is the width of a highlight says by a function of `gonio.parts.roughness` on which
+    scale, so that a rough coat can widen it.
+    """
+    return Parameter(default, low, high, doc, rougher=rougher)
 
 
 def option(*values: str, doc: str) -> Any:
@@ -169,7 +183,9 @@ class Model:
     fields: ClassVar[Mapping[str, Field]] = {}
     name: ClassVar[str] = ""
     caveats: ClassVar[tuple[str, ...]] = ()
-    """What is known to be wrong with the model, each with its size."""
+    """What is known to be wrong with the model, each with its size; for people."""
+    claims: ClassVar[Claims] = Claims()
+    """What the model promises, for `gonio check`; strict unless a model says otherwise."""
     albedo_rule: ClassVar[str] = "angles"
     """How `gonio.quadrature` finds albedos without a closed form: "angles", or "half_vectors"."""
     isotropic: ClassVar[bool] = True
@@ -258,6 +274,17 @@ class Model:
     def replace(self, **changed: Any) -> Self:
         """Return a copy with some parameters or options changed."""
         return type(self)(**{name: getattr(self, name) for name in self.fields} | changed)
+
+    def at_least_as_rough(self, alpha: Float) -> Self:
+        """A copy inside a kernel whose highlights are at least as wide as facets of this alpha."""
+        wider = {
+            name: declared.rougher(getattr(self, name), alpha)
+            for name, declared in self.fields.items()
+            if isinstance(declared, Parameter) and declared.rougher is not None
+        }
+        copy = object.__new__(type(self))
+        vars(copy).update(vars(self) | wider)
+        return copy
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """BRDF value in 1/sr, WITHOUT the cosine, shape (..., 3); 0 at and below the horizon."""

@@ -8,14 +8,16 @@ from collections.abc import Iterable
 from typing import Any
 
 from gonio.model import Child, Model, ModelError, Parameter, model
+from gonio.model_file import model_class
 
 
 def parse_model(text: str, params: Iterable[str] = ()) -> Model:
     """Make a model from text, such as "eon:roughness=1,sampler=cosine,rho=0.8/0.3/0.1".
 
     Args:
-        text: a model's name, then after a colon parameters and options with commas between them. An
-            inner model is given by name, its parameters by their path: base=lambert,base.rho=0.5.
+        text: a model's name, or the path of a model file (my_model.py), then after a colon parameters and
+            options with commas between them. An inner model is given by name, its parameters by their path:
+            base=lambert,base.rho=0.5.
         params: further ones, each "name=value", colours as 0.8,0.3,0.1 or 0.8/0.3/0.1. Those in the
             text win.
 
@@ -23,7 +25,7 @@ def parse_model(text: str, params: Iterable[str] = ()) -> Model:
         ModelError: an unknown model, name or value, or something that is not name=value.
     """
     name, colon, inline = text.partition(":")
-    cls = type(model(name))
+    cls = model_class(name)
     if colon and not inline:
         raise ModelError(f"{text!r} ends in a colon; write {name}:name=value or {name}.")
     pieces = inline.split(",") if inline else []

@@ -92,8 +92,8 @@ def directional_albedo(model: Model, wo: Vec3) -> Color:
 def _by_angles(model: Model, wo: Vec3) -> Color:
     Float: Any = type(wo.z)
     theta_o = safe_acos(wo.z)
-    rho = dr.sqrt(dr.maximum(wo.x * wo.x + wo.y * wo.y, 1e-30))
-    cos_o, sin_o = wo.x / rho, wo.y / rho
+    axis = azimuth(wo)
+    cos_o, sin_o = axis.x, axis.y
     table = _table(Float)
     count = len(table[0])
 

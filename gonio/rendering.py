@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import functools
 import math
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -12,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gonio import backend, scene
+from gonio.diffusion import diffuse_on_screen
 from gonio.files import replacing
 from gonio.material import Material
 from gonio.model import Model, Parameter
@@ -33,6 +36,7 @@ def render(
     environment: str | Path = "studio",
     mesh: str | Path | None = None,
     furnace: bool = False,
+    diffusion: float = 0.0,
     size: tuple[int, int] = (512, 512),
     spp: int = 64,
     seed: int = 0,
@@ -46,6 +50,8 @@ def render(
         environment: "studio", "sun", "front", "side", "white", "sunsky", or a path to .exr or .hdr.
         mesh: a path to .obj, .ply or .glb instead of the ball.
         furnace: put the object into radiance 1 from everywhere; what loses no energy disappears.
+        diffusion: how long a millimetre is in the scene's units, to let the light in skin wander on the
+            screen (see `gonio.diffusion`); 0 for other materials.
         size: width and height in pixels.
         spp: samples per pixel.
         seed: of the random numbers; the same seed gives the same picture.
@@ -59,32 +65,104 @@ def render(
         ValueError, FileNotFoundError: one line on what was wrong with an argument or a file.
     """
     mi = _mitsuba()
-    node = scene.shader_ball(
-        _bsdf(material),
-        environment=environment,
-        mesh=mesh,
-        size=size,
-        furnace=furnace,
-        spp=spp,
-        **stage,
+
+    def load(shown: Model | Material) -> Any:
+        node = scene.shader_ball(
+            _bsdf(shown),
+            environment=environment,
+            mesh=mesh,
+            size=size,
+            furnace=furnace,
+            spp=spp,
+            **stage,
+        )
+        if isinstance(shown, Material) and shown.grows:
+            _grow(node)
+        # Mitsuba's optimizations leave lamps in an order that changes from run to run, and so the noise.
+        return mi.load_dict(node, optimize=False)
+
+    loaded = load(material)
+    if not diffusion:
+        return _integrate(loaded, spp, seed, progress)
+    without = load(_without_diffuse(material))
+
+    def half(first: int) -> Progress:
+        def step(done: int, total: int) -> None:
+            if progress is not None:
+                progress(first * total + done, 2 * total)
+
+        return step
+
+    full = _integrate(loaded, spp, seed, half(0))
+    glossy = _integrate(without, spp, seed, half(1))
+    spread = diffuse_on_screen(full - glossy, *_seen(loaded), millimetre=diffusion)
+    return np.asarray(glossy + spread, np.float32)
+
+
+def _without_diffuse(material: Model | Material) -> Model | Material:
+    """The same with black diffuse reflection."""
+    model = material.model if isinstance(material, Material) else material
+    black = [path for path, _, _ in model.parameters() if path.rpartition(".")[2] == "rho"]
+    if not black:
+        raise ValueError(
+            f"{material.name} has no diffuse colour rho, whose light diffusion could spread."
+        )
+    model = model.replace(**dict.fromkeys(black, 0.0))
+    if not isinstance(material, Material):
+        return model
+    textures = {path: file for path, file in material.textures.items() if path not in black}
+    return dataclasses.replace(material, model=model, textures=textures)
+
+
+def _seen(loaded: Any) -> tuple[Any, Any, Any]:
+    """What each pixel's middle shows: the point, the area (up to a factor), the tested shape's number."""
+    import mitsuba as mi
+
+    sensor = loaded.sensors()[0]
+    width, height = (int(n) for n in sensor.film().size())
+    y, x = np.mgrid[0:height, 0:width]
+    middle = mi.Point2f(
+        ((x.ravel() + 0.5) / width).astype(np.float32),
+        ((y.ravel() + 0.5) / height).astype(np.float32),
     )
-    if isinstance(material, Material) and material.grows:
-        _grow(node)
-    return _integrate(mi.load_dict(node), spp, seed, progress)
+    ray, _ = sensor.sample_ray(0.0, 0.5, middle, mi.Point2f(0.5))
+    si = loaded.ray_intersect(ray)
+    surface = np.zeros(width * height, int)
+    for number, shape in enumerate(loaded.shapes(), 1):
+        if shape.id() in scene.TESTED:
+            surface[np.array(si.is_valid() & (si.shape == mi.ShapePtr(shape)))] = number
+    # Flat pixels at the rim show much surface, but one sample of it says little.
+    cosine = np.maximum(np.abs(np.array(si.wi.z)), 0.2)
+    areas = np.where(surface > 0, np.array(si.t), 0) ** 2 / cosine
+    points = np.where(surface > 0, np.array(si.p), 0).T
+    return (
+        points.reshape(height, width, 3),
+        areas.reshape(height, width),
+        surface.reshape(height, width),
+    )
 
 
 def _grow(node: dict[str, Any]) -> None:
     """Put growth on the meshes under test, for materials that grow in cavities."""
     import mitsuba as mi
 
-    from gonio.textures import add_growth, growth_map
+    from gonio.textures import add_growth
 
     for name in scene.TESTED:
         if name in node:
             buffers = mi.traverse(node[name])
-            positions = np.array(buffers["vertex_positions"]).reshape(-1, 3)
-            faces = np.array(buffers["faces"]).reshape(-1, 3)
-            add_growth(node[name], growth_map(positions, faces))
+            positions, faces = (np.array(buffers[key]) for key in ("vertex_positions", "faces"))
+            growth = _growth(positions.tobytes(), faces.tobytes(), positions.dtype, faces.dtype)
+            add_growth(node[name], growth)
+
+
+@functools.lru_cache(maxsize=8)  # a second or two each; the steps of a series have the same meshes
+def _growth(positions: bytes, faces: bytes, real: Any, integer: Any) -> Any:
+    from gonio.textures import growth_map
+
+    return growth_map(
+        np.frombuffer(positions, real).reshape(-1, 3), np.frombuffer(faces, integer).reshape(-1, 3)
+    )
 
 
 def render_scene(
@@ -248,6 +326,20 @@ def describe(material: Model | Material) -> str:
             text = "/".join(f"{v:g}" if isinstance(v, float) else str(v) for v in number)
             parts.append(f"{name}={text}" if isinstance(declared, Parameter) else text)
     return " ".join([material.name, *parts])
+
+
+def captions(materials: Sequence[Material]) -> list[str]:
+    """Labels of materials of one model: the parameters in which they differ from each other."""
+    values = [
+        {path: value for path, _, value in material.model.parameters()} for material in materials
+    ]
+    differing = [path for path in values[0] if len({repr(v[path]) for v in values}) > 1]
+
+    def text(value: Any) -> str:
+        numbers = value if isinstance(value, tuple) else (value,)
+        return "/".join(f"{v:g}".replace("-", "−") for v in numbers)
+
+    return [", ".join(f"{path} {text(v[path])}" for path in differing) for v in values]
 
 
 def write_picture(

@@ -5,6 +5,9 @@ to the model's plug-in:
 
     flakes = gonio.textures.flake_map(seed=1)
     bsdf = {"type": "gonio_car_paint", **gonio.textures.flake_texture(flakes, tiles=40)}
+
+Sources: Elek, "Layered materials in real-time rendering", CESCG 2010, section 4, for what the maps are for;
+Perlin, "Improving noise", SIGGRAPH 2002, for the noise.
 """
 
 from __future__ import annotations
@@ -15,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gonio import viewer_distance
 from gonio.files import replacing
 
 Floats = NDArray[np.float64]
@@ -89,18 +93,25 @@ def flake_map(
     return np.asarray(slopes[owner[..., 0], owner[..., 1]], np.float32)
 
 
-def flake_texture(slopes: Map, tiles: float = 100.0) -> dict[str, Any]:
+def flake_texture(slopes: Map, tiles: float = 100.0, fade: float | None = None) -> dict[str, Any]:
     """`flake_x` and `flake_y` of a flake map as Mitsuba textures, tiled and unfiltered.
 
     Args:
         slopes: as `flake_map` makes them.
         tiles: how often the map repeats along u and along v.
+        fade: how far away, in the scene's unit, the flakes begin to even out; adds `distance`, which
+            follows the viewer (see `gonio.viewer_distance`). None leaves `distance` as it is.
+
+    Raises:
+        ValueError: slopes of another shape, or a `fade` that is not above 0.
     """
     import mitsuba as mi
 
     if slopes.ndim != 3 or slopes.shape[2] != 2:
         raise ValueError(f"slopes have shape {slopes.shape}; needed is (height, width, 2).")
-    return {
+    if fade is not None and not fade > 0:
+        raise ValueError(f"fade={fade} is out of range; allowed is above 0.")
+    nodes: dict[str, Any] = {
         name: {
             "type": "bitmap",
             "bitmap": mi.Bitmap(np.ascontiguousarray(slopes[..., axis : axis + 1], np.float32)),
@@ -111,6 +122,9 @@ def flake_texture(slopes: Map, tiles: float = 100.0) -> dict[str, Any]:
         }
         for axis, name in enumerate(("flake_x", "flake_y"))
     }
+    if fade is not None:
+        nodes["distance"] = {"type": viewer_distance.NAME, "unit": fade}
+    return nodes
 
 
 def write_map(path: str | Path, values: Map) -> None:

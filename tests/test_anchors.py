@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.variants import kink_error
+from support.kinks import kink_error
 
 import gonio
 from gonio.parts.oren_nayar import qualitative_coefficients
@@ -56,8 +56,9 @@ def check(row: dict[str, str]) -> None:
     if row["quantity"] == "mean_albedo":
         rtol = FLOAT32_RTOL
     elif row["quantity"] not in vars(gonio.models()[row["model"]]):
-        chosen = {k: v for k, v in json.loads(row["parameters"]).items() if isinstance(v, str)}
-        rtol = NUMERIC_RTOL + kink_error(gonio.models()[row["model"]], chosen)
+        given = json.loads(row["parameters"])
+        chosen = {k: v for k, v in given.items() if isinstance(v, str)}
+        rtol = NUMERIC_RTOL + kink_error(gonio.models()[row["model"]], chosen, given)
     np.testing.assert_allclose(value, expected, rtol=rtol, atol=DERIVED_ATOL)
 
 

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 import torch
 from support.directions import random_directions
-from support.variants import sweep
 
 import gonio
+from gonio.check.variants import sweep
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3
 from gonio.model import Model, ModelError, child, param
 

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from support import integrate
 from support.directions import polar, random_directions
-from support.variants import options, random_parameters, sweep
 
 import gonio
+from gonio.check.variants import options, random_parameters, sweep
 from gonio.lang import Color, Float, Sample, Vec2, Vec3
 from gonio.model import Model
 from gonio.parts import lobes

@@ -321,3 +321,21 @@ def test_logarithm_and_exponential_near_zero_keep_their_digits() -> None:
         np.testing.assert_allclose(
             numbers(special.expm1(T(xs))), np.expm1(xs.astype(float)), rtol=rtol
         )
+
+
+@pytest.mark.parametrize("alpha", [1e-3, 0.02, 0.1, 0.5])
+def test_narrow_gtr1_is_burleys_equation_and_keeps_its_digits(alpha: float) -> None:
+    """Eq. 4 as it is printed, whose own cancellation near the normal is 1e-16 / alpha^2."""
+    angle = np.concatenate([alpha * np.linspace(0, 5, 40), np.linspace(0, 1.57, 40)])
+    m = polar(angle, PHI)
+    a2, z2 = alpha * alpha, m[:, 2] ** 2
+    printed = (a2 - 1) / (math.pi * math.log(a2) * (1 + (a2 - 1) * z2))
+    found = numbers(distribution.D_gtr1_narrow(vector(m), Float64(alpha)))
+    np.testing.assert_allclose(found, printed, rtol=1e-9)
+    single = m.astype(np.float32).astype(np.float64)
+    width = float(np.float32(alpha))
+    np.testing.assert_allclose(
+        numbers(distribution.D_gtr1_narrow(vector(single, Float), Float(width))),
+        numbers(distribution.D_gtr1_narrow(vector(single), Float64(width))),
+        rtol=1e-6,
+    )

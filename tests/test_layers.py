@@ -244,6 +244,32 @@ def test_the_base_is_at_least_as_rough_as_a_rough_coat() -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("name", "parameter", "sharp", "rough"),
+    [  # what facets of alpha 0.36 are on each model's own scale
+        ("disney", "roughness", 0.1, 0.6),
+        ("ue4", "roughness", 0.1, 0.6),
+        ("metallic_roughness", "roughness", 0.1, 0.6),
+        ("unity_standard", "roughness", 0.1, 0.6),
+        ("unity_brdf2", "roughness", 0.1, 0.6),
+        ("triace_blinn_phong", "shininess", 500.0, 2 / 0.36**2 - 2),
+        ("phong", "shininess", 500.0, (2 / 0.36**2 - 2) / 4),
+        ("patina", "bare_alpha", 0.1, 0.36),
+    ],
+)
+def test_a_rough_coat_widens_highlights_on_every_scale(
+    name: str, parameter: str, sharp: float, rough: float
+) -> None:
+    def coated(value: float, clamp: str) -> Any:
+        base = gonio.model(name, **{parameter: value})
+        return WeidlichWilkie(alpha=0.36, base=base, roughness_clamp=clamp).eval(WI, WO)
+
+    np.testing.assert_allclose(coated(sharp, "on"), coated(rough, "on"), rtol=1e-9)
+    assert np.abs(coated(sharp, "on") - coated(sharp, "off")).max() > 1e-3
+    if name != "patina":  # the other widths of patina are rough already, but one is 0.15 above
+        np.testing.assert_allclose(coated(rough, "on"), coated(rough, "off"), rtol=1e-9)
+
+
 def test_derivatives_reach_a_clamped_base() -> None:
     import torch
 

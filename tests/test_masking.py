@@ -247,3 +247,15 @@ def test_values_and_gradients_are_finite_in_the_horizon(name: str) -> None:
         assert np.isfinite(numbers(V)).all()
         for gradient in (*dr.grad(a), *dr.grad(b), dr.grad(alpha)):
             assert np.isfinite(numbers(gradient)).all()
+
+
+def test_round_ggx_masking_is_the_product_of_both_directions_own() -> None:
+    """G1 = 2 / (1 + sqrt(1 + alpha^2 tan^2)); Walter et al., Eq. 34."""
+    theta_i, theta_o = (angles.ravel() for angles in np.meshgrid(ANGLES, ANGLES))
+    wi, wo = polar(theta_i, 0.3), polar(theta_o, 2.0)
+    for alpha in (1e-3, 0.25, 1.0):
+        G = np.prod(
+            [2 / (1 + np.sqrt(1 + (alpha * np.tan(t)) ** 2)) for t in (theta_i, theta_o)], 0
+        )
+        found = numbers(masking.V_smith_ggx_round(vector(wi), vector(wo), Float64(alpha)))
+        np.testing.assert_allclose(found, G / (4 * np.cos(theta_i) * np.cos(theta_o)), rtol=1e-12)

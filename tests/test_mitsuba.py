@@ -18,10 +18,10 @@ import mitsuba as mi
 import numpy as np
 import pytest
 from support.directions import RANDOM, Array, adversarial_pairs, polar, random_directions
-from support.variants import options, place
 
 import gonio.mitsuba
 from gonio import backend
+from gonio.check.variants import options, place
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, select, vec2, vec3
 from gonio.model import Model, Parameter, child
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine

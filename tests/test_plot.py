@@ -12,6 +12,7 @@ import pytest
 import gonio
 from gonio import plot as plots
 from gonio.plot import Plot, albedo, plot, polar, sampling, surface
+from gonio.plot.labels import named
 
 SIGNATURES = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
 
@@ -170,7 +171,7 @@ def test_a_growing_parameter_gets_an_ordered_colour_scale():
 
 def test_labels_tell_what_differs_and_the_head_what_is_common():
     models = [gonio.EON(rho=0.5), gonio.EON(rho=0.5, sampler="cosine"), gonio.Lambert(rho=0.5)]
-    _, labels, shared = plots._named(models)
+    _, labels, shared = named(models)
     assert labels == [
         "eon, roughness = 0.5, sampler = cltc_uniform",
         "eon, roughness = 0.5, sampler = cosine",

@@ -12,8 +12,10 @@ import pytest
 
 import gonio
 from gonio.files import replacing
+from gonio.material import load_material, load_series
 from gonio.rendering import (
     _passes,
+    captions,
     compare,
     demo,
     describe,
@@ -166,6 +168,20 @@ def test_comparison_puts_materials_side_by_side() -> None:
     np.testing.assert_allclose(
         sheet[24:, 32:], render(models[1], environment="white", **SMALL), rtol=1e-5
     )
+
+
+def test_a_series_is_the_numbered_materials_in_order() -> None:
+    steps = load_series("patina")
+    extents = [-0.65, -0.05, 0.15, 0.45, 0.75, 1.65]  # Elek's Figure 8
+    assert [getattr(step.model, "extent") for step in steps] == extents  # noqa: B009
+    assert captions(steps) == [f"extent {extent:g}".replace("-", "−") for extent in extents]
+    with pytest.raises(ValueError, match="no series of materials 'patena'; known are patina"):
+        load_series("patena")
+
+
+def test_captions_name_all_that_differs_and_nothing_else() -> None:
+    red, blue = (load_material(f"car_paint_{c}_strong") for c in ("red", "blue"))
+    assert captions([red, blue]) == ["sigma_a 0.12/1.6/1.9", "sigma_a 1.9/0.9/0.12"]
 
 
 def test_demo_writes_its_strip(tmp_path: Path) -> None:

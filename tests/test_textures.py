@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from gonio import textures
+from gonio.material import load_material
 
 mi = pytest.importorskip("mitsuba")
 
@@ -124,6 +125,86 @@ def test_sparkle_vanishes_with_distance() -> None:
         value = np.array(bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(*BESIDE))[0])
         contrast.append(value.std() / value.mean())
     assert contrast[0] > 3 * contrast[1] > 30 * contrast[2]
+
+
+def paint(fade: float | None = None, seed: int = 1) -> dict[str, Any]:
+    # Three texels to a pixel, so that no ray hits the edge of one
+    m = textures.flake_map(96, flake_size=6, spread=0.5, seed=seed)
+    return {"type": "gonio_car_paint", **textures.flake_texture(m, tiles=1, fade=fade)}
+
+
+def seen(bsdf: dict[str, Any], shift: int = 0, away: float = 5.0, seed: int = 0) -> Any:
+    """A painted square from straight above by a parallel camera, moved by whole pixels; one lamp."""
+    scene = {
+        "type": "scene",
+        "integrator": {"type": "direct"},
+        "square": {"type": "rectangle", "bsdf": bsdf},
+        "lamp": {"type": "directional", "direction": [-0.1, 0.05, -1]},
+        "sensor": {
+            "type": "orthographic",
+            "to_world": mi.ScalarTransform4f().look_at(
+                [shift * 2 / 32, 0, away], [shift * 2 / 32, 0, 0], [0, 1, 0]
+            ),
+            "film": {
+                "type": "hdrfilm",
+                "width": 32,
+                "height": 32,
+                "rfilter": {"type": "box"},
+            },
+            # One ray through the middle of each pixel
+            "sampler": {"type": "stratified", "sample_count": 1, "jitter": False},
+        },
+    }
+    picture = np.array(mi.render(mi.load_dict(scene), spp=1, seed=seed))[..., 0]
+    return picture
+
+
+def test_flakes_stay_where_they_are_when_the_camera_moves() -> None:
+    """They belong to points of the surface: a camera moved by whole pixels sees the same, moved."""
+    still = seen(paint())
+    assert still.std() > 0.3 * still.mean()  # sparkle
+    for shift in (3, -5):
+        moved = seen(paint(), shift=shift, seed=9)
+        here, there = (still[:, 5:-5], np.roll(moved, shift, axis=1)[:, 5:-5])
+        np.testing.assert_allclose(there, here, rtol=1e-3)
+    other = seen(paint(seed=2))
+    assert np.abs(other - still)[:, 5:-5].max() > 0.1 * still.max()
+
+
+def test_sparkle_fades_with_the_viewers_distance() -> None:
+    """Past `fade` the contrast falls like 1 / distance: the slopes of the normals do."""
+    contrast = []
+    for away in (1.0, 5.0, 50.0, 500.0, 5000.0):
+        picture = seen(paint(fade=5.0), away=away)
+        contrast.append(picture.std() / picture.mean())
+    assert contrast[0] == pytest.approx(contrast[1], rel=1e-3)  # nothing fades up to there
+    assert contrast[1] > 2 * contrast[2]
+    assert contrast[3] / contrast[4] == pytest.approx(10, rel=0.1)
+    assert contrast[4] < 1e-2
+    # Without it, distance is what the material says, wherever the camera stands
+    near, far = seen(paint(), away=1.0), seen(paint(), away=5000.0)
+    np.testing.assert_allclose(near, far, rtol=1e-3)
+
+
+def test_a_material_file_says_where_its_flakes_fade(tmp_path: Path) -> None:
+    file = tmp_path / "paint.toml"
+    file.write_text('model = "car_paint"\n[flakes]\nsize = 8\nfade = 12.5\n', encoding="utf-8")
+    node = load_material(file).bsdf()
+    assert node["distance"] == {"type": "gonio_viewer_distance", "unit": 12.5}
+    assert mi.load_dict(node) is not None
+    file.write_text('model = "car_paint"\n[flakes]\nsize = 8\n', encoding="utf-8")
+    assert load_material(file).bsdf()["distance"] == 1.0
+
+
+def test_viewer_distance_is_the_rays_length() -> None:
+    texture = mi.load_dict({"type": "gonio_viewer_distance", "unit": 4.0})
+    si = mi.SurfaceInteraction3f()
+    si.t = mi.Float([2.0, 10.0])
+    np.testing.assert_allclose(np.array(texture.eval_1(si)), [0.5, 2.5])
+    with pytest.raises(RuntimeError, match=r"unit=0\.0 is out of range; allowed is above 0"):
+        mi.load_dict({"type": "gonio_viewer_distance", "unit": 0.0})
+    with pytest.raises(ValueError, match=r"fade=-1 is out of range; allowed is above 0"):
+        textures.flake_texture(textures.flake_map(8), fade=-1)
 
 
 def test_written_maps_come_back(tmp_path: Path) -> None:

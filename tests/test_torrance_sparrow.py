@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from support import integrate
 from support.directions import polar, random_directions
-from support.variants import KINKED
+from support.kinks import ACROSS_A_KINK
 
 import gonio
 import gonio.mitsuba
@@ -118,7 +118,7 @@ def test_published_albedo_of_beckmann_with_v_grooves() -> None:
     expected = 1 - math.exp(-1 / 3 / 0.09) + partly * (1 - math.tan(math.pi / 6)) / 200000
     assert expected == pytest.approx(0.996, abs=1e-3)
     found = float(model.albedo(polar(0.0))[0])
-    assert found == pytest.approx(expected, abs=KINKED["cook_torrance"])
+    assert found == pytest.approx(expected, abs=ACROSS_A_KINK)
 
 
 def furnace(compensation: str, alpha: float) -> Any:

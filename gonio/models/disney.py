@@ -7,6 +7,7 @@ which masking="anisotropic" gives.
 Deviation: base_color is linear here, the code takes it with a gamma of 2.2.
 """
 
+from gonio.claims import Claims, known
 from gonio.lang import (
     INV_PI,
     MU_MIN,
@@ -15,7 +16,6 @@ from gonio.lang import (
     Sample,
     Vec2,
     Vec3,
-    dot,
     lerp,
     maximum,
     select,
@@ -25,7 +25,7 @@ from gonio.lang import (
 from gonio.model import Model, option, param
 from gonio.parts.distribution import (
     D_ggx,
-    D_gtr1,
+    D_gtr1_narrow,
     cos_half,
     half_vector,
     mirror,
@@ -43,7 +43,8 @@ from gonio.parts.lobes import (
     schlick_weight_half,
     shares,
 )
-from gonio.parts.masking import V_smith_ggx
+from gonio.parts.masking import V_smith_ggx, V_smith_ggx_round
+from gonio.parts.roughness import at_least_perceptual
 
 # The reference code's numbers: smallest width of the highlight, F0 at specular 1, and for the clearcoat
 # its widths without and with gloss, that of its masking, F0 (index 1.5), and strength.
@@ -72,7 +73,9 @@ class Disney(Model):
     metallic: Float = param(0, 0, 1, "0 for dielectrics, 1 for metals")
     specular: Float = param(0.5, 0, 1, "F0 of dielectrics in units of 0.08")
     specular_tint: Float = param(0, 0, 1, "how much of the base colour's hue the dielectric F0 has")
-    roughness: Float = param(0.5, 0, 1, "perceptual roughness, alpha = roughness^2")
+    roughness: Float = param(
+        0.5, 0, 1, "perceptual roughness, alpha = roughness^2", rougher=at_least_perceptual
+    )
     anisotropic: Float = param(0, 0, 1, "stretches the highlight along x: aspect sqrt(1 - 0.9 a)")
     sheen: Float = param(0, 0, 1, "additional grazing reflection, for cloth")
     sheen_tint: Float = param(0.5, 0, 1, "how much of the base colour's hue the sheen has")
@@ -90,10 +93,15 @@ class Disney(Model):
         "stretch: white of anisotropic 1 reaches 1.681 (roughness 0.85). masking='anisotropic' "
         "does not.",
         "Tints have a luminance of 1: blue's is 10, and a blue cloth with tinted sheen reflects "
-        "up to 2.9 times the blue light.",
+        "up to 2.9 times the blue light; with an anisotropic specular tint as well, up to 3.82.",
         "Loses what facets reflect more than once: a white metal of roughness 1 reflects 31 % at "
         "the normal.",
-        "Wastes the samples that the clearcoat's facets mirror below the horizon, at most 1 in 10.",
+        "Wastes the samples that the clearcoat's facets mirror below the horizon, at most 16 %.",
+    )
+    claims = Claims(
+        energy=(known(3, masking="anisotropic"), known(3.82)),
+        wasted=known(0.16),
+        numeric_albedo=known(2e-4, masking="anisotropic"),
     )
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
@@ -105,21 +113,21 @@ class Disney(Model):
 
     def eval_round(self, wi: Vec3, wo: Vec3) -> Color:
         """All but the highlight: diffuse, sheen and clearcoat, which are not stretched."""
-        # Diffuse with retro-reflection; 2 cos^2(theta_d) = 1 + dot(wi, wo)
+        # Diffuse with retro-reflection
         F_i, F_o = schlick_weight(wi.z), schlick_weight(wo.z)
-        rise = self.roughness * (1 + dot(wi, wo)) - 0.5
-        F_d = (1 + rise * F_i) * (1 + rise * F_o)
-        # Hanrahan-Krueger's isotropic subsurface scattering; 1 + (F90 - 1) F as a sum of positive terms
         c = cos_half(wi, wo)
         F90 = c * c * self.roughness
+        rise = 2 * F90 - 0.5
+        F_d = (1 + rise * F_i) * (1 + rise * F_o)
+        # Hanrahan-Krueger's isotropic subsurface scattering; 1 + (F90 - 1) F as a sum of positive terms
         F_ss = (schlick_complement(wi.z) + F90 * F_i) * (schlick_complement(wo.z) + F90 * F_o)
         scattered = 1.25 * (F_ss * (1 / maximum(wi.z + wo.z, MU_MIN) - 0.5) + 0.5)
         diffuse = INV_PI * lerp(F_d, scattered, self.subsurface) * self.base_color
         F_H = schlick_weight_half(wi, wo)
         base = (1 - self.metallic) * (diffuse + F_H * self._sheen())
 
-        D_c = D_gtr1(half_vector(wi, wo), self._coat_alpha())
-        V_c = V_smith_ggx(wi, wo, COAT_ALPHA_MASKING, COAT_ALPHA_MASKING)
+        D_c = D_gtr1_narrow(half_vector(wi, wo), self._coat_alpha())
+        V_c = V_smith_ggx_round(wi, wo, COAT_ALPHA_MASKING)
         return base + COAT_STRENGTH * self.clearcoat * lerp(COAT_F0, 1, F_H) * (D_c * V_c)
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
@@ -138,7 +146,7 @@ class Disney(Model):
         widths = self._widths()
         P, Q = self._diffuse_shares(wo), self._specular_shares(wo)
         m = half_vector(wi, wo)
-        coat = pdf_mirror(D_gtr1(m, self._coat_alpha()) * m.z, cos_half(wi, wo))
+        coat = pdf_mirror(D_gtr1_narrow(m, self._coat_alpha()) * m.z, cos_half(wi, wo))
         specular = Q.x * pdf_ggx_lobe(wi, wo, widths.x, widths.y) + Q.y * coat
         diffuse = lerp(pdf_cosine(wi), pdf_uniform(), self._uniform_share())
         return P.x * diffuse + P.y * specular
@@ -159,7 +167,7 @@ class Disney(Model):
             widths = self._widths()
             return V_smith_ggx(wi, wo, widths.x, widths.y)
         alpha_g = (0.5 + 0.5 * self.roughness) * (0.5 + 0.5 * self.roughness)
-        return V_smith_ggx(wi, wo, alpha_g, alpha_g)
+        return V_smith_ggx_round(wi, wo, alpha_g)
 
     def _coat_alpha(self) -> Float:
         return lerp(COAT_ALPHA_SATIN, COAT_ALPHA_GLOSS, self.clearcoat_gloss)
@@ -168,7 +176,8 @@ class Disney(Model):
         """The base colour's hue and saturation, with a luminance of 1."""
         color = self.base_color
         luminance = 0.3 * color.x + 0.6 * color.y + 0.1 * color.z
-        return select(luminance > 0, color / maximum(luminance, LUMINANCE_MIN), 1)
+        tint = color / maximum(luminance, LUMINANCE_MIN)
+        return select(luminance > 0, tint, 1)
 
     def _sheen(self) -> Color:
         return self.sheen * lerp(1, self._tint(), self.sheen_tint)

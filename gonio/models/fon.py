@@ -4,6 +4,7 @@ Source: Fujii, "A tiny improvement of Oren-Nayar reflectance model", 2013, in th
 Kutz, Hill, "EON", arXiv:2410.18026, Eq. 10 to 15.
 """
 
+from gonio.claims import Claims, kink
 from gonio.lang import INV_PI, PI, Color, Float, Sample, Vec2, Vec3
 from gonio.model import Model, param
 from gonio.parts import cltc
@@ -19,6 +20,9 @@ class FON(Model):
     roughness: Float = param(0.5, 0, 1, "unitless r; not the Oren-Nayar angle sigma")
     caveats = (
         "Loses energy: at roughness 1 a white surface reflects 77.7 % at the normal and 83.3 % on average.",
+    )
+    claims = Claims(
+        kinks=(kink("kink at s = 0"), kink("kink at mu_i = mu_o")), falls=("roughness",)
     )
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:

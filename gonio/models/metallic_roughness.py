@@ -6,21 +6,15 @@ k_d = 1 - F and c_d = base_color (1 - metallic), Cook-Torrance with GGX, Smith a
 Deviation: alpha = roughness^2 is at least ALPHA_MIN, where the highlight still is a function.
 """
 
-from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, lerp, maximum, select
+from gonio.claims import Claims, known
+from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, lerp, maximum
 from gonio.model import Model, option, param
 from gonio.parts.distribution import ALPHA_MIN, D_ggx, cos_half, half_vector
 from gonio.parts.fresnel import schlick_weight
-from gonio.parts.hemisphere import pdf_cosine, sample_cosine
-from gonio.parts.lobes import (
-    average,
-    choose,
-    pdf_ggx_lobe,
-    sample_ggx_lobe,
-    schlick_complement,
-    schlick_weight_half,
-    shares,
-)
+from gonio.parts.lobes import average, schlick_complement, schlick_weight_half, shares
 from gonio.parts.masking import V_smith_correlated_ggx, V_smith_ggx
+from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
+from gonio.parts.roughness import at_least_perceptual
 
 # Reflectance of every dielectric at normal incidence.
 F0_DIELECTRIC = 0.04
@@ -33,7 +27,9 @@ class MetallicRoughness(Model):
 
     base_color: Color = param((0.8, 0.8, 0.8), 0, 1, "diffuse colour, or F0 of metals, linear RGB")
     metallic: Float = param(0, 0, 1, "0 for dielectrics, 1 for metals")
-    roughness: Float = param(0.5, 0, 1, "perceptual roughness, alpha = roughness^2")
+    roughness: Float = param(
+        0.5, 0, 1, "perceptual roughness, alpha = roughness^2", rougher=at_least_perceptual
+    )
     masking: str = option(
         "smith_correlated", "smith", doc="Smith's G, correlated by height or G1(wi) G1(wo)"
     )
@@ -44,6 +40,7 @@ class MetallicRoughness(Model):
         "Loses what facets reflect more than once: a white metal of roughness 1 reflects 31 % at "
         "the normal.",
     )
+    claims = Claims(energy=known(1.93))
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """BRDF value in 1/sr, without the cosine."""
@@ -60,16 +57,12 @@ class MetallicRoughness(Model):
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """Cosine-weighted or a visible GGX normal, by the estimated albedos."""
-        alpha = self._alpha()
-        first, v = choose(self._shares(wo).x, u)
-        wi = select(first, sample_cosine(v), sample_ggx_lobe(wo, alpha, alpha, v))
+        wi = sample_matte_gloss(wo, self._alpha(), self._shares(wo), u)
         return Sample(wi, self.pdf(wi, wo))
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample` in 1/sr."""
-        alpha = self._alpha()
-        P = self._shares(wo)
-        return P.x * pdf_cosine(wi) + P.y * pdf_ggx_lobe(wi, wo, alpha, alpha)
+        return pdf_matte_gloss(wi, wo, self._alpha(), self._shares(wo))
 
     def _alpha(self) -> Float:
         return maximum(self.roughness * self.roughness, ALPHA_MIN)

@@ -6,6 +6,7 @@ grazing angles; the values are the same. Where the value passes through zero on 
 (see `caveats`), float32 keeps an absolute accuracy of 1e-6 rho / pi, not a relative one.
 """
 
+from gonio.claims import Claims, kink, known
 from gonio.lang import (
     INV_PI,
     MU_MIN,
@@ -48,6 +49,11 @@ class OrenNayar(Model):
         "Loses energy at larger sigma: at pi/2 a white surface reflects 72 % at the normal.",
         "Goes negative for sigma > 0.6 and dark rho when light and viewer graze on opposite sides: at "
         "most -0.27 rho / pi (sigma = pi/2). The published fit is kept as it is.",
+    )
+    claims = Claims(
+        energy=known(1.051),
+        negative=known(0.0565),
+        kinks=(kink("kink at s = 0"), kink("kink at mu_i = mu_o")),
     )
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:

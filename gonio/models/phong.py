@@ -6,6 +6,7 @@ for the normalised form. alpha is the angle between wi and the mirror direction 
 Phong's formula gives the radiance f cos(theta_i); "classical" is that formula divided by the cosine.
 """
 
+from gonio.claims import Claims, kink, known
 from gonio.lang import (
     INV_PI,
     INV_TWO_PI,
@@ -37,6 +38,7 @@ from gonio.model import Model, option, param
 from gonio.parts.cltc import azimuth
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
 from gonio.parts.lobes import average, choose, shares
+from gonio.parts.roughness import at_most_phong
 from gonio.parts.special import expm1, log1p
 
 # Smallest cosine whose logarithm is taken: its reciprocal, the derivative, still is a float32.
@@ -103,7 +105,7 @@ class Phong(Model):
 
     rho: Color = param((0.5, 0.5, 0.5), 0, 1, "albedo of the diffuse term, linear RGB")
     specular: Color = param((0.3, 0.3, 0.3), 0, 1, "weight of the highlight, linear RGB")
-    shininess: Float = param(20, 0, 1e5, "exponent n of the highlight")
+    shininess: Float = param(20, 0, 1e5, "exponent n of the highlight", rougher=at_most_phong)
     form: str = option(
         "normalized",
         "classical",
@@ -116,6 +118,14 @@ class Phong(Model):
         "adds 6.28 / (n + 1) at the normal, more than 1 below shininess 5.28.",
         "form='normalized' adds exactly specular to the albedo at the normal, so rho + specular "
         "above 1 gains energy; at grazing angles little of it is left: 8.8 % for shininess 20.",
+    )
+    claims = Claims(
+        energy=(known(7.2832, form="classical"), known(2)),
+        reciprocity=known(1, form="classical"),
+        kinks=(
+            kink("kink at a right angle to the mirror direction"),
+            kink("jump at a right angle to the mirror direction"),
+        ),
     )
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:

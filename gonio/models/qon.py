@@ -4,6 +4,7 @@ Source: Oren, Nayar, "Generalization of Lambert's reflectance model", SIGGRAPH 1
 form of Portsmouth, Kutz, Hill, "EON", arXiv:2410.18026, Eq. 1 to 9.
 """
 
+from gonio.claims import Claims, kink, known
 from gonio.lang import INV_PI, PI, Color, Float, Sample, Vec2, Vec3
 from gonio.model import Model, param
 from gonio.parts import cltc
@@ -25,6 +26,11 @@ class QON(Model):
         "Loses energy: at sigma = pi/2 a white surface reflects 65 % on average.",
         "Reflects more than it receives at grazing angles for 0 < sigma < 0.326, at most 1.0152.",
         "Its slope jumps where cos(phi_i - phi_o) changes sign, a dark ring on a side-lit sphere.",
+    )
+    claims = Claims(
+        energy=known(1.0152),
+        kinks=(kink("dark ring at s = 0"), kink("kink at mu_i = mu_o")),
+        falls=("sigma",),
     )
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:

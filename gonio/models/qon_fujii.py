@@ -4,6 +4,7 @@ Source: Fujii, "A tiny improvement of Oren-Nayar reflectance model", 2013, its f
 and plotted in Portsmouth, Kutz, Hill, "EON", arXiv:2410.18026, section 1.
 """
 
+from gonio.claims import Claims, kink, known
 from gonio.lang import INV_PI, PI, Color, Float, Sample, Vec2, Vec3
 from gonio.model import Model, param
 from gonio.parts import cltc
@@ -25,6 +26,10 @@ class QONFujii(Model):
         "Reflects more than it receives at grazing angles for 0 < sigma < 0.46 and rho > 0.97, "
         "at most 1.0287.",
         "Loses energy at larger sigma: at pi/2 a white surface reflects 72 % at the normal.",
+    )
+    claims = Claims(
+        energy=known(1.0287),
+        kinks=(kink("kink at s = 0"), kink("kink at mu_i = mu_o")),
     )
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:

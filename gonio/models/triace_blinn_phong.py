@@ -6,19 +6,14 @@ The course's shaders return pi f cos(theta_i); this is f. Its linear factor 0.03
 fit of (n + 2) / (4 pi (2 - 2^(-n / 2))): within 0.6 % for n >= 10, 32 % too small at n = 1.
 """
 
-from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, lerp, select
+from gonio.claims import Claims, kink, known
+from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, lerp
 from gonio.model import Model, param
 from gonio.parts.distribution import blinn_phong_alpha
 from gonio.parts.fresnel import schlick_weight
-from gonio.parts.hemisphere import pdf_cosine, sample_cosine
-from gonio.parts.lobes import (
-    average,
-    choose,
-    pdf_ggx_lobe,
-    sample_ggx_lobe,
-    schlick_weight_half,
-    shares,
-)
+from gonio.parts.lobes import average, schlick_weight_half, shares
+from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
+from gonio.parts.roughness import at_most_blinn_phong
 from gonio.parts.triace import blinn_phong_highlight
 
 
@@ -29,13 +24,14 @@ class TriAceBlinnPhong(Model):
 
     rho: Color = param((0.5, 0.5, 0.5), 0, 1, "diffuse albedo R_d, linear RGB")
     f0: Color = param((0.04, 0.04, 0.04), 0, 1, "reflectance at normal incidence, linear RGB")
-    shininess: Float = param(50, 0, 1e5, "Blinn-Phong exponent n")
+    shininess: Float = param(50, 0, 1e5, "Blinn-Phong exponent n", rougher=at_most_blinn_phong)
     caveats = (
         "Loses energy: with f0 = 1 it reflects 36 % at the normal for shininess 1, 73 % for 10, "
         "93 % for 50, and less than 6 % at grazing angles from 50 on.",
         "Reflects more than it receives for white rho and low f0: at most 1.030 for f0 = 0.04 and "
         "1.066 for f0 = 0, at 80 degrees and high shininess.",
     )
+    claims = Claims(energy=known(1.066), kinks=kink("kink at mu_i = mu_o"))
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """Eq. 1 without the cosine and the factor pi: BRDF value in 1/sr."""
@@ -46,15 +42,13 @@ class TriAceBlinnPhong(Model):
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """Cosine-weighted, or the GGX lobe of the same width, whose longer tail bounds the weights."""
         alpha = blinn_phong_alpha(self.shininess)
-        first, v = choose(self._shares(wo).x, u)
-        wi = select(first, sample_cosine(v), sample_ggx_lobe(wo, alpha, alpha, v))
+        wi = sample_matte_gloss(wo, alpha, self._shares(wo), u)
         return Sample(wi, self.pdf(wi, wo))
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample` in 1/sr."""
         alpha = blinn_phong_alpha(self.shininess)
-        P = self._shares(wo)
-        return P.x * pdf_cosine(wi) + P.y * pdf_ggx_lobe(wi, wo, alpha, alpha)
+        return pdf_matte_gloss(wi, wo, alpha, self._shares(wo))
 
     def _shares(self, wo: Vec3) -> Vec2:
         """Probabilities of the diffuse lobe and of the highlight."""

@@ -9,6 +9,7 @@ exact absorption; F_trans takes its part from the lower layer's diffuse reflecti
 turns off.
 """
 
+from gonio.claims import Claims, kink, known
 from gonio.lang import (
     INV_PI,
     MU_MIN,
@@ -47,6 +48,7 @@ from gonio.parts.lobes import (
     shares,
 )
 from gonio.parts.oren_nayar import s_over_t_fujii, tangential_dot
+from gonio.parts.roughness import at_most_blinn_phong
 from gonio.parts.triace import blinn_phong_highlight
 
 # Smallest share of the samples that a highlight gets: it bounds their weights.
@@ -59,9 +61,13 @@ class TriAceLayered(Model):
     albedo_rule = "half_vectors"
 
     top_eta: Float = param(1.33333, 1, 3, "index n1 of the upper layer")
-    top_shininess: Float = param(200, 0, 1e5, "Blinn-Phong exponent of the upper layer")
+    top_shininess: Float = param(
+        200, 0, 1e5, "Blinn-Phong exponent of the upper layer", rougher=at_most_blinn_phong
+    )
     bottom_eta: Float = param(1.5, 1, 3, "index n2 of the lower layer, as it would be in air")
-    bottom_shininess: Float = param(20, 0, 1e5, "Blinn-Phong exponent of the lower layer")
+    bottom_shininess: Float = param(
+        20, 0, 1e5, "Blinn-Phong exponent of the lower layer", rougher=at_most_blinn_phong
+    )
     rho: Color = param((0.5, 0.5, 0.5), 0, 1, "diffuse albedo R_d of the lower layer, linear RGB")
     sigma_a: Color = param((0, 0, 0), 0, 10, "absorption of the upper layer per unit of thickness")
     thickness: Float = param(1, 0, 1, "thickness of the upper layer, in the unit of sigma_a")
@@ -76,11 +82,26 @@ class TriAceLayered(Model):
     caveats = (
         "Has a kink where Eq. 3 reaches 0, with absorption='linear'.",
         "Has a kink where cos(phi_i - phi_o) changes sign, with diffuse='oren_nayar'.",
+        "float32 values are within 2e-4, not 1e-5, of float64 where bottom_eta is nearly 1.",
         "Eq. 2 to 5 have no light that bounces between the layers and no compression of solid angles.",
-        "Reflects more than it receives: up to 1.012 with rho 1, at 75 degrees; 1.25 at eta 3 with "
-        "top_transmission='off'.",
+        "Reflects more than it receives: up to 1.012 with rho 1, at 75 degrees, and 1.027 towards 90; 1.05 "
+        "with bottom_fresnel='constant'; 1.25 at eta 3 with top_transmission='off'.",
         "absorption='linear' is black beyond the angle where Eq. 3 ends; near it, float32 keeps an "
         "absolute accuracy of 1e-6, not a relative one.",
+    )
+    claims = Claims(
+        energy=(
+            known(1.05, bottom_fresnel="constant"),
+            known(1.25, top_transmission="off"),
+            known(1.027),
+        ),
+        float32=known(2e-4),
+        numeric_albedo=(known(1e-3, diffuse="oren_nayar"), known(1e-3, absorption="linear")),
+        kinks=(
+            kink("kink at mu_i = mu_o"),
+            kink("kink at s = 0", diffuse="oren_nayar"),
+            kink("kink at another place", absorption="linear"),
+        ),
     )
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:

@@ -6,6 +6,7 @@ The course gives the radiance f cos(theta_i); this is f. Where eq24 passes throu
 negative value, float32 keeps an absolute accuracy of 1e-6 rho / pi, not a relative one.
 """
 
+from gonio.claims import UNBOUNDED, Claims, kink, known
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3
 from gonio.model import Model, option, param
 from gonio.parts import cltc
@@ -38,6 +39,15 @@ class TriAceOrenNayar(Model):
         "eq24 is negative when light and viewer graze on opposite sides, without a lower bound: "
         "-98 per steradian at shininess 10 with both cosines 0.001.",
         "eq23 has QON's dark ring where cos(phi_i - phi_o) changes sign.",
+    )
+    claims = Claims(
+        energy=(known(1.0152, variant="eq23"), known(1.0109, variant="eq25")),
+        negative=known(UNBOUNDED, variant="eq24"),
+        kinks=(
+            kink("kink at mu_i = mu_o"),
+            kink("dark ring at s = 0", variant="eq23"),
+            kink("kink at s = 0", variant="eq25"),
+        ),
     )
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:

@@ -8,20 +8,15 @@ Deviations: the Fresnel term is Schlick's power, which the engine replaces by
 2^((-5.55473 (wo.H) - 6.98316) (wo.H)), at most 0.0038 from it; alpha is at least ALPHA_MIN.
 """
 
-from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, lerp, maximum, select
+from gonio.claims import Claims, known
+from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, lerp, maximum
 from gonio.model import Model, option, param
 from gonio.parts.distribution import ALPHA_MIN, D_ggx, half_vector
 from gonio.parts.fresnel import schlick_weight
-from gonio.parts.hemisphere import pdf_cosine, sample_cosine
-from gonio.parts.lobes import (
-    average,
-    choose,
-    pdf_ggx_lobe,
-    sample_ggx_lobe,
-    schlick_weight_half,
-    shares,
-)
+from gonio.parts.lobes import average, schlick_weight_half, shares
 from gonio.parts.masking import V_schlick, schlick_k_ggx, schlick_k_ue4
+from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
+from gonio.parts.roughness import at_least_perceptual
 
 # F0 of a dielectric with specular = 1; the default of 0.5 gives 0.04.
 F0_SPECULAR = 0.08
@@ -35,7 +30,9 @@ class UE4(Model):
     base_color: Color = param((0.8, 0.8, 0.8), 0, 1, "diffuse colour, or F0 of metals, linear RGB")
     metallic: Float = param(0, 0, 1, "0 for dielectrics, 1 for metals")
     specular: Float = param(0.5, 0, 1, "F0 of dielectrics in units of 0.08")
-    roughness: Float = param(0.5, 0, 1, "perceptual roughness, alpha = roughness^2")
+    roughness: Float = param(
+        0.5, 0, 1, "perceptual roughness, alpha = roughness^2", rougher=at_least_perceptual
+    )
     light: str = option(
         "punctual", "image", doc="which k the masking has: (roughness + 1)^2 / 8 or alpha / 2"
     )
@@ -43,10 +40,11 @@ class UE4(Model):
         "light='punctual' reflects more than it receives for white dielectrics: 1.040 at the "
         "normal, at most 1.171 (specular 1, roughness 0, 80 degrees), because Lambert is not "
         "reduced.",
-        "light='image' does so too: at most 1.950 (specular 1, roughness 0, 89.5 degrees).",
+        "light='image' does so too: at most 1.96 (specular 1, roughness 0, towards 90 degrees).",
         "Loses what facets reflect more than once: a white metal of roughness 1 reflects 31 % at "
         "the normal.",
     )
+    claims = Claims(energy=(known(1.171, light="punctual"), known(1.96, light="image")))
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """BRDF value in 1/sr, without the cosine."""
@@ -58,16 +56,12 @@ class UE4(Model):
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """Cosine-weighted or a visible GGX normal, by the estimated albedos."""
-        alpha = self._alpha()
-        first, v = choose(self._shares(wo).x, u)
-        wi = select(first, sample_cosine(v), sample_ggx_lobe(wo, alpha, alpha, v))
+        wi = sample_matte_gloss(wo, self._alpha(), self._shares(wo), u)
         return Sample(wi, self.pdf(wi, wo))
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample` in 1/sr."""
-        alpha = self._alpha()
-        P = self._shares(wo)
-        return P.x * pdf_cosine(wi) + P.y * pdf_ggx_lobe(wi, wo, alpha, alpha)
+        return pdf_matte_gloss(wi, wo, self._alpha(), self._shares(wo))
 
     def _alpha(self) -> Float:
         return maximum(self.roughness * self.roughness, ALPHA_MIN)

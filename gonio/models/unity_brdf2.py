@@ -8,11 +8,13 @@ directions. Unity's constants are kept: at roughness 0 there is no highlight at 
 BRDF3, the lowest of the three, is absent: it reads its highlight from a table that is not public.
 """
 
-from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, lerp, maximum, select, sqrt
+from gonio.claims import Claims, kink, known
+from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, lerp, maximum, sqrt
 from gonio.model import Model, param
 from gonio.parts.distribution import cos_half, half_vector
-from gonio.parts.hemisphere import pdf_cosine, sample_cosine
-from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, shares
+from gonio.parts.lobes import average, shares
+from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
+from gonio.parts.roughness import at_least_perceptual
 
 # Unity's dielectric reflectance (linear colour space).
 F0_DIELECTRIC = 0.04
@@ -29,7 +31,9 @@ class UnityBRDF2(Model):
 
     base_color: Color = param((0.8, 0.8, 0.8), 0, 1, "diffuse colour, or F0 of metals, linear RGB")
     metallic: Float = param(0, 0, 1, "0 for dielectrics, 1 for metals")
-    roughness: Float = param(0.5, 0, 1, "perceptual roughness, 1 - Unity's smoothness")
+    roughness: Float = param(
+        0.5, 0, 1, "perceptual roughness, 1 - Unity's smoothness", rougher=at_least_perceptual
+    )
     caveats = (
         "Reflects more than it receives: white metals 1.869 at the normal at most (roughness "
         "0.15), white dielectrics 1.035.",
@@ -37,6 +41,9 @@ class UnityBRDF2(Model):
         "reflects 15 %.",
         "Has a kink where light and viewer are 143 degrees apart, from Unity's max(0.1, "
         "(wo.H)^2): numeric albedos are good to 1e-3 only.",
+    )
+    claims = Claims(
+        energy=known(1.871), numeric_albedo=known(1e-3), kinks=kink("kink at another place")
     )
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
@@ -51,16 +58,12 @@ class UnityBRDF2(Model):
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """Cosine-weighted or a visible GGX normal, by the estimated albedos."""
-        alpha = self._alpha()
-        first, v = choose(self._shares(wo).x, u)
-        wi = select(first, sample_cosine(v), sample_ggx_lobe(wo, alpha, alpha, v))
+        wi = sample_matte_gloss(wo, self._alpha(), self._shares(wo), u)
         return Sample(wi, self.pdf(wi, wo))
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample` in 1/sr."""
-        alpha = self._alpha()
-        P = self._shares(wo)
-        return P.x * pdf_cosine(wi) + P.y * pdf_ggx_lobe(wi, wo, alpha, alpha)
+        return pdf_matte_gloss(wi, wo, self._alpha(), self._shares(wo))
 
     def _alpha(self) -> Float:
         """Width of the GGX that d is the denominator of: D_UNITY never lets it vanish."""

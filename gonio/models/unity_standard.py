@@ -11,19 +11,14 @@ Deviation: Unity adds 1e-5 to V's and 1e-7 to D's denominator, against division 
 The second dims its highlights: the peak by 4 % at roughness 0.2, 28 % at 0.15 and 91 % at 0.1.
 """
 
-from gonio.lang import INV_PI, MU_MIN, Color, Float, Sample, Vec2, Vec3, dot, lerp, maximum, select
+from gonio.claims import Claims, known
+from gonio.lang import INV_PI, MU_MIN, Color, Float, Sample, Vec2, Vec3, dot, lerp, maximum
 from gonio.model import Model, param
 from gonio.parts.distribution import D_ggx, half_vector
 from gonio.parts.fresnel import schlick_weight
-from gonio.parts.hemisphere import pdf_cosine, sample_cosine
-from gonio.parts.lobes import (
-    average,
-    choose,
-    pdf_ggx_lobe,
-    sample_ggx_lobe,
-    schlick_weight_half,
-    shares,
-)
+from gonio.parts.lobes import average, schlick_weight_half, shares
+from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
+from gonio.parts.roughness import at_least_perceptual
 
 # Unity's dielectric reflectance (linear colour space), and its lower limit of alpha.
 F0_DIELECTRIC = 0.04
@@ -37,7 +32,9 @@ class UnityStandard(Model):
 
     base_color: Color = param((0.8, 0.8, 0.8), 0, 1, "diffuse colour, or F0 of metals, linear RGB")
     metallic: Float = param(0, 0, 1, "0 for dielectrics, 1 for metals")
-    roughness: Float = param(0.5, 0, 1, "perceptual roughness, 1 - Unity's smoothness")
+    roughness: Float = param(
+        0.5, 0, 1, "perceptual roughness, 1 - Unity's smoothness", rougher=at_least_perceptual
+    )
     caveats = (
         "Reflects more than it receives at grazing angles: a white dielectric 1.581 at most "
         "(roughness 1), and 1.007 at the normal.",
@@ -47,6 +44,7 @@ class UnityStandard(Model):
         "Loses what facets reflect more than once: a white metal of roughness 1 reflects 31 % at "
         "the normal.",
     )
+    claims = Claims(energy=known(1.581))
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """BRDF value in 1/sr, without the cosine."""
@@ -63,16 +61,12 @@ class UnityStandard(Model):
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """Cosine-weighted or a visible GGX normal, by the estimated albedos."""
-        alpha = self._alpha()
-        first, v = choose(self._shares(wo).x, u)
-        wi = select(first, sample_cosine(v), sample_ggx_lobe(wo, alpha, alpha, v))
+        wi = sample_matte_gloss(wo, self._alpha(), self._shares(wo), u)
         return Sample(wi, self.pdf(wi, wo))
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample` in 1/sr."""
-        alpha = self._alpha()
-        P = self._shares(wo)
-        return P.x * pdf_cosine(wi) + P.y * pdf_ggx_lobe(wi, wo, alpha, alpha)
+        return pdf_matte_gloss(wi, wo, self._alpha(), self._shares(wo))
 
     def _alpha(self) -> Float:
         return maximum(self.roughness * self.roughness, ALPHA_UNITY)

@@ -8,6 +8,7 @@ D carries the 1 / pi that Elek's lacks. What Eq. 2 leaves out can be switched on
 both crossings, the compression of solid angles, and the light that bounces between base and surface.
 """
 
+from gonio.claims import Claims, kink, known
 from gonio.lang import Color, Float, Sample, Vec2, Vec3, maximum, select, vec3
 from gonio.model import Model, child, option, param
 from gonio.parts.distribution import (
@@ -42,6 +43,7 @@ from gonio.parts.masking import (
     V_smith_correlated_ggx,
     V_smith_ggx,
 )
+from gonio.parts.roughness import at_least_alpha
 
 # The coat gets at least a tenth as many samples as the base: facets reflect more than the mean surface
 # where they are tilted, and this bounds their weight.
@@ -54,7 +56,13 @@ class WeidlichWilkie(Model):
     albedo_rule = "half_vectors"
 
     eta: Float = param(1.5, 1, 3, "index of the coat over that of the medium above it")
-    alpha: Float = param(0.1, ALPHA_MIN, 1, "slope width of the coat's facets; unused when smooth")
+    alpha: Float = param(
+        0.1,
+        ALPHA_MIN,
+        1,
+        "slope width of the coat's facets; unused when smooth",
+        rougher=at_least_alpha,
+    )
     sigma_a: Color = param((0, 0, 0), 0, 10, "absorption of the coat per unit of thickness")
     thickness: Float = param(1, 0, 1, "thickness of the coat, in the unit of sigma_a")
     base: Model = child("lambert", "what lies below; its indices are relative to the coat")
@@ -74,7 +82,9 @@ class WeidlichWilkie(Model):
         "none", "diffuse", doc="light between surface and base, for a diffuse base: a series"
     )
     roughness_clamp: str = option(
-        "on", "off", doc="a base with a parameter alpha is at least as rough as the coat (Figure 2)"
+        "on",
+        "off",
+        doc="the base's highlights are at least as wide as the coat's facets (Figure 2)",
     )
     caveats = (
         "As printed it reflects more than it receives: at eta 1.5 up to 1.68 over white Lambert (grazing) "
@@ -86,11 +96,27 @@ class WeidlichWilkie(Model):
         "every point, which takes minutes.",
         "A rough coat loses what its facets reflect more than once: at eta 1.5, alpha 0.3 and 75 degrees a "
         "white base leaves 85 % with all options on.",
-        "Wastes the samples that a facet mirrors below the horizon, with masking='cook_torrance'.",
+        "Wastes the samples that a facet mirrors below the horizon, with masking='cook_torrance': at most "
+        "half of them.",
         "A coat under a denser one, which needs eta < 1, is not covered: past the critical angle its light "
         "ends at a jump that numeric albedos miss by up to 1.5 %.",
         "Nothing scatters inside the coat, and refraction does not blur the base but for the roughness "
         "clamp.",
+    )
+    claims = Claims(
+        energy=(
+            known(10.13, bounces="diffuse"),
+            known(2, interface="rough", transmission="half_vector"),
+        ),
+        wasted=known(0.501, interface="rough", masking="cook_torrance"),
+        numeric_albedo=(
+            known(0.007, masking="cook_torrance", interface="rough"),
+            known(1e-4, masking=("smith", "smith_correlated")),
+        ),
+        kinks=(
+            kink("kink at mu_i = mu_o", masking="cook_torrance", interface="rough"),
+            kink("kink at another place", masking="cook_torrance", interface="rough"),
+        ),
     )
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
@@ -98,7 +124,7 @@ class WeidlichWilkie(Model):
         wi_t, wo_t = refract(wi, self.eta), refract(wo, self.eta)
         depth = self._depth()
         through = self._transmitted(wi, wo) * self._compression()
-        below = self._base().eval(wi_t, wo_t) * (absorbed(depth, wi_t, wo_t) * through)
+        below = self._below().eval(wi_t, wo_t) * (absorbed(depth, wi_t, wo_t) * through)
         if self.bounces == "diffuse":
             below = below / (1 - self.base.mean_albedo() * diffuse_return(depth, self.eta))
         if self.interface == "smooth":
@@ -111,18 +137,18 @@ class WeidlichWilkie(Model):
         """The coat by visible normals or the base below, chosen by what the coat reflects and absorbs."""
         wo_t = refract(wo, self.eta)
         if self.interface == "smooth":
-            wi = leave(self._base().sample(wo_t, u).wi, self.eta)
+            wi = leave(self._below().sample(wo_t, u).wi, self.eta)
             return Sample(wi, self.pdf(wi, wo))
         on_coat, v = choose(self._shares(wo, wo_t).x, u)
-        w_base = leave(self._base().sample(wo_t, v).wi, self.eta)
+        w_base = leave(self._below().sample(wo_t, v).wi, self.eta)
         wi = select(on_coat, self._sample_coat(wo, v), w_base)
         return Sample(wi, self.pdf(wi, wo))
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample` in 1/sr."""
         wi_t, wo_t = refract(wi, self.eta), refract(wo, self.eta)
-        refracted = self._base().pdf(wi_t, wo_t)
-        gathered = self._base().pdf(gather(wi, self.eta), wo_t)
+        refracted = self._below().pdf(wi_t, wo_t)
+        gathered = self._below().pdf(gather(wi, self.eta), wo_t)
         below = pdf_leave(refracted, gathered, wi, wi_t, self.eta)
         if self.interface == "smooth":
             return below
@@ -152,7 +178,7 @@ class WeidlichWilkie(Model):
         d = self.thickness
         return self.sigma_a * vec3(d, d, d)
 
-    def _base(self) -> Model:
+    def _below(self) -> Model:
         """The base with the roughness that the coat leaves it."""
         if self.interface == "smooth" or self.roughness_clamp == "off":
             return self.base

@@ -93,12 +93,14 @@ def sample_ltc(wo: Vec3, r: Float, u: Vec2) -> Vec3:
     """Unclipped general fit: may return directions below the horizon, which are wasted."""
     R = safe_sqrt(u.x)
     phi = TWO_PI * u.y
-    return _transform(R * cos(phi), R * sin(phi), wo, r, coefficients(wo.z, r)[3])
+    _, _, _, d = coefficients(wo.z, r)
+    return _transform(R * cos(phi), R * sin(phi), wo, r, d)
 
 
 def pdf_ltc(wi: Vec3, wo: Vec3, r: Float) -> Float:
     """Density of `sample_ltc`; its integral over the upper hemisphere is below 1."""
-    return _pdf(wi, wo, r, coefficients(wo.z, r)[3])
+    _, _, _, d = coefficients(wo.z, r)
+    return _pdf(wi, wo, r, d)
 
 
 def sample_ltc_nonnegative(wo: Vec3, r: Float, u: Vec2) -> Vec3:
@@ -120,7 +122,7 @@ def _kept_area(d: Float) -> Float:
 
 def sample_cltc(wo: Vec3, r: Float, u: Vec2) -> Vec3:
     """Clipped to the directions that M keeps above the horizon (Listing 3)."""
-    d = coefficients(wo.z, r)[3]
+    _, _, _, d = coefficients(wo.z, r)
     R = safe_sqrt(u.x)
     phi = TWO_PI * u.y
     y = R * sin(phi)
@@ -132,7 +134,7 @@ def sample_cltc(wo: Vec3, r: Float, u: Vec2) -> Vec3:
 
 def pdf_cltc(wi: Vec3, wo: Vec3, r: Float) -> Float:
     """Density of `sample_cltc`."""
-    d = coefficients(wo.z, r)[3]
+    _, _, _, d = coefficients(wo.z, r)
     return _pdf(wi, wo, r, d) / _kept_area(d)
 
 

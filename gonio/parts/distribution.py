@@ -79,13 +79,13 @@ def half_vector(wi: Vec3, wo: Vec3) -> Vec3:
     """The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|."""
     # MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
     # directions in the horizon.
-    return normalize(vec3(wi.x + wo.x, wi.y + wo.y, wi.z + wo.z + MU_MIN))
+    return normalize(wi + vec3(wo.x, wo.y, wo.z + MU_MIN))
 
 
 def cos_half(wi: Vec3, wo: Vec3) -> Float:
     """wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo."""
     # 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return minimum(0.5 * length(vec3(wi.x + wo.x, wi.y + wo.y, wi.z + wo.z + MU_MIN)), 1)
+    return minimum(0.5 * length(wi + vec3(wo.x, wo.y, wo.z + MU_MIN)), 1)
 
 
 def mirror(wo: Vec3, m: Vec3) -> Vec3:
@@ -126,7 +126,8 @@ def _polar(tan_theta: Float, u: Float) -> Vec3:
 def D_ggx(m: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
     """GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic)."""
     # (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    s = _slope2(m, alpha_x, alpha_y) + m.z * m.z
+    v = vec3(m.x / alpha_x, m.y / alpha_y, m.z)
+    s = dot(v, v)
     return INV_PI / (alpha_x * alpha_y * s * s)
 
 
@@ -323,6 +324,13 @@ def D_gtr1(m: Vec3, alpha: Float) -> Float:
     far = minimum(below_one, -0.2)
     ratio = select(below_one < -0.2, log(a2) / far, log1p_over(maximum(below_one, -0.2)))
     return INV_PI / (ratio * (m.x * m.x + m.y * m.y + a2 * m.z * m.z))
+
+
+def D_gtr1_narrow(m: Vec3, alpha: Float) -> Float:
+    """`D_gtr1` for alpha up to 0.5, where nothing cancels in its norm."""
+    a2 = alpha * alpha
+    v = vec3(m.x, m.y, alpha * m.z)
+    return INV_PI * (a2 - 1) / (log(a2) * dot(v, v))
 
 
 def sample_gtr1(alpha: Float, u: Vec2) -> Vec3:

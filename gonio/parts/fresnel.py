@@ -9,6 +9,7 @@ from gonio.lang import (
     Color,
     Float,
     absolute,
+    fma,
     maximum,
     select,
     sqrt,
@@ -36,46 +37,42 @@ def F_schlick(cos_theta: Float, f0: Color, f90: Color) -> Color:
 
 def F_dielectric(cos_theta: Float, eta: Color) -> Color:
     """Exact reflectance of a dielectric. Below eta = 1 all light is reflected past the critical angle."""
-    # r_s = (c - g) / (c + g) and r_p = (eta^2 c - g) / (eta^2 c + g) with g = eta cos(theta_t). Multiplied
-    # out with g^2 = eta^2 - 1 + c^2, the differences leave eta^2 - 1 as a factor: nothing cancels.
+    # r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
+    # difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2),
+    # so that the mean of both squares is a product.
     c = cos_theta
     contrast = (eta - 1) * (eta + 1)
-    eta2 = eta * eta
-    sin2 = (1 - c) * (1 + c)
-    # Two forms of the same, of which the first is exact in the horizon and the second near the normal
-    g2 = select(c < 0.5, contrast + c * c, eta2 - sin2)
+    sin2 = 1 - c * c
+    # c^2 with its rounding error: at the critical angle little else is left
+    g2 = fma(c, c, contrast)
     g = sqrt(maximum(g2, ROOT_MIN))
-    s = c + g
-    p = eta2 * c + g
+    s, p = c + g, c * g
     r_s = contrast / (s * s)
-    r_p = contrast * (eta2 * c * c - sin2) / (p * p)
-    return select(g2 > 0, 0.5 * (r_s * r_s + r_p * r_p), 1)
+    q = p + sin2
+    F = r_s * r_s * ((p * p + sin2 * sin2) / (q * q))
+    return select(g2 > ROOT_MIN, F, 1)
 
 
 def F_conductor(cos_theta: Float, eta: Color, k: Color) -> Color:
     """Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0."""
-    # As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g = sqrt(contrast + c^2)
+    # As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     c = cos_theta
-    contrast_re, contrast_im = (eta - 1) * (eta + 1) - k * k, 2 * eta * k
-    eps_re = (eta - k) * (eta + k)
-    sin2 = (1 - c) * (1 + c)
-    w_re = select(c < 0.5, contrast_re + c * c, eps_re - sin2)
-    w_abs = sqrt(maximum(w_re * w_re + contrast_im * contrast_im, ROOT_MIN * ROOT_MIN))
+    contrast_re, half_im = (eta - 1) * (eta + 1) - k * k, eta * k
+    c2 = c * c
+    sin2 = 1 - c2
+    w_re = contrast_re + c2
+    im2 = 4 * half_im * half_im
+    w_abs = sqrt(maximum(w_re * w_re + im2, ROOT_MIN * ROOT_MIN))
     # Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     large = sqrt(0.5 * maximum(w_abs + absolute(w_re), ROOT_MIN))
-    small = 0.5 * contrast_im / large
-    g_re, g_im = select(w_re > 0, large, small), select(w_re > 0, small, large)
-
-    contrast_abs2 = contrast_re * contrast_re + contrast_im * contrast_im
-    s_re = c + g_re
-    s_abs2 = s_re * s_re + g_im * g_im
-    p_re, p_im = eps_re * c + g_re, contrast_im * c + g_im
-    p_abs2 = p_re * p_re + p_im * p_im
-    q_re, q_im = eps_re * c * c - sin2, contrast_im * c * c
+    g_re = select(w_re > 0, large, half_im / large)
+    # |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
+    cross = 2 * c * g_re
+    s_abs2 = c2 + w_abs + cross
+    p = c2 * w_abs + sin2 * sin2
     # One quotient after the other: for a matched index in the horizon the squares would leave a float32
-    R_s = contrast_abs2 / s_abs2 / s_abs2
-    R_p = contrast_abs2 / p_abs2 * ((q_re * q_re + q_im * q_im) / p_abs2)
-    return 0.5 * (R_s + R_p)
+    R_s = (contrast_re * contrast_re + im2) / s_abs2 / s_abs2
+    return R_s * (p / (p + cross * sin2))
 
 
 def F_lazanyi(cos_theta: Float, eta: Color, k: Color) -> Color:

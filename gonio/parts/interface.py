@@ -10,7 +10,6 @@ absorption.
 
 from __future__ import annotations
 
-import copy
 from typing import TYPE_CHECKING
 
 from gonio.lang import (
@@ -39,10 +38,6 @@ if TYPE_CHECKING:
 # Smallest squared sine whose root is divided by; the azimuth of smaller ones does not matter.
 SIN2_MIN = 1e-18
 
-# Squared cosines inside a layer down to which light is followed; smaller ones have a transmittance
-# below 1e-7, and their reciprocal's derivative would leave the range of a float32.
-COS2_MIN = 1e-16
-
 # The analytic part of the diffuse reflectance over x = (eta - 1) / (eta + 1), times (1 + x^2)^3, as a
 # polynomial fitted to 50-digit values for eta in [1, 3]: error 2e-11.
 # fmt: off
@@ -62,28 +57,26 @@ SLANT_MIN = 0.3
 
 def refracted_cos2(mu: Float, eta: Float) -> Float:
     """eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally."""
-    # Both squares are taken with their rounding errors: at grazing angles, and at the critical one,
-    # little else is left.
-    mu2, eta2 = mu * mu, eta * eta
-    error = fma(mu, mu, -mu2) + fma(eta, eta, -eta2)
-    return mu2 + (eta2 - 1) + error
+    # The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and
+    # at the critical one, little else is left.
+    return fma(mu, mu, (eta - 1) * (eta + 1))
 
 
 def refract(w: Vec3, eta: Float) -> Vec3:
     """The direction inside the layer that belongs to w outside; z = 0 where there is none."""
-    cos2 = refracted_cos2(w.z, eta)
-    z = select(cos2 > COS2_MIN, sqrt(maximum(cos2, COS2_MIN)), 0)
-    return vec3(w.x, w.y, z) / eta
+    return vec3(w.x, w.y, safe_sqrt(refracted_cos2(w.z, eta))) / eta
 
 
 def transmittance(mu: Float, eta: Float) -> Float:
     """1 - F of a smooth dielectric at a cosine mu outside; exact where it nearly vanishes."""
-    # 1 - r_s^2 = 4 c g / (c + g)^2 with g = eta cos(theta_t), and alike for r_p
+    # 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
+    # with q = c g + sin^2(theta)
     cos2 = refracted_cos2(mu, eta)
     g = sqrt(maximum(cos2, ROOT_MIN))
-    eta2 = eta * eta
-    s, p = mu + g, eta2 * mu + g
-    return select(cos2 > COS2_MIN, 2 * mu * g * (1 / (s * s) + eta2 / (p * p)), 0)
+    s, p = mu + g, mu * g
+    q = p + (1 - mu * mu)
+    T = 2 * p * (q * q + eta * eta) / (s * s * (q * q))
+    return select(cos2 > ROOT_MIN, T, 0)
 
 
 def transmittance_lazanyi(cos_theta: Float, eta: Float) -> Float:
@@ -233,14 +226,9 @@ def pdf_leave(pdf_refracted: Float, pdf_gathered: Float, w: Vec3, w_t: Vec3, eta
 
 
 def at_least_as_rough(base: Model, alpha: Float) -> Model:
-    """A base whose highlight is at least as wide as the layer above has made the light.
+    """A base whose highlights are at least as wide as the layer above has made the light.
 
     Elek, "Layered materials in real-time rendering", CESCG 2010, section 3: m2 = max(m1, m2). A base
-    without a parameter `alpha` stays as it is. In other languages this is a copy of the base's struct
-    with `alpha` raised.
+    says by `param(..., rougher=...)` what that means for its parameters.
     """
-    if "alpha" not in base.fields:
-        return base
-    rougher = copy.copy(base)
-    vars(rougher)["alpha"] = maximum(vars(base)["alpha"], alpha)
-    return rougher
+    return base.at_least_as_rough(alpha)

@@ -13,6 +13,7 @@ from gonio.lang import (
     Vec3,
     absolute,
     clamp,
+    dot,
     exp,
     log,
     maximum,
@@ -81,15 +82,17 @@ def schlick_weight_half(wi: Vec3, wo: Vec3) -> Float:
     """(1 - c)^5 at c = wo . m, the half vector's cosine."""
     # 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
     # weight keeps its digits where the two meet and it goes to 0.
-    x, y, z = wi.x - wo.x, wi.y - wo.y, wi.z - wo.z
-    k = 0.25 * (x * x + y * y + z * z) / (1 + cos_half(wi, wo))
+    apart = wi - wo
+    k = 0.25 * dot(apart, apart) / (1 + cos_half(wi, wo))
     k2 = k * k
     return k2 * k2 * k
 
 
 def schlick_complement(c: Float) -> Float:
-    """1 - (1 - c)^5, multiplied out so that it keeps its digits as c goes to 0."""
-    return c * (5 - c * (10 - c * (10 - c * (5 - c))))
+    """1 - (1 - c)^5, with the factor c taken out so that it keeps its digits as c goes to 0."""
+    k = 1 - c
+    k2 = k * k
+    return c * ((1 + k) * (1 + k2) + k2 * k2)
 
 
 def sample_ggx_lobe(wo: Vec3, alpha_x: Float, alpha_y: Float, u: Vec2) -> Vec3:

@@ -20,6 +20,7 @@ from gonio.lang import (
     maximum,
     minimum,
     select,
+    sqrt,
 )
 from gonio.parts.distribution import beckmann_lambda_mu, ggx_length, stretched_sine
 
@@ -42,7 +43,7 @@ def V_neumann(wi: Vec3, wo: Vec3) -> Float:
 def V_cook_torrance(wi: Vec3, wo: Vec3, cos_m: Float, cos_h: Float) -> Float:
     """G = min(1, 2 cos_m mu_o / cos_h, 2 cos_m mu_i / cos_h) of V-grooves; cos_m = m.z, cos_h = wo . m."""
     high, low = maximum(maximum(wi.z, wo.z), MU_MIN), maximum(minimum(wi.z, wo.z), MU_MIN)
-    return minimum(0.25 / low, 0.5 * cos_m / maximum(cos_h, MU_MIN)) / high
+    return minimum(0.25 / low, 0.5 * cos_m / cos_h) / high
 
 
 def V_kelemen(cos_h: Float) -> Float:
@@ -62,6 +63,14 @@ def G1_ggx(w: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
 def V_smith_ggx(wi: Vec3, wo: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
     """G = G1(wi) G1(wo): masking and shadowing taken as independent."""
     length_i, length_o = ggx_length(wi, alpha_x, alpha_y), ggx_length(wo, alpha_x, alpha_y)
+    return 1 / ((wi.z + length_i) * (wo.z + length_o))
+
+
+def V_smith_ggx_round(wi: Vec3, wo: Vec3, alpha: Float) -> Float:
+    """`V_smith_ggx` for facets of the same width in all directions."""
+    a2 = alpha * alpha
+    length_i = sqrt(a2 + (1 - a2) * (wi.z * wi.z))
+    length_o = sqrt(a2 + (1 - a2) * (wo.z * wo.z))
     return 1 / ((wi.z + length_i) * (wo.z + length_o))
 
 

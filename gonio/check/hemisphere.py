@@ -1,0 +1,369 @@
+"""Integrals over the hemisphere in float64, adaptive, for lobes of any sharpness in any direction.
+
+Directions wi are charted by half vectors: u is the azimuth of m = normalize(wi + wo) from wo's (crowded at
+quarter turns), v its slope,
+spaced evenly in asinh(slope / SLOPE_SCALE) up to where wi meets the horizon. A mirror's lobe of any width
+then takes up a fair share of the unit square. The square is first cut into cells that the model's own
+samples fill equally (so that a lobe anywhere is seen), and cells are cut again until Gauss's rule has
+converged.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import drjit as dr
+import numpy as np
+from numpy.typing import NDArray
+
+from gonio.check.subject import (
+    Array,
+    Subject,
+    draw,
+    even,
+    number_type,
+    repeated,
+    stored,
+    vectors,
+)
+
+# A third of the sharpest alpha, 1e-4, as gonio.quadrature has it.
+SLOPE_SCALE = 3e-5
+
+# Cells at the start (a power of two) and samples by which they are cut. A quarter of the samples is
+# spread evenly, so that what the sampler does not know of is resolved as well.
+DEPTH = 6
+CELLS = 2**DEPTH
+PROBES = 4096
+
+# Nodes of Gauss's rule along each side of a cell.
+NODES = 5
+
+# A cell with at least this many samples is cut as well while more than this part of them keeps to one of
+# its halves: Gauss's nodes might all lie beside them, and find that nothing changes.
+CROWD, CROWDED = 6, 0.85
+
+# Cells are cut no more often than this: a narrow lobe seen at grazing angles is 1e-6 of the square wide.
+LEVELS = 22
+
+# At most so many cells of a point are cut at once, those along a jump double with every cut; and with
+# tolerances below CAREFUL.
+OPEN, OPEN_CAREFUL = 3000, 30000
+
+# With tolerances below this every cell is cut twice at least.
+CAREFUL = 5e-7
+
+# Evaluations in one kernel call, which bounds the memory.
+BATCH = 2_000_000
+
+
+def axes(wo: Any) -> tuple[Any, Any]:
+    """Cosine and sine of wo's azimuth; (1, 0) at the normal."""
+    radius = dr.sqrt(wo.x * wo.x + wo.y * wo.y)
+    far = radius > 1e-150
+    inv = 1 / dr.select(far, radius, 1)
+    return dr.select(far, wo.x * inv, 1), dr.select(far, wo.y * inv, 0)
+
+
+def _reach(wo: Any, c: Any) -> tuple[Any, Any]:
+    """sin(theta_o) cos(phi), and asinh of the slope (over the scale) at which wi meets the horizon."""
+    sine = dr.sqrt(wo.x * wo.x + wo.y * wo.y)
+    toward = sine * c
+    root = dr.sqrt(toward * toward + wo.z * wo.z)
+    last = dr.select(toward > 0, (root + dr.abs(toward)) / wo.z, wo.z / (root + dr.abs(toward)))
+    return toward, dr.asinh(last / SLOPE_SCALE)
+
+
+def chart(wo: Any, u: Any, v: Any) -> tuple[Any, Any]:
+    """The direction wi at a place of the unit square, and the solid angle per area there."""
+    phi, turn = _crowd(u)
+    s, c = dr.sin(phi), dr.cos(phi)
+    toward, end = _reach(wo, c)
+    grown = dr.exp(v * end)
+    t = 0.5 * SLOPE_SCALE * (grown - 1 / grown)
+    dt = 0.5 * SLOPE_SCALE * (grown + 1 / grown) * end
+    cos_m = dr.rsqrt(1 + t * t)
+    cos_h = (toward * t + wo.z) * cos_m
+    ax, ay = axes(wo)
+    Vec = type(wo)
+    m = Vec(t * cos_m * (c * ax - s * ay), t * cos_m * (c * ay + s * ax), cos_m)
+    wi = 2 * cos_h * m - wo
+    # dωi = 4 (wo · m) dm, and dm = t cos³θm dt dφ
+    return wi, 4 * cos_h * t * cos_m * cos_m * cos_m * dt * turn
+
+
+def _crowd(u: Any) -> tuple[Any, Any]:
+    """Azimuth of m, crowded at a quarter turn from wo's on both sides, and its derivative.
+
+    Seen from a grazing wo all directions but the mirror's nearest have their half vectors there.
+    """
+    quarter = dr.minimum(dr.floor(4 * u), 3)
+    r = 4 * u - quarter
+    from_below = (quarter == 0) | (quarter == 2)
+    x = dr.select(from_below, 1 - r, r)
+    cube = x * x * x
+    part = dr.select(from_below, 1 - cube, cube)
+    return 0.5 * np.pi * (quarter + part), 6 * np.pi * x * x
+
+
+def _uncrowd(turn: Any) -> Any:
+    """u from the azimuth in turns: the inverse of `_crowd`."""
+    quarter = dr.minimum(dr.floor(4 * turn), 3)
+    part = 4 * turn - quarter
+    from_below = (quarter == 0) | (quarter == 2)
+    x = dr.cbrt(dr.clip(dr.select(from_below, 1 - part, part), 0, 1))
+    return (quarter + dr.select(from_below, 1 - x, x)) / 4
+
+
+def unchart(wo: Any, wi: Any) -> tuple[Any, Any]:
+    """The place of a direction in the unit square: the inverse of `chart`."""
+    h = wi + wo
+    ax, ay = axes(wo)
+    x, y = h.x * ax + h.y * ay, h.y * ax - h.x * ay
+    radius = dr.sqrt(x * x + y * y)
+    turn = dr.atan2(y, x) / (2 * np.pi)
+    c = dr.select(radius > 0, x / dr.maximum(radius, 1e-300), 1)
+    _, end = _reach(wo, c)
+    slope = radius / dr.maximum(h.z, 1e-300)
+    v = dr.asinh(slope / SLOPE_SCALE) / end
+    return _uncrowd(dr.select(turn < 0, turn + 1, turn)), dr.clip(v, 0, 1)
+
+
+@dataclass(frozen=True)
+class Partition:
+    """The unit square of each point cut into cells: boxes, and the cuts as trees to find them again."""
+
+    boxes: Array
+    """u from, u to, v from, v to: (points, CELLS, 4)."""
+    cuts: Array
+    """Where each node of the tree is cut, breadth first: (points, CELLS - 1)."""
+    probes: Array
+    """Places of the samples, (n, 2), sorted by their cells."""
+    cell: NDArray[np.intp]
+    """The cell of each of them, counted through all points."""
+
+
+def partition(subject: Subject, places: Array, wo: Array) -> Partition:
+    """Cut the square of every point so that the model's samples fill all cells equally."""
+    points = len(places)
+    index = repeated(points, PROBES)
+    u = np.tile(even(PROBES), (points, 1))
+    wi, pdf = draw(subject, places, index, wo[index], u)
+    Float = number_type()
+    a, b = unchart(vectors(Float, wo[index]), vectors(Float, wi))
+    coordinates = np.stack([a.numpy(), b.numpy()], -1).reshape(points, PROBES, 2)
+    lost = ~(pdf.reshape(points, PROBES) > 0) | ~np.isfinite(coordinates).all(-1)
+    lost[:, ::4] = True
+    coordinates = np.where(lost[..., None], even(PROBES)[::-1][None], coordinates)
+    coordinates = np.concatenate([coordinates, lost[..., None]], axis=-1)
+
+    groups = coordinates.reshape(points, 1, PROBES, 3)
+    boxes = np.tile(np.array([0.0, 1.0, 0.0, 1.0]), (points, 1, 1))
+    cuts = []
+    for level in range(DEPTH):
+        axis = level % 2
+        order = np.argsort(groups[..., axis], axis=-1)
+        groups = np.take_along_axis(groups, order[..., None], axis=2)
+        half = groups.shape[2] // 2
+        cut = 0.5 * (groups[:, :, half - 1, axis] + groups[:, :, half, axis])
+        low, high = boxes[..., 2 * axis], boxes[..., 2 * axis + 1]
+        # A cell keeps some width even where all samples coincide
+        margin = 1e-9 * (high - low)
+        cut = np.clip(cut, low + margin, high - margin)
+        cuts.append(cut)
+        lower, upper = boxes.copy(), boxes.copy()
+        lower[..., 2 * axis + 1] = cut
+        upper[..., 2 * axis] = cut
+        boxes = np.stack([lower, upper], 2).reshape(points, -1, 4)
+        groups = groups.reshape(points, -1, half, 3)
+    drawn = groups[..., 2].ravel() == 0
+    cell = np.repeat(np.arange(points * CELLS), PROBES // CELLS)
+    return Partition(
+        boxes, np.concatenate(cuts, axis=1), groups.reshape(-1, 3)[drawn, :2], cell[drawn]
+    )
+
+
+def cell_of(cuts: Any, tree: Any, u: Any, v: Any) -> Any:
+    """The cell of a place in the square of point `tree`, by walking down its cuts (a Dr.Jit array)."""
+    UInt = type(tree)
+    node = 0 * tree
+    first = 0
+    for level in range(DEPTH):
+        cut = dr.gather(type(u), cuts, tree * UInt(CELLS - 1) + UInt(first) + node)
+        node = 2 * node + dr.select((u, v)[level % 2] >= cut, UInt(1), UInt(0))
+        first += 2**level
+    return node
+
+
+# What is integrated, one column each.
+ALBEDO = slice(0, 3)
+PDF, SECOND, COSINE_SECOND, UNREACHED = 3, 4, 5, 6
+COLUMNS = 7
+
+
+@dataclass(frozen=True)
+class Integrals:
+    """Integrals over every cell, (points, CELLS, COLUMNS), and bounds of the points' errors."""
+
+    cells: Array
+    error: Array
+    """Of the albedo and of the density's integral, (points,)."""
+
+    @property
+    def total(self) -> Array:
+        """Over the whole hemisphere, (points, COLUMNS)."""
+        return np.asarray(self.cells.sum(axis=1))
+
+
+def integrate(
+    subject: Subject,
+    places: Array,
+    wo: Array,
+    cut: Partition,
+    tolerance: float = 2e-6,
+    levels: int = LEVELS,
+    albedo_only: bool = False,
+) -> Integrals:
+    """Integrate f μi, the density, and second moments of weights over every cell.
+
+    Cells are cut until one more cut changes the albedo by less than the tolerance over the number of
+    cells' root, or `levels` are reached; `error` says how much the last cuts have changed. With
+    `albedo_only` the other columns are left out, which takes half the time.
+    """
+    width = ALBEDO.stop if albedo_only else COLUMNS
+    points, count = cut.boxes.shape[:2]
+    totals = np.zeros((points * count, width))
+    error = np.zeros(points)
+    root = np.arange(points * count)
+    box = cut.boxes.reshape(-1, 4)
+    probe, cell = cut.probes, cut.cell
+    coarse = _cells(subject, places, wo, root // count, box, width)
+    limit = tolerance / np.sqrt(count)
+    # A kink near a cell's corner may lie beside all nodes of one cut
+    first = 1 if tolerance < CAREFUL else 0
+    allowed = points * (OPEN_CAREFUL if tolerance < CAREFUL else OPEN)
+    for level in range(levels):
+        children = _split(box)
+        fine = _cells(subject, places, wo, np.repeat(root // count, 4), children, width)
+        summed = fine.reshape(-1, 4, width).sum(axis=1)
+        change = np.abs(summed - coarse)[:, :4].max(axis=1)
+        # Not a comparison with >, which NaN would pass
+        done = ~(change > limit) & ~_crowded(box, cell, probe) & (level >= first)
+        if level == levels - 1 or np.count_nonzero(~done) > allowed:
+            done[:] = True
+        np.add.at(totals, root[done], summed[done])
+        np.add.at(error, root[done] // count, change[done])
+        open_ = np.flatnonzero(~done)
+        if not len(open_):
+            break
+        probe, cell = _follow(box, cell, probe, open_)
+        root = np.repeat(root[open_], 4)
+        keep = (4 * open_[:, None] + np.arange(4)).ravel()
+        box, coarse = children[keep], fine[keep]
+    # The sum over smaller cells is nearer to the integral than its distance from the larger ones: by
+    # 4 even across a kink.
+    return Integrals(totals.reshape(points, count, width), error / 4)
+
+
+def _crowded(box: Array, cell: NDArray[np.intp], probe: Array) -> NDArray[np.bool_]:
+    """Which boxes have samples that keep to one half of them; `cell` is the samples' box, sorted."""
+    found = np.zeros(len(box), bool)
+    if not len(cell):
+        return found
+    first = np.flatnonzero(np.diff(cell, prepend=-1))
+    count = np.diff(first, append=len(cell))
+    upper = np.add.reduceat((probe >= _middle(box[cell])).astype(np.float64), first)
+    share = upper / count[:, None]
+    crowded = (np.abs(share - 0.5) > CROWDED - 0.5).any(axis=1)
+    found[cell[first]] = crowded & (count >= CROWD)
+    return found
+
+
+def _middle(box: Array) -> Array:
+    return np.asarray(np.stack([box[:, 0] + box[:, 1], box[:, 2] + box[:, 3]], -1) / 2)
+
+
+def _follow(
+    box: Array, cell: NDArray[np.intp], probe: Array, open_: NDArray[np.intp]
+) -> tuple[Array, NDArray[np.intp]]:
+    """The samples in boxes that are cut, and which of the new boxes each is in, sorted."""
+    place = np.full(len(box), -1)
+    place[open_] = np.arange(len(open_))
+    kept = place[cell] >= 0
+    cell, probe = cell[kept], probe[kept]
+    side = probe >= _middle(box[cell])
+    cell = 4 * place[cell] + side[:, 0] + 2 * side[:, 1]
+    order = np.argsort(cell, kind="stable")
+    return probe[order], cell[order]
+
+
+def _split(box: Array) -> Array:
+    """Every box in four, (4 n, 4)."""
+    a, b, c, d = box.T
+    e, g = 0.5 * (a + b), 0.5 * (c + d)
+    quarters = [(a, e, c, g), (e, b, c, g), (a, e, g, d), (e, b, g, d)]
+    return np.stack([np.stack(q, -1) for q in quarters], 1).reshape(-1, 4)
+
+
+_X, _W = np.polynomial.legendre.leggauss(NODES)
+_NODE_U = np.repeat((_X + 1) / 2, NODES)
+_NODE_V = np.tile((_X + 1) / 2, NODES)
+_NODE_W = np.outer(_W / 2, _W / 2).ravel()
+
+
+def _cells(
+    subject: Subject,
+    places: Array,
+    wo: Array,
+    point: NDArray[np.intp],
+    box: Array,
+    width: int,
+) -> Array:
+    """The integrals over cells by one Gauss rule each, (cells, width)."""
+    each = NODES * NODES
+    parts = []
+    for start in range(0, len(box), BATCH // each):
+        part = slice(start, start + BATCH // each)
+        parts.append(_rule(subject, places, wo, point[part].astype(np.uint32), box[part], width))
+    return np.concatenate(parts)
+
+
+def _rule(
+    subject: Subject,
+    places: Array,
+    wo: Array,
+    point: NDArray[np.uint32],
+    box: Array,
+    width: int,
+) -> Array:
+    each = NODES * NODES
+    Float = number_type()
+    UInt = dr.uint32_array_t(Float)
+    lane = dr.arange(UInt, len(box) * each)
+    cell = lane // each
+    node = lane - cell * each
+    index = dr.gather(UInt, stored(UInt, point), cell)
+    u0, u1, v0, v1 = (dr.gather(Float, stored(Float, c), cell) for c in box.T)
+    a, b, w = (dr.gather(Float, stored(Float, n), node) for n in (_NODE_U, _NODE_V, _NODE_W))
+    Vec = dr.replace_shape_t(Float, (3, -1))
+    wo_ = Vec(*(dr.gather(Float, stored(Float, c), index) for c in wo.T))
+    wi, solid = chart(wo_, u0 + (u1 - u0) * a, v0 + (v1 - v0) * b)
+    solid = solid * ((u1 - u0) * (v1 - v0) * w)
+    model = subject.at(places, index, Float)
+    f = Vec(model.eval(wi, wo_))
+    cosine = dr.maximum(wi.z, 0)
+    sums = [f.x * cosine, f.y * cosine, f.z * cosine]
+    if width > len(sums):
+        pdf = Float(model.pdf(wi, wo_))
+        mean = (f.x + f.y + f.z) / 3
+        reached = pdf > 0
+        sums += [
+            pdf,
+            dr.select(reached, dr.square(mean * cosine) / dr.select(reached, pdf, 1), 0),
+            np.pi * dr.square(mean) * cosine,
+            dr.select(reached, 0, mean * cosine),
+        ]
+    values = [dr.block_sum(s * solid, each) for s in sums]
+    dr.eval(values)
+    return np.stack([v.numpy() for v in values], -1)

@@ -1,0 +1,81 @@
+"""Finds worst cases: a search over the unit cube that remembers the best and looks nearer and nearer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from gonio.check.subject import Array
+
+# The best eighth of what was seen has offspring.
+ELITE = 8
+
+
+def maximise(
+    objective: Callable[[Array], Array],
+    dimensions: int,
+    *,
+    population: int,
+    rounds: int,
+    seed: int,
+    starts: Array | None = None,
+    steps: tuple[float, float] = (0.25, 1e-6),
+) -> tuple[Array, Array]:
+    """The highest values of a function of points in [0, 1]^dimensions, and where, best first.
+
+    The first round is random, with many coordinates at the ends, where models break most often. In later
+    ones each of the best gets offspring: some of its coordinates moved by steps that shrink from round to
+    round, put to an end, or taken from another of the best.
+
+    Args:
+        objective: values (n,) for points (n, dimensions), in one batch.
+        dimensions: of the cube.
+        population: points in a round.
+        rounds: how many.
+        seed: of the random numbers.
+        starts: points that the first round contains.
+        steps: the size of the first and of the last steps.
+    """
+    rng = np.random.default_rng(seed)
+    points = _scattered(rng, population, dimensions)
+    if starts is not None:
+        points[: len(starts)] = starts[:population]
+    best_points, best_values = points[:0], np.zeros(0)
+    for turn in range(rounds):
+        values = np.asarray(objective(points), np.float64)
+        # What is not a number is worse than every number.
+        values = np.where(np.isnan(values), np.inf, values)
+        best_points = np.concatenate([best_points, points])
+        best_values = np.concatenate([best_values, values])
+        order = np.argsort(-best_values, kind="stable")[: max(population // ELITE, 4)]
+        best_points, best_values = best_points[order], best_values[order]
+        if turn < rounds - 1:
+            width = steps[0] * (steps[1] / steps[0]) ** (turn / max(rounds - 2, 1))
+            points = _offspring(rng, best_points, population, width)
+    return best_points, best_values
+
+
+def _scattered(rng: np.random.Generator, count: int, dimensions: int) -> Array:
+    """Random points; in each of them a random part of the coordinates is at an end."""
+    points = rng.random((count, dimensions))
+    share = rng.random((count, 1)) * (np.arange(count)[:, None] % 2)
+    at_end = rng.random(points.shape) < share
+    return np.where(at_end, rng.integers(0, 2, points.shape), points)
+
+
+def _offspring(rng: np.random.Generator, elite: Array, count: int, width: float) -> Array:
+    n, dimensions = elite.shape
+    # The best have more
+    parents = (n * rng.random(count) ** 2).astype(np.intp)
+    points = elite[parents].copy()
+    moved = rng.random(points.shape) < rng.choice([1.5 / max(dimensions, 1), 0.5, 1.0], (count, 1))
+    steps = width * 10.0 ** -rng.integers(0, 3, (count, 1)) * rng.normal(size=points.shape)
+    points = np.where(moved, points + steps, points)
+    # Every fourth: some coordinates from another of the best; every eighth: some to an end
+    other = elite[rng.integers(0, n, count)]
+    kind = np.arange(count) % 8
+    few = rng.random(points.shape) < 1.5 / max(dimensions, 1)
+    points = np.where((kind[:, None] % 4 == 1) & (rng.random(points.shape) < 0.5), other, points)
+    points = np.where((kind[:, None] == 2) & few, rng.integers(0, 2, points.shape), points)
+    return np.asarray(np.clip(points, 0, 1))

@@ -1,0 +1,162 @@
+"""What a model promises, and the known sizes of what it does not: declared in the model's own file.
+
+    claims = Claims(
+        energy=known(1.0152),                              # the largest albedo, where it is above 1
+        reciprocity=known(1, form="classical"),            # only with this option
+        kinks=kink("dark ring at s = 0"),
+    )
+
+What is not mentioned is promised strictly: f(wi, wo) = f(wo, wi), no albedo above 1, no negative value,
+no wasted sample, every direction that reflects is sampled, a smooth function. `gonio check` measures each
+promise. It fails where one is broken, where a known size is too small or far too large, and where a model
+keeps a promise that it does not make.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+# The size of a departure that has no bound.
+UNBOUNDED = float("inf")
+
+Options = Mapping[str, str | tuple[str, ...]]
+
+
+@dataclass(frozen=True)
+class Known:
+    """A known departure from a promise: its size, and the options that it belongs to (all if none)."""
+
+    size: float
+    options: Options = field(default_factory=dict)
+
+    def applies(self, chosen: Mapping[str, str]) -> bool:
+        """Whether it speaks of a model with these options."""
+        return _matches(self.options, chosen)
+
+
+@dataclass(frozen=True)
+class Kink:
+    """A place where the slope of the function jumps, named as `gonio check` names it."""
+
+    place: str
+    options: Options = field(default_factory=dict)
+
+    def applies(self, chosen: Mapping[str, str]) -> bool:
+        """Whether it speaks of a model with these options."""
+        return _matches(self.options, chosen)
+
+
+@dataclass(frozen=True)
+class White:
+    """Parameters and options with which the model reflects everything, to within `error`."""
+
+    error: float
+    values: Mapping[str, Any]
+
+
+def known(size: float, **options: str | tuple[str, ...]) -> Known:
+    """Declare a known departure; options limit it: known(0.52, masking=("kelemen", "implicit"))."""
+    return Known(size, options)
+
+
+def kink(place: str, **options: str | tuple[str, ...]) -> Kink:
+    """Declare a known kink; options limit it."""
+    return Kink(place, options)
+
+
+def white(error: float, **values: Any) -> White:
+    """Declare a white furnace: white(1e-6, rho=1) says that the albedo is 1 everywhere at rho = 1."""
+    return White(error, values)
+
+
+def _matches(options: Options, chosen: Mapping[str, str]) -> bool:
+    return all(
+        chosen.get(name) in ((allowed,) if isinstance(allowed, str) else allowed)
+        for name, allowed in options.items()
+    )
+
+
+@dataclass(frozen=True)
+class Claims:
+    """A model's promises. Of several sizes for one promise the first that fits the options counts."""
+
+    energy: Known | tuple[Known, ...] = ()
+    """Largest directional albedo of any parameters and angle, where it is above 1."""
+    reciprocity: Known | tuple[Known, ...] = ()
+    """Largest |f(wi, wo) - f(wo, wi)| relative to the larger of the two; 1 at most, if f >= 0."""
+    negative: Known | tuple[Known, ...] = ()
+    """How far below zero values go, times pi; UNBOUNDED if there is no lower bound."""
+    wasted: Known | tuple[Known, ...] = ()
+    """Largest part of the samples that has no direction above the horizon."""
+    unreached: Known | tuple[Known, ...] = ()
+    """Largest albedo in directions that the sampler never draws."""
+    float32: Known | tuple[Known, ...] = ()
+    """Relative error of float32 values, where it is more than 1e-5."""
+    numeric_albedo: Known | tuple[Known, ...] = ()
+    """Error of albedos that are quadratures, where it is more than 3e-5."""
+    kinks: Kink | tuple[Kink, ...] = ()
+    """Where the slope jumps."""
+    furnace: White | tuple[White, ...] = ()
+    """With which parameters nothing is lost."""
+    falls: tuple[str, ...] = ()
+    """Parameters that lower the mean albedo, or leave it, when they grow."""
+
+    def size(self, promise: str, chosen: Mapping[str, str]) -> float | None:
+        """The known size of a departure with these options; None where the promise is kept."""
+        for entry in as_tuple(getattr(self, promise)):
+            if entry.applies(chosen):
+                return float(entry.size)
+        return None
+
+    def known_kinks(self, chosen: Mapping[str, str]) -> list[str]:
+        """Places of the kinks that a model with these options has."""
+        return [k.place for k in as_tuple(self.kinks) if k.applies(chosen)]
+
+    def lines(self) -> Iterator[tuple[str, str]]:
+        """What is promised, and what is known not to be kept, as pairs of heading and text."""
+        for name, (kept, broken) in PROMISES.items():
+            entries = as_tuple(getattr(self, name))
+            if not entries:
+                yield "promised", kept
+            for entry in entries:
+                size = "without bound" if entry.size == UNBOUNDED else f"{entry.size:g}"
+                yield "known", f"{broken.format(size)}{_condition(entry.options)}"
+            if entries and all(entry.options for entry in entries):
+                yield "promised", f"{kept} with the other options"
+        for entry in as_tuple(self.kinks):
+            yield "known", f"{entry.place}{_condition(entry.options)}"
+        for entry in as_tuple(self.furnace):
+            values = ", ".join(f"{name}={value}" for name, value in entry.values.items())
+            yield "promised", f"reflects everything to {entry.error:g} with {values}"
+        for name in self.falls:
+            yield "promised", f"the mean albedo never grows with {name}"
+
+
+def as_tuple(entry: Any) -> tuple[Any, ...]:
+    """One entry or several as a tuple."""
+    return entry if isinstance(entry, tuple) else (entry,)
+
+
+def _condition(options: Options) -> str:
+    texts = (
+        f"{name}={allowed if isinstance(allowed, str) else '|'.join(allowed)}"
+        for name, allowed in options.items()
+    )
+    return f", with {', '.join(texts)}" if options else ""
+
+
+# How each promise reads when it is kept, and when its departure is known.
+PROMISES = {
+    "energy": ("reflects no more than it receives", "albedo up to {}"),
+    "reciprocity": ("reciprocal", "swapping the directions changes the value by up to {} of it"),
+    "negative": ("never negative", "goes below zero by up to {} / pi"),
+    "wasted": ("wastes no sample", "wastes up to {} of the samples"),
+    "unreached": (
+        "samples every direction that reflects",
+        "albedo that is never sampled, up to {}",
+    ),
+    "float32": ("float32 values within 1e-5 of float64", "float32 values within {} of float64"),
+    "numeric_albedo": ("albedos within 3e-5", "albedos within {}"),
+}

@@ -1,0 +1,45 @@
+"""What an exported shader offers: the interface between the printer and the proof."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Member:
+    """A number or colour in the struct of parameters."""
+
+    path: str
+    """Where it is, such as "base.rho" for the rho of the inner model `base`."""
+    width: int
+    """1 or 3."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """Names of what an export defines."""
+
+    prefix: str
+    """Of all functions, such as "eon" in eon_eval."""
+    struct: str
+    """Type of the parameters, such as Eon."""
+    sample_struct: str
+    """Type of what `sample` returns: members wi and pdf."""
+    namespace: str
+    """Of the C++ header; unused by the other languages."""
+    members: tuple[Member, ...]
+    """In the order of declaration."""
+    functions: tuple[str, ...]
+    """Those of "eval", "sample", "pdf" and "albedo" that were exported."""
+
+
+@dataclass(frozen=True)
+class Export:
+    """Source text in one language, with the names it defines."""
+
+    language: str
+    source: str
+    entry: Entry
+    albedo_tolerance: float | None = 0.0
+    """What `albedo` may differ from the model's by its own method, absolute, for a white surface;
+    0 for closed forms, None where the export says nothing about its error."""

@@ -1,0 +1,108 @@
+"""C++ and MSL exports, compiled by g++ into a library and called by ctypes."""
+
+from __future__ import annotations
+
+import ctypes
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from gonio.export.entry import Export
+from gonio.export.prove import tools
+from gonio.export.prove.harness import (
+    Dialect,
+    Results,
+    indented,
+    input_columns,
+    output_columns,
+    statements,
+)
+from gonio.export.prove.tools import Rows
+
+# -O1 compiles in half the time of -O2. Products and sums are not contracted, so that processors agree.
+FLAGS = ("-std=c++17", "-O1", "-ffp-contract=off", "-fPIC", "-shared")
+
+# Users compile headers with warnings on; parameters that a model does not need stay in signatures.
+WARNINGS = ("-Wall", "-Wextra", "-Werror", "-Wno-unused-parameter")
+
+# CUDA's words mean nothing to g++, which checks the rest.
+CUDA = ("-D__host__=", "-D__device__=", "-D__forceinline__=inline")
+
+# Metal's literals are single precision. g++ keeps quiet about MSL's own words and attributes.
+METAL = Path(__file__).with_name("metal")
+METAL_FLAGS = ("-fsingle-precision-constant", "-Wno-attributes", "-x", "c++", f"-I{METAL}")
+
+
+def run_cpp(exports: Sequence[Export], rows: Sequence[Rows]) -> Results:
+    """Compile each header, without a warning, and call it for every row."""
+    return _run(exports, rows, "compiles C++", "processor, g++")
+
+
+def run_msl(exports: Sequence[Export], rows: Sequence[Rows]) -> Results:
+    """Compile each MSL export as C++ against a stand-in of Metal's library; call it for every row."""
+    device = "processor, g++ with a stand-in for Metal"
+    return _run(exports, rows, "compiles MSL as C++", device)
+
+
+def _run(exports: Sequence[Export], rows: Sequence[Rows], purpose: str, device: str) -> Results:
+    compiler = tools.program("g++", purpose)
+
+    def compile_and_run(export: Export, inputs: Rows) -> Rows:
+        with tempfile.TemporaryDirectory(prefix="gonio-") as name:
+            folder = Path(name)
+            (folder / "export.h").write_text(export.source, encoding="utf-8")
+            (folder / "main.cpp").write_text(main_text(export), encoding="utf-8")
+            flags = {"cuda": CUDA, "msl": METAL_FLAGS}.get(export.language, ())
+            command = [compiler, *FLAGS, *WARNINGS, *flags, "main.cpp", "-o", "library.so"]
+            tools.compile_with(command, folder, export, export.source, r"export\.h:(\d+):")
+            return call_library(folder / "library.so", export, inputs)
+
+    return Results(tools.side_by_side(compile_and_run, exports, rows), device)
+
+
+def main_text(export: Export) -> str:
+    """The loop over all rows, around the source."""
+    entry = export.entry
+    dialect = METAL_DIALECT if export.language == "msl" else _cpp(entry.namespace + "::")
+    return (
+        '#include "export.h"\n\n'
+        'extern "C" void run(const float* x, float* y, int rows) {\n'
+        f"    for (int row = 0; row < rows; ++row, x += {input_columns(entry)}, "
+        f"y += {output_columns(entry)}) {{\n"
+        f"{indented(statements(entry, dialect), 8)}\n    }}\n}}\n"
+    )
+
+
+def _cpp(scope: str) -> Dialect:
+    return Dialect(
+        vec2=f"{scope}Vec2{{{{{{0}}, {{1}}}}}}",
+        vec3=f"{scope}Vec3{{{{{{0}}, {{1}}, {{2}}}}}}",
+        vec2_type=f"{scope}Vec2",
+        vec3_type=f"{scope}Vec3",
+        read="x[{column}]",
+        write="y[{0}] = {1};",
+        scope=scope,
+    )
+
+
+METAL_DIALECT = Dialect(
+    vec2="float2({0}, {1})",
+    vec3="float3({0}, {1}, {2})",
+    vec2_type="float2",
+    vec3_type="float3",
+    read="x[{column}]",
+    write="y[{0}] = {1};",
+)
+
+
+def call_library(library: Path, export: Export, inputs: Rows) -> Rows:
+    """Call the library's function `run` for all rows, in this process."""
+    inputs = np.ascontiguousarray(inputs, np.float32)
+    outputs = np.full((len(inputs), output_columns(export.entry)), np.nan, np.float32)
+    function = ctypes.CDLL(str(library)).run
+    pointer = ctypes.POINTER(ctypes.c_float)
+    function.argtypes, function.restype = [pointer, pointer, ctypes.c_int], None
+    function(inputs.ctypes.data_as(pointer), outputs.ctypes.data_as(pointer), len(inputs))
+    return outputs

@@ -1,0 +1,85 @@
+"""Slang and HLSL exports: compiled by slangc to C++, that by g++, and called by ctypes.
+
+HLSL is first compiled to SPIR-V by glslangValidator, a second front end that knows nothing of Slang.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from gonio.export.entry import Export
+from gonio.export.prove import tools
+from gonio.export.prove.harness import (
+    Dialect,
+    Results,
+    indented,
+    input_columns,
+    output_columns,
+    statements,
+)
+from gonio.export.prove.native import FLAGS, call_library
+from gonio.export.prove.tools import Rows
+
+DEVICE = "processor, slangc and g++"
+
+_FLOAT3 = {"vec2": "float2({0}, {1})", "vec3": "float3({0}, {1}, {2})"}
+_TYPES = {"vec2_type": "float2", "vec3_type": "float3"}
+HLSL = Dialect(**_FLOAT3, **_TYPES)
+SLANG = Dialect(**_FLOAT3, **_TYPES, call="params.{function}({arguments})")
+
+
+def run_slang(exports: Sequence[Export], rows: Sequence[Rows]) -> Results:
+    """Compile each Slang or HLSL export and call it for every row."""
+    slangc = tools.program("slangc", "compiles Slang and HLSL to C++")
+    gxx = tools.program("g++", "compiles what slangc writes")
+    hlsl = any(export.language == "hlsl" for export in exports)
+    glslang = tools.program("glslangValidator", "compiles HLSL") if hlsl else ""
+
+    def compile_and_run(export: Export, inputs: Rows) -> Rows:
+        with tempfile.TemporaryDirectory(prefix="gonio-") as name:
+            folder = Path(name)
+            if export.language == "hlsl":
+                text = compute_text(export)
+                (folder / "check.hlsl").write_text(text, encoding="utf-8")
+                command = [glslang, "-D", "-V", "-e", "main", "-S", "comp", "check.hlsl"]
+                line = r"check\.hlsl:(\d+):"
+                tools.compile_with([*command, "-o", "check.spv"], folder, export, text, line)
+            text = loop_text(export)
+            (folder / "export.slang").write_text(text, encoding="utf-8")
+            command = [slangc, "export.slang", "-target", "cpp", "-o", "export.cpp"]
+            line = r"(?:export\.slang\(|export\.slang:)(\d+)"
+            tools.compile_with(command, folder, export, text, line)
+            text = (folder / "export.cpp").read_text(encoding="utf-8")
+            command = [gxx, *FLAGS, "-w", "export.cpp", "-o", "library.so"]
+            tools.compile_with(command, folder, export, text, r"export\.cpp:(\d+):")
+            return call_library(folder / "library.so", export, inputs)
+
+    return Results(tools.side_by_side(compile_and_run, exports, rows), DEVICE)
+
+
+def loop_text(export: Export) -> str:
+    """The source and a loop over all rows, in Slang."""
+    dialect = HLSL if export.language == "hlsl" else SLANG
+    return (
+        f"{export.source}\n"
+        "export __extern_cpp void run(float* x, float* y, int rows)\n{\n"
+        "    for (int row = 0; row < rows; ++row)\n    {\n"
+        f"        int i = row * {input_columns(export.entry)};\n"
+        f"        int o = row * {output_columns(export.entry)};\n"
+        f"{indented(statements(export.entry, dialect), 8)}\n"
+        "    }\n}\n"
+    )
+
+
+def compute_text(export: Export) -> str:
+    """The source and a compute shader that calls every function, in HLSL."""
+    return (
+        f"{export.source}\n"
+        "StructuredBuffer<float> x : register(t0);\nRWStructuredBuffer<float> y : register(u0);\n\n"
+        "[numthreads(64, 1, 1)]\nvoid main(uint3 id : SV_DispatchThreadID)\n{\n"
+        f"    uint i = id.x * {input_columns(export.entry)};\n"
+        f"    uint o = id.x * {output_columns(export.entry)};\n"
+        f"{indented(statements(export.entry, HLSL))}\n}}\n"
+    )

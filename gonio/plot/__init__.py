@@ -1,0 +1,28 @@
+"""Pictures and tables of models: lobes, albedos, and how well they are sampled.
+
+    from gonio import plot
+    plot.plot([gonio.Lambert(), gonio.EON(roughness=1)], "polar", "lobes.svg")
+    plot.polar([gonio.EON(roughness=r) for r in (0, 0.5, 1)]).figure()      # a matplotlib Figure
+    plot.albedo([gonio.EON(), gonio.QON()]).columns                         # the numbers
+
+Angles are in degrees. Each kind of plot is a function that takes models and returns a `Plot`.
+matplotlib loads when one is drawn; pyplot and its figures are not touched.
+"""
+
+from gonio.plot.kinds import KINDS, albedo, plot, polar, sampling, surface
+from gonio.plot.numbers import CHANNELS, RGB
+from gonio.plot.output import SUFFIXES, Plot, check_output
+
+__all__ = [
+    "CHANNELS",
+    "KINDS",
+    "RGB",
+    "SUFFIXES",
+    "Plot",
+    "albedo",
+    "check_output",
+    "plot",
+    "polar",
+    "sampling",
+    "surface",
+]

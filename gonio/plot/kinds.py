@@ -1,0 +1,277 @@
+"""The kinds of plots: each is a function of models that returns a `Plot`."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gonio.model import Model
+from gonio.plot.drawing import draw_albedo, draw_polar, draw_sampling, draw_surface
+from gonio.plot.labels import named
+from gonio.plot.numbers import (
+    RARE,
+    Floats,
+    brdf_values,
+    channel_note,
+    choose_channel,
+    direction,
+    is_grey,
+    is_slow,
+    known_channel,
+    quantity_symbol,
+    rgb_columns,
+    roughness_parameter,
+    sample_weights,
+    swept_values,
+    viewer_angles,
+)
+from gonio.plot.output import Plot, check_output
+from gonio.plot.style import curve_styles
+
+Columns = dict[str, Any]
+
+
+def plot(
+    models: Sequence[Model],
+    kind: str = "polar",
+    output: str | Path = "plot.png",
+    *,
+    dpi: int = 200,
+    **settings: Any,
+) -> Path:
+    """Plot models to a .png, .svg, .pdf or .csv file and return its path.
+
+    Args:
+        models: one or more models whose parameters are numbers, not arrays.
+        kind: "polar", "albedo", "surface" or "sampling"; see the functions of these names, which
+            take the further settings, such as theta_o=(0, 60).
+        output: the file; an existing one is replaced.
+        dpi: dots per inch of a PNG.
+
+    Raises:
+        ValueError: an unknown kind, suffix or setting.
+        OSError: the file cannot be written.
+    """
+    if kind not in KINDS:
+        raise ValueError(f"no plot {kind!r}; known are {', '.join(KINDS)}.")
+    check_output(output)  # before the work, not after
+    allowed = KINDS[kind].__kwdefaults__ or {}
+    for name in settings:
+        if name not in allowed:
+            raise ValueError(f"the {kind} plot has no {name}; it takes {', '.join(allowed)}.")
+    return KINDS[kind](models, **settings).save(output, dpi)
+
+
+def polar(
+    models: Sequence[Model],
+    *,
+    theta_o: Sequence[float] | float = (0, 30, 60, 80),
+    cosine: bool = True,
+    channel: str = "luminance",
+    title: str | None = None,
+) -> Plot:
+    """Slices through the lobes in the plane of incidence: f cos(theta_i) against theta_i.
+
+    Args:
+        models: the models, one curve each.
+        theta_o: polar angles of the viewer in degrees, 0 to 90, one panel each.
+        cosine: False plots f alone.
+        channel: "luminance", "red", "green" or "blue".
+        title: replaces the title.
+
+    theta_i is signed: positive on the viewer's side (retro-reflection), negative on the other.
+    """
+    models, labels, shared = named(models)
+    angles = viewer_angles(theta_o)
+    theta_i = np.linspace(-90, 90, 361)
+    wi = direction(theta_i)
+    values = np.stack(
+        [[brdf_values(m, wi, direction(a), cosine) for a in angles] for m in models]
+    )  # model, theta_o, theta_i, rgb
+    columns: Columns = {
+        "model": np.repeat(labels, len(angles) * len(theta_i)).tolist(),
+        "theta_o [deg]": np.tile(np.repeat(angles, len(theta_i)), len(models)),
+        "theta_i [deg]": np.tile(theta_i, len(models) * len(angles)),
+        **rgb_columns(quantity_symbol(cosine, "f_cos", "f"), values, " [1/sr]"),
+    }
+    draw = functools.partial(
+        draw_polar,
+        labels,
+        curve_styles(models),
+        shared,
+        angles,
+        theta_i,
+        choose_channel(values, channel),
+        cosine,
+        channel_note(values, channel),
+        title,
+    )
+    return Plot(columns, draw)
+
+
+def albedo(
+    models: Sequence[Model],
+    *,
+    along: str | None = None,
+    channel: str = "luminance",
+    title: str | None = None,
+) -> Plot:
+    """Directional albedo against the viewer's angle, and mean albedo against the roughness.
+
+    Args:
+        models: the models, one curve each.
+        along: the parameter that the mean albedo is plotted against; by default a model's
+            roughness, sigma, alpha or shininess. Models without it are drawn as a level line.
+        channel: "luminance", "red", "green" or "blue".
+        title: replaces the title.
+    """
+    models, labels, shared = named(models)
+    theta_o = np.linspace(0, 90, 19 if is_slow() else 181)
+    wo = direction(theta_o)
+    directional = np.stack([m.albedo(wo) for m in models]).astype(np.float64)
+    parameters = [roughness_parameter(m, along) for m in models]
+    if along is not None and not any(parameters):
+        raise ValueError(f"none of the models has a number {along!r} to plot along.")
+    axes = {p.name: p for p in parameters if p is not None}
+    sweeps: list[tuple[str, Floats, Floats]] = []
+    for m, p in zip(models, parameters, strict=True):
+        if p is None:
+            sweeps.append(("", np.empty(0), np.empty((0, 3))))
+            continue
+        x = swept_values(p)
+        sweeps.append((p.name, x, np.asarray(m.replace(**{p.name: x}).mean_albedo())))
+    means = np.stack([m.mean_albedo() for m in models]).astype(np.float64)
+
+    rows: list[tuple[str, str, str, float, Floats]] = []
+    for label, curve, (name, x, mean), own in zip(labels, directional, sweeps, means, strict=True):
+        rows += [
+            (label, "directional", "theta_o [deg]", *r) for r in zip(theta_o, curve, strict=True)
+        ]
+        rows += [(label, "mean", name, *r) for r in zip(x, mean, strict=True)]
+        rows += [(label, "mean", "", math.nan, own)]
+    rgb = np.array([r[4] for r in rows])
+    columns: Columns = {
+        "model": [r[0] for r in rows],
+        "albedo": [r[1] for r in rows],
+        "against": [r[2] for r in rows],
+        "x": [r[3] for r in rows],
+        **rgb_columns("albedo", rgb, ""),
+    }
+    note = channel_note(directional, channel)
+    # Models that differ only in the swept parameter share one mean curve.
+    families = [
+        repr(m.replace(**{p.name: p.default})) if p else repr(m)
+        for m, p in zip(models, parameters, strict=True)
+    ]
+    draw = functools.partial(
+        draw_albedo,
+        models,
+        labels,
+        curve_styles(models),
+        shared,
+        axes,
+        families,
+        theta_o,
+        choose_channel(directional, channel),
+        [(name, x, choose_channel(mean, channel)) for name, x, mean in sweeps],
+        choose_channel(means, channel),
+        note,
+        title,
+    )
+    return Plot(columns, draw)
+
+
+def surface(
+    models: Sequence[Model],
+    *,
+    theta_o: Sequence[float] | float = 60,
+    cosine: bool = True,
+    channel: str = "luminance",
+    title: str | None = None,
+) -> Plot:
+    """Lobes as shaded surfaces in space, with the normal, the viewer and the mirror direction.
+
+    Args:
+        models: the models, one panel each for every angle.
+        theta_o: polar angles of the viewer in degrees, 0 to 90.
+        cosine: the distance from the origin is f cos(theta_i); False makes it f.
+        channel: "luminance", "red", "green" or "blue".
+        title: replaces the title.
+    """
+    models, labels, shared = named(models)
+    angles = viewer_angles(theta_o)
+    theta_i = np.linspace(0, 90, 91)
+    phi = np.linspace(0, 360, 181)
+    wi = direction(theta_i[:, None], phi[None, :])
+    values = np.stack(
+        [[brdf_values(m, wi, direction(a), cosine) for a in angles] for m in models]
+    )  # model, theta_o, theta_i, phi, rgb
+    count = len(models) * len(angles)
+    columns: Columns = {
+        "model": np.repeat(labels, len(angles) * theta_i.size * phi.size).tolist(),
+        "theta_o [deg]": np.tile(np.repeat(angles, theta_i.size * phi.size), len(models)),
+        "theta_i [deg]": np.tile(np.repeat(theta_i, phi.size), count),
+        "phi_i - phi_o [deg]": np.tile(phi, theta_i.size * count),
+        **rgb_columns(quantity_symbol(cosine, "f_cos", "f"), values, " [1/sr]"),
+    }
+    draw = functools.partial(
+        draw_surface,
+        labels,
+        curve_styles(models),
+        shared,
+        angles,
+        wi,
+        choose_channel(values, channel),
+        cosine,
+        channel_note(values, channel),
+        title,
+    )
+    return Plot(columns, draw)
+
+
+def sampling(
+    models: Sequence[Model],
+    *,
+    channel: str = "luminance",
+    title: str | None = None,
+) -> Plot:
+    """Variance and highest values of the Monte Carlo weight f cos(theta_i) / pdf against theta_o.
+
+    Args:
+        models: the models, one curve each; samplers are compared as options of a model.
+        channel: "luminance", "red", "green" or "blue".
+        title: replaces the title.
+
+    The highest value is the one that one sample in 1000 exceeds. Where a density goes to 0 before
+    the BRDF does, as that of CLTC alone, the weight has no bound and no finite variance; what is
+    shown then is what 1e7 samples would find. A wasted sample counts as weight 0.
+    """
+    models, labels, shared = named(models)
+    known_channel(channel)
+    theta_o = np.append(np.arange(0, 88.5, 1.5), (88.5, 89, 89.5, 89.9))
+    statistics = np.stack([sample_weights(m, theta_o, channel) for m in models])
+    columns: Columns = {
+        "model": np.repeat(labels, theta_o.size).tolist(),
+        "theta_o [deg]": np.tile(theta_o, len(models)),
+        f"mean weight, {channel}": statistics[..., 0].ravel(),
+        f"variance of weight, {channel}": statistics[..., 1].ravel(),
+        f"weight exceeded by {RARE:g} of samples, {channel}": statistics[..., 2].ravel(),
+    }
+    note = "" if all(is_grey(m) for m in models) else channel
+    draw = functools.partial(
+        draw_sampling, labels, curve_styles(models), shared, theta_o, statistics, note, title
+    )
+    return Plot(columns, draw)
+
+
+KINDS: dict[str, Callable[..., Plot]] = {
+    "polar": polar,
+    "albedo": albedo,
+    "surface": surface,
+    "sampling": sampling,
+}

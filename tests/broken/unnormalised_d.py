@@ -1,0 +1,28 @@
+"""Broken on purpose: GGX facets whose D lacks its 1 / pi, as a well-known text prints it."""
+
+from gonio.lang import PI, Color, Float, Sample, Vec2, Vec3
+from gonio.model import Model, param
+from gonio.parts.distribution import ALPHA_MIN, D_ggx, half_vector
+from gonio.parts.lobes import pdf_ggx_lobe, sample_ggx_lobe
+from gonio.parts.masking import V_smith_correlated_ggx
+
+
+class UnnormalisedD(Model):
+    """White facets, pi times too many."""
+
+    alpha: Float = param(0.3, ALPHA_MIN, 1, "slope width")
+    albedo_rule = "half_vectors"
+
+    def eval(self, wi: Vec3, wo: Vec3) -> Color:
+        """pi D G / (4 mu_i mu_o)."""
+        V = V_smith_correlated_ggx(wi, wo, self.alpha, self.alpha)
+        return PI * D_ggx(half_vector(wi, wo), self.alpha, self.alpha) * V
+
+    def sample(self, wo: Vec3, u: Vec2) -> Sample:
+        """Visible normals."""
+        wi = sample_ggx_lobe(wo, self.alpha, self.alpha, u)
+        return Sample(wi, self.pdf(wi, wo))
+
+    def pdf(self, wi: Vec3, wo: Vec3) -> Float:
+        """Density of `sample`."""
+        return pdf_ggx_lobe(wi, wo, self.alpha, self.alpha)

@@ -1,0 +1,28 @@
+"""Broken on purpose: a value that is kept out of the derivatives."""
+
+import drjit as dr
+
+from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3
+from gonio.model import Model, param
+from gonio.parts.hemisphere import pdf_cosine, sample_cosine
+
+
+class WrongGradient(Model):
+    """Lambert, darker when worn."""
+
+    rho: Color = param((0.5, 0.5, 0.5), 0, 0.9, "colour")
+    wear: Float = param(0.6, 0, 1, "darkens")
+
+    def eval(self, wi: Vec3, wo: Vec3) -> Color:
+        """Half of what wear does has no derivative."""
+        darker = self.wear * dr.detach(self.wear)
+        return self.rho * (INV_PI * (1 - 0.5 * darker))
+
+    def sample(self, wo: Vec3, u: Vec2) -> Sample:
+        """Cosine-weighted."""
+        wi = sample_cosine(u)
+        return Sample(wi, pdf_cosine(wi))
+
+    def pdf(self, wi: Vec3, wo: Vec3) -> Float:
+        """Density of `sample`."""
+        return pdf_cosine(wi)

@@ -1,0 +1,93 @@
+// Burley diffuse: the diffuse lobe of Disney's principled model.
+//
+// Source: Burley, "Physically-based shading at Disney", SIGGRAPH 2012 course notes, section 5.3.
+// The albedo's closed form is ours: the BRDF is a polynomial in cosines once 2 cos^2(theta_d) is written
+// as 1 + dot(wi, wo), so it can be integrated term by term.
+//
+// Metal, made by gonio 0.1.0 from gonio/models/burley_diffuse.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+
+#include <metal_stdlib>
+using namespace metal;
+
+// A sampled direction and its density.
+struct BurleyDiffuseSample {
+    float3 wi;  // direction towards the light, unit, local frame
+    float pdf;  // its density in 1/sr; 0 marks a wasted sample
+};
+
+// burley_diffuse: Diffuse with darker edges when smooth and a bright rim when rough. Reciprocal.
+struct BurleyDiffuse {
+    float3 rho;  // base colour, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
+    float roughness;  // perceptual roughness, not alpha; 0 to 1, default 0.5
+};
+
+// (1 - cos_theta)^5 of Schlick's approximation.
+inline float burley_diffuse_schlick_weight(float cos_theta) {
+    float k = 1.0 - cos_theta;
+    float k2 = k * k;
+    return k2 * k2 * k;
+}
+
+// BRDF value in 1/sr, without the cosine.
+inline float3 burley_diffuse_eval(BurleyDiffuse params, float3 wi, float3 wo) {
+    const float inv_pi = 0.31830987;
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return float3(0.0);
+    }
+    // F90 = 0.5 + 2 roughness cos^2(theta_d), and 2 cos^2(theta_d) = 1 + dot(wi, wo)
+    float rise = params.roughness * (1.0 + dot(wi, wo)) - 0.5;
+    float fresnel_i = 1.0 + rise * burley_diffuse_schlick_weight(wi.z);
+    float fresnel_o = 1.0 + rise * burley_diffuse_schlick_weight(wo.z);
+    return params.rho * (inv_pi * fresnel_i * fresnel_o);
+}
+
+// A direction with density cos(theta) / pi.
+inline float3 burley_diffuse_sample_cosine(float2 u) {
+    const float two_pi = 6.2831855;
+    float r = sqrt(max(u.x, 0.0));
+    float phi = two_pi * u.y;
+    return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
+}
+
+// Density of `sample_cosine` in 1/sr, for w above the horizon.
+inline float burley_diffuse_pdf_cosine(float3 w) {
+    const float inv_pi = 0.31830987;
+    return w.z * inv_pi;
+}
+
+// Cosine-weighted: the weight is the product of two Fresnel factors of at most 2.5.
+inline BurleyDiffuseSample burley_diffuse_sample(BurleyDiffuse params, float3 wo, float2 u) {
+    if (wo.z <= 0.0) {  // below the horizon
+        return BurleyDiffuseSample{float3(0.0, 0.0, 1.0), 0.0};
+    }
+    float3 wi = burley_diffuse_sample_cosine(u);
+    return BurleyDiffuseSample{wi, wi.z > 0.0 ? burley_diffuse_pdf_cosine(wi) : 0.0};
+}
+
+// Density of `sample` in 1/sr.
+inline float burley_diffuse_pdf(BurleyDiffuse params, float3 wi, float3 wo) {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return 0.0;
+    }
+    return burley_diffuse_pdf_cosine(wi);
+}
+
+// Integral of `eval` times the cosine.
+inline float3 burley_diffuse_albedo(BurleyDiffuse params, float3 wo) {
+    const float I1 = 0.023809524;  // Integrals of (1 - mu)^5 mu^k over mu in [0, 1], k = 1, 2, 3.
+    const float I2 = 0.005952381;
+    const float I3 = 0.001984127;
+    if (wo.z < 0.0) {  // below the horizon
+        return float3(0.0);
+    }
+    float r = params.roughness;
+    float a = r - 0.5;
+    float mu = wo.z;
+    float w = burley_diffuse_schlick_weight(wo.z);
+    float both = a * a * I1 + 2.0 * a * r * mu * I2
+        + r * r * (mu * mu * I3 + (1.0 - mu * mu) * (I1 - I3) / 2.0);
+    return params.rho * (1.0 + 2.0 * (a * I1 + r * mu * I2) + w * (a + 2.0 / 3.0 * r * mu)
+        + 2.0 * w * both);
+}

@@ -1,0 +1,490 @@
+// Car paint: metal flakes of all directions under a tinted clear coat.
+//
+// Source: Elek, "Layered materials in real-time rendering", CESCG 2010, section 4.1: the layered model of
+// `weidlich_wilkie` over a metal whose normal alone is perturbed by a map of flakes, tiled and unfiltered.
+// `gonio.textures.flake_map` makes such maps. Spatial variation is the host's business: flake_x and flake_y
+// are numbers here, and a texture gives each point its own.
+// Deviations: by default light that leaves the coat spreads by 1 / eta^2, without which the metal is eta^2
+// times too bright; both crossings of the surface count at the mean normal, because 1 - F(wo.H) lets too
+// much
+// of a tilted flake's light through; and a flake counts as much as both light and viewer see of it, so that
+// the model stays reciprocal. Options restore all three. The metal's index is taken relative to the coat.
+//
+// HLSL, made by gonio 0.1.0 from gonio/models/car_paint.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// albedo has no closed form here; it takes many evaluations, for tables and previews.
+
+float3 car_paint_select(bool3 condition, float3 yes, float3 no) {
+    return float3(condition.x ? yes.x : no.x, condition.y ? yes.y : no.y, condition.z ? yes.z : no.z);
+}
+
+// A sampled direction and its density.
+struct CarPaintSample {
+    float3 wi;  // direction towards the light, unit, local frame
+    float pdf;  // its density in 1/sr; 0 marks a wasted sample
+};
+
+// car_paint: One flake's worth of metallic paint; a map of flakes makes it sparkle. Reciprocal.
+// Exported with transmission='both_ways', solid_angle='compressed', flake_cosine='reciprocal'.
+struct CarPaint {
+    float eta;  // index of the clear coat; 1 to 3, default 1.5
+    float alpha;  // slope width of the coat's facets; 0.0001 to 1, default 0.03
+    // absorption of the coat per unit of thickness; 0 to 10, default (0.15, 1.2, 1.4)
+    float3 sigma_a;
+    float thickness;  // thickness of the coat, in the unit of sigma_a; 0 to 1, default 1
+    // the flakes' index; the default is chromium; 0.01 to 20, default (3.626635, 3.075734, 1.820037)
+    float3 metal_eta;
+    float3 metal_k;  // the flakes' extinction; 0 to 20, default (4.32121, 4.462329, 4.12937)
+    float metal_alpha;  // slope width of each flake, at least the coat's; 0.0001 to 1, default 0.15
+    float flake_x;  // slope of the flake's normal along x; for a texture; -2 to 2, default 0
+    float flake_y;  // slope of the flake's normal along y; for a texture; -2 to 2, default 0
+    float distance;  // of the viewer; above 1 it evens out the flakes; 0 to 1000000, default 1
+};
+
+// Results of choose.
+struct CarPaintChoose {
+    bool first;
+    float2 second;
+};
+
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+float car_paint_cos_half(float3 wi, float3 wo) {
+    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    const float mu_min = 1.0e-18;
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return min(0.5 * length(wi + float3(wo.x, wo.y, wo.z + mu_min)), 1.0);
+}
+
+// Exact reflectance of a dielectric. Below eta = 1 all light is reflected past the critical angle.
+float car_paint_F_dielectric(float cos_theta, float eta) {
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
+    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
+    const float ROOT_MIN = 1.0e-16;
+    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
+    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2),
+    // so that the mean of both squares is a product.
+    float c = cos_theta;
+    float contrast = (eta - 1.0) * (eta + 1.0);
+    float sin2 = 1.0 - c * c;
+    // c^2 with its rounding error: at the critical angle little else is left
+    float g2 = mad(c, c, contrast);
+    float g = sqrt(max(g2, ROOT_MIN));
+    float s = c + g;
+    float p = c * g;
+    float r_s = contrast / (s * s);
+    float q = p + sin2;
+    float F = r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
+    return g2 > ROOT_MIN ? F : 1.0;
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+float3 car_paint_half_vector(float3 wi, float3 wo) {
+    const float mu_min = 1.0e-18;
+    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
+    // directions in the horizon.
+    return normalize(wi + float3(wo.x, wo.y, wo.z + mu_min));
+}
+
+// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+float car_paint_D_ggx(float3 m, float alpha_x, float alpha_y) {
+    const float inv_pi = 0.31830987;
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    float3 v = float3(m.x / alpha_x, m.y / alpha_y, m.z);
+    float s = dot(v, v);
+    return inv_pi / (alpha_x * alpha_y * s * s);
+}
+
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
+float car_paint_ggx_length(float3 w, float alpha_x, float alpha_y) {
+    return length(float3(alpha_x * w.x, alpha_y * w.y, w.z));
+}
+
+// G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
+float car_paint_V_smith_correlated_ggx(float3 wi, float3 wo, float alpha_x, float alpha_y) {
+    float length_i = car_paint_ggx_length(wi, alpha_x, alpha_y);
+    float length_o = car_paint_ggx_length(wo, alpha_x, alpha_y);
+    return 0.5 / (wo.z * length_i + wi.z * length_o);
+}
+
+// D G / (4 mu_i mu_o) of GGX with height-correlated Smith: times F it is a reflection.
+float car_paint_ggx_facets(float3 wi, float3 wo, float alpha) {
+    float D = car_paint_D_ggx(car_paint_half_vector(wi, wo), alpha, alpha);
+    return D * car_paint_V_smith_correlated_ggx(wi, wo, alpha, alpha);
+}
+
+// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
+float car_paint_refracted_cos2(float mu, float eta) {
+    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and
+    // at the critical one, little else is left.
+    return mad(mu, mu, (eta - 1.0) * (eta + 1.0));
+}
+
+// 1 - F of a smooth dielectric at a cosine mu outside; exact where it nearly vanishes.
+float car_paint_transmittance(float mu, float eta) {
+    const float ROOT_MIN = 1.0e-16;
+    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
+    // with q = c g + sin^2(theta)
+    float cos2 = car_paint_refracted_cos2(mu, eta);
+    float g = sqrt(max(cos2, ROOT_MIN));
+    float s = mu + g;
+    float p = mu * g;
+    float q = p + (1.0 - mu * mu);
+    float T = 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
+    return cos2 > ROOT_MIN ? T : 0.0;
+}
+
+// The direction inside the layer that belongs to w outside; z = 0 where there is none.
+float3 car_paint_refract(float3 w, float eta) {
+    return float3(w.x, w.y, sqrt(max(car_paint_refracted_cos2(w.z, eta), 0.0))) / eta;
+}
+
+// Absorption times thickness, for each channel.
+float3 car_paint_optical_depth(float3 sigma_a, float thickness) {
+    return sigma_a * float3(thickness, thickness, thickness);
+}
+
+float3 car_paint_depth(CarPaint params) {
+    return car_paint_optical_depth(params.sigma_a, params.thickness);
+}
+
+// exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+//
+// wi, wo: refracted directions. depth: absorption times thickness.
+float3 car_paint_absorbed(float3 depth, float3 wi, float3 wo) {
+    const float mu_min = 1.0e-18;
+    return exp(-depth * (1.0 / max(wi.z, mu_min) + 1.0 / max(wo.z, mu_min)));
+}
+
+// normalize(N_flake + max(distance, 1) N) with N_flake = normalize(slope_x, slope_y, 1).
+//
+// Elek, "Layered materials in real-time rendering", CESCG 2010, section 4.1: flakes that cannot be told
+// apart any more even out.
+float3 car_paint_flake_normal(float slope_x, float slope_y, float distance) {
+    float3 flake = normalize(float3(slope_x, slope_y, 1.0));
+    return normalize(float3(flake.x, flake.y, flake.z + max(distance, 1.0)));
+}
+
+float3 car_paint_normal(CarPaint params) {
+    return car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
+}
+
+float car_paint_flake_alpha(CarPaint params) {
+    return max(params.metal_alpha, params.alpha);
+}
+
+// w turned by 180 degrees about the bisector of n and the z axis, which swaps these two.
+float3 car_paint_half_turn(float3 w, float3 n) {
+    float3 h = float3(n.x, n.y, n.z + 1.0);
+    return dot(w, h) / h.z * h - w;
+}
+
+// w in the frame of n, turned there the shortest way; n.z > 0.
+float3 car_paint_to_tilted(float3 w, float3 n) {
+    float3 t = car_paint_half_turn(w, n);
+    return float3(-t.x, -t.y, t.z);
+}
+
+// w, or the flake's normal in place of a direction behind it, which is masked elsewhere.
+float3 car_paint_facing(CarPaint params, float3 w) {
+    return w.z > 0.0 ? w : float3(0.0, 0.0, 1.0);
+}
+
+// Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
+float3 car_paint_F_conductor(float cos_theta, float3 eta, float3 k) {
+    const float ROOT_MIN = 1.0e-16;
+    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
+    float c = cos_theta;
+    float3 contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
+    float3 half_im = eta * k;
+    float c2 = c * c;
+    float sin2 = 1.0 - c2;
+    float3 w_re = contrast_re + c2;
+    float3 im2 = 4.0 * half_im * half_im;
+    float3 w_abs = sqrt(max(w_re * w_re + im2, (float3)(ROOT_MIN * ROOT_MIN)));
+    // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
+    float3 large = sqrt(0.5 * max(w_abs + abs(w_re), (float3)(ROOT_MIN)));
+    float3 g_re = car_paint_select(w_re > (float3)(0.0), large, half_im / large);
+    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
+    float3 cross = 2.0 * c * g_re;
+    float3 s_abs2 = c2 + w_abs + cross;
+    float3 p = c2 * w_abs + sin2 * sin2;
+    // One quotient after the other: for a matched index in the horizon the squares would leave a float32
+    float3 R_s = (contrast_re * contrast_re + im2) / s_abs2 / s_abs2;
+    return R_s * (p / (p + cross * sin2));
+}
+
+// How much of a tilted facet a direction sees, at most as much as of the flat surface.
+float car_paint_seen(float cos_tilted, float mu) {
+    const float mu_min = 1.0e-18;
+    return min(max(cos_tilted, 0.0) / max(mu, mu_min), 1.0);
+}
+
+// The metal's BRDF in the flake's frame.
+float3 car_paint_flake(CarPaint params, float3 wi_t, float3 wo_t) {
+    float3 n = car_paint_normal(params);
+    float alpha = car_paint_flake_alpha(params);
+    float3 tilted_i = car_paint_to_tilted(wi_t, n);
+    float3 tilted_o = car_paint_to_tilted(wo_t, n);
+    float3 wi = car_paint_facing(params, tilted_i);
+    float3 wo = car_paint_facing(params, tilted_o);
+    float3 F = car_paint_F_conductor(car_paint_cos_half(wi, wo), params.metal_eta / params.eta,
+        params.metal_k / params.eta);
+    float visible = car_paint_seen(tilted_i.z, wi_t.z) * car_paint_seen(tilted_o.z, wo_t.z);
+    return tilted_o.z > 0.0 ? F * (car_paint_ggx_facets(wi, wo, alpha) * visible) : (float3)(0.0);
+}
+
+// Eq. 2 with a tilted base: BRDF value in 1/sr, without the cosine.
+float3 car_paint_eval(CarPaint params, float3 wi, float3 wo) {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return (float3)(0.0);
+    }
+    float cos_h = car_paint_cos_half(wi, wo);
+    float coat = car_paint_F_dielectric(cos_h, params.eta)
+        * car_paint_ggx_facets(wi, wo, params.alpha);
+
+    float through = car_paint_transmittance(wi.z, params.eta)
+        * car_paint_transmittance(wo.z, params.eta);
+    through = through / (params.eta * params.eta);
+    float3 wi_t = car_paint_refract(wi, params.eta);
+    float3 wo_t = car_paint_refract(wo, params.eta);
+    float3 kept = car_paint_absorbed(car_paint_depth(params), wi_t, wo_t);
+    return coat + car_paint_flake(params, wi_t, wo_t) * (kept * through);
+}
+
+// The most that `absorbed` leaves of light that goes out along wo: it came in along the normal.
+float3 car_paint_absorbed_least(float3 depth, float3 wo) {
+    float3 up = float3(0.0, 0.0, 1.0);
+    return car_paint_absorbed(depth, up, wo);
+}
+
+// Mean of the three channels, by which lobes are weighed against each other.
+float car_paint_average(float3 color) {
+    return (color.x + color.y + color.z) / 3.0;
+}
+
+float car_paint_raised(float probability) {
+    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+    const float SHARE_LEAST = 0.1;
+    const float ESTIMATE_TRUST = 50.0;
+    return max(probability, min(SHARE_LEAST, ESTIMATE_TRUST * probability));
+}
+
+// Probabilities of two lobes with the given albedos; the first is certain if both are black.
+float2 car_paint_lobes_shares(float first, float second) {
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
+    // that can be seen is that small.
+    const float BLACK = 1.0e-20;
+    float inv = 1.0 / (first + second + BLACK);
+    float a = car_paint_raised((first + BLACK) * inv);
+    float b = car_paint_raised(second * inv);
+    // The smaller one by itself: 1 minus a probability near 1 has no digits left.
+    bool smaller = first < second;
+    return float2(smaller ? a : 1.0 - b, smaller ? 1.0 - a : b);
+}
+
+// Probabilities of the coat and of the flake.
+float2 car_paint_shares(CarPaint params, float3 wo, float3 wo_t) {
+    // The coat gets at least a tenth as many samples as the metal: facets reflect more than the mean surface
+    // where they are tilted, and this bounds their weight.
+    const float COAT_SHARE_MIN = 0.1;
+    // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
+    const float LOBE_MIN = 1.0e-12;
+    float below = car_paint_transmittance(wo.z, params.eta)
+        * car_paint_average(car_paint_absorbed_least(car_paint_depth(params), wo_t));
+    float3 tilted = car_paint_to_tilted(wo_t, car_paint_normal(params));
+    float lit = tilted.z > 0.0 ? below : 0.0;
+    float coat = max(car_paint_F_dielectric(wo.z, params.eta), COAT_SHARE_MIN * below + LOBE_MIN);
+    return car_paint_lobes_shares(coat, lit);
+}
+
+// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
+CarPaintChoose car_paint_choose(float probability, float2 u) {
+    // Smallest probability that is divided by: a random number falls below it once in a million million.
+    const float SHARE_MIN = 1.0e-12;
+    // The largest float32 below 1, up to which random numbers go.
+    const float RANDOM_MAX = 0.99999994;
+    bool first = u.x < probability;
+    float below = u.x / max(probability, SHARE_MIN);
+    float above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
+    CarPaintChoose result;
+    result.first = first;
+    result.second = float2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y);
+    return result;
+}
+
+// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+float3 car_paint_sample_ggx_visible(float3 wo, float alpha_x, float alpha_y, float2 u) {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const float RANDOM_MARGIN = 5.9604645e-8;
+    const float two_pi = 6.2831855;
+    float3 w = normalize(float3(alpha_x * wo.x, alpha_y * wo.y, wo.z));
+    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    float drop = u1 * (1.0 + w.z);
+    float r = sqrt(max(drop * (2.0 - drop), 0.0));
+    float phi = two_pi * u.y;
+    float3 h = float3(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
+    return normalize(float3(alpha_x * h.x, alpha_y * h.y, h.z));
+}
+
+// wo mirrored at a facet with normal m; it may leave below the horizon.
+float3 car_paint_mirror(float3 wo, float3 m) {
+    return 2.0 * dot(wo, m) * m - wo;
+}
+
+// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+//
+// No sample is wasted, and as the density is the sum of both, no weight grows.
+float3 car_paint_sample_ggx_lobe(float3 wo, float alpha_x, float alpha_y, float2 u) {
+    float3 w = car_paint_mirror(wo, car_paint_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+    return float3(w.x, w.y, abs(w.z));
+}
+
+// The inverse of `to_tilted`.
+float3 car_paint_from_tilted(float3 w, float3 n) {
+    return car_paint_half_turn(float3(-w.x, -w.y, w.z), n);
+}
+
+// Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
+float car_paint_critical_cosine(float eta) {
+    return sqrt(max((eta - 1.0) * (eta + 1.0), 0.0)) / eta;
+}
+
+// The outer direction for a direction inside: refracted, or spread out if it cannot leave.
+float3 car_paint_leave(float3 w, float eta) {
+    const float mu_min = 1.0e-18;
+    // Smallest squared sine whose root is divided by; the azimuth of smaller ones does not matter.
+    const float SIN2_MIN = 1.0e-18;
+    float k = car_paint_critical_cosine(eta);
+    bool refracted = w.z > k;
+    float spread = min(w.z / max(k, mu_min), 1.0);
+    float cos_refracted = sqrt(max(1.0 - eta * eta * (1.0 - w.z * w.z), 0.0));
+    float z = refracted ? cos_refracted : spread;
+    float sin2 = w.x * w.x + w.y * w.y;
+    float scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
+    // A sample above the horizon stays there, however flat.
+    z = w.z > 0.0 ? max(z, mu_min) : -1.0;
+    return normalize(float3(w.x * scale, w.y * scale, z));
+}
+
+// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+float car_paint_pdf_ggx_visible(float3 wo, float3 m, float alpha_x, float alpha_y) {
+    return car_paint_D_ggx(m, alpha_x, alpha_y)
+        / (2.0 * (wo.z + car_paint_ggx_length(wo, alpha_x, alpha_y)));
+}
+
+// Density inside the coat of the flake's part of `sample`.
+float car_paint_pdf_flake(CarPaint params, float3 wi_t, float3 wo_t) {
+    float3 n = car_paint_normal(params);
+    float alpha = car_paint_flake_alpha(params);
+    float3 tilted_i = car_paint_to_tilted(wi_t, n);
+    float3 tilted_o = car_paint_to_tilted(wo_t, n);
+    float3 wi = car_paint_facing(params, tilted_i);
+    float3 wo = car_paint_facing(params, tilted_o);
+    float density = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(wi, wo), alpha, alpha);
+    return tilted_i.z > 0.0 && wi_t.z > 0.0 ? density : 0.0;
+}
+
+// The inner direction that `leave` spreads to w; z = 0 for eta <= 1, which has none.
+float3 car_paint_gather(float3 w, float eta) {
+    const float SIN2_MIN = 1.0e-18;
+    float k = car_paint_critical_cosine(eta);
+    float z = k * w.z;
+    float sin2 = w.x * w.x + w.y * w.y;
+    float scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
+    bool near = sin2 < SIN2_MIN;  // no azimuth: any is right
+    float x = near ? sqrt(max(1.0 - z * z, 0.0)) : w.x * scale;
+    return float3(x, near ? 0.0 : w.y * scale, z);
+}
+
+// Density of `leave` at w, from the inner density at w_t = refract(w) and at gather(w).
+float car_paint_pdf_leave(float pdf_refracted, float pdf_gathered, float3 w, float3 w_t,
+    float eta) {
+    const float mu_min = 1.0e-18;
+    // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
+    // k^2, and the cosines are k mu and mu.
+    float jacobian = w_t.z > 0.0 ? w.z / (eta * eta * max(w_t.z, mu_min)) : 0.0;
+    return pdf_refracted * jacobian + pdf_gathered * car_paint_critical_cosine(eta);
+}
+
+// Density of `sample_ggx_lobe` in 1/sr.
+float car_paint_pdf_ggx_lobe(float3 wi, float3 wo, float alpha_x, float alpha_y) {
+    float straight = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(wi, wo), alpha_x, alpha_y);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    bool exists = wo.z > wi.z;
+    float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
+    float folded = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(image, wo), alpha_x,
+        alpha_y);
+    return straight + (exists ? folded : 0.0);
+}
+
+// Density of `sample` in 1/sr.
+float car_paint_pdf(CarPaint params, float3 wi, float3 wo) {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return 0.0;
+    }
+    float3 wi_t = car_paint_refract(wi, params.eta);
+    float3 wo_t = car_paint_refract(wo, params.eta);
+    float refracted = car_paint_pdf_flake(params, wi_t, wo_t);
+    float gathered = car_paint_pdf_flake(params, car_paint_gather(wi, params.eta), wo_t);
+    float below = car_paint_pdf_leave(refracted, gathered, wi, wi_t, params.eta);
+    float coat = car_paint_pdf_ggx_lobe(wi, wo, params.alpha, params.alpha);
+    float2 P = car_paint_shares(params, wo, wo_t);
+    return P.x * coat + P.y * below;
+}
+
+// Visible normals of the coat, or of the flake and then out through the coat.
+CarPaintSample car_paint_sample(CarPaint params, float3 wo, float2 u) {
+    if (wo.z <= 0.0) {  // below the horizon
+        CarPaintSample result;
+        result.wi = float3(0.0, 0.0, 1.0);
+        result.pdf = 0.0;
+        return result;
+    }
+    float3 n = car_paint_normal(params);
+    float3 wo_t = car_paint_refract(wo, params.eta);
+    CarPaintChoose choose_result = car_paint_choose(car_paint_shares(params, wo, wo_t).x, u);
+    bool on_coat = choose_result.first;
+    float2 v = choose_result.second;
+    float3 w_coat = car_paint_sample_ggx_lobe(wo, params.alpha, params.alpha, v);
+    float alpha = car_paint_flake_alpha(params);
+    float3 tilted = car_paint_facing(params, car_paint_to_tilted(wo_t, n));
+    float3 flake = car_paint_mirror(tilted, car_paint_sample_ggx_visible(tilted, alpha, alpha, v));
+    // What the flake mirrors behind itself is wasted.
+    float3 down = float3(0.0, 0.0, -1.0);
+    float3 w_flake = car_paint_leave(flake.z > 0.0 ? car_paint_from_tilted(flake, n) : down,
+        params.eta);
+    float3 wi = on_coat ? w_coat : w_flake;
+    CarPaintSample result;
+    result.wi = wi;
+    result.pdf = car_paint_pdf(params, wi, wo);
+    return result;
+}
+
+// Directional albedo of a model without a closed form: the mean weight of its own samples.
+//
+// For tables and previews; the random numbers are a Fibonacci lattice.
+float3 car_paint_albedo(CarPaint params, float3 wo) {
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const float HORIZON = 1.0e-6;
+    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    const float ALBEDO_SAMPLES = 987.0;
+    const float GOLDEN = 0.618034;
+    const float mu_min = 1.0e-18;
+    if (wo.z < 0.0) {  // below the horizon
+        return (float3)(0.0);
+    }
+    float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
+    float3 total = float3(0.0, 0.0, 0.0);
+    for (int i_step = 0; i_step < 987; ++i_step) {
+        float i = float(i_step);
+        float2 u = float2((i + 0.5) / ALBEDO_SAMPLES, frac((i + 0.5) * GOLDEN));
+        CarPaintSample drawn = car_paint_sample(params, w, u);
+        float weight = drawn.pdf > 0.0 ? drawn.wi.z / max(drawn.pdf, mu_min) : 0.0;
+        total = total + car_paint_eval(params, drawn.wi, w) * weight;
+    }
+    return total / ALBEDO_SAMPLES;
+}

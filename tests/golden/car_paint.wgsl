@@ -1,0 +1,476 @@
+// Car paint: metal flakes of all directions under a tinted clear coat.
+//
+// Source: Elek, "Layered materials in real-time rendering", CESCG 2010, section 4.1: the layered model of
+// `weidlich_wilkie` over a metal whose normal alone is perturbed by a map of flakes, tiled and unfiltered.
+// `gonio.textures.flake_map` makes such maps. Spatial variation is the host's business: flake_x and flake_y
+// are numbers here, and a texture gives each point its own.
+// Deviations: by default light that leaves the coat spreads by 1 / eta^2, without which the metal is eta^2
+// times too bright; both crossings of the surface count at the mean normal, because 1 - F(wo.H) lets too
+// much
+// of a tilted flake's light through; and a flake counts as much as both light and viewer see of it, so that
+// the model stays reciprocal. Options restore all three. The metal's index is taken relative to the coat.
+//
+// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/car_paint.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// albedo has no closed form here; it takes many evaluations, for tables and previews.
+
+// A sampled direction and its density.
+struct CarPaintSample {
+    wi: vec3f,  // direction towards the light, unit, local frame
+    pdf: f32,  // its density in 1/sr; 0 marks a wasted sample
+}
+
+// car_paint: One flake's worth of metallic paint; a map of flakes makes it sparkle. Reciprocal.
+// Exported with transmission='both_ways', solid_angle='compressed', flake_cosine='reciprocal'.
+struct CarPaint {
+    eta: f32,  // index of the clear coat; 1 to 3, default 1.5
+    alpha: f32,  // slope width of the coat's facets; 0.0001 to 1, default 0.03
+    // absorption of the coat per unit of thickness; 0 to 10, default (0.15, 1.2, 1.4)
+    sigma_a: vec3f,
+    thickness: f32,  // thickness of the coat, in the unit of sigma_a; 0 to 1, default 1
+    // the flakes' index; the default is chromium; 0.01 to 20, default (3.626635, 3.075734, 1.820037)
+    metal_eta: vec3f,
+    metal_k: vec3f,  // the flakes' extinction; 0 to 20, default (4.32121, 4.462329, 4.12937)
+    metal_alpha: f32,  // slope width of each flake, at least the coat's; 0.0001 to 1, default 0.15
+    flake_x: f32,  // slope of the flake's normal along x; for a texture; -2 to 2, default 0
+    flake_y: f32,  // slope of the flake's normal along y; for a texture; -2 to 2, default 0
+    distance: f32,  // of the viewer; above 1 it evens out the flakes; 0 to 1000000, default 1
+}
+
+// Results of choose.
+struct CarPaintChoose {
+    first: bool,
+    second: vec2f,
+}
+
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+fn car_paint_cos_half(wi: vec3f, wo: vec3f) -> f32 {
+    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    const mu_min = 1.0e-18;
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return min(0.5 * length(wi + vec3f(wo.x, wo.y, wo.z + mu_min)), 1.0);
+}
+
+// Exact reflectance of a dielectric. Below eta = 1 all light is reflected past the critical angle.
+fn car_paint_F_dielectric(cos_theta: f32, eta: f32) -> f32 {
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
+    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
+    const ROOT_MIN = 1.0e-16;
+    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
+    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2),
+    // so that the mean of both squares is a product.
+    let c = cos_theta;
+    let contrast = (eta - 1.0) * (eta + 1.0);
+    let sin2 = 1.0 - c * c;
+    // c^2 with its rounding error: at the critical angle little else is left
+    let g2 = fma(c, c, contrast);
+    let g = sqrt(max(g2, ROOT_MIN));
+    let s = c + g;
+    let p = c * g;
+    let r_s = contrast / (s * s);
+    let q = p + sin2;
+    let F = r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
+    return select(1.0, F, g2 > ROOT_MIN);
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn car_paint_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    const mu_min = 1.0e-18;
+    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
+    // directions in the horizon.
+    return normalize(wi + vec3f(wo.x, wo.y, wo.z + mu_min));
+}
+
+// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+fn car_paint_D_ggx(m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    const inv_pi = 0.31830987;
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    let v = vec3f(m.x / alpha_x, m.y / alpha_y, m.z);
+    let s = dot(v, v);
+    return inv_pi / (alpha_x * alpha_y * s * s);
+}
+
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
+fn car_paint_ggx_length(w: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    return length(vec3f(alpha_x * w.x, alpha_y * w.y, w.z));
+}
+
+// G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
+fn car_paint_V_smith_correlated_ggx(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    let length_i = car_paint_ggx_length(wi, alpha_x, alpha_y);
+    let length_o = car_paint_ggx_length(wo, alpha_x, alpha_y);
+    return 0.5 / (wo.z * length_i + wi.z * length_o);
+}
+
+// D G / (4 mu_i mu_o) of GGX with height-correlated Smith: times F it is a reflection.
+fn car_paint_ggx_facets(wi: vec3f, wo: vec3f, alpha: f32) -> f32 {
+    let D = car_paint_D_ggx(car_paint_half_vector(wi, wo), alpha, alpha);
+    return D * car_paint_V_smith_correlated_ggx(wi, wo, alpha, alpha);
+}
+
+// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
+fn car_paint_refracted_cos2(mu: f32, eta: f32) -> f32 {
+    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and
+    // at the critical one, little else is left.
+    return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
+}
+
+// 1 - F of a smooth dielectric at a cosine mu outside; exact where it nearly vanishes.
+fn car_paint_transmittance(mu: f32, eta: f32) -> f32 {
+    const ROOT_MIN = 1.0e-16;
+    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
+    // with q = c g + sin^2(theta)
+    let cos2 = car_paint_refracted_cos2(mu, eta);
+    let g = sqrt(max(cos2, ROOT_MIN));
+    let s = mu + g;
+    let p = mu * g;
+    let q = p + (1.0 - mu * mu);
+    let T = 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
+    return select(0.0, T, cos2 > ROOT_MIN);
+}
+
+// The direction inside the layer that belongs to w outside; z = 0 where there is none.
+fn car_paint_refract(w: vec3f, eta: f32) -> vec3f {
+    return vec3f(w.x, w.y, sqrt(max(car_paint_refracted_cos2(w.z, eta), 0.0))) / eta;
+}
+
+// Absorption times thickness, for each channel.
+fn car_paint_optical_depth(sigma_a: vec3f, thickness: f32) -> vec3f {
+    return sigma_a * vec3f(thickness, thickness, thickness);
+}
+
+fn car_paint_depth(params: CarPaint) -> vec3f {
+    return car_paint_optical_depth(params.sigma_a, params.thickness);
+}
+
+// exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+//
+// wi, wo: refracted directions. depth: absorption times thickness.
+fn car_paint_absorbed(depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
+    const mu_min = 1.0e-18;
+    return exp(-depth * (1.0 / max(wi.z, mu_min) + 1.0 / max(wo.z, mu_min)));
+}
+
+// normalize(N_flake + max(distance, 1) N) with N_flake = normalize(slope_x, slope_y, 1).
+//
+// Elek, "Layered materials in real-time rendering", CESCG 2010, section 4.1: flakes that cannot be told
+// apart any more even out.
+fn car_paint_flake_normal(slope_x: f32, slope_y: f32, distance: f32) -> vec3f {
+    let flake = normalize(vec3f(slope_x, slope_y, 1.0));
+    return normalize(vec3f(flake.x, flake.y, flake.z + max(distance, 1.0)));
+}
+
+fn car_paint_normal(params: CarPaint) -> vec3f {
+    return car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
+}
+
+fn car_paint_flake_alpha(params: CarPaint) -> f32 {
+    return max(params.metal_alpha, params.alpha);
+}
+
+// w turned by 180 degrees about the bisector of n and the z axis, which swaps these two.
+fn car_paint_half_turn(w: vec3f, n: vec3f) -> vec3f {
+    let h = vec3f(n.x, n.y, n.z + 1.0);
+    return dot(w, h) / h.z * h - w;
+}
+
+// w in the frame of n, turned there the shortest way; n.z > 0.
+fn car_paint_to_tilted(w: vec3f, n: vec3f) -> vec3f {
+    let t = car_paint_half_turn(w, n);
+    return vec3f(-t.x, -t.y, t.z);
+}
+
+// w, or the flake's normal in place of a direction behind it, which is masked elsewhere.
+fn car_paint_facing(params: CarPaint, w: vec3f) -> vec3f {
+    return select(vec3f(0.0, 0.0, 1.0), w, w.z > 0.0);
+}
+
+// Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
+fn car_paint_F_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f {
+    const ROOT_MIN = 1.0e-16;
+    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
+    let c = cos_theta;
+    let contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
+    let half_im = eta * k;
+    let c2 = c * c;
+    let sin2 = 1.0 - c2;
+    let w_re = contrast_re + c2;
+    let im2 = 4.0 * half_im * half_im;
+    let w_abs = sqrt(max(w_re * w_re + im2, vec3f(ROOT_MIN * ROOT_MIN)));
+    // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
+    let large = sqrt(0.5 * max(w_abs + abs(w_re), vec3f(ROOT_MIN)));
+    let g_re = select(half_im / large, large, w_re > vec3f(0.0));
+    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
+    let cross = 2.0 * c * g_re;
+    let s_abs2 = c2 + w_abs + cross;
+    let p = c2 * w_abs + sin2 * sin2;
+    // One quotient after the other: for a matched index in the horizon the squares would leave a float32
+    let R_s = (contrast_re * contrast_re + im2) / s_abs2 / s_abs2;
+    return R_s * (p / (p + cross * sin2));
+}
+
+// How much of a tilted facet a direction sees, at most as much as of the flat surface.
+fn car_paint_seen(cos_tilted: f32, mu: f32) -> f32 {
+    const mu_min = 1.0e-18;
+    return min(max(cos_tilted, 0.0) / max(mu, mu_min), 1.0);
+}
+
+// The metal's BRDF in the flake's frame.
+fn car_paint_flake(params: CarPaint, wi_t: vec3f, wo_t: vec3f) -> vec3f {
+    let n = car_paint_normal(params);
+    let alpha = car_paint_flake_alpha(params);
+    let tilted_i = car_paint_to_tilted(wi_t, n);
+    let tilted_o = car_paint_to_tilted(wo_t, n);
+    let wi = car_paint_facing(params, tilted_i);
+    let wo = car_paint_facing(params, tilted_o);
+    let F = car_paint_F_conductor(car_paint_cos_half(wi, wo), params.metal_eta / params.eta,
+        params.metal_k / params.eta);
+    let visible = car_paint_seen(tilted_i.z, wi_t.z) * car_paint_seen(tilted_o.z, wo_t.z);
+    return select(vec3f(0.0), F * (car_paint_ggx_facets(wi, wo, alpha) * visible),
+        tilted_o.z > 0.0);
+}
+
+// Eq. 2 with a tilted base: BRDF value in 1/sr, without the cosine.
+fn car_paint_eval(params: CarPaint, wi: vec3f, wo: vec3f) -> vec3f {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return vec3f(0.0);
+    }
+    let cos_h = car_paint_cos_half(wi, wo);
+    let coat = car_paint_F_dielectric(cos_h, params.eta)
+        * car_paint_ggx_facets(wi, wo, params.alpha);
+
+    var through = car_paint_transmittance(wi.z, params.eta)
+        * car_paint_transmittance(wo.z, params.eta);
+    through = through / (params.eta * params.eta);
+    let wi_t = car_paint_refract(wi, params.eta);
+    let wo_t = car_paint_refract(wo, params.eta);
+    let kept = car_paint_absorbed(car_paint_depth(params), wi_t, wo_t);
+    return coat + car_paint_flake(params, wi_t, wo_t) * (kept * through);
+}
+
+// The most that `absorbed` leaves of light that goes out along wo: it came in along the normal.
+fn car_paint_absorbed_least(depth: vec3f, wo: vec3f) -> vec3f {
+    let up = vec3f(0.0, 0.0, 1.0);
+    return car_paint_absorbed(depth, up, wo);
+}
+
+// Mean of the three channels, by which lobes are weighed against each other.
+fn car_paint_average(color: vec3f) -> f32 {
+    return (color.x + color.y + color.z) / 3.0;
+}
+
+fn car_paint_raised(probability: f32) -> f32 {
+    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+    const SHARE_LEAST = 0.1;
+    const ESTIMATE_TRUST = 50.0;
+    return max(probability, min(SHARE_LEAST, ESTIMATE_TRUST * probability));
+}
+
+// Probabilities of two lobes with the given albedos; the first is certain if both are black.
+fn car_paint_lobes_shares(first: f32, second: f32) -> vec2f {
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
+    // that can be seen is that small.
+    const BLACK = 1.0e-20;
+    let inv = 1.0 / (first + second + BLACK);
+    let a = car_paint_raised((first + BLACK) * inv);
+    let b = car_paint_raised(second * inv);
+    // The smaller one by itself: 1 minus a probability near 1 has no digits left.
+    let smaller = first < second;
+    return vec2f(select(1.0 - b, a, smaller), select(b, 1.0 - a, smaller));
+}
+
+// Probabilities of the coat and of the flake.
+fn car_paint_shares(params: CarPaint, wo: vec3f, wo_t: vec3f) -> vec2f {
+    // The coat gets at least a tenth as many samples as the metal: facets reflect more than the mean surface
+    // where they are tilted, and this bounds their weight.
+    const COAT_SHARE_MIN = 0.1;
+    // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
+    const LOBE_MIN = 1.0e-12;
+    let below = car_paint_transmittance(wo.z, params.eta)
+        * car_paint_average(car_paint_absorbed_least(car_paint_depth(params), wo_t));
+    let tilted = car_paint_to_tilted(wo_t, car_paint_normal(params));
+    let lit = select(0.0, below, tilted.z > 0.0);
+    let coat = max(car_paint_F_dielectric(wo.z, params.eta), COAT_SHARE_MIN * below + LOBE_MIN);
+    return car_paint_lobes_shares(coat, lit);
+}
+
+// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
+fn car_paint_choose(probability: f32, u: vec2f) -> CarPaintChoose {
+    // Smallest probability that is divided by: a random number falls below it once in a million million.
+    const SHARE_MIN = 1.0e-12;
+    const RANDOM_MAX = 0.99999994;  // The largest float32 below 1, up to which random numbers go.
+    let first = u.x < probability;
+    let below = u.x / max(probability, SHARE_MIN);
+    let above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
+    return CarPaintChoose(first, vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
+}
+
+// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+fn car_paint_sample_ggx_visible(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const RANDOM_MARGIN = 5.9604645e-8;
+    const two_pi = 6.2831855;
+    let w = normalize(vec3f(alpha_x * wo.x, alpha_y * wo.y, wo.z));
+    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    let drop = u1 * (1.0 + w.z);
+    let r = sqrt(max(drop * (2.0 - drop), 0.0));
+    let phi = two_pi * u.y;
+    let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
+    return normalize(vec3f(alpha_x * h.x, alpha_y * h.y, h.z));
+}
+
+// wo mirrored at a facet with normal m; it may leave below the horizon.
+fn car_paint_mirror(wo: vec3f, m: vec3f) -> vec3f {
+    return 2.0 * dot(wo, m) * m - wo;
+}
+
+// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+//
+// No sample is wasted, and as the density is the sum of both, no weight grows.
+fn car_paint_sample_ggx_lobe(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
+    let w = car_paint_mirror(wo, car_paint_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+    return vec3f(w.x, w.y, abs(w.z));
+}
+
+// The inverse of `to_tilted`.
+fn car_paint_from_tilted(w: vec3f, n: vec3f) -> vec3f {
+    return car_paint_half_turn(vec3f(-w.x, -w.y, w.z), n);
+}
+
+// Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
+fn car_paint_critical_cosine(eta: f32) -> f32 {
+    return sqrt(max((eta - 1.0) * (eta + 1.0), 0.0)) / eta;
+}
+
+// The outer direction for a direction inside: refracted, or spread out if it cannot leave.
+fn car_paint_leave(w: vec3f, eta: f32) -> vec3f {
+    const mu_min = 1.0e-18;
+    // Smallest squared sine whose root is divided by; the azimuth of smaller ones does not matter.
+    const SIN2_MIN = 1.0e-18;
+    let k = car_paint_critical_cosine(eta);
+    let refracted = w.z > k;
+    let spread = min(w.z / max(k, mu_min), 1.0);
+    let cos_refracted = sqrt(max(1.0 - eta * eta * (1.0 - w.z * w.z), 0.0));
+    var z = select(spread, cos_refracted, refracted);
+    let sin2 = w.x * w.x + w.y * w.y;
+    let scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
+    // A sample above the horizon stays there, however flat.
+    z = select(-1.0, max(z, mu_min), w.z > 0.0);
+    return normalize(vec3f(w.x * scale, w.y * scale, z));
+}
+
+// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+fn car_paint_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    return car_paint_D_ggx(m, alpha_x, alpha_y)
+        / (2.0 * (wo.z + car_paint_ggx_length(wo, alpha_x, alpha_y)));
+}
+
+// Density inside the coat of the flake's part of `sample`.
+fn car_paint_pdf_flake(params: CarPaint, wi_t: vec3f, wo_t: vec3f) -> f32 {
+    let n = car_paint_normal(params);
+    let alpha = car_paint_flake_alpha(params);
+    let tilted_i = car_paint_to_tilted(wi_t, n);
+    let tilted_o = car_paint_to_tilted(wo_t, n);
+    let wi = car_paint_facing(params, tilted_i);
+    let wo = car_paint_facing(params, tilted_o);
+    let density = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(wi, wo), alpha, alpha);
+    return select(0.0, density, tilted_i.z > 0.0 && wi_t.z > 0.0);
+}
+
+// The inner direction that `leave` spreads to w; z = 0 for eta <= 1, which has none.
+fn car_paint_gather(w: vec3f, eta: f32) -> vec3f {
+    const SIN2_MIN = 1.0e-18;
+    let k = car_paint_critical_cosine(eta);
+    let z = k * w.z;
+    let sin2 = w.x * w.x + w.y * w.y;
+    let scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
+    let near = sin2 < SIN2_MIN;  // no azimuth: any is right
+    let x = select(w.x * scale, sqrt(max(1.0 - z * z, 0.0)), near);
+    return vec3f(x, select(w.y * scale, 0.0, near), z);
+}
+
+// Density of `leave` at w, from the inner density at w_t = refract(w) and at gather(w).
+fn car_paint_pdf_leave(pdf_refracted: f32, pdf_gathered: f32, w: vec3f, w_t: vec3f,
+    eta: f32) -> f32 {
+    const mu_min = 1.0e-18;
+    // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
+    // k^2, and the cosines are k mu and mu.
+    let jacobian = select(0.0, w.z / (eta * eta * max(w_t.z, mu_min)), w_t.z > 0.0);
+    return pdf_refracted * jacobian + pdf_gathered * car_paint_critical_cosine(eta);
+}
+
+// Density of `sample_ggx_lobe` in 1/sr.
+fn car_paint_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    let straight = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(wi, wo), alpha_x, alpha_y);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    let exists = wo.z > wi.z;
+    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
+    let folded = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(image, wo), alpha_x, alpha_y);
+    return straight + select(0.0, folded, exists);
+}
+
+// Density of `sample` in 1/sr.
+fn car_paint_pdf(params: CarPaint, wi: vec3f, wo: vec3f) -> f32 {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return 0.0;
+    }
+    let wi_t = car_paint_refract(wi, params.eta);
+    let wo_t = car_paint_refract(wo, params.eta);
+    let refracted = car_paint_pdf_flake(params, wi_t, wo_t);
+    let gathered = car_paint_pdf_flake(params, car_paint_gather(wi, params.eta), wo_t);
+    let below = car_paint_pdf_leave(refracted, gathered, wi, wi_t, params.eta);
+    let coat = car_paint_pdf_ggx_lobe(wi, wo, params.alpha, params.alpha);
+    let P = car_paint_shares(params, wo, wo_t);
+    return P.x * coat + P.y * below;
+}
+
+// Visible normals of the coat, or of the flake and then out through the coat.
+fn car_paint_sample(params: CarPaint, wo: vec3f, u: vec2f) -> CarPaintSample {
+    if (wo.z <= 0.0) {  // below the horizon
+        return CarPaintSample(vec3f(0.0, 0.0, 1.0), 0.0);
+    }
+    let n = car_paint_normal(params);
+    let wo_t = car_paint_refract(wo, params.eta);
+    let choose_result = car_paint_choose(car_paint_shares(params, wo, wo_t).x, u);
+    let on_coat = choose_result.first;
+    let v = choose_result.second;
+    let w_coat = car_paint_sample_ggx_lobe(wo, params.alpha, params.alpha, v);
+    let alpha = car_paint_flake_alpha(params);
+    let tilted = car_paint_facing(params, car_paint_to_tilted(wo_t, n));
+    let flake = car_paint_mirror(tilted, car_paint_sample_ggx_visible(tilted, alpha, alpha, v));
+    // What the flake mirrors behind itself is wasted.
+    let down = vec3f(0.0, 0.0, -1.0);
+    let w_flake = car_paint_leave(select(down, car_paint_from_tilted(flake, n), flake.z > 0.0),
+        params.eta);
+    let wi = select(w_flake, w_coat, on_coat);
+    return CarPaintSample(wi, car_paint_pdf(params, wi, wo));
+}
+
+// Directional albedo of a model without a closed form: the mean weight of its own samples.
+//
+// For tables and previews; the random numbers are a Fibonacci lattice.
+fn car_paint_albedo(params: CarPaint, wo: vec3f) -> vec3f {
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const HORIZON = 1.0e-6;
+    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    const ALBEDO_SAMPLES = 987.0;
+    const GOLDEN = 0.618034;
+    const mu_min = 1.0e-18;
+    if (wo.z < 0.0) {  // below the horizon
+        return vec3f(0.0);
+    }
+    let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
+    var total = vec3f(0.0, 0.0, 0.0);
+    for (var i_step = 0; i_step < 987; i_step++) {
+        let i = f32(i_step);
+        let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
+        let drawn = car_paint_sample(params, w, u);
+        let weight = select(0.0, drawn.wi.z / max(drawn.pdf, mu_min), drawn.pdf > 0.0);
+        total = total + car_paint_eval(params, drawn.wi, w) * weight;
+    }
+    return total / ALBEDO_SAMPLES;
+}

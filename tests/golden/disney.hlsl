@@ -1,0 +1,455 @@
+// Disney: the principled model of 2012, all eleven parameters.
+//
+// Source: Burley, "Physically-based shading at Disney", SIGGRAPH 2012 course notes, section 5 and appendix
+// B,
+// and its reference code disney.brdf. In the notes the masking of the highlight has its own width
+// (0.5 + roughness / 2)^2, the same along x and y; the code was changed later to the highlight's own
+// widths,
+// which masking="anisotropic" gives.
+// Deviation: base_color is linear here, the code takes it with a gamma of 2.2.
+//
+// HLSL, made by gonio 0.1.0 from gonio/models/disney.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// albedo has no closed form here; it takes many evaluations, for tables and previews.
+
+// A sampled direction and its density.
+struct DisneySample {
+    float3 wi;  // direction towards the light, unit, local frame
+    float pdf;  // its density in 1/sr; 0 marks a wasted sample
+};
+
+// disney: Artists' model of cloth, plastic, metal and lacquer. Reciprocal; gains energy at grazing angles.
+// Exported with masking='remapped'.
+struct Disney {
+    float3 base_color;  // surface colour, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
+    float subsurface;  // blend from rough diffuse to a flat subsurface look; 0 to 1, default 0
+    float metallic;  // 0 for dielectrics, 1 for metals; 0 to 1, default 0
+    float specular;  // F0 of dielectrics in units of 0.08; 0 to 1, default 0.5
+    // how much of the base colour's hue the dielectric F0 has; 0 to 1, default 0
+    float specular_tint;
+    float roughness;  // perceptual roughness, alpha = roughness^2; 0 to 1, default 0.5
+    // stretches the highlight along x: aspect sqrt(1 - 0.9 a); 0 to 1, default 0
+    float anisotropic;
+    float sheen;  // additional grazing reflection, for cloth; 0 to 1, default 0
+    float sheen_tint;  // how much of the base colour's hue the sheen has; 0 to 1, default 0.5
+    float clearcoat;  // strength of a second, colourless highlight; 0 to 1, default 0
+    float clearcoat_gloss;  // 0 for a satin clearcoat, 1 for a glossy one; 0 to 1, default 1
+};
+
+// Results of choose.
+struct DisneyChoose {
+    bool first;
+    float2 second;
+};
+
+// alpha along x and y.
+float2 disney_widths(Disney params) {
+    // The reference code's numbers: smallest width of the highlight, F0 at specular 1, and for the clearcoat
+    // its widths without and with gloss, that of its masking, F0 (index 1.5), and strength.
+    const float ALPHA_DISNEY = 0.001;
+    float alpha = params.roughness * params.roughness;
+    float aspect = sqrt(1.0 - 0.9 * params.anisotropic);
+    return float2(max(alpha / aspect, ALPHA_DISNEY), max(alpha * aspect, ALPHA_DISNEY));
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+float3 disney_half_vector(float3 wi, float3 wo) {
+    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    const float mu_min = 1.0e-18;
+    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
+    // directions in the horizon.
+    return normalize(wi + float3(wo.x, wo.y, wo.z + mu_min));
+}
+
+// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+float disney_D_ggx(float3 m, float alpha_x, float alpha_y) {
+    const float inv_pi = 0.31830987;
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    float3 v = float3(m.x / alpha_x, m.y / alpha_y, m.z);
+    float s = dot(v, v);
+    return inv_pi / (alpha_x * alpha_y * s * s);
+}
+
+// The base colour's hue and saturation, with a luminance of 1.
+float3 disney_tint(Disney params) {
+    const float LUMINANCE_MIN = 1.0e-18;  // Smallest luminance that is divided by.
+    float3 color = params.base_color;
+    float luminance = 0.3 * color.x + 0.6 * color.y + 0.1 * color.z;
+    float3 tint = color / max(luminance, LUMINANCE_MIN);
+    return luminance > 0.0 ? tint : (float3)(1.0);
+}
+
+float3 disney_f0(Disney params) {
+    const float F0_SPECULAR = 0.08;
+    float3 dielectric = F0_SPECULAR * params.specular
+        * lerp((float3)(1.0), disney_tint(params), (float3)(params.specular_tint));
+    return lerp(dielectric, params.base_color, (float3)(params.metallic));
+}
+
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+float disney_cos_half(float3 wi, float3 wo) {
+    const float mu_min = 1.0e-18;
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return min(0.5 * length(wi + float3(wo.x, wo.y, wo.z + mu_min)), 1.0);
+}
+
+// (1 - c)^5 at c = wo . m, the half vector's cosine.
+float disney_schlick_weight_half(float3 wi, float3 wo) {
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
+    // weight keeps its digits where the two meet and it goes to 0.
+    float3 apart = wi - wo;
+    float k = 0.25 * dot(apart, apart) / (1.0 + disney_cos_half(wi, wo));
+    float k2 = k * k;
+    return k2 * k2 * k;
+}
+
+// (1 - cos_theta)^5 of Schlick's approximation.
+float disney_schlick_weight(float cos_theta) {
+    float k = 1.0 - cos_theta;
+    float k2 = k * k;
+    return k2 * k2 * k;
+}
+
+// 1 - (1 - c)^5, with the factor c taken out so that it keeps its digits as c goes to 0.
+float disney_schlick_complement(float c) {
+    float k = 1.0 - c;
+    float k2 = k * k;
+    return c * ((1.0 + k) * (1.0 + k2) + k2 * k2);
+}
+
+float3 disney_sheen(Disney params) {
+    return params.sheen * lerp((float3)(1.0), disney_tint(params), (float3)(params.sheen_tint));
+}
+
+float disney_coat_alpha(Disney params) {
+    const float COAT_ALPHA_SATIN = 0.1;
+    const float COAT_ALPHA_GLOSS = 0.001;
+    return lerp(COAT_ALPHA_SATIN, COAT_ALPHA_GLOSS, params.clearcoat_gloss);
+}
+
+// `D_gtr1` for alpha up to 0.5, where nothing cancels in its norm.
+float disney_D_gtr1_narrow(float3 m, float alpha) {
+    const float inv_pi = 0.31830987;
+    float a2 = alpha * alpha;
+    float3 v = float3(m.x, m.y, alpha * m.z);
+    return inv_pi * (a2 - 1.0) / (log(a2) * dot(v, v));
+}
+
+// `V_smith_ggx` for facets of the same width in all directions.
+float disney_V_smith_ggx_round(float3 wi, float3 wo, float alpha) {
+    float a2 = alpha * alpha;
+    float length_i = sqrt(a2 + (1.0 - a2) * (wi.z * wi.z));
+    float length_o = sqrt(a2 + (1.0 - a2) * (wo.z * wo.z));
+    return 1.0 / ((wi.z + length_i) * (wo.z + length_o));
+}
+
+// All but the highlight: diffuse, sheen and clearcoat, which are not stretched.
+float3 disney_eval_round(Disney params, float3 wi, float3 wo) {
+    const float mu_min = 1.0e-18;
+    const float inv_pi = 0.31830987;
+    const float COAT_ALPHA_MASKING = 0.25;
+    const float COAT_STRENGTH = 0.25;
+    const float COAT_F0 = 0.04;
+    // Diffuse with retro-reflection
+    float F_i = disney_schlick_weight(wi.z);
+    float F_o = disney_schlick_weight(wo.z);
+    float c = disney_cos_half(wi, wo);
+    float F90 = c * c * params.roughness;
+    float rise = 2.0 * F90 - 0.5;
+    float F_d = (1.0 + rise * F_i) * (1.0 + rise * F_o);
+    // Hanrahan-Krueger's isotropic subsurface scattering; 1 + (F90 - 1) F as a sum of positive terms
+    float F_ss = (disney_schlick_complement(wi.z) + F90 * F_i)
+        * (disney_schlick_complement(wo.z) + F90 * F_o);
+    float scattered = 1.25 * (F_ss * (1.0 / max(wi.z + wo.z, mu_min) - 0.5) + 0.5);
+    float3 diffuse = inv_pi * lerp(F_d, scattered, params.subsurface) * params.base_color;
+    float F_H = disney_schlick_weight_half(wi, wo);
+    float3 base = (1.0 - params.metallic) * (diffuse + F_H * disney_sheen(params));
+
+    float D_c = disney_D_gtr1_narrow(disney_half_vector(wi, wo), disney_coat_alpha(params));
+    float V_c = disney_V_smith_ggx_round(wi, wo, COAT_ALPHA_MASKING);
+    return base + COAT_STRENGTH * params.clearcoat * lerp(COAT_F0, 1.0, F_H) * (D_c * V_c);
+}
+
+// Masking of the highlight, G / (4 mu_i mu_o).
+float disney_V(Disney params, float3 wi, float3 wo) {
+    float alpha_g = (0.5 + 0.5 * params.roughness) * (0.5 + 0.5 * params.roughness);
+    return disney_V_smith_ggx_round(wi, wo, alpha_g);
+}
+
+// BRDF value in 1/sr, without the cosine.
+float3 disney_eval(Disney params, float3 wi, float3 wo) {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return (float3)(0.0);
+    }
+    float2 widths = disney_widths(params);
+    float D = disney_D_ggx(disney_half_vector(wi, wo), widths.x, widths.y);
+    float3 F = lerp(disney_f0(params), (float3)(1.0), (float3)(disney_schlick_weight_half(wi, wo)));
+    return disney_eval_round(params, wi, wo) + F * (D * disney_V(params, wi, wo));
+}
+
+// Mean of the three channels, by which lobes are weighed against each other.
+float disney_average(float3 color) {
+    return (color.x + color.y + color.z) / 3.0;
+}
+
+// An estimate, for the choice of lobes.
+float disney_highlight_albedo(Disney params, float3 wo) {
+    return disney_average(lerp(disney_f0(params), (float3)(1.0),
+        (float3)(disney_schlick_weight(wo.z))));
+}
+
+// An estimate, for the choice of lobes.
+float disney_coat_albedo(Disney params, float3 wo) {
+    const float COAT_STRENGTH = 0.25;
+    const float COAT_F0 = 0.04;
+    return COAT_STRENGTH * params.clearcoat * lerp(COAT_F0, 1.0, disney_schlick_weight(wo.z));
+}
+
+float disney_raised(float probability) {
+    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+    const float SHARE_LEAST = 0.1;
+    const float ESTIMATE_TRUST = 50.0;
+    return max(probability, min(SHARE_LEAST, ESTIMATE_TRUST * probability));
+}
+
+// Probabilities of two lobes with the given albedos; the first is certain if both are black.
+float2 disney_shares(float first, float second) {
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
+    // that can be seen is that small.
+    const float BLACK = 1.0e-20;
+    float inv = 1.0 / (first + second + BLACK);
+    float a = disney_raised((first + BLACK) * inv);
+    float b = disney_raised(second * inv);
+    // The smaller one by itself: 1 minus a probability near 1 has no digits left.
+    bool smaller = first < second;
+    return float2(smaller ? a : 1.0 - b, smaller ? 1.0 - a : b);
+}
+
+// Probabilities of the diffuse lobe and of the two others.
+float2 disney_diffuse_shares(Disney params, float3 wo) {
+    // Estimate of the white sheen's albedo, for the choice of lobes only.
+    const float SHEEN_ALBEDO = 0.06;
+    float3 base = params.base_color + SHEEN_ALBEDO * disney_sheen(params);
+    float diffuse = disney_average((1.0 - params.metallic) * base);
+    return disney_shares(diffuse, disney_highlight_albedo(params, wo)
+        + disney_coat_albedo(params, wo));
+}
+
+// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
+DisneyChoose disney_choose(float probability, float2 u) {
+    // Smallest probability that is divided by: a random number falls below it once in a million million.
+    const float SHARE_MIN = 1.0e-12;
+    // The largest float32 below 1, up to which random numbers go.
+    const float RANDOM_MAX = 0.99999994;
+    bool first = u.x < probability;
+    float below = u.x / max(probability, SHARE_MIN);
+    float above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
+    DisneyChoose result;
+    result.first = first;
+    result.second = float2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y);
+    return result;
+}
+
+// Probabilities of the highlight and of the clearcoat, if it is not the diffuse lobe.
+float2 disney_specular_shares(Disney params, float3 wo) {
+    return disney_shares(disney_highlight_albedo(params, wo), disney_coat_albedo(params, wo));
+}
+
+// exp(x) - 1, exact where x is small.
+float disney_expm1(float x) {
+    // Below this the series needs eleven terms; above, the plain difference is exact to 2e-7 in float32.
+    const float EXPM1_SMALL = 0.3;
+    float near = max(min(x, EXPM1_SMALL), -EXPM1_SMALL);
+    // Taylor's series up to x^11 / 11!, error below 2e-15 for |x| < 0.3.
+    float series = 1.0 + near / 8.0
+        * (1.0 + near / 9.0 * (1.0 + near / 10.0 * (1.0 + near / 11.0)));
+    series = 1.0 + near / 5.0 * (1.0 + near / 6.0 * (1.0 + near / 7.0 * series));
+    series = near * (1.0 + near / 2.0 * (1.0 + near / 3.0 * (1.0 + near / 4.0 * series)));
+    return x > -EXPM1_SMALL && x < EXPM1_SMALL ? series : exp(x) - 1.0;
+}
+
+// A normal with a given slope and the azimuth 2 pi u.
+float3 disney_polar(float tan_theta, float u) {
+    const float two_pi = 6.2831855;
+    float phi = two_pi * u;
+    return normalize(float3(tan_theta * cos(phi), tan_theta * sin(phi), 1.0));
+}
+
+// A normal with density D_gtr1 m.z. Burley, Eq. 5.
+float3 disney_sample_gtr1(float alpha, float2 u) {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const float RANDOM_MARGIN = 5.9604645e-8;
+    // sin^2 = alpha^2 (alpha^(-2 u) - 1) / (1 - alpha^2); both differences vanish at alpha = 1
+    float a2 = alpha * alpha;
+    float log_a2 = log(a2);
+    float below_one = (alpha - 1.0) * (alpha + 1.0);
+    float down = disney_expm1(-u.x * log_a2);
+    float up = disney_expm1((1.0 - u.x) * log_a2);
+    // tan^2 = sin^2 / cos^2 with cos^2 = (1 - alpha^(2 - 2 u)) / (1 - alpha^2)
+    bool round_ = below_one > -1.0e-6;
+    float tan2 = round_ ? u.x / (1.0 - u.x + RANDOM_MARGIN)
+        : a2 * down / max(-up, RANDOM_MARGIN * a2);
+    return disney_polar(sqrt(max(tan2, 0.0)), u.y);
+}
+
+// wo mirrored at a facet with normal m; it may leave below the horizon.
+float3 disney_mirror(float3 wo, float3 m) {
+    return 2.0 * dot(wo, m) * m - wo;
+}
+
+// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+float3 disney_sample_ggx_visible(float3 wo, float alpha_x, float alpha_y, float2 u) {
+    const float RANDOM_MARGIN = 5.9604645e-8;
+    const float two_pi = 6.2831855;
+    float3 w = normalize(float3(alpha_x * wo.x, alpha_y * wo.y, wo.z));
+    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    float drop = u1 * (1.0 + w.z);
+    float r = sqrt(max(drop * (2.0 - drop), 0.0));
+    float phi = two_pi * u.y;
+    float3 h = float3(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
+    return normalize(float3(alpha_x * h.x, alpha_y * h.y, h.z));
+}
+
+// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+//
+// No sample is wasted, and as the density is the sum of both, no weight grows.
+float3 disney_sample_ggx_lobe(float3 wo, float alpha_x, float alpha_y, float2 u) {
+    float3 w = disney_mirror(wo, disney_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+    return float3(w.x, w.y, abs(w.z));
+}
+
+// Part of the diffuse samples that is uniform: the subsurface term is like 1 / mu at grazing.
+float disney_uniform_share(Disney params) {
+    return 0.5 * params.subsurface;
+}
+
+// A direction with density 1 / (2 pi).
+float3 disney_sample_uniform(float2 u) {
+    const float two_pi = 6.2831855;
+    // z = 1 - u instead of u: random numbers lie in [0, 1), so z never becomes 0.
+    float z = 1.0 - u.x;
+    float r = sqrt(max(u.x * (1.0 + z), 0.0));
+    float phi = two_pi * u.y;
+    return float3(r * cos(phi), r * sin(phi), z);
+}
+
+// A direction with density cos(theta) / pi.
+float3 disney_sample_cosine(float2 u) {
+    const float two_pi = 6.2831855;
+    float r = sqrt(max(u.x, 0.0));
+    float phi = two_pi * u.y;
+    return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
+}
+
+// Density of `mirror` in 1/sr, if m has the given density and cos_h = wo . m.
+float disney_pdf_mirror(float density, float cos_h) {
+    const float mu_min = 1.0e-18;
+    // Walter et al., Eq. 14
+    return density / (4.0 * max(cos_h, mu_min));
+}
+
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
+float disney_ggx_length(float3 w, float alpha_x, float alpha_y) {
+    return length(float3(alpha_x * w.x, alpha_y * w.y, w.z));
+}
+
+// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+float disney_pdf_ggx_visible(float3 wo, float3 m, float alpha_x, float alpha_y) {
+    return disney_D_ggx(m, alpha_x, alpha_y)
+        / (2.0 * (wo.z + disney_ggx_length(wo, alpha_x, alpha_y)));
+}
+
+// Density of `sample_ggx_lobe` in 1/sr.
+float disney_pdf_ggx_lobe(float3 wi, float3 wo, float alpha_x, float alpha_y) {
+    float straight = disney_pdf_ggx_visible(wo, disney_half_vector(wi, wo), alpha_x, alpha_y);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    bool exists = wo.z > wi.z;
+    float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
+    float folded = disney_pdf_ggx_visible(wo, disney_half_vector(image, wo), alpha_x, alpha_y);
+    return straight + (exists ? folded : 0.0);
+}
+
+// Density of `sample_cosine` in 1/sr, for w above the horizon.
+float disney_pdf_cosine(float3 w) {
+    const float inv_pi = 0.31830987;
+    return w.z * inv_pi;
+}
+
+// Density of `sample_uniform` in 1/sr.
+float disney_pdf_uniform() {
+    const float inv_two_pi = 0.15915494;
+    return inv_two_pi;
+}
+
+// Density of `sample` in 1/sr.
+float disney_pdf(Disney params, float3 wi, float3 wo) {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return 0.0;
+    }
+    float2 widths = disney_widths(params);
+    float2 P = disney_diffuse_shares(params, wo);
+    float2 Q = disney_specular_shares(params, wo);
+    float3 m = disney_half_vector(wi, wo);
+    float coat = disney_pdf_mirror(disney_D_gtr1_narrow(m, disney_coat_alpha(params)) * m.z,
+        disney_cos_half(wi, wo));
+    float specular = Q.x * disney_pdf_ggx_lobe(wi, wo, widths.x, widths.y) + Q.y * coat;
+    float diffuse = lerp(disney_pdf_cosine(wi), disney_pdf_uniform(), disney_uniform_share(params));
+    return P.x * diffuse + P.y * specular;
+}
+
+// Cosine-weighted, a visible GGX normal or a clearcoat normal, by the estimated albedos.
+DisneySample disney_sample(Disney params, float3 wo, float2 u) {
+    if (wo.z <= 0.0) {  // below the horizon
+        DisneySample result;
+        result.wi = float3(0.0, 0.0, 1.0);
+        result.pdf = 0.0;
+        return result;
+    }
+    float2 widths = disney_widths(params);
+    DisneyChoose choose_result = disney_choose(disney_diffuse_shares(params, wo).x, u);
+    bool diffuse = choose_result.first;
+    float2 v = choose_result.second;
+    DisneyChoose choose_result_2 = disney_choose(disney_specular_shares(params, wo).x, v);
+    bool highlight = choose_result_2.first;
+    float2 w = choose_result_2.second;
+    float3 coat = disney_mirror(wo, disney_sample_gtr1(disney_coat_alpha(params), w));
+    float3 specular = highlight ? disney_sample_ggx_lobe(wo, widths.x, widths.y, w) : coat;
+    DisneyChoose choose_result_3 = disney_choose(disney_uniform_share(params), v);
+    bool uniform_ = choose_result_3.first;
+    float2 t = choose_result_3.second;
+    float3 wi = diffuse ? (uniform_ ? disney_sample_uniform(t) : disney_sample_cosine(t))
+        : specular;
+    DisneySample result;
+    result.wi = wi;
+    result.pdf = disney_pdf(params, wi, wo);
+    return result;
+}
+
+// Directional albedo of a model without a closed form: the mean weight of its own samples.
+//
+// For tables and previews; the random numbers are a Fibonacci lattice.
+float3 disney_albedo(Disney params, float3 wo) {
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const float HORIZON = 1.0e-6;
+    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    const float ALBEDO_SAMPLES = 987.0;
+    const float GOLDEN = 0.618034;
+    const float mu_min = 1.0e-18;
+    if (wo.z < 0.0) {  // below the horizon
+        return (float3)(0.0);
+    }
+    float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
+    float3 total = float3(0.0, 0.0, 0.0);
+    for (int i_step = 0; i_step < 987; ++i_step) {
+        float i = float(i_step);
+        float2 u = float2((i + 0.5) / ALBEDO_SAMPLES, frac((i + 0.5) * GOLDEN));
+        DisneySample drawn = disney_sample(params, w, u);
+        float weight = drawn.pdf > 0.0 ? drawn.wi.z / max(drawn.pdf, mu_min) : 0.0;
+        total = total + disney_eval(params, drawn.wi, w) * weight;
+    }
+    return total / ALBEDO_SAMPLES;
+}

@@ -1,0 +1,442 @@
+// Disney: the principled model of 2012, all eleven parameters.
+//
+// Source: Burley, "Physically-based shading at Disney", SIGGRAPH 2012 course notes, section 5 and appendix
+// B,
+// and its reference code disney.brdf. In the notes the masking of the highlight has its own width
+// (0.5 + roughness / 2)^2, the same along x and y; the code was changed later to the highlight's own
+// widths,
+// which masking="anisotropic" gives.
+// Deviation: base_color is linear here, the code takes it with a gamma of 2.2.
+//
+// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/disney.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// albedo has no closed form here; it takes many evaluations, for tables and previews.
+
+// A sampled direction and its density.
+struct DisneySample {
+    wi: vec3f,  // direction towards the light, unit, local frame
+    pdf: f32,  // its density in 1/sr; 0 marks a wasted sample
+}
+
+// disney: Artists' model of cloth, plastic, metal and lacquer. Reciprocal; gains energy at grazing angles.
+// Exported with masking='remapped'.
+struct Disney {
+    base_color: vec3f,  // surface colour, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
+    subsurface: f32,  // blend from rough diffuse to a flat subsurface look; 0 to 1, default 0
+    metallic: f32,  // 0 for dielectrics, 1 for metals; 0 to 1, default 0
+    specular: f32,  // F0 of dielectrics in units of 0.08; 0 to 1, default 0.5
+    // how much of the base colour's hue the dielectric F0 has; 0 to 1, default 0
+    specular_tint: f32,
+    roughness: f32,  // perceptual roughness, alpha = roughness^2; 0 to 1, default 0.5
+    anisotropic: f32,  // stretches the highlight along x: aspect sqrt(1 - 0.9 a); 0 to 1, default 0
+    sheen: f32,  // additional grazing reflection, for cloth; 0 to 1, default 0
+    sheen_tint: f32,  // how much of the base colour's hue the sheen has; 0 to 1, default 0.5
+    clearcoat: f32,  // strength of a second, colourless highlight; 0 to 1, default 0
+    clearcoat_gloss: f32,  // 0 for a satin clearcoat, 1 for a glossy one; 0 to 1, default 1
+}
+
+// Results of choose.
+struct DisneyChoose {
+    first: bool,
+    second: vec2f,
+}
+
+// alpha along x and y.
+fn disney_widths(params: Disney) -> vec2f {
+    // The reference code's numbers: smallest width of the highlight, F0 at specular 1, and for the clearcoat
+    // its widths without and with gloss, that of its masking, F0 (index 1.5), and strength.
+    const ALPHA_DISNEY = 0.001;
+    let alpha = params.roughness * params.roughness;
+    let aspect = sqrt(1.0 - 0.9 * params.anisotropic);
+    return vec2f(max(alpha / aspect, ALPHA_DISNEY), max(alpha * aspect, ALPHA_DISNEY));
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn disney_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    const mu_min = 1.0e-18;
+    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
+    // directions in the horizon.
+    return normalize(wi + vec3f(wo.x, wo.y, wo.z + mu_min));
+}
+
+// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+fn disney_D_ggx(m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    const inv_pi = 0.31830987;
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    let v = vec3f(m.x / alpha_x, m.y / alpha_y, m.z);
+    let s = dot(v, v);
+    return inv_pi / (alpha_x * alpha_y * s * s);
+}
+
+// The base colour's hue and saturation, with a luminance of 1.
+fn disney_tint(params: Disney) -> vec3f {
+    const LUMINANCE_MIN = 1.0e-18;  // Smallest luminance that is divided by.
+    let color = params.base_color;
+    let luminance = 0.3 * color.x + 0.6 * color.y + 0.1 * color.z;
+    let tint = color / max(luminance, LUMINANCE_MIN);
+    return select(vec3f(1.0), tint, luminance > 0.0);
+}
+
+fn disney_f0(params: Disney) -> vec3f {
+    const F0_SPECULAR = 0.08;
+    let dielectric = F0_SPECULAR * params.specular
+        * mix(vec3f(1.0), disney_tint(params), vec3f(params.specular_tint));
+    return mix(dielectric, params.base_color, vec3f(params.metallic));
+}
+
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+fn disney_cos_half(wi: vec3f, wo: vec3f) -> f32 {
+    const mu_min = 1.0e-18;
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return min(0.5 * length(wi + vec3f(wo.x, wo.y, wo.z + mu_min)), 1.0);
+}
+
+// (1 - c)^5 at c = wo . m, the half vector's cosine.
+fn disney_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
+    // weight keeps its digits where the two meet and it goes to 0.
+    let apart = wi - wo;
+    let k = 0.25 * dot(apart, apart) / (1.0 + disney_cos_half(wi, wo));
+    let k2 = k * k;
+    return k2 * k2 * k;
+}
+
+// (1 - cos_theta)^5 of Schlick's approximation.
+fn disney_schlick_weight(cos_theta: f32) -> f32 {
+    let k = 1.0 - cos_theta;
+    let k2 = k * k;
+    return k2 * k2 * k;
+}
+
+// 1 - (1 - c)^5, with the factor c taken out so that it keeps its digits as c goes to 0.
+fn disney_schlick_complement(c: f32) -> f32 {
+    let k = 1.0 - c;
+    let k2 = k * k;
+    return c * ((1.0 + k) * (1.0 + k2) + k2 * k2);
+}
+
+fn disney_sheen(params: Disney) -> vec3f {
+    return params.sheen * mix(vec3f(1.0), disney_tint(params), vec3f(params.sheen_tint));
+}
+
+fn disney_coat_alpha(params: Disney) -> f32 {
+    const COAT_ALPHA_SATIN = 0.1;
+    const COAT_ALPHA_GLOSS = 0.001;
+    return mix(COAT_ALPHA_SATIN, COAT_ALPHA_GLOSS, params.clearcoat_gloss);
+}
+
+// `D_gtr1` for alpha up to 0.5, where nothing cancels in its norm.
+fn disney_D_gtr1_narrow(m: vec3f, alpha: f32) -> f32 {
+    const inv_pi = 0.31830987;
+    let a2 = alpha * alpha;
+    let v = vec3f(m.x, m.y, alpha * m.z);
+    return inv_pi * (a2 - 1.0) / (log(a2) * dot(v, v));
+}
+
+// `V_smith_ggx` for facets of the same width in all directions.
+fn disney_V_smith_ggx_round(wi: vec3f, wo: vec3f, alpha: f32) -> f32 {
+    let a2 = alpha * alpha;
+    let length_i = sqrt(a2 + (1.0 - a2) * (wi.z * wi.z));
+    let length_o = sqrt(a2 + (1.0 - a2) * (wo.z * wo.z));
+    return 1.0 / ((wi.z + length_i) * (wo.z + length_o));
+}
+
+// All but the highlight: diffuse, sheen and clearcoat, which are not stretched.
+fn disney_eval_round(params: Disney, wi: vec3f, wo: vec3f) -> vec3f {
+    const mu_min = 1.0e-18;
+    const inv_pi = 0.31830987;
+    const COAT_ALPHA_MASKING = 0.25;
+    const COAT_STRENGTH = 0.25;
+    const COAT_F0 = 0.04;
+    // Diffuse with retro-reflection
+    let F_i = disney_schlick_weight(wi.z);
+    let F_o = disney_schlick_weight(wo.z);
+    let c = disney_cos_half(wi, wo);
+    let F90 = c * c * params.roughness;
+    let rise = 2.0 * F90 - 0.5;
+    let F_d = (1.0 + rise * F_i) * (1.0 + rise * F_o);
+    // Hanrahan-Krueger's isotropic subsurface scattering; 1 + (F90 - 1) F as a sum of positive terms
+    let F_ss = (disney_schlick_complement(wi.z) + F90 * F_i)
+        * (disney_schlick_complement(wo.z) + F90 * F_o);
+    let scattered = 1.25 * (F_ss * (1.0 / max(wi.z + wo.z, mu_min) - 0.5) + 0.5);
+    let diffuse = inv_pi * mix(F_d, scattered, params.subsurface) * params.base_color;
+    let F_H = disney_schlick_weight_half(wi, wo);
+    let base = (1.0 - params.metallic) * (diffuse + F_H * disney_sheen(params));
+
+    let D_c = disney_D_gtr1_narrow(disney_half_vector(wi, wo), disney_coat_alpha(params));
+    let V_c = disney_V_smith_ggx_round(wi, wo, COAT_ALPHA_MASKING);
+    return base + COAT_STRENGTH * params.clearcoat * mix(COAT_F0, 1.0, F_H) * (D_c * V_c);
+}
+
+// Masking of the highlight, G / (4 mu_i mu_o).
+fn disney_V(params: Disney, wi: vec3f, wo: vec3f) -> f32 {
+    let alpha_g = (0.5 + 0.5 * params.roughness) * (0.5 + 0.5 * params.roughness);
+    return disney_V_smith_ggx_round(wi, wo, alpha_g);
+}
+
+// BRDF value in 1/sr, without the cosine.
+fn disney_eval(params: Disney, wi: vec3f, wo: vec3f) -> vec3f {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return vec3f(0.0);
+    }
+    let widths = disney_widths(params);
+    let D = disney_D_ggx(disney_half_vector(wi, wo), widths.x, widths.y);
+    let F = mix(disney_f0(params), vec3f(1.0), vec3f(disney_schlick_weight_half(wi, wo)));
+    return disney_eval_round(params, wi, wo) + F * (D * disney_V(params, wi, wo));
+}
+
+// Mean of the three channels, by which lobes are weighed against each other.
+fn disney_average(color: vec3f) -> f32 {
+    return (color.x + color.y + color.z) / 3.0;
+}
+
+// An estimate, for the choice of lobes.
+fn disney_highlight_albedo(params: Disney, wo: vec3f) -> f32 {
+    return disney_average(mix(disney_f0(params), vec3f(1.0), vec3f(disney_schlick_weight(wo.z))));
+}
+
+// An estimate, for the choice of lobes.
+fn disney_coat_albedo(params: Disney, wo: vec3f) -> f32 {
+    const COAT_STRENGTH = 0.25;
+    const COAT_F0 = 0.04;
+    return COAT_STRENGTH * params.clearcoat * mix(COAT_F0, 1.0, disney_schlick_weight(wo.z));
+}
+
+fn disney_raised(probability: f32) -> f32 {
+    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+    const SHARE_LEAST = 0.1;
+    const ESTIMATE_TRUST = 50.0;
+    return max(probability, min(SHARE_LEAST, ESTIMATE_TRUST * probability));
+}
+
+// Probabilities of two lobes with the given albedos; the first is certain if both are black.
+fn disney_shares(first: f32, second: f32) -> vec2f {
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
+    // that can be seen is that small.
+    const BLACK = 1.0e-20;
+    let inv = 1.0 / (first + second + BLACK);
+    let a = disney_raised((first + BLACK) * inv);
+    let b = disney_raised(second * inv);
+    // The smaller one by itself: 1 minus a probability near 1 has no digits left.
+    let smaller = first < second;
+    return vec2f(select(1.0 - b, a, smaller), select(b, 1.0 - a, smaller));
+}
+
+// Probabilities of the diffuse lobe and of the two others.
+fn disney_diffuse_shares(params: Disney, wo: vec3f) -> vec2f {
+    // Estimate of the white sheen's albedo, for the choice of lobes only.
+    const SHEEN_ALBEDO = 0.06;
+    let base = params.base_color + SHEEN_ALBEDO * disney_sheen(params);
+    let diffuse = disney_average((1.0 - params.metallic) * base);
+    return disney_shares(diffuse, disney_highlight_albedo(params, wo)
+        + disney_coat_albedo(params, wo));
+}
+
+// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
+fn disney_choose(probability: f32, u: vec2f) -> DisneyChoose {
+    // Smallest probability that is divided by: a random number falls below it once in a million million.
+    const SHARE_MIN = 1.0e-12;
+    const RANDOM_MAX = 0.99999994;  // The largest float32 below 1, up to which random numbers go.
+    let first = u.x < probability;
+    let below = u.x / max(probability, SHARE_MIN);
+    let above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
+    return DisneyChoose(first, vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
+}
+
+// Probabilities of the highlight and of the clearcoat, if it is not the diffuse lobe.
+fn disney_specular_shares(params: Disney, wo: vec3f) -> vec2f {
+    return disney_shares(disney_highlight_albedo(params, wo), disney_coat_albedo(params, wo));
+}
+
+// exp(x) - 1, exact where x is small.
+fn disney_expm1(x: f32) -> f32 {
+    // Below this the series needs eleven terms; above, the plain difference is exact to 2e-7 in float32.
+    const EXPM1_SMALL = 0.3;
+    let near = max(min(x, EXPM1_SMALL), -EXPM1_SMALL);
+    // Taylor's series up to x^11 / 11!, error below 2e-15 for |x| < 0.3.
+    var series = 1.0 + near / 8.0 * (1.0 + near / 9.0 * (1.0 + near / 10.0 * (1.0 + near / 11.0)));
+    series = 1.0 + near / 5.0 * (1.0 + near / 6.0 * (1.0 + near / 7.0 * series));
+    series = near * (1.0 + near / 2.0 * (1.0 + near / 3.0 * (1.0 + near / 4.0 * series)));
+    return select(exp(x) - 1.0, series, x > -EXPM1_SMALL && x < EXPM1_SMALL);
+}
+
+// A normal with a given slope and the azimuth 2 pi u.
+fn disney_polar(tan_theta: f32, u: f32) -> vec3f {
+    const two_pi = 6.2831855;
+    let phi = two_pi * u;
+    return normalize(vec3f(tan_theta * cos(phi), tan_theta * sin(phi), 1.0));
+}
+
+// A normal with density D_gtr1 m.z. Burley, Eq. 5.
+fn disney_sample_gtr1(alpha: f32, u: vec2f) -> vec3f {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const RANDOM_MARGIN = 5.9604645e-8;
+    // sin^2 = alpha^2 (alpha^(-2 u) - 1) / (1 - alpha^2); both differences vanish at alpha = 1
+    let a2 = alpha * alpha;
+    let log_a2 = log(a2);
+    let below_one = (alpha - 1.0) * (alpha + 1.0);
+    let down = disney_expm1(-u.x * log_a2);
+    let up = disney_expm1((1.0 - u.x) * log_a2);
+    // tan^2 = sin^2 / cos^2 with cos^2 = (1 - alpha^(2 - 2 u)) / (1 - alpha^2)
+    let round_ = below_one > -1.0e-6;
+    let tan2 = select(a2 * down / max(-up, RANDOM_MARGIN * a2), u.x / (1.0 - u.x + RANDOM_MARGIN),
+        round_);
+    return disney_polar(sqrt(max(tan2, 0.0)), u.y);
+}
+
+// wo mirrored at a facet with normal m; it may leave below the horizon.
+fn disney_mirror(wo: vec3f, m: vec3f) -> vec3f {
+    return 2.0 * dot(wo, m) * m - wo;
+}
+
+// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+fn disney_sample_ggx_visible(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
+    const RANDOM_MARGIN = 5.9604645e-8;
+    const two_pi = 6.2831855;
+    let w = normalize(vec3f(alpha_x * wo.x, alpha_y * wo.y, wo.z));
+    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    let drop = u1 * (1.0 + w.z);
+    let r = sqrt(max(drop * (2.0 - drop), 0.0));
+    let phi = two_pi * u.y;
+    let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
+    return normalize(vec3f(alpha_x * h.x, alpha_y * h.y, h.z));
+}
+
+// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+//
+// No sample is wasted, and as the density is the sum of both, no weight grows.
+fn disney_sample_ggx_lobe(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
+    let w = disney_mirror(wo, disney_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+    return vec3f(w.x, w.y, abs(w.z));
+}
+
+// Part of the diffuse samples that is uniform: the subsurface term is like 1 / mu at grazing.
+fn disney_uniform_share(params: Disney) -> f32 {
+    return 0.5 * params.subsurface;
+}
+
+// A direction with density 1 / (2 pi).
+fn disney_sample_uniform(u: vec2f) -> vec3f {
+    const two_pi = 6.2831855;
+    // z = 1 - u instead of u: random numbers lie in [0, 1), so z never becomes 0.
+    let z = 1.0 - u.x;
+    let r = sqrt(max(u.x * (1.0 + z), 0.0));
+    let phi = two_pi * u.y;
+    return vec3f(r * cos(phi), r * sin(phi), z);
+}
+
+// A direction with density cos(theta) / pi.
+fn disney_sample_cosine(u: vec2f) -> vec3f {
+    const two_pi = 6.2831855;
+    let r = sqrt(max(u.x, 0.0));
+    let phi = two_pi * u.y;
+    return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
+}
+
+// Density of `mirror` in 1/sr, if m has the given density and cos_h = wo . m.
+fn disney_pdf_mirror(density: f32, cos_h: f32) -> f32 {
+    const mu_min = 1.0e-18;
+    // Walter et al., Eq. 14
+    return density / (4.0 * max(cos_h, mu_min));
+}
+
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
+fn disney_ggx_length(w: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    return length(vec3f(alpha_x * w.x, alpha_y * w.y, w.z));
+}
+
+// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+fn disney_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    return disney_D_ggx(m, alpha_x, alpha_y)
+        / (2.0 * (wo.z + disney_ggx_length(wo, alpha_x, alpha_y)));
+}
+
+// Density of `sample_ggx_lobe` in 1/sr.
+fn disney_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    let straight = disney_pdf_ggx_visible(wo, disney_half_vector(wi, wo), alpha_x, alpha_y);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    let exists = wo.z > wi.z;
+    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
+    let folded = disney_pdf_ggx_visible(wo, disney_half_vector(image, wo), alpha_x, alpha_y);
+    return straight + select(0.0, folded, exists);
+}
+
+// Density of `sample_cosine` in 1/sr, for w above the horizon.
+fn disney_pdf_cosine(w: vec3f) -> f32 {
+    const inv_pi = 0.31830987;
+    return w.z * inv_pi;
+}
+
+// Density of `sample_uniform` in 1/sr.
+fn disney_pdf_uniform() -> f32 {
+    const inv_two_pi = 0.15915494;
+    return inv_two_pi;
+}
+
+// Density of `sample` in 1/sr.
+fn disney_pdf(params: Disney, wi: vec3f, wo: vec3f) -> f32 {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return 0.0;
+    }
+    let widths = disney_widths(params);
+    let P = disney_diffuse_shares(params, wo);
+    let Q = disney_specular_shares(params, wo);
+    let m = disney_half_vector(wi, wo);
+    let coat = disney_pdf_mirror(disney_D_gtr1_narrow(m, disney_coat_alpha(params)) * m.z,
+        disney_cos_half(wi, wo));
+    let specular = Q.x * disney_pdf_ggx_lobe(wi, wo, widths.x, widths.y) + Q.y * coat;
+    let diffuse = mix(disney_pdf_cosine(wi), disney_pdf_uniform(), disney_uniform_share(params));
+    return P.x * diffuse + P.y * specular;
+}
+
+// Cosine-weighted, a visible GGX normal or a clearcoat normal, by the estimated albedos.
+fn disney_sample(params: Disney, wo: vec3f, u: vec2f) -> DisneySample {
+    if (wo.z <= 0.0) {  // below the horizon
+        return DisneySample(vec3f(0.0, 0.0, 1.0), 0.0);
+    }
+    let widths = disney_widths(params);
+    let choose_result = disney_choose(disney_diffuse_shares(params, wo).x, u);
+    let diffuse = choose_result.first;
+    let v = choose_result.second;
+    let choose_result_2 = disney_choose(disney_specular_shares(params, wo).x, v);
+    let highlight = choose_result_2.first;
+    let w = choose_result_2.second;
+    let coat = disney_mirror(wo, disney_sample_gtr1(disney_coat_alpha(params), w));
+    let specular = select(coat, disney_sample_ggx_lobe(wo, widths.x, widths.y, w), highlight);
+    let choose_result_3 = disney_choose(disney_uniform_share(params), v);
+    let uniform = choose_result_3.first;
+    let t = choose_result_3.second;
+    let wi = select(specular, select(disney_sample_cosine(t), disney_sample_uniform(t), uniform),
+        diffuse);
+    return DisneySample(wi, disney_pdf(params, wi, wo));
+}
+
+// Directional albedo of a model without a closed form: the mean weight of its own samples.
+//
+// For tables and previews; the random numbers are a Fibonacci lattice.
+fn disney_albedo(params: Disney, wo: vec3f) -> vec3f {
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const HORIZON = 1.0e-6;
+    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    const ALBEDO_SAMPLES = 987.0;
+    const GOLDEN = 0.618034;
+    const mu_min = 1.0e-18;
+    if (wo.z < 0.0) {  // below the horizon
+        return vec3f(0.0);
+    }
+    let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
+    var total = vec3f(0.0, 0.0, 0.0);
+    for (var i_step = 0; i_step < 987; i_step++) {
+        let i = f32(i_step);
+        let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
+        let drawn = disney_sample(params, w, u);
+        let weight = select(0.0, drawn.wi.z / max(drawn.pdf, mu_min), drawn.pdf > 0.0);
+        total = total + disney_eval(params, drawn.wi, w) * weight;
+    }
+    return total / ALBEDO_SAMPLES;
+}

@@ -1,0 +1,327 @@
+// EON: energy-preserving Oren-Nayar rough diffuse reflection.
+//
+// Source: Portsmouth, Kutz, Hill, "EON: A practical energy-preserving rough diffuse BRDF",
+// arXiv:2410.18026. Symbols and equation numbers are the paper's.
+// Deviations: every difference that the paper takes (1 - E_F, 1 - <E_F>, 1 + s) is rearranged so that
+// nothing cancels; the values are the same, but finite at the horizon and exact in float32.
+//
+// C++, made by gonio 0.1.0 from gonio/models/eon.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+
+#pragma once
+#include <math.h>
+
+namespace gonio_eon {
+
+struct Vec2 {
+    float x, y;
+};
+
+struct Vec3 {
+    float x, y, z;
+};
+
+inline Vec3 splat(float a) {
+    return Vec3{a, a, a};
+}
+
+inline float lerp(float a, float b, float t) {
+    return a * (1.0f - t) + b * t;
+}
+
+inline float dot(Vec3 a, Vec3 b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+inline Vec3 normalize(Vec3 a) {
+    float inv = 1.0f / sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
+    return Vec3{a.x * inv, a.y * inv, a.z * inv};
+}
+
+inline Vec3 operator+(Vec3 a, Vec3 b) {
+    return Vec3{a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+inline Vec3 operator-(float a, Vec3 b) {
+    return Vec3{a - b.x, a - b.y, a - b.z};
+}
+
+inline Vec3 operator*(Vec3 a, Vec3 b) {
+    return Vec3{a.x * b.x, a.y * b.y, a.z * b.z};
+}
+
+inline Vec3 operator*(Vec3 a, float b) {
+    return Vec3{a.x * b, a.y * b, a.z * b};
+}
+
+inline Vec3 operator*(float a, Vec3 b) {
+    return Vec3{a * b.x, a * b.y, a * b.z};
+}
+
+inline Vec3 operator/(Vec3 a, Vec3 b) {
+    return Vec3{a.x / b.x, a.y / b.y, a.z / b.z};
+}
+
+// A sampled direction and its density.
+struct EonSample {
+    Vec3 wi;  // direction towards the light, unit, local frame
+    float pdf;  // its density in 1/sr; 0 marks a wasted sample
+};
+
+// eon: Rough, clay-like diffuse. Reciprocal; white stays white; Lambert at roughness 0.
+// Exported with albedo_form='exact', color_shift='physical', sampler='cltc_uniform'.
+struct Eon {
+    Vec3 rho;  // single-scattering albedo, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
+    float roughness;  // unitless r; not the Oren-Nayar angle sigma; 0 to 1, default 0.5
+};
+
+// Results of coefficients.
+struct EonCoefficients {
+    float a;
+    float b;
+    float c;
+    float d;
+};
+
+// s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
+//
+// s is divided by a cosine that may be tiny, so its last bits count: the rounding error of one
+// product is carried along (Kahan), which plain wi.x wo.x + wi.y wo.y or dot(wi, wo) - mu_i mu_o loses.
+inline float eon_tangential_dot(Vec3 wi, Vec3 wo) {
+    float q = wi.y * wo.y;
+    float error = fmaf(wi.y, wo.y, -q);
+    return fmaf(wi.x, wo.x, q) + error;
+}
+
+// s / max(mu_i, mu_o), finite for two directions in the horizon.
+inline float eon_s_over_max(float s, Vec3 wi, Vec3 wo) {
+    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    constexpr float mu_min = 1.0e-18f;
+    return s / fmaxf(fmaxf(wi.z, wo.z), mu_min);
+}
+
+// 1 + r s/t with Eq. 11: the angular shape of FON and of EON's single scattering.
+inline float eon_fujii_shape(Vec3 wi, Vec3 wo, float r) {
+    float s = eon_tangential_dot(wi, wo);
+    // 1 + s = (|t_i + t_o|^2 + mu_i^2 + mu_o^2) / 2 with the tangential parts t: nothing cancels when
+    // wi is the mirror direction of a grazing wo, where 1 + s goes to 0.
+    float x = wi.x + wo.x;
+    float y = wi.y + wo.y;
+    float one_plus_s = 0.5f * (x * x + y * y + wi.z * wi.z + wo.z * wo.z);
+    return s > 0.0f ? 1.0f + r * eon_s_over_max(s, wi, wo) : 1.0f - r + r * one_plus_s;
+}
+
+// pi C1 - G_F at cosine mu, from 0 at grazing to pi C1 at the normal: 1 - E_F = r A_F loss / pi.
+//
+// With 1 - s = mu^2 / (1 + s) every term of Eq. 13 that cancels against C1 can be collected, which
+// leaves a sum of positive terms.
+inline float eon_loss_exact(float mu) {
+    constexpr float pi = 3.1415927f;
+    float s = sqrtf(fmaxf((1.0f - mu) * (1.0f + mu), 0.0f));
+    float t = mu / (1.0f + s);
+    float lost = mu * t * (pi / 2.0f - 2.0f / 3.0f - t * s * (1.0f / 3.0f * s + 2.0f / 3.0f));
+    return lost + s * asinf(fminf(fmaxf(mu, -1.0f), 1.0f));
+}
+
+inline float eon_loss(const Eon& params, float mu) {
+    return eon_loss_exact(mu);
+}
+
+// Colour of the multiple scattering (Eq. 19).
+inline Vec3 eon_rho_multiple(const Eon& params, Vec3 rho) {
+    constexpr float C1 = 0.2877934f;  // A_F = 1 / (1 + C1 r)
+    constexpr float C2 = 0.07248821f;  // the hemispherical mean of E_F is A_F (1 + C2 r)
+    float r = params.roughness;
+    float A_F = 1.0f / (1.0f + C1 * r);
+    float mean_loss = A_F * r * (C1 - C2);  // 1 - <E_F>
+    return rho * rho * (1.0f - mean_loss) / (1.0f - rho * mean_loss);
+}
+
+// Eq. 16 and 19: BRDF value in 1/sr, without the cosine.
+inline Vec3 eon_eval(const Eon& params, Vec3 wi, Vec3 wo) {
+    constexpr float C1 = 0.2877934f;
+    constexpr float inv_pi = 0.31830987f;
+    constexpr float C2 = 0.07248821f;
+    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+        return splat(0.0f);
+    }
+    float r = params.roughness;
+    float A_F = 1.0f / (1.0f + C1 * r);
+    float single = A_F * eon_fujii_shape(wi, wo, r);
+    // (1 - E_i)(1 - E_o) / (1 - <E>), of which r^2 A_F^2 / (r A_F) remains
+    float multiple = A_F * r * (inv_pi * inv_pi / (C1 - C2)) * eon_loss(params, wi.z)
+        * eon_loss(params, wo.z);
+    return inv_pi * (params.rho * single + eon_rho_multiple(params, params.rho) * multiple);
+}
+
+// P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
+inline float eon_uniform_share(float mu, float r) {
+    // Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32.
+    constexpr float R_MIN = 1.0e-37f;
+    float fit = 0.162925f + mu * (-0.372058f + (0.538233f - 0.290822f * mu) * mu);
+    return r > 0.0f ? powf(fmaxf(r, R_MIN), 0.1f) * fit : 0.0f;
+}
+
+// A direction with density 1 / (2 pi).
+inline Vec3 eon_sample_uniform(Vec2 u) {
+    constexpr float two_pi = 6.2831855f;
+    // z = 1 - u instead of u: random numbers lie in [0, 1), so z never becomes 0.
+    float z = 1.0f - u.x;
+    float r = sqrtf(fmaxf(u.x * (1.0f + z), 0.0f));
+    float phi = two_pi * u.y;
+    return Vec3{r * cosf(phi), r * sinf(phi), z};
+}
+
+// a, b, c, d of M = [[a, 0, b], [0, c, 0], [d, 0, 1]] (Eq. 25, Listing 2) at mu = wo.z.
+inline EonCoefficients eon_coefficients(float mu, float r) {
+    float a = 1.0f + r * (0.303392f + (-0.518982f + 0.111709f * mu) * mu
+        + (-0.276266f + 0.335918f * mu) * r);
+    float b = r * (-1.16407f + 1.15859f * mu + (0.150815f - 0.150105f * mu) * r)
+        / (mu * mu * mu - 1.43545f);
+    float c = 1.0f + (0.20013f + (-0.506373f + 0.261777f * mu) * mu) * r;
+    // Numerator and denominator of d nearly vanish at mu = 1: the paper's polynomials in mu,
+    // 0.540852 - 1.01625 mu + 0.475392 mu^2 and -1.0743 + 0.0725628 mu + mu^2, are written in k = 1 - mu.
+    float k = 1.0f - mu;
+    float d = r * (-6.0e-6f + (0.065466f + 0.475392f * k) * k)
+        / (-0.0017372f - (2.0725627f - k) * k);
+    return EonCoefficients{a, b, c, d};
+}
+
+// Share of the unit disk that clipping keeps (Eq. 28): (1 + cos(theta_P)) / 2.
+inline float eon_kept_area(float d) {
+    return 0.5f + 0.5f / sqrtf(1.0f + d * d);
+}
+
+// Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
+inline Vec2 eon_azimuth(Vec3 wo) {
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
+    // of its reciprocal still fits into a float32.
+    constexpr float SIN2_MIN = 1.0e-18f;
+    float sin2 = wo.x * wo.x + wo.y * wo.y;
+    bool tilted = sin2 > SIN2_MIN;
+    float inv = 1.0f / sqrtf(fmaxf(sin2, SIN2_MIN));
+    return Vec2{tilted ? wo.x * inv : 1.0f, tilted ? wo.y * inv : 0.0f};
+}
+
+inline Vec3 eon_from_frame(Vec3 w, Vec2 axis) {
+    return Vec3{axis.x * w.x - axis.y * w.y, axis.y * w.x + axis.x * w.y, w.z};
+}
+
+// M applied to the cosine lobe's direction above (x, y), turned to wo's azimuth, normalised.
+inline Vec3 eon_transform(float x, float y, Vec3 wo, float r, float d) {
+    EonCoefficients coefficients_result = eon_coefficients(wo.z, r);
+    float a = coefficients_result.a;
+    float b = coefficients_result.b;
+    float c = coefficients_result.c;
+    float z = sqrtf(fmaxf(1.0f - x * x - y * y, 0.0f));
+    return normalize(eon_from_frame(Vec3{a * x + b * z, c * y, d * x + z}, eon_azimuth(wo)));
+}
+
+// Clipped to the directions that M keeps above the horizon (Listing 3).
+inline Vec3 eon_sample_cltc(Vec3 wo, float r, Vec2 u) {
+    constexpr float two_pi = 6.2831855f;
+    // A sample that rounding pushed below the horizon is lifted to this cosine, 1/16 of a float32 epsilon.
+    constexpr float Z_MIN = 7.450581e-9f;
+    EonCoefficients coefficients_result = eon_coefficients(wo.z, r);
+    float d = coefficients_result.d;
+    float R = sqrtf(fmaxf(u.x, 0.0f));
+    float phi = two_pi * u.y;
+    float y = R * sinf(phi);
+    // A half-disk and a half-ellipse (Heitz 2018); the plane cuts the side on which d x is negative.
+    float x = lerp(sqrtf(fmaxf(1.0f - y * y, 0.0f)), R * cosf(phi), eon_kept_area(d));
+    Vec3 wi = eon_transform(d < 0.0f ? -x : x, y, wo, r, d);
+    return Vec3{wi.x, wi.y, fmaxf(wi.z, Z_MIN)};
+}
+
+// CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
+inline Vec3 eon_sample_cltc_uniform(Vec3 wo, float r, Vec2 u) {
+    // Smallest probability that is divided by; the smallest one above 0 is 8e-6, at R_MIN.
+    constexpr float P_MIN = 1.0e-6f;
+    float P_u = eon_uniform_share(wo.z, r);
+    bool uniform = u.x < P_u;
+    float u1 = uniform ? u.x / fmaxf(P_u, P_MIN) : (u.x - P_u) / (1.0f - P_u);
+    Vec3 w_u = eon_sample_uniform(Vec2{u1, u.y});
+    Vec3 w_c = eon_sample_cltc(wo, r, Vec2{u1, u.y});
+    return uniform ? w_u : w_c;
+}
+
+inline Vec3 eon_to_frame(Vec3 w, Vec2 axis) {
+    return Vec3{axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z};
+}
+
+// Density of `_transform` for an unclipped cosine lobe (Eq. 23 and 24).
+inline float eon_cltc_pdf(Vec3 wi, Vec3 wo, float r, float d) {
+    constexpr float inv_pi = 0.31830987f;
+    EonCoefficients coefficients_result = eon_coefficients(wo.z, r);
+    float a = coefficients_result.a;
+    float b = coefficients_result.b;
+    float c = coefficients_result.c;
+    Vec3 w = eon_to_frame(wi, eon_azimuth(wo));
+    float det = c * (a - b * d);
+    // det(M) times the inverse of M, applied to w
+    Vec3 h = Vec3{c * (w.x - b * w.z), (a - b * d) * w.y, c * (a * w.z - d * w.x)};
+    float inv2 = 1.0f / dot(h, h);
+    return inv_pi * det * det * inv2 * inv2 * fmaxf(h.z, 0.0f);
+}
+
+// Density of `sample_cltc`.
+inline float eon_pdf_cltc(Vec3 wi, Vec3 wo, float r) {
+    EonCoefficients coefficients_result = eon_coefficients(wo.z, r);
+    float d = coefficients_result.d;
+    return eon_cltc_pdf(wi, wo, r, d) / eon_kept_area(d);
+}
+
+// Density of `sample_uniform` in 1/sr.
+inline float eon_pdf_uniform() {
+    constexpr float inv_two_pi = 0.15915494f;
+    return inv_two_pi;
+}
+
+// Density of `sample_cltc_uniform`.
+inline float eon_pdf_cltc_uniform(Vec3 wi, Vec3 wo, float r) {
+    float P_u = eon_uniform_share(wo.z, r);
+    return lerp(eon_pdf_cltc(wi, wo, r), eon_pdf_uniform(), P_u);
+}
+
+// Density of the chosen sampler in 1/sr.
+inline float eon_pdf(const Eon& params, Vec3 wi, Vec3 wo) {
+    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+        return 0.0f;
+    }
+    float r = params.roughness;
+    return eon_pdf_cltc_uniform(wi, wo, r);
+}
+
+// By default CLTC with a uniform lobe: over 100 times less variance at grazing than cosine.
+inline EonSample eon_sample(const Eon& params, Vec3 wo, Vec2 u) {
+    if (wo.z <= 0.0f) {  // below the horizon
+        return EonSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
+    }
+    float r = params.roughness;
+    Vec3 wi = eon_sample_cltc_uniform(wo, r, u);
+    return EonSample{wi, eon_pdf(params, wi, wo)};
+}
+
+// Hemispherical mean of `_loss` over that of `loss_exact`.
+inline float eon_mean_loss_ratio(const Eon& params) {
+    return 1.0f;
+}
+
+// rho E_F + rho_ms (1 - E_F), after Eq. 20: exactly 1 for rho = 1 and albedo_form='exact'.
+//
+// For 'fitted' this is the exact integral of the fitted BRDF.
+inline Vec3 eon_albedo(const Eon& params, Vec3 wo) {
+    constexpr float C1 = 0.2877934f;
+    constexpr float inv_pi = 0.31830987f;
+    if (wo.z < 0.0f) {  // below the horizon
+        return splat(0.0f);
+    }
+    float r = params.roughness;
+    float A_F = 1.0f / (1.0f + C1 * r);
+    float single = 1.0f - inv_pi * r * A_F * eon_loss_exact(wo.z);
+    float multiple = inv_pi * r * A_F * eon_loss(params, wo.z) * eon_mean_loss_ratio(params);
+    return params.rho * single + eon_rho_multiple(params, params.rho) * multiple;
+}
+
+}  // namespace gonio_eon

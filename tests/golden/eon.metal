@@ -1,0 +1,295 @@
+// EON: energy-preserving Oren-Nayar rough diffuse reflection.
+//
+// Source: Portsmouth, Kutz, Hill, "EON: A practical energy-preserving rough diffuse BRDF",
+// arXiv:2410.18026. Symbols and equation numbers are the paper's.
+// Deviations: every difference that the paper takes (1 - E_F, 1 - <E_F>, 1 + s) is rearranged so that
+// nothing cancels; the values are the same, but finite at the horizon and exact in float32.
+//
+// Metal, made by gonio 0.1.0 from gonio/models/eon.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+
+#include <metal_stdlib>
+using namespace metal;
+
+// A sampled direction and its density.
+struct EonSample {
+    float3 wi;  // direction towards the light, unit, local frame
+    float pdf;  // its density in 1/sr; 0 marks a wasted sample
+};
+
+// eon: Rough, clay-like diffuse. Reciprocal; white stays white; Lambert at roughness 0.
+// Exported with albedo_form='exact', color_shift='physical', sampler='cltc_uniform'.
+struct Eon {
+    float3 rho;  // single-scattering albedo, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
+    float roughness;  // unitless r; not the Oren-Nayar angle sigma; 0 to 1, default 0.5
+};
+
+// Results of coefficients.
+struct EonCoefficients {
+    float a;
+    float b;
+    float c;
+    float d;
+};
+
+// s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
+//
+// s is divided by a cosine that may be tiny, so its last bits count: the rounding error of one
+// product is carried along (Kahan), which plain wi.x wo.x + wi.y wo.y or dot(wi, wo) - mu_i mu_o loses.
+inline float eon_tangential_dot(float3 wi, float3 wo) {
+    float q = wi.y * wo.y;
+    float error = fma(wi.y, wo.y, -q);
+    return fma(wi.x, wo.x, q) + error;
+}
+
+// s / max(mu_i, mu_o), finite for two directions in the horizon.
+inline float eon_s_over_max(float s, float3 wi, float3 wo) {
+    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    const float mu_min = 1.0e-18;
+    return s / max(max(wi.z, wo.z), mu_min);
+}
+
+// 1 + r s/t with Eq. 11: the angular shape of FON and of EON's single scattering.
+inline float eon_fujii_shape(float3 wi, float3 wo, float r) {
+    float s = eon_tangential_dot(wi, wo);
+    // 1 + s = (|t_i + t_o|^2 + mu_i^2 + mu_o^2) / 2 with the tangential parts t: nothing cancels when
+    // wi is the mirror direction of a grazing wo, where 1 + s goes to 0.
+    float x = wi.x + wo.x;
+    float y = wi.y + wo.y;
+    float one_plus_s = 0.5 * (x * x + y * y + wi.z * wi.z + wo.z * wo.z);
+    return s > 0.0 ? 1.0 + r * eon_s_over_max(s, wi, wo) : 1.0 - r + r * one_plus_s;
+}
+
+// Twice the arc tangent, for v in [-1, 1].
+inline float eon_twice_atan(float v) {
+    const float ATAN_4 = 0.21281867;
+    const float ATAN_5 = -0.15008585;
+    const float ATAN_6 = 0.085383;
+    const float ATAN_7 = -0.03213723;
+    const float ATAN_8 = 0.005699773;
+    const float ATAN_0 = 2.0;  // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const float ATAN_1 = -0.66666144;
+    const float ATAN_2 = 0.3998524;
+    const float ATAN_3 = -0.28407288;
+    float q = v * v;
+    float p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
+    return v * (ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p))));
+}
+
+// Arc sine of x limited to [-1, 1]: twice the angle whose tangent is x / (1 + cos).
+inline float eon_safe_asin(float x) {
+    float c = sqrt(max((1.0 - x) * (1.0 + x), 0.0));
+    return eon_twice_atan(clamp(x / (1.0 + c), -1.0, 1.0));
+}
+
+// pi C1 - G_F at cosine mu, from 0 at grazing to pi C1 at the normal: 1 - E_F = r A_F loss / pi.
+//
+// With 1 - s = mu^2 / (1 + s) every term of Eq. 13 that cancels against C1 can be collected, which
+// leaves a sum of positive terms.
+inline float eon_loss_exact(float mu) {
+    const float pi = 3.1415927;
+    float s = sqrt(max((1.0 - mu) * (1.0 + mu), 0.0));
+    float t = mu / (1.0 + s);
+    float lost = mu * t * (pi / 2.0 - 2.0 / 3.0 - t * s * (1.0 / 3.0 * s + 2.0 / 3.0));
+    return lost + s * eon_safe_asin(mu);
+}
+
+inline float eon_loss(Eon params, float mu) {
+    return eon_loss_exact(mu);
+}
+
+// Colour of the multiple scattering (Eq. 19).
+inline float3 eon_rho_multiple(Eon params, float3 rho) {
+    const float C1 = 0.2877934;  // A_F = 1 / (1 + C1 r)
+    const float C2 = 0.07248821;  // the hemispherical mean of E_F is A_F (1 + C2 r)
+    float r = params.roughness;
+    float A_F = 1.0 / (1.0 + C1 * r);
+    float mean_loss = A_F * r * (C1 - C2);  // 1 - <E_F>
+    return rho * rho * (1.0 - mean_loss) / (1.0 - rho * mean_loss);
+}
+
+// Eq. 16 and 19: BRDF value in 1/sr, without the cosine.
+inline float3 eon_eval(Eon params, float3 wi, float3 wo) {
+    const float C1 = 0.2877934;
+    const float inv_pi = 0.31830987;
+    const float C2 = 0.07248821;
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return float3(0.0);
+    }
+    float r = params.roughness;
+    float A_F = 1.0 / (1.0 + C1 * r);
+    float single = A_F * eon_fujii_shape(wi, wo, r);
+    // (1 - E_i)(1 - E_o) / (1 - <E>), of which r^2 A_F^2 / (r A_F) remains
+    float multiple = A_F * r * (inv_pi * inv_pi / (C1 - C2)) * eon_loss(params, wi.z)
+        * eon_loss(params, wo.z);
+    return inv_pi * (params.rho * single + eon_rho_multiple(params, params.rho) * multiple);
+}
+
+// P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
+inline float eon_uniform_share(float mu, float r) {
+    // Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32.
+    const float R_MIN = 1.0e-37;
+    float fit = 0.162925 + mu * (-0.372058 + (0.538233 - 0.290822 * mu) * mu);
+    return r > 0.0 ? pow(max(r, R_MIN), 0.1) * fit : 0.0;
+}
+
+// A direction with density 1 / (2 pi).
+inline float3 eon_sample_uniform(float2 u) {
+    const float two_pi = 6.2831855;
+    // z = 1 - u instead of u: random numbers lie in [0, 1), so z never becomes 0.
+    float z = 1.0 - u.x;
+    float r = sqrt(max(u.x * (1.0 + z), 0.0));
+    float phi = two_pi * u.y;
+    return float3(r * cos(phi), r * sin(phi), z);
+}
+
+// a, b, c, d of M = [[a, 0, b], [0, c, 0], [d, 0, 1]] (Eq. 25, Listing 2) at mu = wo.z.
+inline EonCoefficients eon_coefficients(float mu, float r) {
+    float a = 1.0 + r * (0.303392 + (-0.518982 + 0.111709 * mu) * mu
+        + (-0.276266 + 0.335918 * mu) * r);
+    float b = r * (-1.16407 + 1.15859 * mu + (0.150815 - 0.150105 * mu) * r)
+        / (mu * mu * mu - 1.43545);
+    float c = 1.0 + (0.20013 + (-0.506373 + 0.261777 * mu) * mu) * r;
+    // Numerator and denominator of d nearly vanish at mu = 1: the paper's polynomials in mu,
+    // 0.540852 - 1.01625 mu + 0.475392 mu^2 and -1.0743 + 0.0725628 mu + mu^2, are written in k = 1 - mu.
+    float k = 1.0 - mu;
+    float d = r * (-6.0e-6 + (0.065466 + 0.475392 * k) * k) / (-0.0017372 - (2.0725627 - k) * k);
+    return EonCoefficients{a, b, c, d};
+}
+
+// Share of the unit disk that clipping keeps (Eq. 28): (1 + cos(theta_P)) / 2.
+inline float eon_kept_area(float d) {
+    return 0.5 + 0.5 / sqrt(1.0 + d * d);
+}
+
+// Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
+inline float2 eon_azimuth(float3 wo) {
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
+    // of its reciprocal still fits into a float32.
+    const float SIN2_MIN = 1.0e-18;
+    float sin2 = wo.x * wo.x + wo.y * wo.y;
+    bool tilted = sin2 > SIN2_MIN;
+    float inv = 1.0 / sqrt(max(sin2, SIN2_MIN));
+    return float2(tilted ? wo.x * inv : 1.0, tilted ? wo.y * inv : 0.0);
+}
+
+inline float3 eon_from_frame(float3 w, float2 axis) {
+    return float3(axis.x * w.x - axis.y * w.y, axis.y * w.x + axis.x * w.y, w.z);
+}
+
+// M applied to the cosine lobe's direction above (x, y), turned to wo's azimuth, normalised.
+inline float3 eon_transform(float x, float y, float3 wo, float r, float d) {
+    EonCoefficients coefficients_result = eon_coefficients(wo.z, r);
+    float a = coefficients_result.a;
+    float b = coefficients_result.b;
+    float c = coefficients_result.c;
+    float z = sqrt(max(1.0 - x * x - y * y, 0.0));
+    return normalize(eon_from_frame(float3(a * x + b * z, c * y, d * x + z), eon_azimuth(wo)));
+}
+
+// Clipped to the directions that M keeps above the horizon (Listing 3).
+inline float3 eon_sample_cltc(float3 wo, float r, float2 u) {
+    const float two_pi = 6.2831855;
+    // A sample that rounding pushed below the horizon is lifted to this cosine, 1/16 of a float32 epsilon.
+    const float Z_MIN = 7.450581e-9;
+    EonCoefficients coefficients_result = eon_coefficients(wo.z, r);
+    float d = coefficients_result.d;
+    float R = sqrt(max(u.x, 0.0));
+    float phi = two_pi * u.y;
+    float y = R * sin(phi);
+    // A half-disk and a half-ellipse (Heitz 2018); the plane cuts the side on which d x is negative.
+    float x = mix(sqrt(max(1.0 - y * y, 0.0)), R * cos(phi), eon_kept_area(d));
+    float3 wi = eon_transform(d < 0.0 ? -x : x, y, wo, r, d);
+    return float3(wi.x, wi.y, max(wi.z, Z_MIN));
+}
+
+// CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
+inline float3 eon_sample_cltc_uniform(float3 wo, float r, float2 u) {
+    // Smallest probability that is divided by; the smallest one above 0 is 8e-6, at R_MIN.
+    const float P_MIN = 1.0e-6;
+    float P_u = eon_uniform_share(wo.z, r);
+    bool uniform = u.x < P_u;
+    float u1 = uniform ? u.x / max(P_u, P_MIN) : (u.x - P_u) / (1.0 - P_u);
+    float3 w_u = eon_sample_uniform(float2(u1, u.y));
+    float3 w_c = eon_sample_cltc(wo, r, float2(u1, u.y));
+    return uniform ? w_u : w_c;
+}
+
+inline float3 eon_to_frame(float3 w, float2 axis) {
+    return float3(axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z);
+}
+
+// Density of `_transform` for an unclipped cosine lobe (Eq. 23 and 24).
+inline float eon_cltc_pdf(float3 wi, float3 wo, float r, float d) {
+    const float inv_pi = 0.31830987;
+    EonCoefficients coefficients_result = eon_coefficients(wo.z, r);
+    float a = coefficients_result.a;
+    float b = coefficients_result.b;
+    float c = coefficients_result.c;
+    float3 w = eon_to_frame(wi, eon_azimuth(wo));
+    float det = c * (a - b * d);
+    // det(M) times the inverse of M, applied to w
+    float3 h = float3(c * (w.x - b * w.z), (a - b * d) * w.y, c * (a * w.z - d * w.x));
+    float inv2 = 1.0 / dot(h, h);
+    return inv_pi * det * det * inv2 * inv2 * max(h.z, 0.0);
+}
+
+// Density of `sample_cltc`.
+inline float eon_pdf_cltc(float3 wi, float3 wo, float r) {
+    EonCoefficients coefficients_result = eon_coefficients(wo.z, r);
+    float d = coefficients_result.d;
+    return eon_cltc_pdf(wi, wo, r, d) / eon_kept_area(d);
+}
+
+// Density of `sample_uniform` in 1/sr.
+inline float eon_pdf_uniform() {
+    const float inv_two_pi = 0.15915494;
+    return inv_two_pi;
+}
+
+// Density of `sample_cltc_uniform`.
+inline float eon_pdf_cltc_uniform(float3 wi, float3 wo, float r) {
+    float P_u = eon_uniform_share(wo.z, r);
+    return mix(eon_pdf_cltc(wi, wo, r), eon_pdf_uniform(), P_u);
+}
+
+// Density of the chosen sampler in 1/sr.
+inline float eon_pdf(Eon params, float3 wi, float3 wo) {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return 0.0;
+    }
+    float r = params.roughness;
+    return eon_pdf_cltc_uniform(wi, wo, r);
+}
+
+// By default CLTC with a uniform lobe: over 100 times less variance at grazing than cosine.
+inline EonSample eon_sample(Eon params, float3 wo, float2 u) {
+    if (wo.z <= 0.0) {  // below the horizon
+        return EonSample{float3(0.0, 0.0, 1.0), 0.0};
+    }
+    float r = params.roughness;
+    float3 wi = eon_sample_cltc_uniform(wo, r, u);
+    return EonSample{wi, eon_pdf(params, wi, wo)};
+}
+
+// Hemispherical mean of `_loss` over that of `loss_exact`.
+inline float eon_mean_loss_ratio(Eon params) {
+    return 1.0;
+}
+
+// rho E_F + rho_ms (1 - E_F), after Eq. 20: exactly 1 for rho = 1 and albedo_form='exact'.
+//
+// For 'fitted' this is the exact integral of the fitted BRDF.
+inline float3 eon_albedo(Eon params, float3 wo) {
+    const float C1 = 0.2877934;
+    const float inv_pi = 0.31830987;
+    if (wo.z < 0.0) {  // below the horizon
+        return float3(0.0);
+    }
+    float r = params.roughness;
+    float A_F = 1.0 / (1.0 + C1 * r);
+    float single = 1.0 - inv_pi * r * A_F * eon_loss_exact(wo.z);
+    float multiple = inv_pi * r * A_F * eon_loss(params, wo.z) * eon_mean_loss_ratio(params);
+    return params.rho * single + eon_rho_multiple(params, params.rho) * multiple;
+}

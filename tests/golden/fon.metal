@@ -1,0 +1,262 @@
+// FON: Fujii's simplified Oren-Nayar model.
+//
+// Source: Fujii, "A tiny improvement of Oren-Nayar reflectance model", 2013, in the form of Portsmouth,
+// Kutz, Hill, "EON", arXiv:2410.18026, Eq. 10 to 15.
+//
+// Metal, made by gonio 0.1.0 from gonio/models/fon.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+
+#include <metal_stdlib>
+using namespace metal;
+
+// A sampled direction and its density.
+struct FonSample {
+    float3 wi;  // direction towards the light, unit, local frame
+    float pdf;  // its density in 1/sr; 0 marks a wasted sample
+};
+
+// fon: Rough diffuse without a dark ring. Reciprocal; never gains energy, but loses up to 22 %.
+struct Fon {
+    float3 rho;  // single-scattering albedo, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
+    float roughness;  // unitless r; not the Oren-Nayar angle sigma; 0 to 1, default 0.5
+};
+
+// Results of coefficients.
+struct FonCoefficients {
+    float a;
+    float b;
+    float c;
+    float d;
+};
+
+// s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
+//
+// s is divided by a cosine that may be tiny, so its last bits count: the rounding error of one
+// product is carried along (Kahan), which plain wi.x wo.x + wi.y wo.y or dot(wi, wo) - mu_i mu_o loses.
+inline float fon_tangential_dot(float3 wi, float3 wo) {
+    float q = wi.y * wo.y;
+    float error = fma(wi.y, wo.y, -q);
+    return fma(wi.x, wo.x, q) + error;
+}
+
+// s / max(mu_i, mu_o), finite for two directions in the horizon.
+inline float fon_s_over_max(float s, float3 wi, float3 wo) {
+    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    const float mu_min = 1.0e-18;
+    return s / max(max(wi.z, wo.z), mu_min);
+}
+
+// 1 + r s/t with Eq. 11: the angular shape of FON and of EON's single scattering.
+inline float fon_fujii_shape(float3 wi, float3 wo, float r) {
+    float s = fon_tangential_dot(wi, wo);
+    // 1 + s = (|t_i + t_o|^2 + mu_i^2 + mu_o^2) / 2 with the tangential parts t: nothing cancels when
+    // wi is the mirror direction of a grazing wo, where 1 + s goes to 0.
+    float x = wi.x + wo.x;
+    float y = wi.y + wo.y;
+    float one_plus_s = 0.5 * (x * x + y * y + wi.z * wi.z + wo.z * wo.z);
+    return s > 0.0 ? 1.0 + r * fon_s_over_max(s, wi, wo) : 1.0 - r + r * one_plus_s;
+}
+
+// Eq. 10: BRDF value in 1/sr, without the cosine.
+inline float3 fon_eval(Fon params, float3 wi, float3 wo) {
+    const float inv_pi = 0.31830987;
+    const float C1 = 0.2877934;  // A_F = 1 / (1 + C1 r)
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return float3(0.0);
+    }
+    float r = params.roughness;
+    return params.rho * (inv_pi / (1.0 + C1 * r) * fon_fujii_shape(wi, wo, r));
+}
+
+// P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
+inline float fon_uniform_share(float mu, float r) {
+    // Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32.
+    const float R_MIN = 1.0e-37;
+    float fit = 0.162925 + mu * (-0.372058 + (0.538233 - 0.290822 * mu) * mu);
+    return r > 0.0 ? pow(max(r, R_MIN), 0.1) * fit : 0.0;
+}
+
+// A direction with density 1 / (2 pi).
+inline float3 fon_sample_uniform(float2 u) {
+    const float two_pi = 6.2831855;
+    // z = 1 - u instead of u: random numbers lie in [0, 1), so z never becomes 0.
+    float z = 1.0 - u.x;
+    float r = sqrt(max(u.x * (1.0 + z), 0.0));
+    float phi = two_pi * u.y;
+    return float3(r * cos(phi), r * sin(phi), z);
+}
+
+// a, b, c, d of M = [[a, 0, b], [0, c, 0], [d, 0, 1]] (Eq. 25, Listing 2) at mu = wo.z.
+inline FonCoefficients fon_coefficients(float mu, float r) {
+    float a = 1.0 + r * (0.303392 + (-0.518982 + 0.111709 * mu) * mu
+        + (-0.276266 + 0.335918 * mu) * r);
+    float b = r * (-1.16407 + 1.15859 * mu + (0.150815 - 0.150105 * mu) * r)
+        / (mu * mu * mu - 1.43545);
+    float c = 1.0 + (0.20013 + (-0.506373 + 0.261777 * mu) * mu) * r;
+    // Numerator and denominator of d nearly vanish at mu = 1: the paper's polynomials in mu,
+    // 0.540852 - 1.01625 mu + 0.475392 mu^2 and -1.0743 + 0.0725628 mu + mu^2, are written in k = 1 - mu.
+    float k = 1.0 - mu;
+    float d = r * (-6.0e-6 + (0.065466 + 0.475392 * k) * k) / (-0.0017372 - (2.0725627 - k) * k);
+    return FonCoefficients{a, b, c, d};
+}
+
+// Share of the unit disk that clipping keeps (Eq. 28): (1 + cos(theta_P)) / 2.
+inline float fon_kept_area(float d) {
+    return 0.5 + 0.5 / sqrt(1.0 + d * d);
+}
+
+// Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
+inline float2 fon_azimuth(float3 wo) {
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
+    // of its reciprocal still fits into a float32.
+    const float SIN2_MIN = 1.0e-18;
+    float sin2 = wo.x * wo.x + wo.y * wo.y;
+    bool tilted = sin2 > SIN2_MIN;
+    float inv = 1.0 / sqrt(max(sin2, SIN2_MIN));
+    return float2(tilted ? wo.x * inv : 1.0, tilted ? wo.y * inv : 0.0);
+}
+
+inline float3 fon_from_frame(float3 w, float2 axis) {
+    return float3(axis.x * w.x - axis.y * w.y, axis.y * w.x + axis.x * w.y, w.z);
+}
+
+// M applied to the cosine lobe's direction above (x, y), turned to wo's azimuth, normalised.
+inline float3 fon_transform(float x, float y, float3 wo, float r, float d) {
+    FonCoefficients coefficients_result = fon_coefficients(wo.z, r);
+    float a = coefficients_result.a;
+    float b = coefficients_result.b;
+    float c = coefficients_result.c;
+    float z = sqrt(max(1.0 - x * x - y * y, 0.0));
+    return normalize(fon_from_frame(float3(a * x + b * z, c * y, d * x + z), fon_azimuth(wo)));
+}
+
+// Clipped to the directions that M keeps above the horizon (Listing 3).
+inline float3 fon_sample_cltc(float3 wo, float r, float2 u) {
+    const float two_pi = 6.2831855;
+    // A sample that rounding pushed below the horizon is lifted to this cosine, 1/16 of a float32 epsilon.
+    const float Z_MIN = 7.450581e-9;
+    FonCoefficients coefficients_result = fon_coefficients(wo.z, r);
+    float d = coefficients_result.d;
+    float R = sqrt(max(u.x, 0.0));
+    float phi = two_pi * u.y;
+    float y = R * sin(phi);
+    // A half-disk and a half-ellipse (Heitz 2018); the plane cuts the side on which d x is negative.
+    float x = mix(sqrt(max(1.0 - y * y, 0.0)), R * cos(phi), fon_kept_area(d));
+    float3 wi = fon_transform(d < 0.0 ? -x : x, y, wo, r, d);
+    return float3(wi.x, wi.y, max(wi.z, Z_MIN));
+}
+
+// CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
+inline float3 fon_sample_cltc_uniform(float3 wo, float r, float2 u) {
+    // Smallest probability that is divided by; the smallest one above 0 is 8e-6, at R_MIN.
+    const float P_MIN = 1.0e-6;
+    float P_u = fon_uniform_share(wo.z, r);
+    bool uniform = u.x < P_u;
+    float u1 = uniform ? u.x / max(P_u, P_MIN) : (u.x - P_u) / (1.0 - P_u);
+    float3 w_u = fon_sample_uniform(float2(u1, u.y));
+    float3 w_c = fon_sample_cltc(wo, r, float2(u1, u.y));
+    return uniform ? w_u : w_c;
+}
+
+inline float3 fon_to_frame(float3 w, float2 axis) {
+    return float3(axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z);
+}
+
+// Density of `_transform` for an unclipped cosine lobe (Eq. 23 and 24).
+inline float fon_cltc_pdf(float3 wi, float3 wo, float r, float d) {
+    const float inv_pi = 0.31830987;
+    FonCoefficients coefficients_result = fon_coefficients(wo.z, r);
+    float a = coefficients_result.a;
+    float b = coefficients_result.b;
+    float c = coefficients_result.c;
+    float3 w = fon_to_frame(wi, fon_azimuth(wo));
+    float det = c * (a - b * d);
+    // det(M) times the inverse of M, applied to w
+    float3 h = float3(c * (w.x - b * w.z), (a - b * d) * w.y, c * (a * w.z - d * w.x));
+    float inv2 = 1.0 / dot(h, h);
+    return inv_pi * det * det * inv2 * inv2 * max(h.z, 0.0);
+}
+
+// Density of `sample_cltc`.
+inline float fon_pdf_cltc(float3 wi, float3 wo, float r) {
+    FonCoefficients coefficients_result = fon_coefficients(wo.z, r);
+    float d = coefficients_result.d;
+    return fon_cltc_pdf(wi, wo, r, d) / fon_kept_area(d);
+}
+
+// Density of `sample_uniform` in 1/sr.
+inline float fon_pdf_uniform() {
+    const float inv_two_pi = 0.15915494;
+    return inv_two_pi;
+}
+
+// Density of `sample_cltc_uniform`.
+inline float fon_pdf_cltc_uniform(float3 wi, float3 wo, float r) {
+    float P_u = fon_uniform_share(wo.z, r);
+    return mix(fon_pdf_cltc(wi, wo, r), fon_pdf_uniform(), P_u);
+}
+
+// Density of `sample` in 1/sr.
+inline float fon_pdf(Fon params, float3 wi, float3 wo) {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return 0.0;
+    }
+    return fon_pdf_cltc_uniform(wi, wo, params.roughness);
+}
+
+// EON's CLTC with a uniform lobe, made for the same shape.
+inline FonSample fon_sample(Fon params, float3 wo, float2 u) {
+    if (wo.z <= 0.0) {  // below the horizon
+        return FonSample{float3(0.0, 0.0, 1.0), 0.0};
+    }
+    float3 wi = fon_sample_cltc_uniform(wo, params.roughness, u);
+    return FonSample{wi, fon_pdf(params, wi, wo)};
+}
+
+// Twice the arc tangent, for v in [-1, 1].
+inline float fon_twice_atan(float v) {
+    const float ATAN_4 = 0.21281867;
+    const float ATAN_5 = -0.15008585;
+    const float ATAN_6 = 0.085383;
+    const float ATAN_7 = -0.03213723;
+    const float ATAN_8 = 0.005699773;
+    const float ATAN_0 = 2.0;  // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const float ATAN_1 = -0.66666144;
+    const float ATAN_2 = 0.3998524;
+    const float ATAN_3 = -0.28407288;
+    float q = v * v;
+    float p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
+    return v * (ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p))));
+}
+
+// Arc cosine of x limited to [-1, 1]: twice the angle whose tangent is sin / (1 + x).
+inline float fon_safe_acos(float x) {
+    const float pi = 3.1415927;
+    float a = min(abs(x), 1.0);
+    float angle = fon_twice_atan(sqrt(max((1.0 - a) * (1.0 + a), 0.0)) / (1.0 + a));
+    return x < 0.0 ? pi - angle : angle;
+}
+
+// Eq. 8: the integral of s/t (Eq. 4) times the cosine, at a cosine mu in [0, 1]; pi/2 at mu = 0.
+inline float fon_G_qualitative(float mu) {
+    float s = sqrt(max((1.0 - mu) * (1.0 + mu), 0.0));
+    // The paper has tan(theta) (1 - s^3); with 1 - s = mu^2 / (1 + s) the division by mu cancels.
+    return s * (fon_safe_acos(mu) - s * mu) + 2.0 / 3.0 * s * mu * (1.0 + s + s * s) / (1.0 + s);
+}
+
+// Eq. 13: the same for s/t of Eq. 11.
+inline float fon_G_fujii(float mu) {
+    return fon_G_qualitative(mu) - 2.0 / 3.0 * sqrt(max((1.0 - mu) * (1.0 + mu), 0.0));
+}
+
+// Eq. 12.
+inline float3 fon_albedo(Fon params, float3 wo) {
+    const float inv_pi = 0.31830987;
+    const float C1 = 0.2877934;
+    if (wo.z < 0.0) {  // below the horizon
+        return float3(0.0);
+    }
+    float r = params.roughness;
+    return params.rho * ((1.0 + r * inv_pi * fon_G_fujii(wo.z)) / (1.0 + C1 * r));
+}

@@ -1,0 +1,291 @@
+// Metallic-roughness: one colour, a metalness and a roughness, the way games describe materials.
+//
+// Source: "PBR theory, part 1: foundations" (SZ's temple, 2019), section 4, after Burley 2012: Lambert with
+// k_d = 1 - F and c_d = base_color (1 - metallic), Cook-Torrance with GGX, Smith and Schlick, F0 between
+// 0.04 and the base colour. The text leaves Smith's form open: both are here.
+// Deviation: alpha = roughness^2 is at least ALPHA_MIN, where the highlight still is a function.
+//
+// GLSL 4.5, made by gonio 0.1.0 from gonio/models/metallic_roughness.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// albedo has no closed form here; it takes many evaluations, for tables and previews.
+
+// A sampled direction and its density.
+struct MetallicRoughnessSample {
+    vec3 wi;  // direction towards the light, unit, local frame
+    float pdf;  // its density in 1/sr; 0 marks a wasted sample
+};
+
+// metallic_roughness: Diffuse below a GGX highlight, which takes its share of the light facet by facet.
+// Reciprocal.
+// Exported with masking='smith_correlated'.
+struct MetallicRoughness {
+    // diffuse colour, or F0 of metals, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
+    vec3 base_color;
+    float metallic;  // 0 for dielectrics, 1 for metals; 0 to 1, default 0
+    float roughness;  // perceptual roughness, alpha = roughness^2; 0 to 1, default 0.5
+};
+
+// Results of choose.
+struct MetallicRoughnessChoose {
+    bool first;
+    vec2 second;
+};
+
+float metallic_roughness_alpha(MetallicRoughness params) {
+    // Sharpest facets: a float32 direction is good to 6e-8, a thousandth of this width, so the shape of the
+    // highlight is still resolved. The peak of D, 3e7, and its derivatives fit into a float32.
+    const float ALPHA_MIN = 1.0e-4;
+    return max(params.roughness * params.roughness, ALPHA_MIN);
+}
+
+vec3 metallic_roughness_f0(MetallicRoughness params) {
+    const float F0_DIELECTRIC = 0.04;  // Reflectance of every dielectric at normal incidence.
+    return mix(vec3(F0_DIELECTRIC), params.base_color, vec3(params.metallic));
+}
+
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+float metallic_roughness_cos_half(vec3 wi, vec3 wo) {
+    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    const float mu_min = 1.0e-18;
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return min(0.5 * length(wi + vec3(wo.x, wo.y, wo.z + mu_min)), 1.0);
+}
+
+// (1 - c)^5 at c = wo . m, the half vector's cosine.
+float metallic_roughness_schlick_weight_half(vec3 wi, vec3 wo) {
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
+    // weight keeps its digits where the two meet and it goes to 0.
+    vec3 apart = wi - wo;
+    float k = 0.25 * dot(apart, apart) / (1.0 + metallic_roughness_cos_half(wi, wo));
+    float k2 = k * k;
+    return k2 * k2 * k;
+}
+
+// 1 - (1 - c)^5, with the factor c taken out so that it keeps its digits as c goes to 0.
+float metallic_roughness_schlick_complement(float c) {
+    float k = 1.0 - c;
+    float k2 = k * k;
+    return c * ((1.0 + k) * (1.0 + k2) + k2 * k2);
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+vec3 metallic_roughness_half_vector(vec3 wi, vec3 wo) {
+    const float mu_min = 1.0e-18;
+    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
+    // directions in the horizon.
+    return normalize(wi + vec3(wo.x, wo.y, wo.z + mu_min));
+}
+
+// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+float metallic_roughness_D_ggx(vec3 m, float alpha_x, float alpha_y) {
+    const float inv_pi = 0.31830987;
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    vec3 v = vec3(m.x / alpha_x, m.y / alpha_y, m.z);
+    float s = dot(v, v);
+    return inv_pi / (alpha_x * alpha_y * s * s);
+}
+
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
+float metallic_roughness_ggx_length(vec3 w, float alpha_x, float alpha_y) {
+    return length(vec3(alpha_x * w.x, alpha_y * w.y, w.z));
+}
+
+// G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
+float metallic_roughness_V_smith_correlated_ggx(vec3 wi, vec3 wo, float alpha_x,
+    float alpha_y) {
+    float length_i = metallic_roughness_ggx_length(wi, alpha_x, alpha_y);
+    float length_o = metallic_roughness_ggx_length(wo, alpha_x, alpha_y);
+    return 0.5 / (wo.z * length_i + wi.z * length_o);
+}
+
+// BRDF value in 1/sr, without the cosine.
+vec3 metallic_roughness_eval(MetallicRoughness params, vec3 wi, vec3 wo) {
+    const float inv_pi = 0.31830987;
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return vec3(0.0);
+    }
+    float alpha = metallic_roughness_alpha(params);
+    vec3 f0 = metallic_roughness_f0(params);
+    vec3 F = mix(f0, vec3(1.0), vec3(metallic_roughness_schlick_weight_half(wi, wo)));
+    // 1 - F without its cancellation
+    vec3 k_d = (1.0 - f0)
+        * metallic_roughness_schlick_complement(metallic_roughness_cos_half(wi, wo));
+    vec3 diffuse = inv_pi * (1.0 - params.metallic) * params.base_color * k_d;
+    float D = metallic_roughness_D_ggx(metallic_roughness_half_vector(wi, wo), alpha, alpha);
+    return diffuse + F * (D * metallic_roughness_V_smith_correlated_ggx(wi, wo, alpha, alpha));
+}
+
+// Mean of the three channels, by which lobes are weighed against each other.
+float metallic_roughness_average(vec3 color) {
+    return (color.x + color.y + color.z) / 3.0;
+}
+
+// (1 - cos_theta)^5 of Schlick's approximation.
+float metallic_roughness_schlick_weight(float cos_theta) {
+    float k = 1.0 - cos_theta;
+    float k2 = k * k;
+    return k2 * k2 * k;
+}
+
+float metallic_roughness_raised(float probability) {
+    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+    const float SHARE_LEAST = 0.1;
+    const float ESTIMATE_TRUST = 50.0;
+    return max(probability, min(SHARE_LEAST, ESTIMATE_TRUST * probability));
+}
+
+// Probabilities of two lobes with the given albedos; the first is certain if both are black.
+vec2 metallic_roughness_lobes_shares(float first, float second) {
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
+    // that can be seen is that small.
+    const float BLACK = 1.0e-20;
+    float inv = 1.0 / (first + second + BLACK);
+    float a = metallic_roughness_raised((first + BLACK) * inv);
+    float b = metallic_roughness_raised(second * inv);
+    // The smaller one by itself: 1 minus a probability near 1 has no digits left.
+    bool smaller = first < second;
+    return vec2(mix(1.0 - b, a, smaller), mix(b, 1.0 - a, smaller));
+}
+
+// Probabilities of the diffuse lobe and of the highlight.
+vec2 metallic_roughness_shares(MetallicRoughness params, vec3 wo) {
+    vec3 f0 = metallic_roughness_f0(params);
+    vec3 diffuse = (1.0 - params.metallic) * params.base_color * (1.0 - f0);
+    return metallic_roughness_lobes_shares(metallic_roughness_average(diffuse),
+        metallic_roughness_average(mix(f0, vec3(1.0), vec3(metallic_roughness_schlick_weight(wo.z)))));
+}
+
+// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
+MetallicRoughnessChoose metallic_roughness_choose(float probability, vec2 u) {
+    // Smallest probability that is divided by: a random number falls below it once in a million million.
+    const float SHARE_MIN = 1.0e-12;
+    // The largest float32 below 1, up to which random numbers go.
+    const float RANDOM_MAX = 0.99999994;
+    bool first = u.x < probability;
+    float below = u.x / max(probability, SHARE_MIN);
+    float above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
+    return MetallicRoughnessChoose(first, vec2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y));
+}
+
+// A direction with density cos(theta) / pi.
+vec3 metallic_roughness_sample_cosine(vec2 u) {
+    const float two_pi = 6.2831855;
+    float r = sqrt(max(u.x, 0.0));
+    float phi = two_pi * u.y;
+    return vec3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
+}
+
+// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+vec3 metallic_roughness_sample_ggx_visible(vec3 wo, float alpha_x, float alpha_y, vec2 u) {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const float RANDOM_MARGIN = 5.9604645e-8;
+    const float two_pi = 6.2831855;
+    vec3 w = normalize(vec3(alpha_x * wo.x, alpha_y * wo.y, wo.z));
+    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    float drop = u1 * (1.0 + w.z);
+    float r = sqrt(max(drop * (2.0 - drop), 0.0));
+    float phi = two_pi * u.y;
+    vec3 h = vec3(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
+    return normalize(vec3(alpha_x * h.x, alpha_y * h.y, h.z));
+}
+
+// wo mirrored at a facet with normal m; it may leave below the horizon.
+vec3 metallic_roughness_mirror(vec3 wo, vec3 m) {
+    return 2.0 * dot(wo, m) * m - wo;
+}
+
+// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+//
+// No sample is wasted, and as the density is the sum of both, no weight grows.
+vec3 metallic_roughness_sample_ggx_lobe(vec3 wo, float alpha_x, float alpha_y, vec2 u) {
+    vec3 w = metallic_roughness_mirror(wo,
+        metallic_roughness_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+    return vec3(w.x, w.y, abs(w.z));
+}
+
+// A direction of one of the two lobes; shares: the probabilities of the matte one and of the other.
+vec3 metallic_roughness_sample_matte_gloss(vec3 wo, float alpha, vec2 shares, vec2 u) {
+    MetallicRoughnessChoose choose_result = metallic_roughness_choose(shares.x, u);
+    bool matte = choose_result.first;
+    vec2 v = choose_result.second;
+    return mix(metallic_roughness_sample_ggx_lobe(wo, alpha, alpha, v),
+        metallic_roughness_sample_cosine(v), bvec3(matte));
+}
+
+// Density of `sample_cosine` in 1/sr, for w above the horizon.
+float metallic_roughness_pdf_cosine(vec3 w) {
+    const float inv_pi = 0.31830987;
+    return w.z * inv_pi;
+}
+
+// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+float metallic_roughness_pdf_ggx_visible(vec3 wo, vec3 m, float alpha_x, float alpha_y) {
+    return metallic_roughness_D_ggx(m, alpha_x, alpha_y)
+        / (2.0 * (wo.z + metallic_roughness_ggx_length(wo, alpha_x, alpha_y)));
+}
+
+// Density of `sample_ggx_lobe` in 1/sr.
+float metallic_roughness_pdf_ggx_lobe(vec3 wi, vec3 wo, float alpha_x, float alpha_y) {
+    float straight = metallic_roughness_pdf_ggx_visible(wo, metallic_roughness_half_vector(wi, wo),
+        alpha_x, alpha_y);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    bool exists = wo.z > wi.z;
+    vec3 image = vec3(wi.x, wi.y, exists ? -wi.z : wi.z);
+    float folded = metallic_roughness_pdf_ggx_visible(wo, metallic_roughness_half_vector(image, wo),
+        alpha_x, alpha_y);
+    return straight + (exists ? folded : 0.0);
+}
+
+// Density of `sample_matte_gloss` in 1/sr.
+float metallic_roughness_pdf_matte_gloss(vec3 wi, vec3 wo, float alpha, vec2 shares) {
+    return shares.x * metallic_roughness_pdf_cosine(wi)
+        + shares.y * metallic_roughness_pdf_ggx_lobe(wi, wo, alpha, alpha);
+}
+
+// Density of `sample` in 1/sr.
+float metallic_roughness_pdf(MetallicRoughness params, vec3 wi, vec3 wo) {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return 0.0;
+    }
+    return metallic_roughness_pdf_matte_gloss(wi, wo, metallic_roughness_alpha(params),
+        metallic_roughness_shares(params, wo));
+}
+
+// Cosine-weighted or a visible GGX normal, by the estimated albedos.
+MetallicRoughnessSample metallic_roughness_sample(MetallicRoughness params, vec3 wo, vec2 u) {
+    if (wo.z <= 0.0) {  // below the horizon
+        return MetallicRoughnessSample(vec3(0.0, 0.0, 1.0), 0.0);
+    }
+    vec3 wi = metallic_roughness_sample_matte_gloss(wo, metallic_roughness_alpha(params),
+        metallic_roughness_shares(params, wo), u);
+    return MetallicRoughnessSample(wi, metallic_roughness_pdf(params, wi, wo));
+}
+
+// Directional albedo of a model without a closed form: the mean weight of its own samples.
+//
+// For tables and previews; the random numbers are a Fibonacci lattice.
+vec3 metallic_roughness_albedo(MetallicRoughness params, vec3 wo) {
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const float HORIZON = 1.0e-6;
+    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    const float ALBEDO_SAMPLES = 987.0;
+    const float GOLDEN = 0.618034;
+    const float mu_min = 1.0e-18;
+    if (wo.z < 0.0) {  // below the horizon
+        return vec3(0.0);
+    }
+    vec3 w = vec3(wo.x, wo.y, max(wo.z, HORIZON));
+    vec3 total = vec3(0.0, 0.0, 0.0);
+    for (int i_step = 0; i_step < 987; ++i_step) {
+        float i = float(i_step);
+        vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
+        MetallicRoughnessSample drawn = metallic_roughness_sample(params, w, u);
+        float weight = mix(0.0, drawn.wi.z / max(drawn.pdf, mu_min), drawn.pdf > 0.0);
+        total = total + metallic_roughness_eval(params, drawn.wi, w) * weight;
+    }
+    return total / ALBEDO_SAMPLES;
+}

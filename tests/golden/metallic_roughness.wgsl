@@ -1,0 +1,296 @@
+// Metallic-roughness: one colour, a metalness and a roughness, the way games describe materials.
+//
+// Source: "PBR theory, part 1: foundations" (SZ's temple, 2019), section 4, after Burley 2012: Lambert with
+// k_d = 1 - F and c_d = base_color (1 - metallic), Cook-Torrance with GGX, Smith and Schlick, F0 between
+// 0.04 and the base colour. The text leaves Smith's form open: both are here.
+// Deviation: alpha = roughness^2 is at least ALPHA_MIN, where the highlight still is a function.
+//
+// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/metallic_roughness.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// albedo has no closed form here; it takes many evaluations, for tables and previews.
+
+// A sampled direction and its density.
+struct MetallicRoughnessSample {
+    wi: vec3f,  // direction towards the light, unit, local frame
+    pdf: f32,  // its density in 1/sr; 0 marks a wasted sample
+}
+
+// metallic_roughness: Diffuse below a GGX highlight, which takes its share of the light facet by facet.
+// Reciprocal.
+// Exported with masking='smith_correlated'.
+struct MetallicRoughness {
+    // diffuse colour, or F0 of metals, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
+    base_color: vec3f,
+    metallic: f32,  // 0 for dielectrics, 1 for metals; 0 to 1, default 0
+    roughness: f32,  // perceptual roughness, alpha = roughness^2; 0 to 1, default 0.5
+}
+
+// Results of choose.
+struct MetallicRoughnessChoose {
+    first: bool,
+    second: vec2f,
+}
+
+fn metallic_roughness_alpha(params: MetallicRoughness) -> f32 {
+    // Sharpest facets: a float32 direction is good to 6e-8, a thousandth of this width, so the shape of the
+    // highlight is still resolved. The peak of D, 3e7, and its derivatives fit into a float32.
+    const ALPHA_MIN = 1.0e-4;
+    return max(params.roughness * params.roughness, ALPHA_MIN);
+}
+
+fn metallic_roughness_f0(params: MetallicRoughness) -> vec3f {
+    const F0_DIELECTRIC = 0.04;  // Reflectance of every dielectric at normal incidence.
+    return mix(vec3f(F0_DIELECTRIC), params.base_color, vec3f(params.metallic));
+}
+
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+fn metallic_roughness_cos_half(wi: vec3f, wo: vec3f) -> f32 {
+    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    const mu_min = 1.0e-18;
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return min(0.5 * length(wi + vec3f(wo.x, wo.y, wo.z + mu_min)), 1.0);
+}
+
+// (1 - c)^5 at c = wo . m, the half vector's cosine.
+fn metallic_roughness_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
+    // weight keeps its digits where the two meet and it goes to 0.
+    let apart = wi - wo;
+    let k = 0.25 * dot(apart, apart) / (1.0 + metallic_roughness_cos_half(wi, wo));
+    let k2 = k * k;
+    return k2 * k2 * k;
+}
+
+// 1 - (1 - c)^5, with the factor c taken out so that it keeps its digits as c goes to 0.
+fn metallic_roughness_schlick_complement(c: f32) -> f32 {
+    let k = 1.0 - c;
+    let k2 = k * k;
+    return c * ((1.0 + k) * (1.0 + k2) + k2 * k2);
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn metallic_roughness_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    const mu_min = 1.0e-18;
+    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
+    // directions in the horizon.
+    return normalize(wi + vec3f(wo.x, wo.y, wo.z + mu_min));
+}
+
+// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+fn metallic_roughness_D_ggx(m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    const inv_pi = 0.31830987;
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    let v = vec3f(m.x / alpha_x, m.y / alpha_y, m.z);
+    let s = dot(v, v);
+    return inv_pi / (alpha_x * alpha_y * s * s);
+}
+
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
+fn metallic_roughness_ggx_length(w: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    return length(vec3f(alpha_x * w.x, alpha_y * w.y, w.z));
+}
+
+// G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
+fn metallic_roughness_V_smith_correlated_ggx(wi: vec3f, wo: vec3f, alpha_x: f32,
+    alpha_y: f32) -> f32 {
+    let length_i = metallic_roughness_ggx_length(wi, alpha_x, alpha_y);
+    let length_o = metallic_roughness_ggx_length(wo, alpha_x, alpha_y);
+    return 0.5 / (wo.z * length_i + wi.z * length_o);
+}
+
+// BRDF value in 1/sr, without the cosine.
+fn metallic_roughness_eval(params: MetallicRoughness, wi: vec3f, wo: vec3f) -> vec3f {
+    const inv_pi = 0.31830987;
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return vec3f(0.0);
+    }
+    let alpha = metallic_roughness_alpha(params);
+    let f0 = metallic_roughness_f0(params);
+    let F = mix(f0, vec3f(1.0), vec3f(metallic_roughness_schlick_weight_half(wi, wo)));
+    // 1 - F without its cancellation
+    let k_d = (1.0 - f0) * metallic_roughness_schlick_complement(metallic_roughness_cos_half(wi,
+        wo));
+    let diffuse = inv_pi * (1.0 - params.metallic) * params.base_color * k_d;
+    let D = metallic_roughness_D_ggx(metallic_roughness_half_vector(wi, wo), alpha, alpha);
+    return diffuse + F * (D * metallic_roughness_V_smith_correlated_ggx(wi, wo, alpha, alpha));
+}
+
+// Mean of the three channels, by which lobes are weighed against each other.
+fn metallic_roughness_average(color: vec3f) -> f32 {
+    return (color.x + color.y + color.z) / 3.0;
+}
+
+// (1 - cos_theta)^5 of Schlick's approximation.
+fn metallic_roughness_schlick_weight(cos_theta: f32) -> f32 {
+    let k = 1.0 - cos_theta;
+    let k2 = k * k;
+    return k2 * k2 * k;
+}
+
+fn metallic_roughness_raised(probability: f32) -> f32 {
+    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+    const SHARE_LEAST = 0.1;
+    const ESTIMATE_TRUST = 50.0;
+    return max(probability, min(SHARE_LEAST, ESTIMATE_TRUST * probability));
+}
+
+// Probabilities of two lobes with the given albedos; the first is certain if both are black.
+fn metallic_roughness_lobes_shares(first: f32, second: f32) -> vec2f {
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
+    // that can be seen is that small.
+    const BLACK = 1.0e-20;
+    let inv = 1.0 / (first + second + BLACK);
+    let a = metallic_roughness_raised((first + BLACK) * inv);
+    let b = metallic_roughness_raised(second * inv);
+    // The smaller one by itself: 1 minus a probability near 1 has no digits left.
+    let smaller = first < second;
+    return vec2f(select(1.0 - b, a, smaller), select(b, 1.0 - a, smaller));
+}
+
+// Probabilities of the diffuse lobe and of the highlight.
+fn metallic_roughness_shares(params: MetallicRoughness, wo: vec3f) -> vec2f {
+    let f0 = metallic_roughness_f0(params);
+    let diffuse = (1.0 - params.metallic) * params.base_color * (1.0 - f0);
+    return metallic_roughness_lobes_shares(metallic_roughness_average(diffuse),
+        metallic_roughness_average(mix(f0, vec3f(1.0),
+            vec3f(metallic_roughness_schlick_weight(wo.z)))));
+}
+
+// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
+fn metallic_roughness_choose(probability: f32, u: vec2f) -> MetallicRoughnessChoose {
+    // Smallest probability that is divided by: a random number falls below it once in a million million.
+    const SHARE_MIN = 1.0e-12;
+    const RANDOM_MAX = 0.99999994;  // The largest float32 below 1, up to which random numbers go.
+    let first = u.x < probability;
+    let below = u.x / max(probability, SHARE_MIN);
+    let above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
+    return MetallicRoughnessChoose(first,
+        vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
+}
+
+// A direction with density cos(theta) / pi.
+fn metallic_roughness_sample_cosine(u: vec2f) -> vec3f {
+    const two_pi = 6.2831855;
+    let r = sqrt(max(u.x, 0.0));
+    let phi = two_pi * u.y;
+    return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
+}
+
+// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+fn metallic_roughness_sample_ggx_visible(wo: vec3f, alpha_x: f32, alpha_y: f32,
+    u: vec2f) -> vec3f {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const RANDOM_MARGIN = 5.9604645e-8;
+    const two_pi = 6.2831855;
+    let w = normalize(vec3f(alpha_x * wo.x, alpha_y * wo.y, wo.z));
+    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    let drop = u1 * (1.0 + w.z);
+    let r = sqrt(max(drop * (2.0 - drop), 0.0));
+    let phi = two_pi * u.y;
+    let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
+    return normalize(vec3f(alpha_x * h.x, alpha_y * h.y, h.z));
+}
+
+// wo mirrored at a facet with normal m; it may leave below the horizon.
+fn metallic_roughness_mirror(wo: vec3f, m: vec3f) -> vec3f {
+    return 2.0 * dot(wo, m) * m - wo;
+}
+
+// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+//
+// No sample is wasted, and as the density is the sum of both, no weight grows.
+fn metallic_roughness_sample_ggx_lobe(wo: vec3f, alpha_x: f32, alpha_y: f32,
+    u: vec2f) -> vec3f {
+    let w = metallic_roughness_mirror(wo,
+        metallic_roughness_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+    return vec3f(w.x, w.y, abs(w.z));
+}
+
+// A direction of one of the two lobes; shares: the probabilities of the matte one and of the other.
+fn metallic_roughness_sample_matte_gloss(wo: vec3f, alpha: f32, shares: vec2f,
+    u: vec2f) -> vec3f {
+    let choose_result = metallic_roughness_choose(shares.x, u);
+    let matte = choose_result.first;
+    let v = choose_result.second;
+    return select(metallic_roughness_sample_ggx_lobe(wo, alpha, alpha, v),
+        metallic_roughness_sample_cosine(v), matte);
+}
+
+// Density of `sample_cosine` in 1/sr, for w above the horizon.
+fn metallic_roughness_pdf_cosine(w: vec3f) -> f32 {
+    const inv_pi = 0.31830987;
+    return w.z * inv_pi;
+}
+
+// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+fn metallic_roughness_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    return metallic_roughness_D_ggx(m, alpha_x, alpha_y)
+        / (2.0 * (wo.z + metallic_roughness_ggx_length(wo, alpha_x, alpha_y)));
+}
+
+// Density of `sample_ggx_lobe` in 1/sr.
+fn metallic_roughness_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    let straight = metallic_roughness_pdf_ggx_visible(wo, metallic_roughness_half_vector(wi, wo),
+        alpha_x, alpha_y);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    let exists = wo.z > wi.z;
+    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
+    let folded = metallic_roughness_pdf_ggx_visible(wo, metallic_roughness_half_vector(image, wo),
+        alpha_x, alpha_y);
+    return straight + select(0.0, folded, exists);
+}
+
+// Density of `sample_matte_gloss` in 1/sr.
+fn metallic_roughness_pdf_matte_gloss(wi: vec3f, wo: vec3f, alpha: f32, shares: vec2f) -> f32 {
+    return shares.x * metallic_roughness_pdf_cosine(wi)
+        + shares.y * metallic_roughness_pdf_ggx_lobe(wi, wo, alpha, alpha);
+}
+
+// Density of `sample` in 1/sr.
+fn metallic_roughness_pdf(params: MetallicRoughness, wi: vec3f, wo: vec3f) -> f32 {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return 0.0;
+    }
+    return metallic_roughness_pdf_matte_gloss(wi, wo, metallic_roughness_alpha(params),
+        metallic_roughness_shares(params, wo));
+}
+
+// Cosine-weighted or a visible GGX normal, by the estimated albedos.
+fn metallic_roughness_sample(params: MetallicRoughness, wo: vec3f,
+    u: vec2f) -> MetallicRoughnessSample {
+    if (wo.z <= 0.0) {  // below the horizon
+        return MetallicRoughnessSample(vec3f(0.0, 0.0, 1.0), 0.0);
+    }
+    let wi = metallic_roughness_sample_matte_gloss(wo, metallic_roughness_alpha(params),
+        metallic_roughness_shares(params, wo), u);
+    return MetallicRoughnessSample(wi, metallic_roughness_pdf(params, wi, wo));
+}
+
+// Directional albedo of a model without a closed form: the mean weight of its own samples.
+//
+// For tables and previews; the random numbers are a Fibonacci lattice.
+fn metallic_roughness_albedo(params: MetallicRoughness, wo: vec3f) -> vec3f {
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const HORIZON = 1.0e-6;
+    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    const ALBEDO_SAMPLES = 987.0;
+    const GOLDEN = 0.618034;
+    const mu_min = 1.0e-18;
+    if (wo.z < 0.0) {  // below the horizon
+        return vec3f(0.0);
+    }
+    let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
+    var total = vec3f(0.0, 0.0, 0.0);
+    for (var i_step = 0; i_step < 987; i_step++) {
+        let i = f32(i_step);
+        let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
+        let drawn = metallic_roughness_sample(params, w, u);
+        let weight = select(0.0, drawn.wi.z / max(drawn.pdf, mu_min), drawn.pdf > 0.0);
+        total = total + metallic_roughness_eval(params, drawn.wi, w) * weight;
+    }
+    return total / ALBEDO_SAMPLES;
+}

@@ -1,0 +1,505 @@
+// Patina: copper that turns green, from bare metal to a closed layer.
+//
+// Source: Elek, "Layered materials in real-time rendering", CESCG 2010, section 4.2: the layered model of
+// `weidlich_wilkie` with a coat of cuprite that also scatters, faded in by a map.
+// `gonio.textures.growth_map`
+// makes such maps. Spatial variation is the host's business: growth is a number here, and a texture gives
+// each
+// point its own.
+// Deviations: by default light that leaves the coat spreads by 1 / eta^2, without which the metal below is
+// eta^2 = 9.5 times too bright; an option restores the original.
+//
+// HLSL, made by gonio 0.1.0 from gonio/models/patina.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// albedo has no closed form here; it takes many evaluations, for tables and previews.
+
+float3 patina_select(bool3 condition, float3 yes, float3 no) {
+    return float3(condition.x ? yes.x : no.x, condition.y ? yes.y : no.y, condition.z ? yes.z : no.z);
+}
+
+// A sampled direction and its density.
+struct PatinaSample {
+    float3 wi;  // direction towards the light, unit, local frame
+    float pdf;  // its density in 1/sr; 0 marks a wasted sample
+};
+
+// patina: Copper under a growing green layer of cuprite. Reciprocal.
+// Exported with solid_angle='compressed'.
+struct Patina {
+    float growth;  // the map: where it is dark, the patina grows first; 0 to 1, default 0.5
+    float extent;  // from -transition (bare) to 1 + transition (closed); -1 to 2, default 0.45
+    float transition;  // softness of the patina's edges; 0.001 to 1, default 0.65
+    float thickness;  // thickness of the patina, in the unit of sigma_a; 0 to 5, default 1
+    float3 sigma_a;  // absorption; 1 - sigma_a is the colour; 0 to 1, default (0.66, 0.3, 0.42)
+    float alpha;  // slope width of the patina's facets; 0.0001 to 1, default 0.5
+    float bare_alpha;  // slope width of the metal's facets where bare; 0.0001 to 1, default 0.15
+    float grown_alpha;  // slope width of the metal's facets below patina; 0.0001 to 1, default 0.5
+    // the metal's index; the default is copper; 0.01 to 20, default (0.201005, 0.923749, 1.10221)
+    float3 metal_eta;
+    float3 metal_k;  // the metal's extinction; 0 to 20, default (3.91326, 2.45304, 2.14209)
+    // the patina's index; the default is cuprite; 1 to 5, default (2.947821, 3.110926, 3.026471)
+    float3 coat_eta;
+    // the patina's extinction, at its surface only; 0 to 3, default (0.09478703, 0.2044823, 0.6666183)
+    float3 coat_k;
+    float tarnish;  // how much the metal has darkened; a texture can drive it; 0 to 1, default 0.5
+    float3 tarnish_tint;  // colour of the metal at tarnish 1; 0 to 1, default (0.45, 0.2, 0.08)
+};
+
+// Results of shares.
+struct PatinaShares {
+    float2 first;
+    float2 second;
+    float2 third;
+};
+
+// Results of choose.
+struct PatinaChoose {
+    bool first;
+    float2 second;
+};
+
+// extentFactor: 1 - smoothstep(extent - transition, extent + transition, growth).
+float patina_grown(Patina params) {
+    float start = params.extent - params.transition;
+    float t = clamp((params.growth - start) / (2.0 * params.transition), 0.0, 1.0);
+    return (1.0 - t) * (1.0 - t) * (1.0 + 2.0 * t);
+}
+
+float patina_metal_alpha(Patina params) {
+    float grown = patina_grown(params);
+    return (1.0 - grown) * params.bare_alpha + grown * params.grown_alpha;  // not lerp, as in eval
+}
+
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+float patina_cos_half(float3 wi, float3 wo) {
+    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    const float mu_min = 1.0e-18;
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return min(0.5 * length(wi + float3(wo.x, wo.y, wo.z + mu_min)), 1.0);
+}
+
+// Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
+float3 patina_F_conductor(float cos_theta, float3 eta, float3 k) {
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
+    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
+    const float ROOT_MIN = 1.0e-16;
+    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
+    float c = cos_theta;
+    float3 contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
+    float3 half_im = eta * k;
+    float c2 = c * c;
+    float sin2 = 1.0 - c2;
+    float3 w_re = contrast_re + c2;
+    float3 im2 = 4.0 * half_im * half_im;
+    float3 w_abs = sqrt(max(w_re * w_re + im2, (float3)(ROOT_MIN * ROOT_MIN)));
+    // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
+    float3 large = sqrt(0.5 * max(w_abs + abs(w_re), (float3)(ROOT_MIN)));
+    float3 g_re = patina_select(w_re > (float3)(0.0), large, half_im / large);
+    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
+    float3 cross = 2.0 * c * g_re;
+    float3 s_abs2 = c2 + w_abs + cross;
+    float3 p = c2 * w_abs + sin2 * sin2;
+    // One quotient after the other: for a matched index in the horizon the squares would leave a float32
+    float3 R_s = (contrast_re * contrast_re + im2) / s_abs2 / s_abs2;
+    return R_s * (p / (p + cross * sin2));
+}
+
+// The metal's reflectance: its index turns into the patina's as that grows, and it tarnishes.
+float3 patina_metal_F(Patina params, float cos_h) {
+    float grown = patina_grown(params);
+    float3 eta = lerp(params.metal_eta, params.coat_eta, (float3)(grown));
+    float3 k = lerp(params.metal_k, params.coat_k, (float3)(grown));
+    return patina_F_conductor(cos_h, eta, k)
+        * lerp((float3)(1.0), params.tarnish_tint, (float3)(params.tarnish));
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+float3 patina_half_vector(float3 wi, float3 wo) {
+    const float mu_min = 1.0e-18;
+    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
+    // directions in the horizon.
+    return normalize(wi + float3(wo.x, wo.y, wo.z + mu_min));
+}
+
+// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+float patina_D_ggx(float3 m, float alpha_x, float alpha_y) {
+    const float inv_pi = 0.31830987;
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    float3 v = float3(m.x / alpha_x, m.y / alpha_y, m.z);
+    float s = dot(v, v);
+    return inv_pi / (alpha_x * alpha_y * s * s);
+}
+
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
+float patina_ggx_length(float3 w, float alpha_x, float alpha_y) {
+    return length(float3(alpha_x * w.x, alpha_y * w.y, w.z));
+}
+
+// G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
+float patina_V_smith_correlated_ggx(float3 wi, float3 wo, float alpha_x, float alpha_y) {
+    float length_i = patina_ggx_length(wi, alpha_x, alpha_y);
+    float length_o = patina_ggx_length(wo, alpha_x, alpha_y);
+    return 0.5 / (wo.z * length_i + wi.z * length_o);
+}
+
+// D G / (4 mu_i mu_o) of GGX with height-correlated Smith: times F it is a reflection.
+float patina_ggx_facets(float3 wi, float3 wo, float alpha) {
+    float D = patina_D_ggx(patina_half_vector(wi, wo), alpha, alpha);
+    return D * patina_V_smith_correlated_ggx(wi, wo, alpha, alpha);
+}
+
+float3 patina_metal(Patina params, float3 wi, float3 wo, float alpha) {
+    return patina_metal_F(params, patina_cos_half(wi, wo)) * patina_ggx_facets(wi, wo, alpha);
+}
+
+// Mean of the three channels, by which lobes are weighed against each other.
+float patina_average(float3 color) {
+    return (color.x + color.y + color.z) / 3.0;
+}
+
+// 1 - F of a conductor; exact where it nearly vanishes.
+float3 patina_transmittance_conductor(float cos_theta, float3 eta, float3 k) {
+    const float ROOT_MIN = 1.0e-16;
+    // With eps = (eta + i k)^2 and g^2 = eps - 1 + c^2: 1 - R_s = 4 c Re(g) / |c + g|^2, and 1 - R_p is
+    // 4 c Re(conj(g) eps) / |eps c + g|^2.
+    float c = cos_theta;
+    float3 eps_re = (eta - k) * (eta + k);
+    float3 eps_im = 2.0 * eta * k;
+    float3 w_re = (eta - 1.0) * (eta + 1.0) - k * k + c * c;
+    float3 w_abs = sqrt(max(w_re * w_re + eps_im * eps_im, (float3)(ROOT_MIN * ROOT_MIN)));
+    // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
+    float3 large = sqrt(0.5 * max(w_abs + abs(w_re), (float3)(ROOT_MIN)));
+    float3 small = 0.5 * eps_im / large;
+    float3 g_re = patina_select(w_re > (float3)(0.0), large, small);
+    float3 g_im = patina_select(w_re > (float3)(0.0), small, large);
+    float3 s_re = c + g_re;
+    float3 p_re = eps_re * c + g_re;
+    float3 p_im = eps_im * c + g_im;
+    float3 T_s = g_re / (s_re * s_re + g_im * g_im);
+    float3 T_p = (eps_re * g_re + eps_im * g_im) / (p_re * p_re + p_im * p_im);
+    return 2.0 * c * (T_s + T_p);
+}
+
+// T12 t of Eq. 2 and 4 with t = (1 - G) + T21 G, T21 = T12 = T at the half vector, and GGX's G.
+float3 patina_through_facets(float3 wi, float3 wo, float alpha, float3 T) {
+    float G = 4.0 * wi.z * wo.z * patina_V_smith_correlated_ggx(wi, wo, alpha, alpha);
+    return T * (1.0 - G + T * G);
+}
+
+// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
+float patina_refracted_cos2(float mu, float eta) {
+    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and
+    // at the critical one, little else is left.
+    return mad(mu, mu, (eta - 1.0) * (eta + 1.0));
+}
+
+// The direction inside the layer that belongs to w outside; z = 0 where there is none.
+float3 patina_refract(float3 w, float eta) {
+    return float3(w.x, w.y, sqrt(max(patina_refracted_cos2(w.z, eta), 0.0))) / eta;
+}
+
+// Absorption times thickness, for each channel.
+float3 patina_optical_depth(float3 sigma_a, float thickness) {
+    return sigma_a * float3(thickness, thickness, thickness);
+}
+
+float3 patina_depth(Patina params) {
+    return patina_optical_depth(params.sigma_a, params.thickness);
+}
+
+// exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+//
+// wi, wo: refracted directions. depth: absorption times thickness.
+float3 patina_absorbed(float3 depth, float3 wi, float3 wo) {
+    const float mu_min = 1.0e-18;
+    return exp(-depth * (1.0 / max(wi.z, mu_min) + 1.0 / max(wo.z, mu_min)));
+}
+
+// The metal's width under the patina, at least that of the patina itself (Figure 2).
+float patina_below_alpha(Patina params) {
+    return max(patina_metal_alpha(params), params.alpha);
+}
+
+// Eq. 2 with a coat that scatters.
+float3 patina_coated(Patina params, float3 wi, float3 wo) {
+    const float inv_pi = 0.31830987;
+    float cos_h = patina_cos_half(wi, wo);
+    float index = patina_average(params.coat_eta);
+    float3 F = patina_F_conductor(cos_h, params.coat_eta, params.coat_k);
+    float3 T = patina_transmittance_conductor(cos_h, params.coat_eta, params.coat_k);
+    float3 surface = F * patina_ggx_facets(wi, wo, params.alpha)
+        + (1.0 - params.sigma_a) * T * inv_pi;
+
+    float3 through = patina_through_facets(wi, wo, params.alpha, T);
+    through = through / (index * index);
+    float3 wi_t = patina_refract(wi, index);
+    float3 wo_t = patina_refract(wo, index);
+    float3 kept = patina_absorbed(patina_depth(params), wi_t, wo_t);
+    return surface + patina_metal(params, wi_t, wo_t, patina_below_alpha(params)) * through * kept;
+}
+
+// The bare and the coated metal, mixed: BRDF value in 1/sr, without the cosine.
+float3 patina_eval(Patina params, float3 wi, float3 wo) {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return (float3)(0.0);
+    }
+    float grown = patina_grown(params);
+    float3 bare = patina_metal(params, wi, wo, patina_metal_alpha(params));
+    // Not lerp, which may be bare + grown (coated - bare) in a shader: a sharp highlight of a metal that
+    // is all covered would leave its rounding error
+    return (1.0 - grown) * bare + grown * patina_coated(params, wi, wo);
+}
+
+// The most that `absorbed` leaves of light that goes out along wo: it came in along the normal.
+float3 patina_absorbed_least(float3 depth, float3 wo) {
+    float3 up = float3(0.0, 0.0, 1.0);
+    return patina_absorbed(depth, up, wo);
+}
+
+float patina_raised(float probability) {
+    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+    const float SHARE_LEAST = 0.1;
+    const float ESTIMATE_TRUST = 50.0;
+    return max(probability, min(SHARE_LEAST, ESTIMATE_TRUST * probability));
+}
+
+// Probabilities of two lobes with the given albedos; the first is certain if both are black.
+float2 patina_lobes_shares(float first, float second) {
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
+    // that can be seen is that small.
+    const float BLACK = 1.0e-20;
+    float inv = 1.0 / (first + second + BLACK);
+    float a = patina_raised((first + BLACK) * inv);
+    float b = patina_raised(second * inv);
+    // The smaller one by itself: 1 minus a probability near 1 has no digits left.
+    bool smaller = first < second;
+    return float2(smaller ? a : 1.0 - b, smaller ? 1.0 - a : b);
+}
+
+// Probabilities: bare metal or patina; of that, surface or not; of the rest, diffuse or below.
+PatinaShares patina_shares(Patina params, float3 wo) {
+    // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
+    const float LOBE_MIN = 1.0e-12;
+    float grown = patina_grown(params);
+    float3 wo_t = patina_refract(wo, patina_average(params.coat_eta));
+    float3 F = patina_F_conductor(wo.z, params.coat_eta, params.coat_k);
+    float3 T = patina_transmittance_conductor(wo.z, params.coat_eta, params.coat_k);
+    float3 F_metal = patina_metal_F(params, wo.z);
+    float bare = (1.0 - grown) * patina_average(F_metal);
+    float coat = grown * patina_average(F);
+    float diffuse = grown * patina_average((1.0 - params.sigma_a) * T);
+    float3 kept = patina_absorbed_least(patina_depth(params), wo_t);
+    float below = grown * patina_average(T * kept * F_metal) + LOBE_MIN;
+    float inside = diffuse + below;
+    PatinaShares result;
+    result.first = patina_lobes_shares(bare, coat + inside);
+    result.second = patina_lobes_shares(coat, inside);
+    result.third = patina_lobes_shares(diffuse, below);
+    return result;
+}
+
+// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
+PatinaChoose patina_choose(float probability, float2 u) {
+    // Smallest probability that is divided by: a random number falls below it once in a million million.
+    const float SHARE_MIN = 1.0e-12;
+    // The largest float32 below 1, up to which random numbers go.
+    const float RANDOM_MAX = 0.99999994;
+    bool first = u.x < probability;
+    float below = u.x / max(probability, SHARE_MIN);
+    float above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
+    PatinaChoose result;
+    result.first = first;
+    result.second = float2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y);
+    return result;
+}
+
+// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+float3 patina_sample_ggx_visible(float3 wo, float alpha_x, float alpha_y, float2 u) {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const float RANDOM_MARGIN = 5.9604645e-8;
+    const float two_pi = 6.2831855;
+    float3 w = normalize(float3(alpha_x * wo.x, alpha_y * wo.y, wo.z));
+    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    float drop = u1 * (1.0 + w.z);
+    float r = sqrt(max(drop * (2.0 - drop), 0.0));
+    float phi = two_pi * u.y;
+    float3 h = float3(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
+    return normalize(float3(alpha_x * h.x, alpha_y * h.y, h.z));
+}
+
+// wo mirrored at a facet with normal m; it may leave below the horizon.
+float3 patina_mirror(float3 wo, float3 m) {
+    return 2.0 * dot(wo, m) * m - wo;
+}
+
+// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+//
+// No sample is wasted, and as the density is the sum of both, no weight grows.
+float3 patina_sample_ggx_lobe(float3 wo, float alpha_x, float alpha_y, float2 u) {
+    float3 w = patina_mirror(wo, patina_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+    return float3(w.x, w.y, abs(w.z));
+}
+
+// Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
+float patina_critical_cosine(float eta) {
+    return sqrt(max((eta - 1.0) * (eta + 1.0), 0.0)) / eta;
+}
+
+// The outer direction for a direction inside: refracted, or spread out if it cannot leave.
+float3 patina_leave(float3 w, float eta) {
+    const float mu_min = 1.0e-18;
+    // Smallest squared sine whose root is divided by; the azimuth of smaller ones does not matter.
+    const float SIN2_MIN = 1.0e-18;
+    float k = patina_critical_cosine(eta);
+    bool refracted = w.z > k;
+    float spread = min(w.z / max(k, mu_min), 1.0);
+    float cos_refracted = sqrt(max(1.0 - eta * eta * (1.0 - w.z * w.z), 0.0));
+    float z = refracted ? cos_refracted : spread;
+    float sin2 = w.x * w.x + w.y * w.y;
+    float scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
+    // A sample above the horizon stays there, however flat.
+    z = w.z > 0.0 ? max(z, mu_min) : -1.0;
+    return normalize(float3(w.x * scale, w.y * scale, z));
+}
+
+// A direction with density cos(theta) / pi.
+float3 patina_sample_cosine(float2 u) {
+    const float two_pi = 6.2831855;
+    float r = sqrt(max(u.x, 0.0));
+    float phi = two_pi * u.y;
+    return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
+}
+
+// The inner direction that `leave` spreads to w; z = 0 for eta <= 1, which has none.
+float3 patina_gather(float3 w, float eta) {
+    const float SIN2_MIN = 1.0e-18;
+    float k = patina_critical_cosine(eta);
+    float z = k * w.z;
+    float sin2 = w.x * w.x + w.y * w.y;
+    float scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
+    bool near = sin2 < SIN2_MIN;  // no azimuth: any is right
+    float x = near ? sqrt(max(1.0 - z * z, 0.0)) : w.x * scale;
+    return float3(x, near ? 0.0 : w.y * scale, z);
+}
+
+// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+float patina_pdf_ggx_visible(float3 wo, float3 m, float alpha_x, float alpha_y) {
+    return patina_D_ggx(m, alpha_x, alpha_y)
+        / (2.0 * (wo.z + patina_ggx_length(wo, alpha_x, alpha_y)));
+}
+
+// Density of `leave` at w, from the inner density at w_t = refract(w) and at gather(w).
+float patina_pdf_leave(float pdf_refracted, float pdf_gathered, float3 w, float3 w_t,
+    float eta) {
+    const float mu_min = 1.0e-18;
+    // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
+    // k^2, and the cosines are k mu and mu.
+    float jacobian = w_t.z > 0.0 ? w.z / (eta * eta * max(w_t.z, mu_min)) : 0.0;
+    return pdf_refracted * jacobian + pdf_gathered * patina_critical_cosine(eta);
+}
+
+// Density of `sample_cosine` in 1/sr, for w above the horizon.
+float patina_pdf_cosine(float3 w) {
+    const float inv_pi = 0.31830987;
+    return w.z * inv_pi;
+}
+
+// Density of `sample_ggx_lobe` in 1/sr.
+float patina_pdf_ggx_lobe(float3 wi, float3 wo, float alpha_x, float alpha_y) {
+    float straight = patina_pdf_ggx_visible(wo, patina_half_vector(wi, wo), alpha_x, alpha_y);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    bool exists = wo.z > wi.z;
+    float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
+    float folded = patina_pdf_ggx_visible(wo, patina_half_vector(image, wo), alpha_x, alpha_y);
+    return straight + (exists ? folded : 0.0);
+}
+
+// Density of `sample` in 1/sr.
+float patina_pdf(Patina params, float3 wi, float3 wo) {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return 0.0;
+    }
+    PatinaShares shares_result = patina_shares(params, wo);
+    float2 P_bare = shares_result.first;
+    float2 P_coat = shares_result.second;
+    float2 P_diffuse = shares_result.third;
+    float index = patina_average(params.coat_eta);
+    float alpha = patina_metal_alpha(params);
+    float below_alpha = patina_below_alpha(params);
+    float3 wi_t = patina_refract(wi, index);
+    float3 wo_t = patina_refract(wo, index);
+    float3 m = patina_half_vector(wi_t, wo_t);
+    float3 m_gathered = patina_half_vector(patina_gather(wi, index), wo_t);
+    float refracted = patina_pdf_ggx_visible(wo_t, m, below_alpha, below_alpha);
+    float gathered = patina_pdf_ggx_visible(wo_t, m_gathered, below_alpha, below_alpha);
+    float below = patina_pdf_leave(refracted, gathered, wi, wi_t, index);
+    float patina = P_diffuse.x * patina_pdf_cosine(wi) + P_diffuse.y * below;
+    patina = P_coat.x * patina_pdf_ggx_lobe(wi, wo, params.alpha, params.alpha) + P_coat.y * patina;
+    return P_bare.x * patina_pdf_ggx_lobe(wi, wo, alpha, alpha) + P_bare.y * patina;
+}
+
+// One of the bare metal, the patina's surface, its diffuse part, and the metal below.
+PatinaSample patina_sample(Patina params, float3 wo, float2 u) {
+    if (wo.z <= 0.0) {  // below the horizon
+        PatinaSample result;
+        result.wi = float3(0.0, 0.0, 1.0);
+        result.pdf = 0.0;
+        return result;
+    }
+    PatinaShares shares_result = patina_shares(params, wo);
+    float2 P_bare = shares_result.first;
+    float2 P_coat = shares_result.second;
+    float2 P_diffuse = shares_result.third;
+    float index = patina_average(params.coat_eta);
+    float alpha = patina_metal_alpha(params);
+    float below_alpha = patina_below_alpha(params);
+    PatinaChoose choose_result = patina_choose(P_bare.x, u);
+    bool on_bare = choose_result.first;
+    float2 v = choose_result.second;
+    PatinaChoose choose_result_2 = patina_choose(P_coat.x, v);
+    bool on_coat = choose_result_2.first;
+    float2 s = choose_result_2.second;
+    PatinaChoose choose_result_3 = patina_choose(P_diffuse.x, s);
+    bool on_diffuse = choose_result_3.first;
+    float2 t = choose_result_3.second;
+    float3 w_bare = patina_sample_ggx_lobe(wo, alpha, alpha, v);
+    float3 w_coat = patina_sample_ggx_lobe(wo, params.alpha, params.alpha, s);
+    float3 wo_t = patina_refract(wo, index);
+    float3 m = patina_sample_ggx_visible(wo_t, below_alpha, below_alpha, t);
+    float3 w_below = patina_leave(patina_mirror(wo_t, m), index);
+    float3 w_patina = on_coat ? w_coat : on_diffuse ? patina_sample_cosine(t) : w_below;
+    float3 wi = on_bare ? w_bare : w_patina;
+    PatinaSample result;
+    result.wi = wi;
+    result.pdf = patina_pdf(params, wi, wo);
+    return result;
+}
+
+// Directional albedo of a model without a closed form: the mean weight of its own samples.
+//
+// For tables and previews; the random numbers are a Fibonacci lattice.
+float3 patina_albedo(Patina params, float3 wo) {
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const float HORIZON = 1.0e-6;
+    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    const float ALBEDO_SAMPLES = 987.0;
+    const float GOLDEN = 0.618034;
+    const float mu_min = 1.0e-18;
+    if (wo.z < 0.0) {  // below the horizon
+        return (float3)(0.0);
+    }
+    float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
+    float3 total = float3(0.0, 0.0, 0.0);
+    for (int i_step = 0; i_step < 987; ++i_step) {
+        float i = float(i_step);
+        float2 u = float2((i + 0.5) / ALBEDO_SAMPLES, frac((i + 0.5) * GOLDEN));
+        PatinaSample drawn = patina_sample(params, w, u);
+        float weight = drawn.pdf > 0.0 ? drawn.wi.z / max(drawn.pdf, mu_min) : 0.0;
+        total = total + patina_eval(params, drawn.wi, w) * weight;
+    }
+    return total / ALBEDO_SAMPLES;
+}

@@ -1,0 +1,487 @@
+// Patina: copper that turns green, from bare metal to a closed layer.
+//
+// Source: Elek, "Layered materials in real-time rendering", CESCG 2010, section 4.2: the layered model of
+// `weidlich_wilkie` with a coat of cuprite that also scatters, faded in by a map.
+// `gonio.textures.growth_map`
+// makes such maps. Spatial variation is the host's business: growth is a number here, and a texture gives
+// each
+// point its own.
+// Deviations: by default light that leaves the coat spreads by 1 / eta^2, without which the metal below is
+// eta^2 = 9.5 times too bright; an option restores the original.
+//
+// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/patina.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// albedo has no closed form here; it takes many evaluations, for tables and previews.
+
+// A sampled direction and its density.
+struct PatinaSample {
+    wi: vec3f,  // direction towards the light, unit, local frame
+    pdf: f32,  // its density in 1/sr; 0 marks a wasted sample
+}
+
+// patina: Copper under a growing green layer of cuprite. Reciprocal.
+// Exported with solid_angle='compressed'.
+struct Patina {
+    growth: f32,  // the map: where it is dark, the patina grows first; 0 to 1, default 0.5
+    extent: f32,  // from -transition (bare) to 1 + transition (closed); -1 to 2, default 0.45
+    transition: f32,  // softness of the patina's edges; 0.001 to 1, default 0.65
+    thickness: f32,  // thickness of the patina, in the unit of sigma_a; 0 to 5, default 1
+    sigma_a: vec3f,  // absorption; 1 - sigma_a is the colour; 0 to 1, default (0.66, 0.3, 0.42)
+    alpha: f32,  // slope width of the patina's facets; 0.0001 to 1, default 0.5
+    bare_alpha: f32,  // slope width of the metal's facets where bare; 0.0001 to 1, default 0.15
+    grown_alpha: f32,  // slope width of the metal's facets below patina; 0.0001 to 1, default 0.5
+    // the metal's index; the default is copper; 0.01 to 20, default (0.201005, 0.923749, 1.10221)
+    metal_eta: vec3f,
+    metal_k: vec3f,  // the metal's extinction; 0 to 20, default (3.91326, 2.45304, 2.14209)
+    // the patina's index; the default is cuprite; 1 to 5, default (2.947821, 3.110926, 3.026471)
+    coat_eta: vec3f,
+    // the patina's extinction, at its surface only; 0 to 3, default (0.09478703, 0.2044823, 0.6666183)
+    coat_k: vec3f,
+    tarnish: f32,  // how much the metal has darkened; a texture can drive it; 0 to 1, default 0.5
+    tarnish_tint: vec3f,  // colour of the metal at tarnish 1; 0 to 1, default (0.45, 0.2, 0.08)
+}
+
+// Results of shares.
+struct PatinaShares {
+    first: vec2f,
+    second: vec2f,
+    third: vec2f,
+}
+
+// Results of choose.
+struct PatinaChoose {
+    first: bool,
+    second: vec2f,
+}
+
+// extentFactor: 1 - smoothstep(extent - transition, extent + transition, growth).
+fn patina_grown(params: Patina) -> f32 {
+    let start = params.extent - params.transition;
+    let t = clamp((params.growth - start) / (2.0 * params.transition), 0.0, 1.0);
+    return (1.0 - t) * (1.0 - t) * (1.0 + 2.0 * t);
+}
+
+fn patina_metal_alpha(params: Patina) -> f32 {
+    let grown = patina_grown(params);
+    return (1.0 - grown) * params.bare_alpha + grown * params.grown_alpha;  // not lerp, as in eval
+}
+
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+fn patina_cos_half(wi: vec3f, wo: vec3f) -> f32 {
+    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    const mu_min = 1.0e-18;
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return min(0.5 * length(wi + vec3f(wo.x, wo.y, wo.z + mu_min)), 1.0);
+}
+
+// Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
+fn patina_F_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f {
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
+    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
+    const ROOT_MIN = 1.0e-16;
+    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
+    let c = cos_theta;
+    let contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
+    let half_im = eta * k;
+    let c2 = c * c;
+    let sin2 = 1.0 - c2;
+    let w_re = contrast_re + c2;
+    let im2 = 4.0 * half_im * half_im;
+    let w_abs = sqrt(max(w_re * w_re + im2, vec3f(ROOT_MIN * ROOT_MIN)));
+    // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
+    let large = sqrt(0.5 * max(w_abs + abs(w_re), vec3f(ROOT_MIN)));
+    let g_re = select(half_im / large, large, w_re > vec3f(0.0));
+    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
+    let cross = 2.0 * c * g_re;
+    let s_abs2 = c2 + w_abs + cross;
+    let p = c2 * w_abs + sin2 * sin2;
+    // One quotient after the other: for a matched index in the horizon the squares would leave a float32
+    let R_s = (contrast_re * contrast_re + im2) / s_abs2 / s_abs2;
+    return R_s * (p / (p + cross * sin2));
+}
+
+// The metal's reflectance: its index turns into the patina's as that grows, and it tarnishes.
+fn patina_metal_F(params: Patina, cos_h: f32) -> vec3f {
+    let grown = patina_grown(params);
+    let eta = mix(params.metal_eta, params.coat_eta, vec3f(grown));
+    let k = mix(params.metal_k, params.coat_k, vec3f(grown));
+    return patina_F_conductor(cos_h, eta, k)
+        * mix(vec3f(1.0), params.tarnish_tint, vec3f(params.tarnish));
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn patina_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    const mu_min = 1.0e-18;
+    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
+    // directions in the horizon.
+    return normalize(wi + vec3f(wo.x, wo.y, wo.z + mu_min));
+}
+
+// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+fn patina_D_ggx(m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    const inv_pi = 0.31830987;
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    let v = vec3f(m.x / alpha_x, m.y / alpha_y, m.z);
+    let s = dot(v, v);
+    return inv_pi / (alpha_x * alpha_y * s * s);
+}
+
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
+fn patina_ggx_length(w: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    return length(vec3f(alpha_x * w.x, alpha_y * w.y, w.z));
+}
+
+// G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
+fn patina_V_smith_correlated_ggx(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    let length_i = patina_ggx_length(wi, alpha_x, alpha_y);
+    let length_o = patina_ggx_length(wo, alpha_x, alpha_y);
+    return 0.5 / (wo.z * length_i + wi.z * length_o);
+}
+
+// D G / (4 mu_i mu_o) of GGX with height-correlated Smith: times F it is a reflection.
+fn patina_ggx_facets(wi: vec3f, wo: vec3f, alpha: f32) -> f32 {
+    let D = patina_D_ggx(patina_half_vector(wi, wo), alpha, alpha);
+    return D * patina_V_smith_correlated_ggx(wi, wo, alpha, alpha);
+}
+
+fn patina_metal(params: Patina, wi: vec3f, wo: vec3f, alpha: f32) -> vec3f {
+    return patina_metal_F(params, patina_cos_half(wi, wo)) * patina_ggx_facets(wi, wo, alpha);
+}
+
+// Mean of the three channels, by which lobes are weighed against each other.
+fn patina_average(color: vec3f) -> f32 {
+    return (color.x + color.y + color.z) / 3.0;
+}
+
+// 1 - F of a conductor; exact where it nearly vanishes.
+fn patina_transmittance_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f {
+    const ROOT_MIN = 1.0e-16;
+    // With eps = (eta + i k)^2 and g^2 = eps - 1 + c^2: 1 - R_s = 4 c Re(g) / |c + g|^2, and 1 - R_p is
+    // 4 c Re(conj(g) eps) / |eps c + g|^2.
+    let c = cos_theta;
+    let eps_re = (eta - k) * (eta + k);
+    let eps_im = 2.0 * eta * k;
+    let w_re = (eta - 1.0) * (eta + 1.0) - k * k + c * c;
+    let w_abs = sqrt(max(w_re * w_re + eps_im * eps_im, vec3f(ROOT_MIN * ROOT_MIN)));
+    // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
+    let large = sqrt(0.5 * max(w_abs + abs(w_re), vec3f(ROOT_MIN)));
+    let small = 0.5 * eps_im / large;
+    let g_re = select(small, large, w_re > vec3f(0.0));
+    let g_im = select(large, small, w_re > vec3f(0.0));
+    let s_re = c + g_re;
+    let p_re = eps_re * c + g_re;
+    let p_im = eps_im * c + g_im;
+    let T_s = g_re / (s_re * s_re + g_im * g_im);
+    let T_p = (eps_re * g_re + eps_im * g_im) / (p_re * p_re + p_im * p_im);
+    return 2.0 * c * (T_s + T_p);
+}
+
+// T12 t of Eq. 2 and 4 with t = (1 - G) + T21 G, T21 = T12 = T at the half vector, and GGX's G.
+fn patina_through_facets(wi: vec3f, wo: vec3f, alpha: f32, T: vec3f) -> vec3f {
+    let G = 4.0 * wi.z * wo.z * patina_V_smith_correlated_ggx(wi, wo, alpha, alpha);
+    return T * (1.0 - G + T * G);
+}
+
+// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
+fn patina_refracted_cos2(mu: f32, eta: f32) -> f32 {
+    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and
+    // at the critical one, little else is left.
+    return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
+}
+
+// The direction inside the layer that belongs to w outside; z = 0 where there is none.
+fn patina_refract(w: vec3f, eta: f32) -> vec3f {
+    return vec3f(w.x, w.y, sqrt(max(patina_refracted_cos2(w.z, eta), 0.0))) / eta;
+}
+
+// Absorption times thickness, for each channel.
+fn patina_optical_depth(sigma_a: vec3f, thickness: f32) -> vec3f {
+    return sigma_a * vec3f(thickness, thickness, thickness);
+}
+
+fn patina_depth(params: Patina) -> vec3f {
+    return patina_optical_depth(params.sigma_a, params.thickness);
+}
+
+// exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+//
+// wi, wo: refracted directions. depth: absorption times thickness.
+fn patina_absorbed(depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
+    const mu_min = 1.0e-18;
+    return exp(-depth * (1.0 / max(wi.z, mu_min) + 1.0 / max(wo.z, mu_min)));
+}
+
+// The metal's width under the patina, at least that of the patina itself (Figure 2).
+fn patina_below_alpha(params: Patina) -> f32 {
+    return max(patina_metal_alpha(params), params.alpha);
+}
+
+// Eq. 2 with a coat that scatters.
+fn patina_coated(params: Patina, wi: vec3f, wo: vec3f) -> vec3f {
+    const inv_pi = 0.31830987;
+    let cos_h = patina_cos_half(wi, wo);
+    let index = patina_average(params.coat_eta);
+    let F = patina_F_conductor(cos_h, params.coat_eta, params.coat_k);
+    let T = patina_transmittance_conductor(cos_h, params.coat_eta, params.coat_k);
+    let surface = F * patina_ggx_facets(wi, wo, params.alpha) + (1.0 - params.sigma_a) * T * inv_pi;
+
+    var through = patina_through_facets(wi, wo, params.alpha, T);
+    through = through / (index * index);
+    let wi_t = patina_refract(wi, index);
+    let wo_t = patina_refract(wo, index);
+    let kept = patina_absorbed(patina_depth(params), wi_t, wo_t);
+    return surface + patina_metal(params, wi_t, wo_t, patina_below_alpha(params)) * through * kept;
+}
+
+// The bare and the coated metal, mixed: BRDF value in 1/sr, without the cosine.
+fn patina_eval(params: Patina, wi: vec3f, wo: vec3f) -> vec3f {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return vec3f(0.0);
+    }
+    let grown = patina_grown(params);
+    let bare = patina_metal(params, wi, wo, patina_metal_alpha(params));
+    // Not lerp, which may be bare + grown (coated - bare) in a shader: a sharp highlight of a metal that
+    // is all covered would leave its rounding error
+    return (1.0 - grown) * bare + grown * patina_coated(params, wi, wo);
+}
+
+// The most that `absorbed` leaves of light that goes out along wo: it came in along the normal.
+fn patina_absorbed_least(depth: vec3f, wo: vec3f) -> vec3f {
+    let up = vec3f(0.0, 0.0, 1.0);
+    return patina_absorbed(depth, up, wo);
+}
+
+fn patina_raised(probability: f32) -> f32 {
+    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+    const SHARE_LEAST = 0.1;
+    const ESTIMATE_TRUST = 50.0;
+    return max(probability, min(SHARE_LEAST, ESTIMATE_TRUST * probability));
+}
+
+// Probabilities of two lobes with the given albedos; the first is certain if both are black.
+fn patina_lobes_shares(first: f32, second: f32) -> vec2f {
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
+    // that can be seen is that small.
+    const BLACK = 1.0e-20;
+    let inv = 1.0 / (first + second + BLACK);
+    let a = patina_raised((first + BLACK) * inv);
+    let b = patina_raised(second * inv);
+    // The smaller one by itself: 1 minus a probability near 1 has no digits left.
+    let smaller = first < second;
+    return vec2f(select(1.0 - b, a, smaller), select(b, 1.0 - a, smaller));
+}
+
+// Probabilities: bare metal or patina; of that, surface or not; of the rest, diffuse or below.
+fn patina_shares(params: Patina, wo: vec3f) -> PatinaShares {
+    // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
+    const LOBE_MIN = 1.0e-12;
+    let grown = patina_grown(params);
+    let wo_t = patina_refract(wo, patina_average(params.coat_eta));
+    let F = patina_F_conductor(wo.z, params.coat_eta, params.coat_k);
+    let T = patina_transmittance_conductor(wo.z, params.coat_eta, params.coat_k);
+    let F_metal = patina_metal_F(params, wo.z);
+    let bare = (1.0 - grown) * patina_average(F_metal);
+    let coat = grown * patina_average(F);
+    let diffuse = grown * patina_average((1.0 - params.sigma_a) * T);
+    let kept = patina_absorbed_least(patina_depth(params), wo_t);
+    let below = grown * patina_average(T * kept * F_metal) + LOBE_MIN;
+    let inside = diffuse + below;
+    return PatinaShares(patina_lobes_shares(bare, coat + inside), patina_lobes_shares(coat, inside),
+        patina_lobes_shares(diffuse, below));
+}
+
+// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
+fn patina_choose(probability: f32, u: vec2f) -> PatinaChoose {
+    // Smallest probability that is divided by: a random number falls below it once in a million million.
+    const SHARE_MIN = 1.0e-12;
+    const RANDOM_MAX = 0.99999994;  // The largest float32 below 1, up to which random numbers go.
+    let first = u.x < probability;
+    let below = u.x / max(probability, SHARE_MIN);
+    let above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
+    return PatinaChoose(first, vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
+}
+
+// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+fn patina_sample_ggx_visible(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const RANDOM_MARGIN = 5.9604645e-8;
+    const two_pi = 6.2831855;
+    let w = normalize(vec3f(alpha_x * wo.x, alpha_y * wo.y, wo.z));
+    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    let drop = u1 * (1.0 + w.z);
+    let r = sqrt(max(drop * (2.0 - drop), 0.0));
+    let phi = two_pi * u.y;
+    let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
+    return normalize(vec3f(alpha_x * h.x, alpha_y * h.y, h.z));
+}
+
+// wo mirrored at a facet with normal m; it may leave below the horizon.
+fn patina_mirror(wo: vec3f, m: vec3f) -> vec3f {
+    return 2.0 * dot(wo, m) * m - wo;
+}
+
+// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+//
+// No sample is wasted, and as the density is the sum of both, no weight grows.
+fn patina_sample_ggx_lobe(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
+    let w = patina_mirror(wo, patina_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+    return vec3f(w.x, w.y, abs(w.z));
+}
+
+// Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
+fn patina_critical_cosine(eta: f32) -> f32 {
+    return sqrt(max((eta - 1.0) * (eta + 1.0), 0.0)) / eta;
+}
+
+// The outer direction for a direction inside: refracted, or spread out if it cannot leave.
+fn patina_leave(w: vec3f, eta: f32) -> vec3f {
+    const mu_min = 1.0e-18;
+    // Smallest squared sine whose root is divided by; the azimuth of smaller ones does not matter.
+    const SIN2_MIN = 1.0e-18;
+    let k = patina_critical_cosine(eta);
+    let refracted = w.z > k;
+    let spread = min(w.z / max(k, mu_min), 1.0);
+    let cos_refracted = sqrt(max(1.0 - eta * eta * (1.0 - w.z * w.z), 0.0));
+    var z = select(spread, cos_refracted, refracted);
+    let sin2 = w.x * w.x + w.y * w.y;
+    let scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
+    // A sample above the horizon stays there, however flat.
+    z = select(-1.0, max(z, mu_min), w.z > 0.0);
+    return normalize(vec3f(w.x * scale, w.y * scale, z));
+}
+
+// A direction with density cos(theta) / pi.
+fn patina_sample_cosine(u: vec2f) -> vec3f {
+    const two_pi = 6.2831855;
+    let r = sqrt(max(u.x, 0.0));
+    let phi = two_pi * u.y;
+    return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
+}
+
+// The inner direction that `leave` spreads to w; z = 0 for eta <= 1, which has none.
+fn patina_gather(w: vec3f, eta: f32) -> vec3f {
+    const SIN2_MIN = 1.0e-18;
+    let k = patina_critical_cosine(eta);
+    let z = k * w.z;
+    let sin2 = w.x * w.x + w.y * w.y;
+    let scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
+    let near = sin2 < SIN2_MIN;  // no azimuth: any is right
+    let x = select(w.x * scale, sqrt(max(1.0 - z * z, 0.0)), near);
+    return vec3f(x, select(w.y * scale, 0.0, near), z);
+}
+
+// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+fn patina_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    return patina_D_ggx(m, alpha_x, alpha_y)
+        / (2.0 * (wo.z + patina_ggx_length(wo, alpha_x, alpha_y)));
+}
+
+// Density of `leave` at w, from the inner density at w_t = refract(w) and at gather(w).
+fn patina_pdf_leave(pdf_refracted: f32, pdf_gathered: f32, w: vec3f, w_t: vec3f,
+    eta: f32) -> f32 {
+    const mu_min = 1.0e-18;
+    // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
+    // k^2, and the cosines are k mu and mu.
+    let jacobian = select(0.0, w.z / (eta * eta * max(w_t.z, mu_min)), w_t.z > 0.0);
+    return pdf_refracted * jacobian + pdf_gathered * patina_critical_cosine(eta);
+}
+
+// Density of `sample_cosine` in 1/sr, for w above the horizon.
+fn patina_pdf_cosine(w: vec3f) -> f32 {
+    const inv_pi = 0.31830987;
+    return w.z * inv_pi;
+}
+
+// Density of `sample_ggx_lobe` in 1/sr.
+fn patina_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    let straight = patina_pdf_ggx_visible(wo, patina_half_vector(wi, wo), alpha_x, alpha_y);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    let exists = wo.z > wi.z;
+    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
+    let folded = patina_pdf_ggx_visible(wo, patina_half_vector(image, wo), alpha_x, alpha_y);
+    return straight + select(0.0, folded, exists);
+}
+
+// Density of `sample` in 1/sr.
+fn patina_pdf(params: Patina, wi: vec3f, wo: vec3f) -> f32 {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return 0.0;
+    }
+    let shares_result = patina_shares(params, wo);
+    let P_bare = shares_result.first;
+    let P_coat = shares_result.second;
+    let P_diffuse = shares_result.third;
+    let index = patina_average(params.coat_eta);
+    let alpha = patina_metal_alpha(params);
+    let below_alpha = patina_below_alpha(params);
+    let wi_t = patina_refract(wi, index);
+    let wo_t = patina_refract(wo, index);
+    let m = patina_half_vector(wi_t, wo_t);
+    let m_gathered = patina_half_vector(patina_gather(wi, index), wo_t);
+    let refracted = patina_pdf_ggx_visible(wo_t, m, below_alpha, below_alpha);
+    let gathered = patina_pdf_ggx_visible(wo_t, m_gathered, below_alpha, below_alpha);
+    let below = patina_pdf_leave(refracted, gathered, wi, wi_t, index);
+    var patina = P_diffuse.x * patina_pdf_cosine(wi) + P_diffuse.y * below;
+    patina = P_coat.x * patina_pdf_ggx_lobe(wi, wo, params.alpha, params.alpha) + P_coat.y * patina;
+    return P_bare.x * patina_pdf_ggx_lobe(wi, wo, alpha, alpha) + P_bare.y * patina;
+}
+
+// One of the bare metal, the patina's surface, its diffuse part, and the metal below.
+fn patina_sample(params: Patina, wo: vec3f, u: vec2f) -> PatinaSample {
+    if (wo.z <= 0.0) {  // below the horizon
+        return PatinaSample(vec3f(0.0, 0.0, 1.0), 0.0);
+    }
+    let shares_result = patina_shares(params, wo);
+    let P_bare = shares_result.first;
+    let P_coat = shares_result.second;
+    let P_diffuse = shares_result.third;
+    let index = patina_average(params.coat_eta);
+    let alpha = patina_metal_alpha(params);
+    let below_alpha = patina_below_alpha(params);
+    let choose_result = patina_choose(P_bare.x, u);
+    let on_bare = choose_result.first;
+    let v = choose_result.second;
+    let choose_result_2 = patina_choose(P_coat.x, v);
+    let on_coat = choose_result_2.first;
+    let s = choose_result_2.second;
+    let choose_result_3 = patina_choose(P_diffuse.x, s);
+    let on_diffuse = choose_result_3.first;
+    let t = choose_result_3.second;
+    let w_bare = patina_sample_ggx_lobe(wo, alpha, alpha, v);
+    let w_coat = patina_sample_ggx_lobe(wo, params.alpha, params.alpha, s);
+    let wo_t = patina_refract(wo, index);
+    let m = patina_sample_ggx_visible(wo_t, below_alpha, below_alpha, t);
+    let w_below = patina_leave(patina_mirror(wo_t, m), index);
+    let w_patina = select(select(w_below, patina_sample_cosine(t), on_diffuse), w_coat, on_coat);
+    let wi = select(w_patina, w_bare, on_bare);
+    return PatinaSample(wi, patina_pdf(params, wi, wo));
+}
+
+// Directional albedo of a model without a closed form: the mean weight of its own samples.
+//
+// For tables and previews; the random numbers are a Fibonacci lattice.
+fn patina_albedo(params: Patina, wo: vec3f) -> vec3f {
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const HORIZON = 1.0e-6;
+    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    const ALBEDO_SAMPLES = 987.0;
+    const GOLDEN = 0.618034;
+    const mu_min = 1.0e-18;
+    if (wo.z < 0.0) {  // below the horizon
+        return vec3f(0.0);
+    }
+    let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
+    var total = vec3f(0.0, 0.0, 0.0);
+    for (var i_step = 0; i_step < 987; i_step++) {
+        let i = f32(i_step);
+        let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
+        let drawn = patina_sample(params, w, u);
+        let weight = select(0.0, drawn.wi.z / max(drawn.pdf, mu_min), drawn.pdf > 0.0);
+        total = total + patina_eval(params, drawn.wi, w) * weight;
+    }
+    return total / ALBEDO_SAMPLES;
+}

@@ -1,0 +1,304 @@
+// Phong: a diffuse term and a highlight around the mirror direction.
+//
+// Sources: Phong, "Illumination for computer generated pictures", Communications of the ACM 18(6), 1975;
+// Lafortune, Willems, "Using the modified Phong reflectance model for physically based rendering", 1994,
+// for the normalised form. alpha is the angle between wi and the mirror direction of wo.
+// Phong's formula gives the radiance f cos(theta_i); "classical" is that formula divided by the cosine.
+//
+// C++, made by gonio 0.1.0 from gonio/models/phong.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// albedo has no closed form here; it takes many evaluations, for tables and previews.
+
+#pragma once
+#include <math.h>
+
+namespace gonio_phong {
+
+struct Vec2 {
+    float x, y;
+};
+
+struct Vec3 {
+    float x, y, z;
+};
+
+inline Vec3 splat(float a) {
+    return Vec3{a, a, a};
+}
+
+inline float lerp(float a, float b, float t) {
+    return a * (1.0f - t) + b * t;
+}
+
+inline float fract(float a) {
+    return a - floorf(a);
+}
+
+inline Vec3 normalize(Vec3 a) {
+    float inv = 1.0f / sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
+    return Vec3{a.x * inv, a.y * inv, a.z * inv};
+}
+
+inline Vec3 operator+(Vec3 a, Vec3 b) {
+    return Vec3{a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+inline Vec3 operator*(Vec3 a, float b) {
+    return Vec3{a.x * b, a.y * b, a.z * b};
+}
+
+inline Vec3 operator/(Vec3 a, float b) {
+    return Vec3{a.x / b, a.y / b, a.z / b};
+}
+
+// A sampled direction and its density.
+struct PhongSample {
+    Vec3 wi;  // direction towards the light, unit, local frame
+    float pdf;  // its density in 1/sr; 0 marks a wasted sample
+};
+
+// phong: Diffuse with a round highlight around the mirror direction, the classic of computer graphics.
+// Exported with form='normalized'.
+struct Phong {
+    Vec3 rho;  // albedo of the diffuse term, linear RGB; 0 to 1, default (0.5, 0.5, 0.5)
+    Vec3 specular;  // weight of the highlight, linear RGB; 0 to 1, default (0.3, 0.3, 0.3)
+    float shininess;  // exponent n of the highlight; 0 to 100000, default 20
+};
+
+// Results of choose.
+struct PhongChoose {
+    bool first;
+    Vec2 second;
+};
+
+// Cosine between wi and the mirror direction of wo: mu_i mu_o - wi.x wo.x - wi.y wo.y.
+//
+// Near 0 the three products cancel. Their rounding errors, and that of the first sum, are carried
+// along (Kahan's and Knuth's ways to find them), so that a broad lobe fades out with all its digits.
+inline float phong_cos_alpha(Vec3 wi, Vec3 wo) {
+    float p = wi.z * wo.z;
+    float q = -wi.x * wo.x;
+    float r = -wi.y * wo.y;
+    float error_p = fmaf(wi.z, wo.z, -p);
+    float error_q = fmaf(-wi.x, wo.x, -q);
+    float error_r = fmaf(-wi.y, wo.y, -r);
+    float qr = q + r;
+    float back_r = qr - q;
+    float error_qr = q - (qr - back_r) + (r - back_r);
+    float c = p + qr;
+    float back_qr = c - p;
+    float error_c = p - (c - back_qr) + (qr - back_qr);
+    return c + (error_p + error_q + error_r + error_qr + error_c);
+}
+
+// log(1 + x) / x for x > -1; 1 at x = 0.
+inline float phong_log1p_over(float x) {
+    // Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+    constexpr float LOG1P_SMALL = 0.25f;
+    // 2 atanh(y) with y = x / (2 + x): the series of odd powers, error below 1e-16 for |x| < 0.25.
+    float near = fmaxf(fminf(x, LOG1P_SMALL), -LOG1P_SMALL);
+    float y = near / (2.0f + near);
+    float y2 = y * y;
+    float series = 1.0f / 9.0f
+        + y2 * (1.0f / 11.0f + y2 * (1.0f / 13.0f + y2 * (1.0f / 15.0f + y2 * (1.0f / 17.0f))));
+    series = 1.0f + y2 * (1.0f / 3.0f + y2 * (1.0f / 5.0f + y2 * (1.0f / 7.0f + y2 * series)));
+    bool small = x > -LOG1P_SMALL && x < LOG1P_SMALL;
+    float far = small ? 1.0f : x;
+    return small ? 2.0f / (2.0f + near) * series : logf(1.0f + far) / far;
+}
+
+// log(1 + x) for x > -1, exact where x is small.
+inline float phong_log1p(float x) {
+    return x * phong_log1p_over(x);
+}
+
+// max(0, cos(alpha))^exponent; half of all directions have 0 for exponent 0 as well.
+inline float phong_lobe(Vec3 wi, Vec3 wo, float exponent) {
+    // Smallest cosine whose logarithm is taken: its reciprocal, the derivative, still is a float32.
+    constexpr float COS_MIN = 1.0e-37f;
+    // Inside, the digits of a sharp lobe are in 1 - cos(alpha): half the squared distance to the mirror
+    // direction.
+    float x = wi.x + wo.x;
+    float y = wi.y + wo.y;
+    float z = wi.z - wo.z;
+    float q = 0.5f * (x * x + y * y + z * z);
+    float c = phong_cos_alpha(wi, wo);
+    float log_cos = q < 0.5f ? phong_log1p(-fminf(q, 0.5f)) : logf(fminf(fmaxf(c, COS_MIN), 0.75f));
+    return c > 0.0f ? expf(exponent * log_cos) : 0.0f;
+}
+
+// BRDF value in 1/sr, without the cosine.
+inline Vec3 phong_eval(const Phong& params, Vec3 wi, Vec3 wo) {
+    constexpr float inv_two_pi = 0.15915494f;
+    constexpr float inv_pi = 0.31830987f;
+    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+        return splat(0.0f);
+    }
+    float n = params.shininess;
+    float highlight = inv_two_pi * (n + 2.0f) * phong_lobe(wi, wo, n);
+    return params.rho * inv_pi + params.specular * highlight;
+}
+
+// Mean of the three channels, by which lobes are weighed against each other.
+inline float phong_average(Vec3 color) {
+    return (color.x + color.y + color.z) / 3.0f;
+}
+
+inline float phong_raised(float probability) {
+    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+    constexpr float SHARE_LEAST = 0.1f;
+    constexpr float ESTIMATE_TRUST = 50.0f;
+    return fmaxf(probability, fminf(SHARE_LEAST, ESTIMATE_TRUST * probability));
+}
+
+// Probabilities of two lobes with the given albedos; the first is certain if both are black.
+inline Vec2 phong_lobes_shares(float first, float second) {
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
+    // that can be seen is that small.
+    constexpr float BLACK = 1.0e-20f;
+    float inv = 1.0f / (first + second + BLACK);
+    float a = phong_raised((first + BLACK) * inv);
+    float b = phong_raised(second * inv);
+    // The smaller one by itself: 1 minus a probability near 1 has no digits left.
+    bool smaller = first < second;
+    return Vec2{smaller ? a : 1.0f - b, smaller ? 1.0f - a : b};
+}
+
+// Probabilities of the diffuse lobe and of the highlight.
+inline Vec2 phong_shares(const Phong& params, Vec3 wo) {
+    constexpr float pi = 3.1415927f;
+    float n = params.shininess;
+    // 1 at the normal; in the horizon about 1 / sqrt(2 pi n), and 1/2 for n = 0
+    float highlight = lerp(0.5f / sqrtf(1.0f + 0.5f * pi * n), 1.0f, wo.z);
+    return phong_lobes_shares(phong_average(params.rho),
+        phong_average(params.specular) * highlight);
+}
+
+// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
+inline PhongChoose phong_choose(float probability, Vec2 u) {
+    // Smallest probability that is divided by: a random number falls below it once in a million million.
+    constexpr float SHARE_MIN = 1.0e-12f;
+    // The largest float32 below 1, up to which random numbers go.
+    constexpr float RANDOM_MAX = 0.99999994f;
+    bool first = u.x < probability;
+    float below = u.x / fmaxf(probability, SHARE_MIN);
+    float above = (u.x - probability) / fmaxf(1.0f - probability, SHARE_MIN);
+    return PhongChoose{first, Vec2{fminf(fmaxf(first ? below : above, 0.0f), RANDOM_MAX), u.y}};
+}
+
+// A direction with density cos(theta) / pi.
+inline Vec3 phong_sample_cosine(Vec2 u) {
+    constexpr float two_pi = 6.2831855f;
+    float r = sqrtf(fmaxf(u.x, 0.0f));
+    float phi = two_pi * u.y;
+    return Vec3{r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u.x, 0.0f))};
+}
+
+// exp(x) - 1, exact where x is small.
+inline float phong_expm1(float x) {
+    // Below this the series needs eleven terms; above, the plain difference is exact to 2e-7 in float32.
+    constexpr float EXPM1_SMALL = 0.3f;
+    float near = fmaxf(fminf(x, EXPM1_SMALL), -EXPM1_SMALL);
+    // Taylor's series up to x^11 / 11!, error below 2e-15 for |x| < 0.3.
+    float series = 1.0f + near / 8.0f
+        * (1.0f + near / 9.0f * (1.0f + near / 10.0f * (1.0f + near / 11.0f)));
+    series = 1.0f + near / 5.0f * (1.0f + near / 6.0f * (1.0f + near / 7.0f * series));
+    series = near * (1.0f + near / 2.0f * (1.0f + near / 3.0f * (1.0f + near / 4.0f * series)));
+    return x > -EXPM1_SMALL && x < EXPM1_SMALL ? series : expf(x) - 1.0f;
+}
+
+// Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
+inline Vec2 phong_azimuth(Vec3 wo) {
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
+    // of its reciprocal still fits into a float32.
+    constexpr float SIN2_MIN = 1.0e-18f;
+    float sin2 = wo.x * wo.x + wo.y * wo.y;
+    bool tilted = sin2 > SIN2_MIN;
+    float inv = 1.0f / sqrtf(fmaxf(sin2, SIN2_MIN));
+    return Vec2{tilted ? wo.x * inv : 1.0f, tilted ? wo.y * inv : 0.0f};
+}
+
+// A direction around wo's mirror image with density (n + 1) / (2 pi) cos(alpha)^n.
+//
+// What falls below the horizon is mirrored up again, so that no sample is wasted.
+inline Vec3 phong_sample_lobe(Vec3 wo, float exponent, Vec2 u) {
+    constexpr float two_pi = 6.2831855f;
+    // cos(alpha) = (1 - u)^(1 / (n + 1)), and sin^2 = 1 - cos^2 without cancellation
+    float t = logf(1.0f - u.x) / (exponent + 1.0f);
+    float c = expf(t);
+    float s = sqrtf(fmaxf(-phong_expm1(2.0f * t), 0.0f));
+    float phi = two_pi * u.y;
+    // A frame around the mirror direction: towards the normal, and level.
+    Vec2 axis = phong_azimuth(wo);
+    float sin_o = sqrtf(fmaxf(wo.x * wo.x + wo.y * wo.y, 0.0f));
+    float x = s * cosf(phi);
+    float y = s * sinf(phi);
+    float outward = c * sin_o - x * wo.z;
+    float up = c * wo.z + x * sin_o;
+    Vec3 w = Vec3{-axis.x * outward + axis.y * y, -axis.y * outward - axis.x * y, up};
+    return normalize(Vec3{w.x, w.y, fabsf(w.z)});
+}
+
+// Density of `sample_cosine` in 1/sr, for w above the horizon.
+inline float phong_pdf_cosine(Vec3 w) {
+    constexpr float inv_pi = 0.31830987f;
+    return w.z * inv_pi;
+}
+
+// Density of `sample_lobe` in 1/sr.
+inline float phong_pdf_lobe(Vec3 wi, Vec3 wo, float exponent) {
+    constexpr float inv_two_pi = 0.15915494f;
+    float both = phong_lobe(wi, wo, exponent) + phong_lobe(Vec3{wi.x, wi.y, -wi.z}, wo, exponent);
+    return inv_two_pi * (exponent + 1.0f) * both;
+}
+
+// Density of `sample` in 1/sr.
+inline float phong_pdf(const Phong& params, Vec3 wi, Vec3 wo) {
+    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+        return 0.0f;
+    }
+    Vec2 P = phong_shares(params, wo);
+    return P.x * phong_pdf_cosine(wi) + P.y * phong_pdf_lobe(wi, wo, params.shininess);
+}
+
+// Cosine-weighted, or around the mirror direction, by the estimated albedos.
+inline PhongSample phong_sample(const Phong& params, Vec3 wo, Vec2 u) {
+    if (wo.z <= 0.0f) {  // below the horizon
+        return PhongSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
+    }
+    PhongChoose choose_result = phong_choose(phong_shares(params, wo).x, u);
+    bool first = choose_result.first;
+    Vec2 v = choose_result.second;
+    Vec3 wi = first ? phong_sample_cosine(v) : phong_sample_lobe(wo, params.shininess, v);
+    return PhongSample{wi, phong_pdf(params, wi, wo)};
+}
+
+// Directional albedo of a model without a closed form: the mean weight of its own samples.
+//
+// For tables and previews; the random numbers are a Fibonacci lattice.
+inline Vec3 phong_albedo(const Phong& params, Vec3 wo) {
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    constexpr float HORIZON = 1.0e-6f;
+    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    constexpr float ALBEDO_SAMPLES = 987.0f;
+    constexpr float GOLDEN = 0.618034f;
+    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    constexpr float mu_min = 1.0e-18f;
+    if (wo.z < 0.0f) {  // below the horizon
+        return splat(0.0f);
+    }
+    Vec3 w = Vec3{wo.x, wo.y, fmaxf(wo.z, HORIZON)};
+    Vec3 total = Vec3{0.0f, 0.0f, 0.0f};
+    for (int i_step = 0; i_step < 987; ++i_step) {
+        float i = float(i_step);
+        Vec2 u = Vec2{(i + 0.5f) / ALBEDO_SAMPLES, fract((i + 0.5f) * GOLDEN)};
+        PhongSample drawn = phong_sample(params, w, u);
+        float weight = drawn.pdf > 0.0f ? drawn.wi.z / fmaxf(drawn.pdf, mu_min) : 0.0f;
+        total = total + phong_eval(params, drawn.wi, w) * weight;
+    }
+    return total / ALBEDO_SAMPLES;
+}
+
+}  // namespace gonio_phong

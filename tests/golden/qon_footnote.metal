@@ -1,0 +1,277 @@
+// QON with the coefficient of a footnote: 0.57 in place of 0.33, a little brighter.
+//
+// Source: Oren, Nayar, "Generalization of Lambert's reflectance model", SIGGRAPH 1994, Eq. 30 and its
+// footnote; in the form of Portsmouth, Kutz, Hill, "EON", arXiv:2410.18026, Eq. 1 to 9.
+//
+// Metal, made by gonio 0.1.0 from gonio/models/qon_footnote.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+
+#include <metal_stdlib>
+using namespace metal;
+
+// A sampled direction and its density.
+struct QonFootnoteSample {
+    float3 wi;  // direction towards the light, unit, local frame
+    float pdf;  // its density in 1/sr; 0 marks a wasted sample
+};
+
+// qon_footnote: QON made brighter to stand in for interreflection. Reciprocal; gains energy at grazing
+// angles.
+struct QonFootnote {
+    float3 rho;  // single-scattering albedo, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
+    float sigma;  // standard deviation of the facet angle, radians; 0 to 1.570796, default 0.5
+};
+
+// Results of qualitative_coefficients.
+struct QonFootnoteQualitativeCoefficients {
+    float first;
+    float second;
+};
+
+// Results of coefficients.
+struct QonFootnoteCoefficients {
+    float a;
+    float b;
+    float c;
+    float d;
+};
+
+// A and B of Eq. 3. sigma: angle in radians; offset: 0.33, or 0.57 for the footnote's variant.
+inline QonFootnoteQualitativeCoefficients qon_footnote_qualitative_coefficients(float sigma,
+    float offset) {
+    float s2 = sigma * sigma;
+    return QonFootnoteQualitativeCoefficients{1.0 - 0.5 * s2 / (s2 + offset),
+        0.45 * s2 / (s2 + 0.09)};
+}
+
+// s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
+//
+// s is divided by a cosine that may be tiny, so its last bits count: the rounding error of one
+// product is carried along (Kahan), which plain wi.x wo.x + wi.y wo.y or dot(wi, wo) - mu_i mu_o loses.
+inline float qon_footnote_tangential_dot(float3 wi, float3 wo) {
+    float q = wi.y * wo.y;
+    float error = fma(wi.y, wo.y, -q);
+    return fma(wi.x, wo.x, q) + error;
+}
+
+// s / max(mu_i, mu_o), finite for two directions in the horizon.
+inline float qon_footnote_s_over_max(float s, float3 wi, float3 wo) {
+    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    const float mu_min = 1.0e-18;
+    return s / max(max(wi.z, wo.z), mu_min);
+}
+
+// s / t of Eq. 4: nothing for s <= 0.
+inline float qon_footnote_s_over_t_qualitative(float s, float3 wi, float3 wo) {
+    return s > 0.0 ? qon_footnote_s_over_max(s, wi, wo) : 0.0;
+}
+
+// Eq. 1: BRDF value in 1/sr, without the cosine.
+inline float3 qon_footnote_eval(QonFootnote params, float3 wi, float3 wo) {
+    const float inv_pi = 0.31830987;
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return float3(0.0);
+    }
+    QonFootnoteQualitativeCoefficients qualitative_coefficients_result = qon_footnote_qualitative_coefficients(params.sigma, 0.57);
+    float A = qualitative_coefficients_result.first;
+    float B = qualitative_coefficients_result.second;
+    float s = qon_footnote_tangential_dot(wi, wo);
+    return params.rho * (inv_pi * (A + B * qon_footnote_s_over_t_qualitative(s, wi, wo)));
+}
+
+// P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
+inline float qon_footnote_uniform_share(float mu, float r) {
+    // Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32.
+    const float R_MIN = 1.0e-37;
+    float fit = 0.162925 + mu * (-0.372058 + (0.538233 - 0.290822 * mu) * mu);
+    return r > 0.0 ? pow(max(r, R_MIN), 0.1) * fit : 0.0;
+}
+
+// A direction with density 1 / (2 pi).
+inline float3 qon_footnote_sample_uniform(float2 u) {
+    const float two_pi = 6.2831855;
+    // z = 1 - u instead of u: random numbers lie in [0, 1), so z never becomes 0.
+    float z = 1.0 - u.x;
+    float r = sqrt(max(u.x * (1.0 + z), 0.0));
+    float phi = two_pi * u.y;
+    return float3(r * cos(phi), r * sin(phi), z);
+}
+
+// a, b, c, d of M = [[a, 0, b], [0, c, 0], [d, 0, 1]] (Eq. 25, Listing 2) at mu = wo.z.
+inline QonFootnoteCoefficients qon_footnote_coefficients(float mu, float r) {
+    float a = 1.0 + r * (0.303392 + (-0.518982 + 0.111709 * mu) * mu
+        + (-0.276266 + 0.335918 * mu) * r);
+    float b = r * (-1.16407 + 1.15859 * mu + (0.150815 - 0.150105 * mu) * r)
+        / (mu * mu * mu - 1.43545);
+    float c = 1.0 + (0.20013 + (-0.506373 + 0.261777 * mu) * mu) * r;
+    // Numerator and denominator of d nearly vanish at mu = 1: the paper's polynomials in mu,
+    // 0.540852 - 1.01625 mu + 0.475392 mu^2 and -1.0743 + 0.0725628 mu + mu^2, are written in k = 1 - mu.
+    float k = 1.0 - mu;
+    float d = r * (-6.0e-6 + (0.065466 + 0.475392 * k) * k) / (-0.0017372 - (2.0725627 - k) * k);
+    return QonFootnoteCoefficients{a, b, c, d};
+}
+
+// Share of the unit disk that clipping keeps (Eq. 28): (1 + cos(theta_P)) / 2.
+inline float qon_footnote_kept_area(float d) {
+    return 0.5 + 0.5 / sqrt(1.0 + d * d);
+}
+
+// Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
+inline float2 qon_footnote_azimuth(float3 wo) {
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
+    // of its reciprocal still fits into a float32.
+    const float SIN2_MIN = 1.0e-18;
+    float sin2 = wo.x * wo.x + wo.y * wo.y;
+    bool tilted = sin2 > SIN2_MIN;
+    float inv = 1.0 / sqrt(max(sin2, SIN2_MIN));
+    return float2(tilted ? wo.x * inv : 1.0, tilted ? wo.y * inv : 0.0);
+}
+
+inline float3 qon_footnote_from_frame(float3 w, float2 axis) {
+    return float3(axis.x * w.x - axis.y * w.y, axis.y * w.x + axis.x * w.y, w.z);
+}
+
+// M applied to the cosine lobe's direction above (x, y), turned to wo's azimuth, normalised.
+inline float3 qon_footnote_transform(float x, float y, float3 wo, float r, float d) {
+    QonFootnoteCoefficients coefficients_result = qon_footnote_coefficients(wo.z, r);
+    float a = coefficients_result.a;
+    float b = coefficients_result.b;
+    float c = coefficients_result.c;
+    float z = sqrt(max(1.0 - x * x - y * y, 0.0));
+    return normalize(qon_footnote_from_frame(float3(a * x + b * z, c * y, d * x + z),
+        qon_footnote_azimuth(wo)));
+}
+
+// Clipped to the directions that M keeps above the horizon (Listing 3).
+inline float3 qon_footnote_sample_cltc(float3 wo, float r, float2 u) {
+    const float two_pi = 6.2831855;
+    // A sample that rounding pushed below the horizon is lifted to this cosine, 1/16 of a float32 epsilon.
+    const float Z_MIN = 7.450581e-9;
+    QonFootnoteCoefficients coefficients_result = qon_footnote_coefficients(wo.z, r);
+    float d = coefficients_result.d;
+    float R = sqrt(max(u.x, 0.0));
+    float phi = two_pi * u.y;
+    float y = R * sin(phi);
+    // A half-disk and a half-ellipse (Heitz 2018); the plane cuts the side on which d x is negative.
+    float x = mix(sqrt(max(1.0 - y * y, 0.0)), R * cos(phi), qon_footnote_kept_area(d));
+    float3 wi = qon_footnote_transform(d < 0.0 ? -x : x, y, wo, r, d);
+    return float3(wi.x, wi.y, max(wi.z, Z_MIN));
+}
+
+// CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
+inline float3 qon_footnote_sample_cltc_uniform(float3 wo, float r, float2 u) {
+    // Smallest probability that is divided by; the smallest one above 0 is 8e-6, at R_MIN.
+    const float P_MIN = 1.0e-6;
+    float P_u = qon_footnote_uniform_share(wo.z, r);
+    bool uniform = u.x < P_u;
+    float u1 = uniform ? u.x / max(P_u, P_MIN) : (u.x - P_u) / (1.0 - P_u);
+    float3 w_u = qon_footnote_sample_uniform(float2(u1, u.y));
+    float3 w_c = qon_footnote_sample_cltc(wo, r, float2(u1, u.y));
+    return uniform ? w_u : w_c;
+}
+
+inline float3 qon_footnote_to_frame(float3 w, float2 axis) {
+    return float3(axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z);
+}
+
+// Density of `_transform` for an unclipped cosine lobe (Eq. 23 and 24).
+inline float qon_footnote_cltc_pdf(float3 wi, float3 wo, float r, float d) {
+    const float inv_pi = 0.31830987;
+    QonFootnoteCoefficients coefficients_result = qon_footnote_coefficients(wo.z, r);
+    float a = coefficients_result.a;
+    float b = coefficients_result.b;
+    float c = coefficients_result.c;
+    float3 w = qon_footnote_to_frame(wi, qon_footnote_azimuth(wo));
+    float det = c * (a - b * d);
+    // det(M) times the inverse of M, applied to w
+    float3 h = float3(c * (w.x - b * w.z), (a - b * d) * w.y, c * (a * w.z - d * w.x));
+    float inv2 = 1.0 / dot(h, h);
+    return inv_pi * det * det * inv2 * inv2 * max(h.z, 0.0);
+}
+
+// Density of `sample_cltc`.
+inline float qon_footnote_pdf_cltc(float3 wi, float3 wo, float r) {
+    QonFootnoteCoefficients coefficients_result = qon_footnote_coefficients(wo.z, r);
+    float d = coefficients_result.d;
+    return qon_footnote_cltc_pdf(wi, wo, r, d) / qon_footnote_kept_area(d);
+}
+
+// Density of `sample_uniform` in 1/sr.
+inline float qon_footnote_pdf_uniform() {
+    const float inv_two_pi = 0.15915494;
+    return inv_two_pi;
+}
+
+// Density of `sample_cltc_uniform`.
+inline float qon_footnote_pdf_cltc_uniform(float3 wi, float3 wo, float r) {
+    float P_u = qon_footnote_uniform_share(wo.z, r);
+    return mix(qon_footnote_pdf_cltc(wi, wo, r), qon_footnote_pdf_uniform(), P_u);
+}
+
+// Density of `sample` in 1/sr.
+inline float qon_footnote_pdf(QonFootnote params, float3 wi, float3 wo) {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return 0.0;
+    }
+    QonFootnoteQualitativeCoefficients qualitative_coefficients_result = qon_footnote_qualitative_coefficients(params.sigma, 0.57);
+    float A = qualitative_coefficients_result.first;
+    float B = qualitative_coefficients_result.second;
+    return qon_footnote_pdf_cltc_uniform(wi, wo, B / A);
+}
+
+// EON's CLTC with a uniform lobe, at the roughness with the same weight of s/t.
+inline QonFootnoteSample qon_footnote_sample(QonFootnote params, float3 wo, float2 u) {
+    if (wo.z <= 0.0) {  // below the horizon
+        return QonFootnoteSample{float3(0.0, 0.0, 1.0), 0.0};
+    }
+    QonFootnoteQualitativeCoefficients qualitative_coefficients_result = qon_footnote_qualitative_coefficients(params.sigma, 0.57);
+    float A = qualitative_coefficients_result.first;
+    float B = qualitative_coefficients_result.second;
+    float3 wi = qon_footnote_sample_cltc_uniform(wo, B / A, u);
+    return QonFootnoteSample{wi, qon_footnote_pdf(params, wi, wo)};
+}
+
+// Twice the arc tangent, for v in [-1, 1].
+inline float qon_footnote_twice_atan(float v) {
+    const float ATAN_4 = 0.21281867;
+    const float ATAN_5 = -0.15008585;
+    const float ATAN_6 = 0.085383;
+    const float ATAN_7 = -0.03213723;
+    const float ATAN_8 = 0.005699773;
+    const float ATAN_0 = 2.0;  // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const float ATAN_1 = -0.66666144;
+    const float ATAN_2 = 0.3998524;
+    const float ATAN_3 = -0.28407288;
+    float q = v * v;
+    float p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
+    return v * (ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p))));
+}
+
+// Arc cosine of x limited to [-1, 1]: twice the angle whose tangent is sin / (1 + x).
+inline float qon_footnote_safe_acos(float x) {
+    const float pi = 3.1415927;
+    float a = min(abs(x), 1.0);
+    float angle = qon_footnote_twice_atan(sqrt(max((1.0 - a) * (1.0 + a), 0.0)) / (1.0 + a));
+    return x < 0.0 ? pi - angle : angle;
+}
+
+// Eq. 8: the integral of s/t (Eq. 4) times the cosine, at a cosine mu in [0, 1]; pi/2 at mu = 0.
+inline float qon_footnote_G_qualitative(float mu) {
+    float s = sqrt(max((1.0 - mu) * (1.0 + mu), 0.0));
+    // The paper has tan(theta) (1 - s^3); with 1 - s = mu^2 / (1 + s) the division by mu cancels.
+    return s * (qon_footnote_safe_acos(mu) - s * mu)
+        + 2.0 / 3.0 * s * mu * (1.0 + s + s * s) / (1.0 + s);
+}
+
+// Eq. 5.
+inline float3 qon_footnote_albedo(QonFootnote params, float3 wo) {
+    const float inv_pi = 0.31830987;
+    if (wo.z < 0.0) {  // below the horizon
+        return float3(0.0);
+    }
+    QonFootnoteQualitativeCoefficients qualitative_coefficients_result = qon_footnote_qualitative_coefficients(params.sigma, 0.57);
+    float A = qualitative_coefficients_result.first;
+    float B = qualitative_coefficients_result.second;
+    return params.rho * (A + B * inv_pi * qon_footnote_G_qualitative(wo.z));
+}

@@ -1,0 +1,231 @@
+// Torrance-Sparrow: mirrors of microscopic size, with every published choice of D, G and F.
+//
+// f = F D G / (4 mu_i mu_o). Also called Cook-Torrance, whose own paper prints 1 / pi in place of 1 / 4.
+//
+// Sources:
+// Torrance, Sparrow, "Theory for off-specular reflection from roughened surfaces", JOSA 57, 1967;
+// Cook, Torrance, "A reflectance model for computer graphics", 1982;
+// Walter et al., "Microfacet models for refraction through rough surfaces", EGSR 2007;
+// Kulla, Conty, "Revisiting physically based shading at Imageworks", SIGGRAPH 2017 course;
+// Turquin, "Practical multiple scattering compensation for microfacet models", 2019.
+// Those of D, G and F are named in gonio.parts.distribution, masking and fresnel.
+//
+// GLSL 4.5, made by gonio 0.1.0 from gonio/models/torrance_sparrow.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// albedo has no closed form here; it takes many evaluations, for tables and previews.
+
+// A sampled direction and its density.
+struct TorranceSparrowSample {
+    vec3 wi;  // direction towards the light, unit, local frame
+    float pdf;  // its density in 1/sr; 0 marks a wasted sample
+};
+
+// torrance_sparrow: Rough metal, or the reflection of a rough dielectric. Reciprocal; loses energy when
+// rough.
+// Exported with distribution='ggx', masking='smith_correlated', fresnel='conductor', compensation='none'.
+struct TorranceSparrow {
+    // width of the facets' slopes: GGX's alpha, Beckmann's m; 0.0001 to 1, default 0.3
+    float alpha;
+    // 0 round, 1 smoothest along y; only ggx and beckmann have it; 0 to 1, default 0
+    float anisotropy;
+    // index of refraction; the default is gold's; 0.01 to 20, default (0.143037, 0.375306, 1.44204)
+    vec3 eta;
+    // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299, 2.38556,
+    // 1.60336)
+    vec3 k;
+    vec3 f0;  // reflectance at normal incidence; only for schlick; 0 to 1, default (0.9, 0.9, 0.9)
+    vec3 f90;  // reflectance at grazing incidence; only for schlick; 0 to 1, default (1, 1, 1)
+};
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+vec3 torrance_sparrow_half_vector(vec3 wi, vec3 wo) {
+    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    const float mu_min = 1.0e-18;
+    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
+    // directions in the horizon.
+    return normalize(wi + vec3(wo.x, wo.y, wo.z + mu_min));
+}
+
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+float torrance_sparrow_cos_half(vec3 wi, vec3 wo) {
+    const float mu_min = 1.0e-18;
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return min(0.5 * length(wi + vec3(wo.x, wo.y, wo.z + mu_min)), 1.0);
+}
+
+// Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
+vec3 torrance_sparrow_F_conductor(float cos_theta, vec3 eta, vec3 k) {
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
+    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
+    const float ROOT_MIN = 1.0e-16;
+    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
+    float c = cos_theta;
+    vec3 contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
+    vec3 half_im = eta * k;
+    float c2 = c * c;
+    float sin2 = 1.0 - c2;
+    vec3 w_re = contrast_re + c2;
+    vec3 im2 = 4.0 * half_im * half_im;
+    vec3 w_abs = sqrt(max(w_re * w_re + im2, vec3(ROOT_MIN * ROOT_MIN)));
+    // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
+    vec3 large = sqrt(0.5 * max(w_abs + abs(w_re), vec3(ROOT_MIN)));
+    vec3 g_re = mix(half_im / large, large, greaterThan(w_re, vec3(0.0)));
+    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
+    vec3 cross = 2.0 * c * g_re;
+    vec3 s_abs2 = c2 + w_abs + cross;
+    vec3 p = c2 * w_abs + sin2 * sin2;
+    // One quotient after the other: for a matched index in the horizon the squares would leave a float32
+    vec3 R_s = (contrast_re * contrast_re + im2) / s_abs2 / s_abs2;
+    return R_s * (p / (p + cross * sin2));
+}
+
+vec3 torrance_sparrow_F(TorranceSparrow params, float cos_h) {
+    return torrance_sparrow_F_conductor(cos_h, params.eta, params.k);
+}
+
+// Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
+//
+// Burley, appendix B, without its lower limit.
+vec2 torrance_sparrow_anisotropic_alpha(float alpha, float anisotropy) {
+    float aspect = sqrt(1.0 - 0.9 * anisotropy);
+    return vec2(alpha / aspect, alpha * aspect);
+}
+
+vec2 torrance_sparrow_widths(TorranceSparrow params) {
+    return torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
+}
+
+// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+float torrance_sparrow_D_ggx(vec3 m, float alpha_x, float alpha_y) {
+    const float inv_pi = 0.31830987;
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    vec3 v = vec3(m.x / alpha_x, m.y / alpha_y, m.z);
+    float s = dot(v, v);
+    return inv_pi / (alpha_x * alpha_y * s * s);
+}
+
+float torrance_sparrow_D(TorranceSparrow params, vec3 m) {
+    vec2 a = torrance_sparrow_widths(params);
+    return torrance_sparrow_D_ggx(m, a.x, a.y);
+}
+
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
+float torrance_sparrow_ggx_length(vec3 w, float alpha_x, float alpha_y) {
+    return length(vec3(alpha_x * w.x, alpha_y * w.y, w.z));
+}
+
+// G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
+float torrance_sparrow_V_smith_correlated_ggx(vec3 wi, vec3 wo, float alpha_x, float alpha_y) {
+    float length_i = torrance_sparrow_ggx_length(wi, alpha_x, alpha_y);
+    float length_o = torrance_sparrow_ggx_length(wo, alpha_x, alpha_y);
+    return 0.5 / (wo.z * length_i + wi.z * length_o);
+}
+
+float torrance_sparrow_V_smith(TorranceSparrow params, vec3 wi, vec3 wo) {
+    vec2 a = torrance_sparrow_widths(params);
+    return torrance_sparrow_V_smith_correlated_ggx(wi, wo, a.x, a.y);
+}
+
+// G / (4 mu_i mu_o).
+float torrance_sparrow_V(TorranceSparrow params, vec3 wi, vec3 wo, vec3 m, float cos_h) {
+    return torrance_sparrow_V_smith(params, wi, wo);
+}
+
+// BRDF value in 1/sr, without the cosine.
+vec3 torrance_sparrow_eval(TorranceSparrow params, vec3 wi, vec3 wo) {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return vec3(0.0);
+    }
+    vec3 m = torrance_sparrow_half_vector(wi, wo);
+    float cos_h = torrance_sparrow_cos_half(wi, wo);
+    vec3 single = torrance_sparrow_F(params, cos_h)
+        * (torrance_sparrow_D(params, m) * torrance_sparrow_V(params, wi, wo, m, cos_h));
+    return single;
+}
+
+// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+vec3 torrance_sparrow_sample_ggx_visible(vec3 wo, float alpha_x, float alpha_y, vec2 u) {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const float RANDOM_MARGIN = 5.9604645e-8;
+    const float two_pi = 6.2831855;
+    vec3 w = normalize(vec3(alpha_x * wo.x, alpha_y * wo.y, wo.z));
+    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    float drop = u1 * (1.0 + w.z);
+    float r = sqrt(max(drop * (2.0 - drop), 0.0));
+    float phi = two_pi * u.y;
+    vec3 h = vec3(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
+    return normalize(vec3(alpha_x * h.x, alpha_y * h.y, h.z));
+}
+
+// Visible normals need Smith's G1, and a G that is no larger than it.
+//
+// With Cook-Torrance's or Kelemen's G their weights grow like alpha / mu_o in the horizon, but those
+// of all normals are at most 2.
+vec3 torrance_sparrow_sample_m(TorranceSparrow params, vec3 wo, vec2 u) {
+    vec2 a = torrance_sparrow_widths(params);
+    return torrance_sparrow_sample_ggx_visible(wo, a.x, a.y, u);
+}
+
+// wo mirrored at a facet with normal m; it may leave below the horizon.
+vec3 torrance_sparrow_mirror(vec3 wo, vec3 m) {
+    return 2.0 * dot(wo, m) * m - wo;
+}
+
+// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+float torrance_sparrow_pdf_ggx_visible(vec3 wo, vec3 m, float alpha_x, float alpha_y) {
+    return torrance_sparrow_D_ggx(m, alpha_x, alpha_y)
+        / (2.0 * (wo.z + torrance_sparrow_ggx_length(wo, alpha_x, alpha_y)));
+}
+
+float torrance_sparrow_pdf_m(TorranceSparrow params, vec3 wo, vec3 m, float cos_h) {
+    vec2 a = torrance_sparrow_widths(params);
+    return torrance_sparrow_pdf_ggx_visible(wo, m, a.x, a.y);
+}
+
+// Density of `sample` in 1/sr.
+float torrance_sparrow_pdf(TorranceSparrow params, vec3 wi, vec3 wo) {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return 0.0;
+    }
+    vec3 m = torrance_sparrow_half_vector(wi, wo);
+    float cos_h = torrance_sparrow_cos_half(wi, wo);
+    float specular = torrance_sparrow_pdf_m(params, wo, m, cos_h);
+    return specular;
+}
+
+// Visible normals where the masking has them, else normals; a cosine lobe for Kulla-Conty.
+TorranceSparrowSample torrance_sparrow_sample(TorranceSparrow params, vec3 wo, vec2 u) {
+    if (wo.z <= 0.0) {  // below the horizon
+        return TorranceSparrowSample(vec3(0.0, 0.0, 1.0), 0.0);
+    }
+    vec3 wi = torrance_sparrow_mirror(wo, torrance_sparrow_sample_m(params, wo, u));
+    return TorranceSparrowSample(wi, torrance_sparrow_pdf(params, wi, wo));
+}
+
+// Directional albedo of a model without a closed form: the mean weight of its own samples.
+//
+// For tables and previews; the random numbers are a Fibonacci lattice.
+vec3 torrance_sparrow_albedo(TorranceSparrow params, vec3 wo) {
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const float HORIZON = 1.0e-6;
+    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    const float ALBEDO_SAMPLES = 987.0;
+    const float GOLDEN = 0.618034;
+    const float mu_min = 1.0e-18;
+    if (wo.z < 0.0) {  // below the horizon
+        return vec3(0.0);
+    }
+    vec3 w = vec3(wo.x, wo.y, max(wo.z, HORIZON));
+    vec3 total = vec3(0.0, 0.0, 0.0);
+    for (int i_step = 0; i_step < 987; ++i_step) {
+        float i = float(i_step);
+        vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
+        TorranceSparrowSample drawn = torrance_sparrow_sample(params, w, u);
+        float weight = mix(0.0, drawn.wi.z / max(drawn.pdf, mu_min), drawn.pdf > 0.0);
+        total = total + torrance_sparrow_eval(params, drawn.wi, w) * weight;
+    }
+    return total / ALBEDO_SAMPLES;
+}

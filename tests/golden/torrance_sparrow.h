@@ -1,0 +1,335 @@
+// Torrance-Sparrow: mirrors of microscopic size, with every published choice of D, G and F.
+//
+// f = F D G / (4 mu_i mu_o). Also called Cook-Torrance, whose own paper prints 1 / pi in place of 1 / 4.
+//
+// Sources:
+// Torrance, Sparrow, "Theory for off-specular reflection from roughened surfaces", JOSA 57, 1967;
+// Cook, Torrance, "A reflectance model for computer graphics", 1982;
+// Walter et al., "Microfacet models for refraction through rough surfaces", EGSR 2007;
+// Kulla, Conty, "Revisiting physically based shading at Imageworks", SIGGRAPH 2017 course;
+// Turquin, "Practical multiple scattering compensation for microfacet models", 2019.
+// Those of D, G and F are named in gonio.parts.distribution, masking and fresnel.
+//
+// C++, made by gonio 0.1.0 from gonio/models/torrance_sparrow.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// albedo has no closed form here; it takes many evaluations, for tables and previews.
+
+#pragma once
+#include <math.h>
+
+namespace gonio_torrance_sparrow {
+
+struct Vec2 {
+    float x, y;
+};
+
+struct Vec3 {
+    float x, y, z;
+};
+
+struct Bool3 {
+    bool x, y, z;
+};
+
+inline Vec3 splat(float a) {
+    return Vec3{a, a, a};
+}
+
+inline float fract(float a) {
+    return a - floorf(a);
+}
+
+inline float dot(Vec3 a, Vec3 b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+inline float length(Vec3 a) {
+    return sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
+}
+
+inline Vec3 normalize(Vec3 a) {
+    float inv = 1.0f / sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
+    return Vec3{a.x * inv, a.y * inv, a.z * inv};
+}
+
+inline Vec3 select(Bool3 c, Vec3 yes, Vec3 no) {
+    return Vec3{c.x ? yes.x : no.x, c.y ? yes.y : no.y, c.z ? yes.z : no.z};
+}
+
+inline Vec3 operator+(Vec3 a, Vec3 b) {
+    return Vec3{a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+inline Vec3 operator+(Vec3 a, float b) {
+    return Vec3{a.x + b, a.y + b, a.z + b};
+}
+
+inline Vec3 operator+(float a, Vec3 b) {
+    return Vec3{a + b.x, a + b.y, a + b.z};
+}
+
+inline Vec3 operator-(Vec3 a, Vec3 b) {
+    return Vec3{a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+inline Vec3 operator-(Vec3 a, float b) {
+    return Vec3{a.x - b, a.y - b, a.z - b};
+}
+
+inline Vec3 operator*(Vec3 a, Vec3 b) {
+    return Vec3{a.x * b.x, a.y * b.y, a.z * b.z};
+}
+
+inline Vec3 operator*(Vec3 a, float b) {
+    return Vec3{a.x * b, a.y * b, a.z * b};
+}
+
+inline Vec3 operator*(float a, Vec3 b) {
+    return Vec3{a * b.x, a * b.y, a * b.z};
+}
+
+inline Vec3 operator/(Vec3 a, Vec3 b) {
+    return Vec3{a.x / b.x, a.y / b.y, a.z / b.z};
+}
+
+inline Vec3 operator/(Vec3 a, float b) {
+    return Vec3{a.x / b, a.y / b, a.z / b};
+}
+
+inline Bool3 operator>(Vec3 a, Vec3 b) {
+    return Bool3{a.x > b.x, a.y > b.y, a.z > b.z};
+}
+
+inline Vec3 maximum(Vec3 a, Vec3 b) {
+    return Vec3{fmaxf(a.x, b.x), fmaxf(a.y, b.y), fmaxf(a.z, b.z)};
+}
+
+inline Vec3 absolute(Vec3 a) {
+    return Vec3{fabsf(a.x), fabsf(a.y), fabsf(a.z)};
+}
+
+inline Vec3 sqrt(Vec3 a) {
+    return Vec3{sqrtf(a.x), sqrtf(a.y), sqrtf(a.z)};
+}
+
+// A sampled direction and its density.
+struct TorranceSparrowSample {
+    Vec3 wi;  // direction towards the light, unit, local frame
+    float pdf;  // its density in 1/sr; 0 marks a wasted sample
+};
+
+// torrance_sparrow: Rough metal, or the reflection of a rough dielectric. Reciprocal; loses energy when
+// rough.
+// Exported with distribution='ggx', masking='smith_correlated', fresnel='conductor', compensation='none'.
+struct TorranceSparrow {
+    // width of the facets' slopes: GGX's alpha, Beckmann's m; 0.0001 to 1, default 0.3
+    float alpha;
+    // 0 round, 1 smoothest along y; only ggx and beckmann have it; 0 to 1, default 0
+    float anisotropy;
+    // index of refraction; the default is gold's; 0.01 to 20, default (0.143037, 0.375306, 1.44204)
+    Vec3 eta;
+    // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299, 2.38556,
+    // 1.60336)
+    Vec3 k;
+    Vec3 f0;  // reflectance at normal incidence; only for schlick; 0 to 1, default (0.9, 0.9, 0.9)
+    Vec3 f90;  // reflectance at grazing incidence; only for schlick; 0 to 1, default (1, 1, 1)
+};
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline Vec3 torrance_sparrow_half_vector(Vec3 wi, Vec3 wo) {
+    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    constexpr float mu_min = 1.0e-18f;
+    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
+    // directions in the horizon.
+    return normalize(wi + Vec3{wo.x, wo.y, wo.z + mu_min});
+}
+
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+inline float torrance_sparrow_cos_half(Vec3 wi, Vec3 wo) {
+    constexpr float mu_min = 1.0e-18f;
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return fminf(0.5f * length(wi + Vec3{wo.x, wo.y, wo.z + mu_min}), 1.0f);
+}
+
+// Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
+inline Vec3 torrance_sparrow_F_conductor(float cos_theta, Vec3 eta, Vec3 k) {
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
+    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
+    constexpr float ROOT_MIN = 1.0e-16f;
+    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
+    float c = cos_theta;
+    Vec3 contrast_re = (eta - 1.0f) * (eta + 1.0f) - k * k;
+    Vec3 half_im = eta * k;
+    float c2 = c * c;
+    float sin2 = 1.0f - c2;
+    Vec3 w_re = contrast_re + c2;
+    Vec3 im2 = 4.0f * half_im * half_im;
+    Vec3 w_abs = sqrt(maximum(w_re * w_re + im2, splat(ROOT_MIN * ROOT_MIN)));
+    // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
+    Vec3 large = sqrt(0.5f * maximum(w_abs + absolute(w_re), splat(ROOT_MIN)));
+    Vec3 g_re = select(w_re > splat(0.0f), large, half_im / large);
+    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
+    Vec3 cross = 2.0f * c * g_re;
+    Vec3 s_abs2 = c2 + w_abs + cross;
+    Vec3 p = c2 * w_abs + sin2 * sin2;
+    // One quotient after the other: for a matched index in the horizon the squares would leave a float32
+    Vec3 R_s = (contrast_re * contrast_re + im2) / s_abs2 / s_abs2;
+    return R_s * (p / (p + cross * sin2));
+}
+
+inline Vec3 torrance_sparrow_F(const TorranceSparrow& params, float cos_h) {
+    return torrance_sparrow_F_conductor(cos_h, params.eta, params.k);
+}
+
+// Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
+//
+// Burley, appendix B, without its lower limit.
+inline Vec2 torrance_sparrow_anisotropic_alpha(float alpha, float anisotropy) {
+    float aspect = sqrtf(1.0f - 0.9f * anisotropy);
+    return Vec2{alpha / aspect, alpha * aspect};
+}
+
+inline Vec2 torrance_sparrow_widths(const TorranceSparrow& params) {
+    return torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
+}
+
+// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+inline float torrance_sparrow_D_ggx(Vec3 m, float alpha_x, float alpha_y) {
+    constexpr float inv_pi = 0.31830987f;
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    Vec3 v = Vec3{m.x / alpha_x, m.y / alpha_y, m.z};
+    float s = dot(v, v);
+    return inv_pi / (alpha_x * alpha_y * s * s);
+}
+
+inline float torrance_sparrow_D(const TorranceSparrow& params, Vec3 m) {
+    Vec2 a = torrance_sparrow_widths(params);
+    return torrance_sparrow_D_ggx(m, a.x, a.y);
+}
+
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
+inline float torrance_sparrow_ggx_length(Vec3 w, float alpha_x, float alpha_y) {
+    return length(Vec3{alpha_x * w.x, alpha_y * w.y, w.z});
+}
+
+// G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
+inline float torrance_sparrow_V_smith_correlated_ggx(Vec3 wi, Vec3 wo, float alpha_x,
+    float alpha_y) {
+    float length_i = torrance_sparrow_ggx_length(wi, alpha_x, alpha_y);
+    float length_o = torrance_sparrow_ggx_length(wo, alpha_x, alpha_y);
+    return 0.5f / (wo.z * length_i + wi.z * length_o);
+}
+
+inline float torrance_sparrow_V_smith(const TorranceSparrow& params, Vec3 wi, Vec3 wo) {
+    Vec2 a = torrance_sparrow_widths(params);
+    return torrance_sparrow_V_smith_correlated_ggx(wi, wo, a.x, a.y);
+}
+
+// G / (4 mu_i mu_o).
+inline float torrance_sparrow_V(const TorranceSparrow& params, Vec3 wi, Vec3 wo, Vec3 m,
+    float cos_h) {
+    return torrance_sparrow_V_smith(params, wi, wo);
+}
+
+// BRDF value in 1/sr, without the cosine.
+inline Vec3 torrance_sparrow_eval(const TorranceSparrow& params, Vec3 wi, Vec3 wo) {
+    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+        return splat(0.0f);
+    }
+    Vec3 m = torrance_sparrow_half_vector(wi, wo);
+    float cos_h = torrance_sparrow_cos_half(wi, wo);
+    Vec3 single = torrance_sparrow_F(params, cos_h)
+        * (torrance_sparrow_D(params, m) * torrance_sparrow_V(params, wi, wo, m, cos_h));
+    return single;
+}
+
+// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+inline Vec3 torrance_sparrow_sample_ggx_visible(Vec3 wo, float alpha_x, float alpha_y, Vec2 u) {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    constexpr float RANDOM_MARGIN = 5.9604645e-8f;
+    constexpr float two_pi = 6.2831855f;
+    Vec3 w = normalize(Vec3{alpha_x * wo.x, alpha_y * wo.y, wo.z});
+    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = fminf(u.x, 1.0f - RANDOM_MARGIN);
+    float drop = u1 * (1.0f + w.z);
+    float r = sqrtf(fmaxf(drop * (2.0f - drop), 0.0f));
+    float phi = two_pi * u.y;
+    Vec3 h = Vec3{r * cosf(phi) + w.x, r * sinf(phi) + w.y, (1.0f - u1) * (1.0f + w.z)};
+    return normalize(Vec3{alpha_x * h.x, alpha_y * h.y, h.z});
+}
+
+// Visible normals need Smith's G1, and a G that is no larger than it.
+//
+// With Cook-Torrance's or Kelemen's G their weights grow like alpha / mu_o in the horizon, but those
+// of all normals are at most 2.
+inline Vec3 torrance_sparrow_sample_m(const TorranceSparrow& params, Vec3 wo, Vec2 u) {
+    Vec2 a = torrance_sparrow_widths(params);
+    return torrance_sparrow_sample_ggx_visible(wo, a.x, a.y, u);
+}
+
+// wo mirrored at a facet with normal m; it may leave below the horizon.
+inline Vec3 torrance_sparrow_mirror(Vec3 wo, Vec3 m) {
+    return 2.0f * dot(wo, m) * m - wo;
+}
+
+// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+inline float torrance_sparrow_pdf_ggx_visible(Vec3 wo, Vec3 m, float alpha_x, float alpha_y) {
+    return torrance_sparrow_D_ggx(m, alpha_x, alpha_y)
+        / (2.0f * (wo.z + torrance_sparrow_ggx_length(wo, alpha_x, alpha_y)));
+}
+
+inline float torrance_sparrow_pdf_m(const TorranceSparrow& params, Vec3 wo, Vec3 m,
+    float cos_h) {
+    Vec2 a = torrance_sparrow_widths(params);
+    return torrance_sparrow_pdf_ggx_visible(wo, m, a.x, a.y);
+}
+
+// Density of `sample` in 1/sr.
+inline float torrance_sparrow_pdf(const TorranceSparrow& params, Vec3 wi, Vec3 wo) {
+    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+        return 0.0f;
+    }
+    Vec3 m = torrance_sparrow_half_vector(wi, wo);
+    float cos_h = torrance_sparrow_cos_half(wi, wo);
+    float specular = torrance_sparrow_pdf_m(params, wo, m, cos_h);
+    return specular;
+}
+
+// Visible normals where the masking has them, else normals; a cosine lobe for Kulla-Conty.
+inline TorranceSparrowSample torrance_sparrow_sample(const TorranceSparrow& params, Vec3 wo,
+    Vec2 u) {
+    if (wo.z <= 0.0f) {  // below the horizon
+        return TorranceSparrowSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
+    }
+    Vec3 wi = torrance_sparrow_mirror(wo, torrance_sparrow_sample_m(params, wo, u));
+    return TorranceSparrowSample{wi, torrance_sparrow_pdf(params, wi, wo)};
+}
+
+// Directional albedo of a model without a closed form: the mean weight of its own samples.
+//
+// For tables and previews; the random numbers are a Fibonacci lattice.
+inline Vec3 torrance_sparrow_albedo(const TorranceSparrow& params, Vec3 wo) {
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    constexpr float HORIZON = 1.0e-6f;
+    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    constexpr float ALBEDO_SAMPLES = 987.0f;
+    constexpr float GOLDEN = 0.618034f;
+    constexpr float mu_min = 1.0e-18f;
+    if (wo.z < 0.0f) {  // below the horizon
+        return splat(0.0f);
+    }
+    Vec3 w = Vec3{wo.x, wo.y, fmaxf(wo.z, HORIZON)};
+    Vec3 total = Vec3{0.0f, 0.0f, 0.0f};
+    for (int i_step = 0; i_step < 987; ++i_step) {
+        float i = float(i_step);
+        Vec2 u = Vec2{(i + 0.5f) / ALBEDO_SAMPLES, fract((i + 0.5f) * GOLDEN)};
+        TorranceSparrowSample drawn = torrance_sparrow_sample(params, w, u);
+        float weight = drawn.pdf > 0.0f ? drawn.wi.z / fmaxf(drawn.pdf, mu_min) : 0.0f;
+        total = total + torrance_sparrow_eval(params, drawn.wi, w) * weight;
+    }
+    return total / ALBEDO_SAMPLES;
+}
+
+}  // namespace gonio_torrance_sparrow

@@ -1,0 +1,240 @@
+// Torrance-Sparrow: mirrors of microscopic size, with every published choice of D, G and F.
+//
+// f = F D G / (4 mu_i mu_o). Also called Cook-Torrance, whose own paper prints 1 / pi in place of 1 / 4.
+//
+// Sources:
+// Torrance, Sparrow, "Theory for off-specular reflection from roughened surfaces", JOSA 57, 1967;
+// Cook, Torrance, "A reflectance model for computer graphics", 1982;
+// Walter et al., "Microfacet models for refraction through rough surfaces", EGSR 2007;
+// Kulla, Conty, "Revisiting physically based shading at Imageworks", SIGGRAPH 2017 course;
+// Turquin, "Practical multiple scattering compensation for microfacet models", 2019.
+// Those of D, G and F are named in gonio.parts.distribution, masking and fresnel.
+//
+// Metal, made by gonio 0.1.0 from gonio/models/torrance_sparrow.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// albedo has no closed form here; it takes many evaluations, for tables and previews.
+
+#include <metal_stdlib>
+using namespace metal;
+
+// A sampled direction and its density.
+struct TorranceSparrowSample {
+    float3 wi;  // direction towards the light, unit, local frame
+    float pdf;  // its density in 1/sr; 0 marks a wasted sample
+};
+
+// torrance_sparrow: Rough metal, or the reflection of a rough dielectric. Reciprocal; loses energy when
+// rough.
+// Exported with distribution='ggx', masking='smith_correlated', fresnel='conductor', compensation='none'.
+struct TorranceSparrow {
+    // width of the facets' slopes: GGX's alpha, Beckmann's m; 0.0001 to 1, default 0.3
+    float alpha;
+    // 0 round, 1 smoothest along y; only ggx and beckmann have it; 0 to 1, default 0
+    float anisotropy;
+    // index of refraction; the default is gold's; 0.01 to 20, default (0.143037, 0.375306, 1.44204)
+    float3 eta;
+    // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299, 2.38556,
+    // 1.60336)
+    float3 k;
+    // reflectance at normal incidence; only for schlick; 0 to 1, default (0.9, 0.9, 0.9)
+    float3 f0;
+    float3 f90;  // reflectance at grazing incidence; only for schlick; 0 to 1, default (1, 1, 1)
+};
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline float3 torrance_sparrow_half_vector(float3 wi, float3 wo) {
+    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    const float mu_min = 1.0e-18;
+    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
+    // directions in the horizon.
+    return normalize(wi + float3(wo.x, wo.y, wo.z + mu_min));
+}
+
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+inline float torrance_sparrow_cos_half(float3 wi, float3 wo) {
+    const float mu_min = 1.0e-18;
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return min(0.5 * length(wi + float3(wo.x, wo.y, wo.z + mu_min)), 1.0);
+}
+
+// Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
+inline float3 torrance_sparrow_F_conductor(float cos_theta, float3 eta, float3 k) {
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
+    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
+    const float ROOT_MIN = 1.0e-16;
+    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
+    float c = cos_theta;
+    float3 contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
+    float3 half_im = eta * k;
+    float c2 = c * c;
+    float sin2 = 1.0 - c2;
+    float3 w_re = contrast_re + c2;
+    float3 im2 = 4.0 * half_im * half_im;
+    float3 w_abs = sqrt(max(w_re * w_re + im2, float3(ROOT_MIN * ROOT_MIN)));
+    // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
+    float3 large = sqrt(0.5 * max(w_abs + abs(w_re), float3(ROOT_MIN)));
+    float3 g_re = select(half_im / large, large, w_re > float3(0.0));
+    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
+    float3 cross = 2.0 * c * g_re;
+    float3 s_abs2 = c2 + w_abs + cross;
+    float3 p = c2 * w_abs + sin2 * sin2;
+    // One quotient after the other: for a matched index in the horizon the squares would leave a float32
+    float3 R_s = (contrast_re * contrast_re + im2) / s_abs2 / s_abs2;
+    return R_s * (p / (p + cross * sin2));
+}
+
+inline float3 torrance_sparrow_F(TorranceSparrow params, float cos_h) {
+    return torrance_sparrow_F_conductor(cos_h, params.eta, params.k);
+}
+
+// Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
+//
+// Burley, appendix B, without its lower limit.
+inline float2 torrance_sparrow_anisotropic_alpha(float alpha, float anisotropy) {
+    float aspect = sqrt(1.0 - 0.9 * anisotropy);
+    return float2(alpha / aspect, alpha * aspect);
+}
+
+inline float2 torrance_sparrow_widths(TorranceSparrow params) {
+    return torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
+}
+
+// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+inline float torrance_sparrow_D_ggx(float3 m, float alpha_x, float alpha_y) {
+    const float inv_pi = 0.31830987;
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    float3 v = float3(m.x / alpha_x, m.y / alpha_y, m.z);
+    float s = dot(v, v);
+    return inv_pi / (alpha_x * alpha_y * s * s);
+}
+
+inline float torrance_sparrow_D(TorranceSparrow params, float3 m) {
+    float2 a = torrance_sparrow_widths(params);
+    return torrance_sparrow_D_ggx(m, a.x, a.y);
+}
+
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
+inline float torrance_sparrow_ggx_length(float3 w, float alpha_x, float alpha_y) {
+    return length(float3(alpha_x * w.x, alpha_y * w.y, w.z));
+}
+
+// G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
+inline float torrance_sparrow_V_smith_correlated_ggx(float3 wi, float3 wo, float alpha_x,
+    float alpha_y) {
+    float length_i = torrance_sparrow_ggx_length(wi, alpha_x, alpha_y);
+    float length_o = torrance_sparrow_ggx_length(wo, alpha_x, alpha_y);
+    return 0.5 / (wo.z * length_i + wi.z * length_o);
+}
+
+inline float torrance_sparrow_V_smith(TorranceSparrow params, float3 wi, float3 wo) {
+    float2 a = torrance_sparrow_widths(params);
+    return torrance_sparrow_V_smith_correlated_ggx(wi, wo, a.x, a.y);
+}
+
+// G / (4 mu_i mu_o).
+inline float torrance_sparrow_V(TorranceSparrow params, float3 wi, float3 wo, float3 m,
+    float cos_h) {
+    return torrance_sparrow_V_smith(params, wi, wo);
+}
+
+// BRDF value in 1/sr, without the cosine.
+inline float3 torrance_sparrow_eval(TorranceSparrow params, float3 wi, float3 wo) {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return float3(0.0);
+    }
+    float3 m = torrance_sparrow_half_vector(wi, wo);
+    float cos_h = torrance_sparrow_cos_half(wi, wo);
+    float3 single = torrance_sparrow_F(params, cos_h)
+        * (torrance_sparrow_D(params, m) * torrance_sparrow_V(params, wi, wo, m, cos_h));
+    return single;
+}
+
+// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+inline float3 torrance_sparrow_sample_ggx_visible(float3 wo, float alpha_x, float alpha_y,
+    float2 u) {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const float RANDOM_MARGIN = 5.9604645e-8;
+    const float two_pi = 6.2831855;
+    float3 w = normalize(float3(alpha_x * wo.x, alpha_y * wo.y, wo.z));
+    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    float drop = u1 * (1.0 + w.z);
+    float r = sqrt(max(drop * (2.0 - drop), 0.0));
+    float phi = two_pi * u.y;
+    float3 h = float3(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
+    return normalize(float3(alpha_x * h.x, alpha_y * h.y, h.z));
+}
+
+// Visible normals need Smith's G1, and a G that is no larger than it.
+//
+// With Cook-Torrance's or Kelemen's G their weights grow like alpha / mu_o in the horizon, but those
+// of all normals are at most 2.
+inline float3 torrance_sparrow_sample_m(TorranceSparrow params, float3 wo, float2 u) {
+    float2 a = torrance_sparrow_widths(params);
+    return torrance_sparrow_sample_ggx_visible(wo, a.x, a.y, u);
+}
+
+// wo mirrored at a facet with normal m; it may leave below the horizon.
+inline float3 torrance_sparrow_mirror(float3 wo, float3 m) {
+    return 2.0 * dot(wo, m) * m - wo;
+}
+
+// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+inline float torrance_sparrow_pdf_ggx_visible(float3 wo, float3 m, float alpha_x,
+    float alpha_y) {
+    return torrance_sparrow_D_ggx(m, alpha_x, alpha_y)
+        / (2.0 * (wo.z + torrance_sparrow_ggx_length(wo, alpha_x, alpha_y)));
+}
+
+inline float torrance_sparrow_pdf_m(TorranceSparrow params, float3 wo, float3 m, float cos_h) {
+    float2 a = torrance_sparrow_widths(params);
+    return torrance_sparrow_pdf_ggx_visible(wo, m, a.x, a.y);
+}
+
+// Density of `sample` in 1/sr.
+inline float torrance_sparrow_pdf(TorranceSparrow params, float3 wi, float3 wo) {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return 0.0;
+    }
+    float3 m = torrance_sparrow_half_vector(wi, wo);
+    float cos_h = torrance_sparrow_cos_half(wi, wo);
+    float specular = torrance_sparrow_pdf_m(params, wo, m, cos_h);
+    return specular;
+}
+
+// Visible normals where the masking has them, else normals; a cosine lobe for Kulla-Conty.
+inline TorranceSparrowSample torrance_sparrow_sample(TorranceSparrow params, float3 wo,
+    float2 u) {
+    if (wo.z <= 0.0) {  // below the horizon
+        return TorranceSparrowSample{float3(0.0, 0.0, 1.0), 0.0};
+    }
+    float3 wi = torrance_sparrow_mirror(wo, torrance_sparrow_sample_m(params, wo, u));
+    return TorranceSparrowSample{wi, torrance_sparrow_pdf(params, wi, wo)};
+}
+
+// Directional albedo of a model without a closed form: the mean weight of its own samples.
+//
+// For tables and previews; the random numbers are a Fibonacci lattice.
+inline float3 torrance_sparrow_albedo(TorranceSparrow params, float3 wo) {
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const float HORIZON = 1.0e-6;
+    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    const float ALBEDO_SAMPLES = 987.0;
+    const float GOLDEN = 0.618034;
+    const float mu_min = 1.0e-18;
+    if (wo.z < 0.0) {  // below the horizon
+        return float3(0.0);
+    }
+    float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
+    float3 total = float3(0.0, 0.0, 0.0);
+    for (int i_step = 0; i_step < 987; ++i_step) {
+        float i = float(i_step);
+        float2 u = float2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
+        TorranceSparrowSample drawn = torrance_sparrow_sample(params, w, u);
+        float weight = drawn.pdf > 0.0 ? drawn.wi.z / max(drawn.pdf, mu_min) : 0.0;
+        total = total + torrance_sparrow_eval(params, drawn.wi, w) * weight;
+    }
+    return total / ALBEDO_SAMPLES;
+}

@@ -1,0 +1,235 @@
+// Torrance-Sparrow: mirrors of microscopic size, with every published choice of D, G and F.
+//
+// f = F D G / (4 mu_i mu_o). Also called Cook-Torrance, whose own paper prints 1 / pi in place of 1 / 4.
+//
+// Sources:
+// Torrance, Sparrow, "Theory for off-specular reflection from roughened surfaces", JOSA 57, 1967;
+// Cook, Torrance, "A reflectance model for computer graphics", 1982;
+// Walter et al., "Microfacet models for refraction through rough surfaces", EGSR 2007;
+// Kulla, Conty, "Revisiting physically based shading at Imageworks", SIGGRAPH 2017 course;
+// Turquin, "Practical multiple scattering compensation for microfacet models", 2019.
+// Those of D, G and F are named in gonio.parts.distribution, masking and fresnel.
+//
+// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/torrance_sparrow.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// albedo has no closed form here; it takes many evaluations, for tables and previews.
+
+// A sampled direction and its density.
+struct TorranceSparrowSample {
+    wi: vec3f,  // direction towards the light, unit, local frame
+    pdf: f32,  // its density in 1/sr; 0 marks a wasted sample
+}
+
+// torrance_sparrow: Rough metal, or the reflection of a rough dielectric. Reciprocal; loses energy when
+// rough.
+// Exported with distribution='ggx', masking='smith_correlated', fresnel='conductor', compensation='none'.
+struct TorranceSparrow {
+    alpha: f32,  // width of the facets' slopes: GGX's alpha, Beckmann's m; 0.0001 to 1, default 0.3
+    // 0 round, 1 smoothest along y; only ggx and beckmann have it; 0 to 1, default 0
+    anisotropy: f32,
+    // index of refraction; the default is gold's; 0.01 to 20, default (0.143037, 0.375306, 1.44204)
+    eta: vec3f,
+    // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299, 2.38556,
+    // 1.60336)
+    k: vec3f,
+    // reflectance at normal incidence; only for schlick; 0 to 1, default (0.9, 0.9, 0.9)
+    f0: vec3f,
+    f90: vec3f,  // reflectance at grazing incidence; only for schlick; 0 to 1, default (1, 1, 1)
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn torrance_sparrow_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    const mu_min = 1.0e-18;
+    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
+    // directions in the horizon.
+    return normalize(wi + vec3f(wo.x, wo.y, wo.z + mu_min));
+}
+
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+fn torrance_sparrow_cos_half(wi: vec3f, wo: vec3f) -> f32 {
+    const mu_min = 1.0e-18;
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return min(0.5 * length(wi + vec3f(wo.x, wo.y, wo.z + mu_min)), 1.0);
+}
+
+// Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
+fn torrance_sparrow_F_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f {
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
+    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
+    const ROOT_MIN = 1.0e-16;
+    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
+    let c = cos_theta;
+    let contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
+    let half_im = eta * k;
+    let c2 = c * c;
+    let sin2 = 1.0 - c2;
+    let w_re = contrast_re + c2;
+    let im2 = 4.0 * half_im * half_im;
+    let w_abs = sqrt(max(w_re * w_re + im2, vec3f(ROOT_MIN * ROOT_MIN)));
+    // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
+    let large = sqrt(0.5 * max(w_abs + abs(w_re), vec3f(ROOT_MIN)));
+    let g_re = select(half_im / large, large, w_re > vec3f(0.0));
+    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
+    let cross = 2.0 * c * g_re;
+    let s_abs2 = c2 + w_abs + cross;
+    let p = c2 * w_abs + sin2 * sin2;
+    // One quotient after the other: for a matched index in the horizon the squares would leave a float32
+    let R_s = (contrast_re * contrast_re + im2) / s_abs2 / s_abs2;
+    return R_s * (p / (p + cross * sin2));
+}
+
+fn torrance_sparrow_F(params: TorranceSparrow, cos_h: f32) -> vec3f {
+    return torrance_sparrow_F_conductor(cos_h, params.eta, params.k);
+}
+
+// Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
+//
+// Burley, appendix B, without its lower limit.
+fn torrance_sparrow_anisotropic_alpha(alpha: f32, anisotropy: f32) -> vec2f {
+    let aspect = sqrt(1.0 - 0.9 * anisotropy);
+    return vec2f(alpha / aspect, alpha * aspect);
+}
+
+fn torrance_sparrow_widths(params: TorranceSparrow) -> vec2f {
+    return torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
+}
+
+// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+fn torrance_sparrow_D_ggx(m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    const inv_pi = 0.31830987;
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    let v = vec3f(m.x / alpha_x, m.y / alpha_y, m.z);
+    let s = dot(v, v);
+    return inv_pi / (alpha_x * alpha_y * s * s);
+}
+
+fn torrance_sparrow_D(params: TorranceSparrow, m: vec3f) -> f32 {
+    let a = torrance_sparrow_widths(params);
+    return torrance_sparrow_D_ggx(m, a.x, a.y);
+}
+
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
+fn torrance_sparrow_ggx_length(w: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    return length(vec3f(alpha_x * w.x, alpha_y * w.y, w.z));
+}
+
+// G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
+fn torrance_sparrow_V_smith_correlated_ggx(wi: vec3f, wo: vec3f, alpha_x: f32,
+    alpha_y: f32) -> f32 {
+    let length_i = torrance_sparrow_ggx_length(wi, alpha_x, alpha_y);
+    let length_o = torrance_sparrow_ggx_length(wo, alpha_x, alpha_y);
+    return 0.5 / (wo.z * length_i + wi.z * length_o);
+}
+
+fn torrance_sparrow_V_smith(params: TorranceSparrow, wi: vec3f, wo: vec3f) -> f32 {
+    let a = torrance_sparrow_widths(params);
+    return torrance_sparrow_V_smith_correlated_ggx(wi, wo, a.x, a.y);
+}
+
+// G / (4 mu_i mu_o).
+fn torrance_sparrow_V(params: TorranceSparrow, wi: vec3f, wo: vec3f, m: vec3f,
+    cos_h: f32) -> f32 {
+    return torrance_sparrow_V_smith(params, wi, wo);
+}
+
+// BRDF value in 1/sr, without the cosine.
+fn torrance_sparrow_eval(params: TorranceSparrow, wi: vec3f, wo: vec3f) -> vec3f {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return vec3f(0.0);
+    }
+    let m = torrance_sparrow_half_vector(wi, wo);
+    let cos_h = torrance_sparrow_cos_half(wi, wo);
+    let single = torrance_sparrow_F(params, cos_h)
+        * (torrance_sparrow_D(params, m) * torrance_sparrow_V(params, wi, wo, m, cos_h));
+    return single;
+}
+
+// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+fn torrance_sparrow_sample_ggx_visible(wo: vec3f, alpha_x: f32, alpha_y: f32,
+    u: vec2f) -> vec3f {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const RANDOM_MARGIN = 5.9604645e-8;
+    const two_pi = 6.2831855;
+    let w = normalize(vec3f(alpha_x * wo.x, alpha_y * wo.y, wo.z));
+    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    let drop = u1 * (1.0 + w.z);
+    let r = sqrt(max(drop * (2.0 - drop), 0.0));
+    let phi = two_pi * u.y;
+    let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
+    return normalize(vec3f(alpha_x * h.x, alpha_y * h.y, h.z));
+}
+
+// Visible normals need Smith's G1, and a G that is no larger than it.
+//
+// With Cook-Torrance's or Kelemen's G their weights grow like alpha / mu_o in the horizon, but those
+// of all normals are at most 2.
+fn torrance_sparrow_sample_m(params: TorranceSparrow, wo: vec3f, u: vec2f) -> vec3f {
+    let a = torrance_sparrow_widths(params);
+    return torrance_sparrow_sample_ggx_visible(wo, a.x, a.y, u);
+}
+
+// wo mirrored at a facet with normal m; it may leave below the horizon.
+fn torrance_sparrow_mirror(wo: vec3f, m: vec3f) -> vec3f {
+    return 2.0 * dot(wo, m) * m - wo;
+}
+
+// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+fn torrance_sparrow_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    return torrance_sparrow_D_ggx(m, alpha_x, alpha_y)
+        / (2.0 * (wo.z + torrance_sparrow_ggx_length(wo, alpha_x, alpha_y)));
+}
+
+fn torrance_sparrow_pdf_m(params: TorranceSparrow, wo: vec3f, m: vec3f, cos_h: f32) -> f32 {
+    let a = torrance_sparrow_widths(params);
+    return torrance_sparrow_pdf_ggx_visible(wo, m, a.x, a.y);
+}
+
+// Density of `sample` in 1/sr.
+fn torrance_sparrow_pdf(params: TorranceSparrow, wi: vec3f, wo: vec3f) -> f32 {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return 0.0;
+    }
+    let m = torrance_sparrow_half_vector(wi, wo);
+    let cos_h = torrance_sparrow_cos_half(wi, wo);
+    let specular = torrance_sparrow_pdf_m(params, wo, m, cos_h);
+    return specular;
+}
+
+// Visible normals where the masking has them, else normals; a cosine lobe for Kulla-Conty.
+fn torrance_sparrow_sample(params: TorranceSparrow, wo: vec3f,
+    u: vec2f) -> TorranceSparrowSample {
+    if (wo.z <= 0.0) {  // below the horizon
+        return TorranceSparrowSample(vec3f(0.0, 0.0, 1.0), 0.0);
+    }
+    let wi = torrance_sparrow_mirror(wo, torrance_sparrow_sample_m(params, wo, u));
+    return TorranceSparrowSample(wi, torrance_sparrow_pdf(params, wi, wo));
+}
+
+// Directional albedo of a model without a closed form: the mean weight of its own samples.
+//
+// For tables and previews; the random numbers are a Fibonacci lattice.
+fn torrance_sparrow_albedo(params: TorranceSparrow, wo: vec3f) -> vec3f {
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const HORIZON = 1.0e-6;
+    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    const ALBEDO_SAMPLES = 987.0;
+    const GOLDEN = 0.618034;
+    const mu_min = 1.0e-18;
+    if (wo.z < 0.0) {  // below the horizon
+        return vec3f(0.0);
+    }
+    let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
+    var total = vec3f(0.0, 0.0, 0.0);
+    for (var i_step = 0; i_step < 987; i_step++) {
+        let i = f32(i_step);
+        let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
+        let drawn = torrance_sparrow_sample(params, w, u);
+        let weight = select(0.0, drawn.wi.z / max(drawn.pdf, mu_min), drawn.pdf > 0.0);
+        total = total + torrance_sparrow_eval(params, drawn.wi, w) * weight;
+    }
+    return total / ALBEDO_SAMPLES;
+}

@@ -1,0 +1,303 @@
+// tri-Ace Blinn-Phong: a normalised Blinn-Phong highlight with Fresnel, cheap enough for a console.
+//
+// Source: Gotanda, "Beyond a simple physically based Blinn-Phong model in real-time", SIGGRAPH 2012
+// course "Practical physically based shading in film and game production", Eq. 1.
+// The course's shaders return pi f cos(theta_i); this is f. Its linear factor 0.0397436 n + 0.0856832 is a
+// fit of (n + 2) / (4 pi (2 - 2^(-n / 2))): within 0.6 % for n >= 10, 32 % too small at n = 1.
+//
+// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/triace_blinn_phong.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// albedo has no closed form here; it takes many evaluations, for tables and previews.
+
+// A sampled direction and its density.
+struct TriaceBlinnPhongSample {
+    wi: vec3f,  // direction towards the light, unit, local frame
+    pdf: f32,  // its density in 1/sr; 0 marks a wasted sample
+}
+
+// triace_blinn_phong: Lambert under a Blinn-Phong highlight with Schlick's Fresnel. Reciprocal.
+struct TriaceBlinnPhong {
+    rho: vec3f,  // diffuse albedo R_d, linear RGB; 0 to 1, default (0.5, 0.5, 0.5)
+    f0: vec3f,  // reflectance at normal incidence, linear RGB; 0 to 1, default (0.04, 0.04, 0.04)
+    shininess: f32,  // Blinn-Phong exponent n; 0 to 100000, default 50
+}
+
+// Results of choose.
+struct TriaceBlinnPhongChoose {
+    first: bool,
+    second: vec2f,
+}
+
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+fn triace_blinn_phong_cos_half(wi: vec3f, wo: vec3f) -> f32 {
+    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    const mu_min = 1.0e-18;
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return min(0.5 * length(wi + vec3f(wo.x, wo.y, wo.z + mu_min)), 1.0);
+}
+
+// (1 - c)^5 at c = wo . m, the half vector's cosine.
+fn triace_blinn_phong_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
+    // weight keeps its digits where the two meet and it goes to 0.
+    let apart = wi - wo;
+    let k = 0.25 * dot(apart, apart) / (1.0 + triace_blinn_phong_cos_half(wi, wo));
+    let k2 = k * k;
+    return k2 * k2 * k;
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn triace_blinn_phong_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    const mu_min = 1.0e-18;
+    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
+    // directions in the horizon.
+    return normalize(wi + vec3f(wo.x, wo.y, wo.z + mu_min));
+}
+
+// log(1 + x) / x for x > -1; 1 at x = 0.
+fn triace_blinn_phong_log1p_over(x: f32) -> f32 {
+    // Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+    const LOG1P_SMALL = 0.25;
+    // 2 atanh(y) with y = x / (2 + x): the series of odd powers, error below 1e-16 for |x| < 0.25.
+    let near = max(min(x, LOG1P_SMALL), -LOG1P_SMALL);
+    let y = near / (2.0 + near);
+    let y2 = y * y;
+    var series = 1.0 / 9.0
+        + y2 * (1.0 / 11.0 + y2 * (1.0 / 13.0 + y2 * (1.0 / 15.0 + y2 * (1.0 / 17.0))));
+    series = 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * series)));
+    let small = x > -LOG1P_SMALL && x < LOG1P_SMALL;
+    let far = select(x, 1.0, small);
+    return select(log(1.0 + far) / far, 2.0 / (2.0 + near) * series, small);
+}
+
+// log(1 + x) for x > -1, exact where x is small.
+fn triace_blinn_phong_log1p(x: f32) -> f32 {
+    return x * triace_blinn_phong_log1p_over(x);
+}
+
+// (N.m)^exponent, exact for sharp lobes.
+fn triace_blinn_phong_cos_power(m: vec3f, exponent: f32) -> f32 {
+    const mu_min = 1.0e-18;
+    // (N.m)^n = (1 + tan^2)^(-n / 2): a sharp lobe needs the digits of the tangent, not of the cosine
+    let tan2 = (m.x * m.x + m.y * m.y) / max(m.z * m.z, 0.25);
+    let steep = log(clamp(m.z, mu_min, 0.75));
+    return exp(exponent * select(steep, -0.5 * triace_blinn_phong_log1p(tan2), m.z > 0.5));
+}
+
+// (0.0397436 n + 0.0856832) (N.H)^n / max(mu_i, mu_o): Eq. 1's highlight without Fresnel.
+fn triace_blinn_phong_blinn_phong_highlight(wi: vec3f, wo: vec3f, shininess: f32) -> f32 {
+    const NORM_SLOPE = 0.0397436;  // Eq. 1: the normalisation as a linear function of n.
+    const NORM_OFFSET = 0.0856832;
+    const mu_min = 1.0e-18;
+    let power = triace_blinn_phong_cos_power(triace_blinn_phong_half_vector(wi, wo), shininess);
+    return (NORM_SLOPE * shininess + NORM_OFFSET) * power / max(max(wi.z, wo.z), mu_min);
+}
+
+// Eq. 1 without the cosine and the factor pi: BRDF value in 1/sr.
+fn triace_blinn_phong_eval(params: TriaceBlinnPhong, wi: vec3f, wo: vec3f) -> vec3f {
+    const inv_pi = 0.31830987;
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return vec3f(0.0);
+    }
+    let F = mix(params.f0, vec3f(1.0), vec3f(triace_blinn_phong_schlick_weight_half(wi, wo)));
+    let highlight = triace_blinn_phong_blinn_phong_highlight(wi, wo, params.shininess);
+    return params.rho * (1.0 - params.f0) * inv_pi + F * highlight;
+}
+
+// The width that matches an exponent n: sqrt(2 / (n + 2)).
+fn triace_blinn_phong_blinn_phong_alpha(exponent: f32) -> f32 {
+    return sqrt(2.0 / (exponent + 2.0));
+}
+
+// (1 - cos_theta)^5 of Schlick's approximation.
+fn triace_blinn_phong_schlick_weight(cos_theta: f32) -> f32 {
+    let k = 1.0 - cos_theta;
+    let k2 = k * k;
+    return k2 * k2 * k;
+}
+
+// Mean of the three channels, by which lobes are weighed against each other.
+fn triace_blinn_phong_average(color: vec3f) -> f32 {
+    return (color.x + color.y + color.z) / 3.0;
+}
+
+fn triace_blinn_phong_raised(probability: f32) -> f32 {
+    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+    const SHARE_LEAST = 0.1;
+    const ESTIMATE_TRUST = 50.0;
+    return max(probability, min(SHARE_LEAST, ESTIMATE_TRUST * probability));
+}
+
+// Probabilities of two lobes with the given albedos; the first is certain if both are black.
+fn triace_blinn_phong_lobes_shares(first: f32, second: f32) -> vec2f {
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
+    // that can be seen is that small.
+    const BLACK = 1.0e-20;
+    let inv = 1.0 / (first + second + BLACK);
+    let a = triace_blinn_phong_raised((first + BLACK) * inv);
+    let b = triace_blinn_phong_raised(second * inv);
+    // The smaller one by itself: 1 minus a probability near 1 has no digits left.
+    let smaller = first < second;
+    return vec2f(select(1.0 - b, a, smaller), select(b, 1.0 - a, smaller));
+}
+
+// Probabilities of the diffuse lobe and of the highlight.
+fn triace_blinn_phong_shares(params: TriaceBlinnPhong, wo: vec3f) -> vec2f {
+    let F = mix(params.f0, vec3f(1.0), vec3f(triace_blinn_phong_schlick_weight(wo.z)));
+    return triace_blinn_phong_lobes_shares(triace_blinn_phong_average(params.rho
+        * (1.0 - params.f0)), triace_blinn_phong_average(F));
+}
+
+// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
+fn triace_blinn_phong_choose(probability: f32, u: vec2f) -> TriaceBlinnPhongChoose {
+    // Smallest probability that is divided by: a random number falls below it once in a million million.
+    const SHARE_MIN = 1.0e-12;
+    const RANDOM_MAX = 0.99999994;  // The largest float32 below 1, up to which random numbers go.
+    let first = u.x < probability;
+    let below = u.x / max(probability, SHARE_MIN);
+    let above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
+    return TriaceBlinnPhongChoose(first,
+        vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
+}
+
+// A direction with density cos(theta) / pi.
+fn triace_blinn_phong_sample_cosine(u: vec2f) -> vec3f {
+    const two_pi = 6.2831855;
+    let r = sqrt(max(u.x, 0.0));
+    let phi = two_pi * u.y;
+    return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
+}
+
+// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+fn triace_blinn_phong_sample_ggx_visible(wo: vec3f, alpha_x: f32, alpha_y: f32,
+    u: vec2f) -> vec3f {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const RANDOM_MARGIN = 5.9604645e-8;
+    const two_pi = 6.2831855;
+    let w = normalize(vec3f(alpha_x * wo.x, alpha_y * wo.y, wo.z));
+    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    let drop = u1 * (1.0 + w.z);
+    let r = sqrt(max(drop * (2.0 - drop), 0.0));
+    let phi = two_pi * u.y;
+    let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
+    return normalize(vec3f(alpha_x * h.x, alpha_y * h.y, h.z));
+}
+
+// wo mirrored at a facet with normal m; it may leave below the horizon.
+fn triace_blinn_phong_mirror(wo: vec3f, m: vec3f) -> vec3f {
+    return 2.0 * dot(wo, m) * m - wo;
+}
+
+// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+//
+// No sample is wasted, and as the density is the sum of both, no weight grows.
+fn triace_blinn_phong_sample_ggx_lobe(wo: vec3f, alpha_x: f32, alpha_y: f32,
+    u: vec2f) -> vec3f {
+    let w = triace_blinn_phong_mirror(wo,
+        triace_blinn_phong_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+    return vec3f(w.x, w.y, abs(w.z));
+}
+
+// A direction of one of the two lobes; shares: the probabilities of the matte one and of the other.
+fn triace_blinn_phong_sample_matte_gloss(wo: vec3f, alpha: f32, shares: vec2f,
+    u: vec2f) -> vec3f {
+    let choose_result = triace_blinn_phong_choose(shares.x, u);
+    let matte = choose_result.first;
+    let v = choose_result.second;
+    return select(triace_blinn_phong_sample_ggx_lobe(wo, alpha, alpha, v),
+        triace_blinn_phong_sample_cosine(v), matte);
+}
+
+// Density of `sample_cosine` in 1/sr, for w above the horizon.
+fn triace_blinn_phong_pdf_cosine(w: vec3f) -> f32 {
+    const inv_pi = 0.31830987;
+    return w.z * inv_pi;
+}
+
+// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+fn triace_blinn_phong_D_ggx(m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    const inv_pi = 0.31830987;
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    let v = vec3f(m.x / alpha_x, m.y / alpha_y, m.z);
+    let s = dot(v, v);
+    return inv_pi / (alpha_x * alpha_y * s * s);
+}
+
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
+fn triace_blinn_phong_ggx_length(w: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    return length(vec3f(alpha_x * w.x, alpha_y * w.y, w.z));
+}
+
+// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+fn triace_blinn_phong_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    return triace_blinn_phong_D_ggx(m, alpha_x, alpha_y)
+        / (2.0 * (wo.z + triace_blinn_phong_ggx_length(wo, alpha_x, alpha_y)));
+}
+
+// Density of `sample_ggx_lobe` in 1/sr.
+fn triace_blinn_phong_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    let straight = triace_blinn_phong_pdf_ggx_visible(wo, triace_blinn_phong_half_vector(wi, wo),
+        alpha_x, alpha_y);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    let exists = wo.z > wi.z;
+    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
+    let folded = triace_blinn_phong_pdf_ggx_visible(wo, triace_blinn_phong_half_vector(image, wo),
+        alpha_x, alpha_y);
+    return straight + select(0.0, folded, exists);
+}
+
+// Density of `sample_matte_gloss` in 1/sr.
+fn triace_blinn_phong_pdf_matte_gloss(wi: vec3f, wo: vec3f, alpha: f32, shares: vec2f) -> f32 {
+    return shares.x * triace_blinn_phong_pdf_cosine(wi)
+        + shares.y * triace_blinn_phong_pdf_ggx_lobe(wi, wo, alpha, alpha);
+}
+
+// Density of `sample` in 1/sr.
+fn triace_blinn_phong_pdf(params: TriaceBlinnPhong, wi: vec3f, wo: vec3f) -> f32 {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return 0.0;
+    }
+    let alpha = triace_blinn_phong_blinn_phong_alpha(params.shininess);
+    return triace_blinn_phong_pdf_matte_gloss(wi, wo, alpha, triace_blinn_phong_shares(params, wo));
+}
+
+// Cosine-weighted, or the GGX lobe of the same width, whose longer tail bounds the weights.
+fn triace_blinn_phong_sample(params: TriaceBlinnPhong, wo: vec3f,
+    u: vec2f) -> TriaceBlinnPhongSample {
+    if (wo.z <= 0.0) {  // below the horizon
+        return TriaceBlinnPhongSample(vec3f(0.0, 0.0, 1.0), 0.0);
+    }
+    let alpha = triace_blinn_phong_blinn_phong_alpha(params.shininess);
+    let wi = triace_blinn_phong_sample_matte_gloss(wo, alpha, triace_blinn_phong_shares(params, wo),
+        u);
+    return TriaceBlinnPhongSample(wi, triace_blinn_phong_pdf(params, wi, wo));
+}
+
+// Directional albedo of a model without a closed form: the mean weight of its own samples.
+//
+// For tables and previews; the random numbers are a Fibonacci lattice.
+fn triace_blinn_phong_albedo(params: TriaceBlinnPhong, wo: vec3f) -> vec3f {
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const HORIZON = 1.0e-6;
+    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    const ALBEDO_SAMPLES = 987.0;
+    const GOLDEN = 0.618034;
+    const mu_min = 1.0e-18;
+    if (wo.z < 0.0) {  // below the horizon
+        return vec3f(0.0);
+    }
+    let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
+    var total = vec3f(0.0, 0.0, 0.0);
+    for (var i_step = 0; i_step < 987; i_step++) {
+        let i = f32(i_step);
+        let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
+        let drawn = triace_blinn_phong_sample(params, w, u);
+        let weight = select(0.0, drawn.wi.z / max(drawn.pdf, mu_min), drawn.pdf > 0.0);
+        total = total + triace_blinn_phong_eval(params, drawn.wi, w) * weight;
+    }
+    return total / ALBEDO_SAMPLES;
+}

@@ -1,0 +1,468 @@
+// tri-Ace layered: two Blinn-Phong layers with an absorbing one between, made for game consoles.
+//
+// Source: Gotanda, "Beyond a simple physically based Blinn-Phong model in real-time", SIGGRAPH 2012 course
+// "Practical physically based shading in film and game production", section 2. Symbols are the course's;
+// the
+// alpha' of Eq. 3 is sigma_a times thickness here, as in Eq. 2.
+// Choices where the course is silent: the fraction of Eq. 1 and the transmittance of Eq. 5 have Schlick's
+// F,
+// and Eq. 4 the exact one, all at wo.H; the lower layer uses directions that are not refracted, except in
+// the
+// exact absorption; F_trans takes its part from the lower layer's diffuse reflection as well, which an
+// option
+// turns off.
+//
+// HLSL, made by gonio 0.1.0 from gonio/models/triace_layered.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// albedo has no closed form here; it takes many evaluations, for tables and previews.
+
+// A sampled direction and its density.
+struct TriaceLayeredSample {
+    float3 wi;  // direction towards the light, unit, local frame
+    float pdf;  // its density in 1/sr; 0 marks a wasted sample
+};
+
+// triace_layered: A glossy layer over a glossy and matte one, with absorption between. Reciprocal.
+// Exported with absorption='exact', bottom_fresnel='exact', top_transmission='on', diffuse='lambert'.
+struct TriaceLayered {
+    float top_eta;  // index n1 of the upper layer; 1 to 3, default 1.33333
+    float top_shininess;  // Blinn-Phong exponent of the upper layer; 0 to 100000, default 200
+    float bottom_eta;  // index n2 of the lower layer, as it would be in air; 1 to 3, default 1.5
+    float bottom_shininess;  // Blinn-Phong exponent of the lower layer; 0 to 100000, default 20
+    // diffuse albedo R_d of the lower layer, linear RGB; 0 to 1, default (0.5, 0.5, 0.5)
+    float3 rho;
+    // absorption of the upper layer per unit of thickness; 0 to 10, default (0, 0, 0)
+    float3 sigma_a;
+    float thickness;  // thickness of the upper layer, in the unit of sigma_a; 0 to 1, default 1
+};
+
+// Results of bottom_fresnel.
+struct TriaceLayeredBottomFresnel {
+    float first;
+    float second;
+};
+
+// Results of shares.
+struct TriaceLayeredShares {
+    float2 first;
+    float2 second;
+};
+
+// Results of choose.
+struct TriaceLayeredChoose {
+    bool first;
+    float2 second;
+};
+
+// Results of alphas.
+struct TriaceLayeredAlphas {
+    float first;
+    float second;
+};
+
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+float triace_layered_cos_half(float3 wi, float3 wo) {
+    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    const float mu_min = 1.0e-18;
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return min(0.5 * length(wi + float3(wo.x, wo.y, wo.z + mu_min)), 1.0);
+}
+
+// Reflectance of a dielectric at normal incidence, ((eta - 1) / (eta + 1))^2.
+float triace_layered_f0_from_eta(float eta) {
+    float r = (eta - 1.0) / (eta + 1.0);
+    return r * r;
+}
+
+// (1 - c)^5 at c = wo . m, the half vector's cosine.
+float triace_layered_schlick_weight_half(float3 wi, float3 wo) {
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
+    // weight keeps its digits where the two meet and it goes to 0.
+    float3 apart = wi - wo;
+    float k = 0.25 * dot(apart, apart) / (1.0 + triace_layered_cos_half(wi, wo));
+    float k2 = k * k;
+    return k2 * k2 * k;
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+float3 triace_layered_half_vector(float3 wi, float3 wo) {
+    const float mu_min = 1.0e-18;
+    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
+    // directions in the horizon.
+    return normalize(wi + float3(wo.x, wo.y, wo.z + mu_min));
+}
+
+// log(1 + x) / x for x > -1; 1 at x = 0.
+float triace_layered_log1p_over(float x) {
+    // Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+    const float LOG1P_SMALL = 0.25;
+    // 2 atanh(y) with y = x / (2 + x): the series of odd powers, error below 1e-16 for |x| < 0.25.
+    float near = max(min(x, LOG1P_SMALL), -LOG1P_SMALL);
+    float y = near / (2.0 + near);
+    float y2 = y * y;
+    float series = 1.0 / 9.0
+        + y2 * (1.0 / 11.0 + y2 * (1.0 / 13.0 + y2 * (1.0 / 15.0 + y2 * (1.0 / 17.0))));
+    series = 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * series)));
+    bool small = x > -LOG1P_SMALL && x < LOG1P_SMALL;
+    float far = small ? 1.0 : x;
+    return small ? 2.0 / (2.0 + near) * series : log(1.0 + far) / far;
+}
+
+// log(1 + x) for x > -1, exact where x is small.
+float triace_layered_log1p(float x) {
+    return x * triace_layered_log1p_over(x);
+}
+
+// (N.m)^exponent, exact for sharp lobes.
+float triace_layered_cos_power(float3 m, float exponent) {
+    const float mu_min = 1.0e-18;
+    // (N.m)^n = (1 + tan^2)^(-n / 2): a sharp lobe needs the digits of the tangent, not of the cosine
+    float tan2 = (m.x * m.x + m.y * m.y) / max(m.z * m.z, 0.25);
+    float steep = log(clamp(m.z, mu_min, 0.75));
+    return exp(exponent * (m.z > 0.5 ? -0.5 * triace_layered_log1p(tan2) : steep));
+}
+
+// (0.0397436 n + 0.0856832) (N.H)^n / max(mu_i, mu_o): Eq. 1's highlight without Fresnel.
+float triace_layered_blinn_phong_highlight(float3 wi, float3 wo, float shininess) {
+    const float NORM_SLOPE = 0.0397436;  // Eq. 1: the normalisation as a linear function of n.
+    const float NORM_OFFSET = 0.0856832;
+    const float mu_min = 1.0e-18;
+    float power = triace_layered_cos_power(triace_layered_half_vector(wi, wo), shininess);
+    return (NORM_SLOPE * shininess + NORM_OFFSET) * power / max(max(wi.z, wo.z), mu_min);
+}
+
+// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
+float triace_layered_refracted_cos2(float mu, float eta) {
+    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and
+    // at the critical one, little else is left.
+    return mad(mu, mu, (eta - 1.0) * (eta + 1.0));
+}
+
+// 1 - F of a smooth dielectric at a cosine mu outside; exact where it nearly vanishes.
+float triace_layered_transmittance(float mu, float eta) {
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
+    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
+    const float ROOT_MIN = 1.0e-16;
+    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
+    // with q = c g + sin^2(theta)
+    float cos2 = triace_layered_refracted_cos2(mu, eta);
+    float g = sqrt(max(cos2, ROOT_MIN));
+    float s = mu + g;
+    float p = mu * g;
+    float q = p + (1.0 - mu * mu);
+    float T = 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
+    return cos2 > ROOT_MIN ? T : 0.0;
+}
+
+// Exact reflectance between two dielectrics, with the cosine on the side of n1.
+//
+// `F_dielectric` for n2 / n1; the difference of the two indices keeps its digits here.
+float triace_layered_F_between(float cos_theta, float n1, float n2) {
+    const float ROOT_MIN = 1.0e-16;
+    float c = n1 * cos_theta;
+    float contrast = (n2 - n1) * (n2 + n1);
+    float g2 = contrast + c * c;
+    float g = sqrt(max(g2, ROOT_MIN));
+    float s = c + g;
+    float p = n2 * n2 * c + n1 * n1 * g;
+    float r_s = contrast / (s * s);
+    float r_p = contrast * ((n2 * n2 + n1 * n1) * c * c - n1 * n1 * n1 * n1) / (p * p);
+    return g2 > 0.0 ? 0.5 * (r_s * r_s + r_p * r_p) : 1.0;
+}
+
+// Factors of the lower layer's glossy and matte reflection (Eq. 4 or 5, and Eq. 9).
+TriaceLayeredBottomFresnel triace_layered_bottom_fresnel(TriaceLayered params, float cos_h) {
+    const float mu_min = 1.0e-18;
+    float n1 = params.top_eta;
+    float n2 = params.bottom_eta;
+    // Both crossings of the upper surface have the same F at angles that belong together.
+    float T = triace_layered_transmittance(cos_h, n1);
+    float cos_t = sqrt(max(triace_layered_refracted_cos2(cos_h, n1), mu_min)) / n1;
+    float inner = triace_layered_F_between(cos_t, n1, n2) * T;
+    float glossy = T * inner;
+    TriaceLayeredBottomFresnel result;
+    result.first = glossy;
+    result.second = T * (1.0 - inner);
+    return result;
+}
+
+float triace_layered_diffuse_shape(TriaceLayered params, float3 wi, float3 wo) {
+    return 1.0;
+}
+
+float3 triace_layered_depth(TriaceLayered params) {
+    float d = params.thickness;
+    return params.sigma_a * float3(d, d, d);
+}
+
+// The direction inside the layer that belongs to w outside; z = 0 where there is none.
+float3 triace_layered_refract(float3 w, float eta) {
+    return float3(w.x, w.y, sqrt(max(triace_layered_refracted_cos2(w.z, eta), 0.0))) / eta;
+}
+
+// exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+//
+// wi, wo: refracted directions. depth: absorption times thickness.
+float3 triace_layered_absorbed(float3 depth, float3 wi, float3 wo) {
+    const float mu_min = 1.0e-18;
+    return exp(-depth * (1.0 / max(wi.z, mu_min) + 1.0 / max(wo.z, mu_min)));
+}
+
+// Eq. 2 or 3.
+float3 triace_layered_absorption(TriaceLayered params, float3 wi, float3 wo) {
+    return triace_layered_absorbed(triace_layered_depth(params),
+        triace_layered_refract(wi, params.top_eta), triace_layered_refract(wo, params.top_eta));
+}
+
+// Eq. 1 twice, with Eq. 2 to 5 between: BRDF value in 1/sr, without the cosine.
+float3 triace_layered_eval(TriaceLayered params, float3 wi, float3 wo) {
+    const float inv_pi = 0.31830987;
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return (float3)(0.0);
+    }
+    float cos_h = triace_layered_cos_half(wi, wo);
+    float F_top = lerp(triace_layered_f0_from_eta(params.top_eta), 1.0,
+        triace_layered_schlick_weight_half(wi, wo));
+    float top = F_top * triace_layered_blinn_phong_highlight(wi, wo, params.top_shininess);
+    TriaceLayeredBottomFresnel bottom_fresnel_result = triace_layered_bottom_fresnel(params, cos_h);
+    float glossy = bottom_fresnel_result.first;
+    float matte = bottom_fresnel_result.second;
+    float bottom = glossy * triace_layered_blinn_phong_highlight(wi, wo, params.bottom_shininess);
+    float3 below = bottom
+        + matte * params.rho * (inv_pi * triace_layered_diffuse_shape(params, wi, wo));
+    return top + below * triace_layered_absorption(params, wi, wo);
+}
+
+// (1 - cos_theta)^5 of Schlick's approximation.
+float triace_layered_schlick_weight(float cos_theta) {
+    float k = 1.0 - cos_theta;
+    float k2 = k * k;
+    return k2 * k2 * k;
+}
+
+// Mean of the three channels, by which lobes are weighed against each other.
+float triace_layered_average(float3 color) {
+    return (color.x + color.y + color.z) / 3.0;
+}
+
+float triace_layered_raised(float probability) {
+    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+    const float SHARE_LEAST = 0.1;
+    const float ESTIMATE_TRUST = 50.0;
+    return max(probability, min(SHARE_LEAST, ESTIMATE_TRUST * probability));
+}
+
+// Probabilities of two lobes with the given albedos; the first is certain if both are black.
+float2 triace_layered_lobes_shares(float first, float second) {
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
+    // that can be seen is that small.
+    const float BLACK = 1.0e-20;
+    float inv = 1.0 / (first + second + BLACK);
+    float a = triace_layered_raised((first + BLACK) * inv);
+    float b = triace_layered_raised(second * inv);
+    // The smaller one by itself: 1 minus a probability near 1 has no digits left.
+    bool smaller = first < second;
+    return float2(smaller ? a : 1.0 - b, smaller ? 1.0 - a : b);
+}
+
+// Probabilities: upper highlight or lower layer; of that, its highlight or its diffuse part.
+TriaceLayeredShares triace_layered_shares(TriaceLayered params, float3 wo) {
+    // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
+    const float LOBE_MIN = 1.0e-12;
+    // Smallest share of the samples that a highlight gets: it bounds their weights.
+    const float LOBE_SHARE_MIN = 0.1;
+    TriaceLayeredBottomFresnel bottom_fresnel_result = triace_layered_bottom_fresnel(params, wo.z);
+    float glossy = bottom_fresnel_result.first;
+    float matte = bottom_fresnel_result.second;
+    // The shortest way in, the light's, bounds what the absorption can leave.
+    float3 up = float3(0.0, 0.0, 1.0);
+    float3 kept = triace_layered_absorption(params, up, wo);
+    float top = lerp(triace_layered_f0_from_eta(params.top_eta), 1.0,
+        triace_layered_schlick_weight(wo.z));
+    float bottom = glossy * triace_layered_average(kept);
+    float diffuse = matte * triace_layered_average(kept * params.rho) + LOBE_MIN;
+    float lower = bottom + diffuse;
+    // Half vectors away from the normal reflect more than this estimate, which is made for the normal.
+    float2 P_top = triace_layered_lobes_shares(max(top, LOBE_SHARE_MIN * lower), lower);
+    TriaceLayeredShares result;
+    result.first = P_top;
+    result.second = triace_layered_lobes_shares(max(bottom, LOBE_SHARE_MIN * diffuse), diffuse);
+    return result;
+}
+
+// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
+TriaceLayeredChoose triace_layered_choose(float probability, float2 u) {
+    // Smallest probability that is divided by: a random number falls below it once in a million million.
+    const float SHARE_MIN = 1.0e-12;
+    // The largest float32 below 1, up to which random numbers go.
+    const float RANDOM_MAX = 0.99999994;
+    bool first = u.x < probability;
+    float below = u.x / max(probability, SHARE_MIN);
+    float above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
+    TriaceLayeredChoose result;
+    result.first = first;
+    result.second = float2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y);
+    return result;
+}
+
+// The width that matches an exponent n: sqrt(2 / (n + 2)).
+float triace_layered_blinn_phong_alpha(float exponent) {
+    return sqrt(2.0 / (exponent + 2.0));
+}
+
+TriaceLayeredAlphas triace_layered_alphas(TriaceLayered params) {
+    TriaceLayeredAlphas result;
+    result.first = triace_layered_blinn_phong_alpha(params.top_shininess);
+    result.second = triace_layered_blinn_phong_alpha(params.bottom_shininess);
+    return result;
+}
+
+// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+float3 triace_layered_sample_ggx_visible(float3 wo, float alpha_x, float alpha_y, float2 u) {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const float RANDOM_MARGIN = 5.9604645e-8;
+    const float two_pi = 6.2831855;
+    float3 w = normalize(float3(alpha_x * wo.x, alpha_y * wo.y, wo.z));
+    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    float drop = u1 * (1.0 + w.z);
+    float r = sqrt(max(drop * (2.0 - drop), 0.0));
+    float phi = two_pi * u.y;
+    float3 h = float3(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
+    return normalize(float3(alpha_x * h.x, alpha_y * h.y, h.z));
+}
+
+// wo mirrored at a facet with normal m; it may leave below the horizon.
+float3 triace_layered_mirror(float3 wo, float3 m) {
+    return 2.0 * dot(wo, m) * m - wo;
+}
+
+// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+//
+// No sample is wasted, and as the density is the sum of both, no weight grows.
+float3 triace_layered_sample_ggx_lobe(float3 wo, float alpha_x, float alpha_y, float2 u) {
+    float3 w = triace_layered_mirror(wo,
+        triace_layered_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+    return float3(w.x, w.y, abs(w.z));
+}
+
+// A direction with density cos(theta) / pi.
+float3 triace_layered_sample_cosine(float2 u) {
+    const float two_pi = 6.2831855;
+    float r = sqrt(max(u.x, 0.0));
+    float phi = two_pi * u.y;
+    return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
+}
+
+// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+float triace_layered_D_ggx(float3 m, float alpha_x, float alpha_y) {
+    const float inv_pi = 0.31830987;
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    float3 v = float3(m.x / alpha_x, m.y / alpha_y, m.z);
+    float s = dot(v, v);
+    return inv_pi / (alpha_x * alpha_y * s * s);
+}
+
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
+float triace_layered_ggx_length(float3 w, float alpha_x, float alpha_y) {
+    return length(float3(alpha_x * w.x, alpha_y * w.y, w.z));
+}
+
+// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+float triace_layered_pdf_ggx_visible(float3 wo, float3 m, float alpha_x, float alpha_y) {
+    return triace_layered_D_ggx(m, alpha_x, alpha_y)
+        / (2.0 * (wo.z + triace_layered_ggx_length(wo, alpha_x, alpha_y)));
+}
+
+// Density of `sample_ggx_lobe` in 1/sr.
+float triace_layered_pdf_ggx_lobe(float3 wi, float3 wo, float alpha_x, float alpha_y) {
+    float straight = triace_layered_pdf_ggx_visible(wo, triace_layered_half_vector(wi, wo), alpha_x,
+        alpha_y);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    bool exists = wo.z > wi.z;
+    float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
+    float folded = triace_layered_pdf_ggx_visible(wo, triace_layered_half_vector(image, wo),
+        alpha_x, alpha_y);
+    return straight + (exists ? folded : 0.0);
+}
+
+// Density of `sample_cosine` in 1/sr, for w above the horizon.
+float triace_layered_pdf_cosine(float3 w) {
+    const float inv_pi = 0.31830987;
+    return w.z * inv_pi;
+}
+
+// Density of `sample` in 1/sr.
+float triace_layered_pdf(TriaceLayered params, float3 wi, float3 wo) {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return 0.0;
+    }
+    TriaceLayeredShares shares_result = triace_layered_shares(params, wo);
+    float2 P_top = shares_result.first;
+    float2 P_bottom = shares_result.second;
+    TriaceLayeredAlphas alphas_result = triace_layered_alphas(params);
+    float alpha_1 = alphas_result.first;
+    float alpha_2 = alphas_result.second;
+    float top = triace_layered_pdf_ggx_lobe(wi, wo, alpha_1, alpha_1);
+    float bottom = triace_layered_pdf_ggx_lobe(wi, wo, alpha_2, alpha_2);
+    float matte = triace_layered_pdf_cosine(wi);
+    return P_top.x * top + P_top.y * (P_bottom.x * bottom + P_bottom.y * matte);
+}
+
+// Diffuse, or the GGX lobe as wide as one of the highlights, chosen by what they reflect.
+TriaceLayeredSample triace_layered_sample(TriaceLayered params, float3 wo, float2 u) {
+    if (wo.z <= 0.0) {  // below the horizon
+        TriaceLayeredSample result;
+        result.wi = float3(0.0, 0.0, 1.0);
+        result.pdf = 0.0;
+        return result;
+    }
+    TriaceLayeredShares shares_result = triace_layered_shares(params, wo);
+    float2 P_top = shares_result.first;
+    float2 P_bottom = shares_result.second;
+    TriaceLayeredChoose choose_result = triace_layered_choose(P_top.x, u);
+    bool on_top = choose_result.first;
+    float2 v = choose_result.second;
+    TriaceLayeredChoose choose_result_2 = triace_layered_choose(P_bottom.x, v);
+    bool on_bottom = choose_result_2.first;
+    float2 t = choose_result_2.second;
+    TriaceLayeredAlphas alphas_result = triace_layered_alphas(params);
+    float alpha_1 = alphas_result.first;
+    float alpha_2 = alphas_result.second;
+    float3 w_top = triace_layered_sample_ggx_lobe(wo, alpha_1, alpha_1, v);
+    float3 w_bottom = triace_layered_sample_ggx_lobe(wo, alpha_2, alpha_2, t);
+    float3 w_matte = triace_layered_sample_cosine(t);
+    float3 wi = on_top ? w_top : on_bottom ? w_bottom : w_matte;
+    TriaceLayeredSample result;
+    result.wi = wi;
+    result.pdf = triace_layered_pdf(params, wi, wo);
+    return result;
+}
+
+// Directional albedo of a model without a closed form: the mean weight of its own samples.
+//
+// For tables and previews; the random numbers are a Fibonacci lattice.
+float3 triace_layered_albedo(TriaceLayered params, float3 wo) {
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const float HORIZON = 1.0e-6;
+    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    const float ALBEDO_SAMPLES = 987.0;
+    const float GOLDEN = 0.618034;
+    const float mu_min = 1.0e-18;
+    if (wo.z < 0.0) {  // below the horizon
+        return (float3)(0.0);
+    }
+    float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
+    float3 total = float3(0.0, 0.0, 0.0);
+    for (int i_step = 0; i_step < 987; ++i_step) {
+        float i = float(i_step);
+        float2 u = float2((i + 0.5) / ALBEDO_SAMPLES, frac((i + 0.5) * GOLDEN));
+        TriaceLayeredSample drawn = triace_layered_sample(params, w, u);
+        float weight = drawn.pdf > 0.0 ? drawn.wi.z / max(drawn.pdf, mu_min) : 0.0;
+        total = total + triace_layered_eval(params, drawn.wi, w) * weight;
+    }
+    return total / ALBEDO_SAMPLES;
+}

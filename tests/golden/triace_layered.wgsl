@@ -1,0 +1,452 @@
+// tri-Ace layered: two Blinn-Phong layers with an absorbing one between, made for game consoles.
+//
+// Source: Gotanda, "Beyond a simple physically based Blinn-Phong model in real-time", SIGGRAPH 2012 course
+// "Practical physically based shading in film and game production", section 2. Symbols are the course's;
+// the
+// alpha' of Eq. 3 is sigma_a times thickness here, as in Eq. 2.
+// Choices where the course is silent: the fraction of Eq. 1 and the transmittance of Eq. 5 have Schlick's
+// F,
+// and Eq. 4 the exact one, all at wo.H; the lower layer uses directions that are not refracted, except in
+// the
+// exact absorption; F_trans takes its part from the lower layer's diffuse reflection as well, which an
+// option
+// turns off.
+//
+// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/triace_layered.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// albedo has no closed form here; it takes many evaluations, for tables and previews.
+
+// A sampled direction and its density.
+struct TriaceLayeredSample {
+    wi: vec3f,  // direction towards the light, unit, local frame
+    pdf: f32,  // its density in 1/sr; 0 marks a wasted sample
+}
+
+// triace_layered: A glossy layer over a glossy and matte one, with absorption between. Reciprocal.
+// Exported with absorption='exact', bottom_fresnel='exact', top_transmission='on', diffuse='lambert'.
+struct TriaceLayered {
+    top_eta: f32,  // index n1 of the upper layer; 1 to 3, default 1.33333
+    top_shininess: f32,  // Blinn-Phong exponent of the upper layer; 0 to 100000, default 200
+    bottom_eta: f32,  // index n2 of the lower layer, as it would be in air; 1 to 3, default 1.5
+    bottom_shininess: f32,  // Blinn-Phong exponent of the lower layer; 0 to 100000, default 20
+    // diffuse albedo R_d of the lower layer, linear RGB; 0 to 1, default (0.5, 0.5, 0.5)
+    rho: vec3f,
+    // absorption of the upper layer per unit of thickness; 0 to 10, default (0, 0, 0)
+    sigma_a: vec3f,
+    thickness: f32,  // thickness of the upper layer, in the unit of sigma_a; 0 to 1, default 1
+}
+
+// Results of bottom_fresnel.
+struct TriaceLayeredBottomFresnel {
+    first: f32,
+    second: f32,
+}
+
+// Results of shares.
+struct TriaceLayeredShares {
+    first: vec2f,
+    second: vec2f,
+}
+
+// Results of choose.
+struct TriaceLayeredChoose {
+    first: bool,
+    second: vec2f,
+}
+
+// Results of alphas.
+struct TriaceLayeredAlphas {
+    first: f32,
+    second: f32,
+}
+
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+fn triace_layered_cos_half(wi: vec3f, wo: vec3f) -> f32 {
+    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    const mu_min = 1.0e-18;
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return min(0.5 * length(wi + vec3f(wo.x, wo.y, wo.z + mu_min)), 1.0);
+}
+
+// Reflectance of a dielectric at normal incidence, ((eta - 1) / (eta + 1))^2.
+fn triace_layered_f0_from_eta(eta: f32) -> f32 {
+    let r = (eta - 1.0) / (eta + 1.0);
+    return r * r;
+}
+
+// (1 - c)^5 at c = wo . m, the half vector's cosine.
+fn triace_layered_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
+    // weight keeps its digits where the two meet and it goes to 0.
+    let apart = wi - wo;
+    let k = 0.25 * dot(apart, apart) / (1.0 + triace_layered_cos_half(wi, wo));
+    let k2 = k * k;
+    return k2 * k2 * k;
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn triace_layered_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    const mu_min = 1.0e-18;
+    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
+    // directions in the horizon.
+    return normalize(wi + vec3f(wo.x, wo.y, wo.z + mu_min));
+}
+
+// log(1 + x) / x for x > -1; 1 at x = 0.
+fn triace_layered_log1p_over(x: f32) -> f32 {
+    // Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+    const LOG1P_SMALL = 0.25;
+    // 2 atanh(y) with y = x / (2 + x): the series of odd powers, error below 1e-16 for |x| < 0.25.
+    let near = max(min(x, LOG1P_SMALL), -LOG1P_SMALL);
+    let y = near / (2.0 + near);
+    let y2 = y * y;
+    var series = 1.0 / 9.0
+        + y2 * (1.0 / 11.0 + y2 * (1.0 / 13.0 + y2 * (1.0 / 15.0 + y2 * (1.0 / 17.0))));
+    series = 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * series)));
+    let small = x > -LOG1P_SMALL && x < LOG1P_SMALL;
+    let far = select(x, 1.0, small);
+    return select(log(1.0 + far) / far, 2.0 / (2.0 + near) * series, small);
+}
+
+// log(1 + x) for x > -1, exact where x is small.
+fn triace_layered_log1p(x: f32) -> f32 {
+    return x * triace_layered_log1p_over(x);
+}
+
+// (N.m)^exponent, exact for sharp lobes.
+fn triace_layered_cos_power(m: vec3f, exponent: f32) -> f32 {
+    const mu_min = 1.0e-18;
+    // (N.m)^n = (1 + tan^2)^(-n / 2): a sharp lobe needs the digits of the tangent, not of the cosine
+    let tan2 = (m.x * m.x + m.y * m.y) / max(m.z * m.z, 0.25);
+    let steep = log(clamp(m.z, mu_min, 0.75));
+    return exp(exponent * select(steep, -0.5 * triace_layered_log1p(tan2), m.z > 0.5));
+}
+
+// (0.0397436 n + 0.0856832) (N.H)^n / max(mu_i, mu_o): Eq. 1's highlight without Fresnel.
+fn triace_layered_blinn_phong_highlight(wi: vec3f, wo: vec3f, shininess: f32) -> f32 {
+    const NORM_SLOPE = 0.0397436;  // Eq. 1: the normalisation as a linear function of n.
+    const NORM_OFFSET = 0.0856832;
+    const mu_min = 1.0e-18;
+    let power = triace_layered_cos_power(triace_layered_half_vector(wi, wo), shininess);
+    return (NORM_SLOPE * shininess + NORM_OFFSET) * power / max(max(wi.z, wo.z), mu_min);
+}
+
+// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
+fn triace_layered_refracted_cos2(mu: f32, eta: f32) -> f32 {
+    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and
+    // at the critical one, little else is left.
+    return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
+}
+
+// 1 - F of a smooth dielectric at a cosine mu outside; exact where it nearly vanishes.
+fn triace_layered_transmittance(mu: f32, eta: f32) -> f32 {
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
+    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
+    const ROOT_MIN = 1.0e-16;
+    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
+    // with q = c g + sin^2(theta)
+    let cos2 = triace_layered_refracted_cos2(mu, eta);
+    let g = sqrt(max(cos2, ROOT_MIN));
+    let s = mu + g;
+    let p = mu * g;
+    let q = p + (1.0 - mu * mu);
+    let T = 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
+    return select(0.0, T, cos2 > ROOT_MIN);
+}
+
+// Exact reflectance between two dielectrics, with the cosine on the side of n1.
+//
+// `F_dielectric` for n2 / n1; the difference of the two indices keeps its digits here.
+fn triace_layered_F_between(cos_theta: f32, n1: f32, n2: f32) -> f32 {
+    const ROOT_MIN = 1.0e-16;
+    let c = n1 * cos_theta;
+    let contrast = (n2 - n1) * (n2 + n1);
+    let g2 = contrast + c * c;
+    let g = sqrt(max(g2, ROOT_MIN));
+    let s = c + g;
+    let p = n2 * n2 * c + n1 * n1 * g;
+    let r_s = contrast / (s * s);
+    let r_p = contrast * ((n2 * n2 + n1 * n1) * c * c - n1 * n1 * n1 * n1) / (p * p);
+    return select(1.0, 0.5 * (r_s * r_s + r_p * r_p), g2 > 0.0);
+}
+
+// Factors of the lower layer's glossy and matte reflection (Eq. 4 or 5, and Eq. 9).
+fn triace_layered_bottom_fresnel(params: TriaceLayered,
+    cos_h: f32) -> TriaceLayeredBottomFresnel {
+    const mu_min = 1.0e-18;
+    let n1 = params.top_eta;
+    let n2 = params.bottom_eta;
+    // Both crossings of the upper surface have the same F at angles that belong together.
+    let T = triace_layered_transmittance(cos_h, n1);
+    let cos_t = sqrt(max(triace_layered_refracted_cos2(cos_h, n1), mu_min)) / n1;
+    let inner = triace_layered_F_between(cos_t, n1, n2) * T;
+    let glossy = T * inner;
+    return TriaceLayeredBottomFresnel(glossy, T * (1.0 - inner));
+}
+
+fn triace_layered_diffuse_shape(params: TriaceLayered, wi: vec3f, wo: vec3f) -> f32 {
+    return 1.0;
+}
+
+fn triace_layered_depth(params: TriaceLayered) -> vec3f {
+    let d = params.thickness;
+    return params.sigma_a * vec3f(d, d, d);
+}
+
+// The direction inside the layer that belongs to w outside; z = 0 where there is none.
+fn triace_layered_refract(w: vec3f, eta: f32) -> vec3f {
+    return vec3f(w.x, w.y, sqrt(max(triace_layered_refracted_cos2(w.z, eta), 0.0))) / eta;
+}
+
+// exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+//
+// wi, wo: refracted directions. depth: absorption times thickness.
+fn triace_layered_absorbed(depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
+    const mu_min = 1.0e-18;
+    return exp(-depth * (1.0 / max(wi.z, mu_min) + 1.0 / max(wo.z, mu_min)));
+}
+
+// Eq. 2 or 3.
+fn triace_layered_absorption(params: TriaceLayered, wi: vec3f, wo: vec3f) -> vec3f {
+    return triace_layered_absorbed(triace_layered_depth(params),
+        triace_layered_refract(wi, params.top_eta), triace_layered_refract(wo, params.top_eta));
+}
+
+// Eq. 1 twice, with Eq. 2 to 5 between: BRDF value in 1/sr, without the cosine.
+fn triace_layered_eval(params: TriaceLayered, wi: vec3f, wo: vec3f) -> vec3f {
+    const inv_pi = 0.31830987;
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return vec3f(0.0);
+    }
+    let cos_h = triace_layered_cos_half(wi, wo);
+    let F_top = mix(triace_layered_f0_from_eta(params.top_eta), 1.0,
+        triace_layered_schlick_weight_half(wi, wo));
+    let top = F_top * triace_layered_blinn_phong_highlight(wi, wo, params.top_shininess);
+    let bottom_fresnel_result = triace_layered_bottom_fresnel(params, cos_h);
+    let glossy = bottom_fresnel_result.first;
+    let matte = bottom_fresnel_result.second;
+    let bottom = glossy * triace_layered_blinn_phong_highlight(wi, wo, params.bottom_shininess);
+    let below = bottom + matte * params.rho
+        * (inv_pi * triace_layered_diffuse_shape(params, wi, wo));
+    return top + below * triace_layered_absorption(params, wi, wo);
+}
+
+// (1 - cos_theta)^5 of Schlick's approximation.
+fn triace_layered_schlick_weight(cos_theta: f32) -> f32 {
+    let k = 1.0 - cos_theta;
+    let k2 = k * k;
+    return k2 * k2 * k;
+}
+
+// Mean of the three channels, by which lobes are weighed against each other.
+fn triace_layered_average(color: vec3f) -> f32 {
+    return (color.x + color.y + color.z) / 3.0;
+}
+
+fn triace_layered_raised(probability: f32) -> f32 {
+    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+    const SHARE_LEAST = 0.1;
+    const ESTIMATE_TRUST = 50.0;
+    return max(probability, min(SHARE_LEAST, ESTIMATE_TRUST * probability));
+}
+
+// Probabilities of two lobes with the given albedos; the first is certain if both are black.
+fn triace_layered_lobes_shares(first: f32, second: f32) -> vec2f {
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
+    // that can be seen is that small.
+    const BLACK = 1.0e-20;
+    let inv = 1.0 / (first + second + BLACK);
+    let a = triace_layered_raised((first + BLACK) * inv);
+    let b = triace_layered_raised(second * inv);
+    // The smaller one by itself: 1 minus a probability near 1 has no digits left.
+    let smaller = first < second;
+    return vec2f(select(1.0 - b, a, smaller), select(b, 1.0 - a, smaller));
+}
+
+// Probabilities: upper highlight or lower layer; of that, its highlight or its diffuse part.
+fn triace_layered_shares(params: TriaceLayered, wo: vec3f) -> TriaceLayeredShares {
+    // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
+    const LOBE_MIN = 1.0e-12;
+    // Smallest share of the samples that a highlight gets: it bounds their weights.
+    const LOBE_SHARE_MIN = 0.1;
+    let bottom_fresnel_result = triace_layered_bottom_fresnel(params, wo.z);
+    let glossy = bottom_fresnel_result.first;
+    let matte = bottom_fresnel_result.second;
+    // The shortest way in, the light's, bounds what the absorption can leave.
+    let up = vec3f(0.0, 0.0, 1.0);
+    let kept = triace_layered_absorption(params, up, wo);
+    let top = mix(triace_layered_f0_from_eta(params.top_eta), 1.0,
+        triace_layered_schlick_weight(wo.z));
+    let bottom = glossy * triace_layered_average(kept);
+    let diffuse = matte * triace_layered_average(kept * params.rho) + LOBE_MIN;
+    let lower = bottom + diffuse;
+    // Half vectors away from the normal reflect more than this estimate, which is made for the normal.
+    let P_top = triace_layered_lobes_shares(max(top, LOBE_SHARE_MIN * lower), lower);
+    return TriaceLayeredShares(P_top,
+        triace_layered_lobes_shares(max(bottom, LOBE_SHARE_MIN * diffuse), diffuse));
+}
+
+// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
+fn triace_layered_choose(probability: f32, u: vec2f) -> TriaceLayeredChoose {
+    // Smallest probability that is divided by: a random number falls below it once in a million million.
+    const SHARE_MIN = 1.0e-12;
+    const RANDOM_MAX = 0.99999994;  // The largest float32 below 1, up to which random numbers go.
+    let first = u.x < probability;
+    let below = u.x / max(probability, SHARE_MIN);
+    let above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
+    return TriaceLayeredChoose(first,
+        vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
+}
+
+// The width that matches an exponent n: sqrt(2 / (n + 2)).
+fn triace_layered_blinn_phong_alpha(exponent: f32) -> f32 {
+    return sqrt(2.0 / (exponent + 2.0));
+}
+
+fn triace_layered_alphas(params: TriaceLayered) -> TriaceLayeredAlphas {
+    return TriaceLayeredAlphas(triace_layered_blinn_phong_alpha(params.top_shininess),
+        triace_layered_blinn_phong_alpha(params.bottom_shininess));
+}
+
+// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+fn triace_layered_sample_ggx_visible(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const RANDOM_MARGIN = 5.9604645e-8;
+    const two_pi = 6.2831855;
+    let w = normalize(vec3f(alpha_x * wo.x, alpha_y * wo.y, wo.z));
+    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    let drop = u1 * (1.0 + w.z);
+    let r = sqrt(max(drop * (2.0 - drop), 0.0));
+    let phi = two_pi * u.y;
+    let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
+    return normalize(vec3f(alpha_x * h.x, alpha_y * h.y, h.z));
+}
+
+// wo mirrored at a facet with normal m; it may leave below the horizon.
+fn triace_layered_mirror(wo: vec3f, m: vec3f) -> vec3f {
+    return 2.0 * dot(wo, m) * m - wo;
+}
+
+// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+//
+// No sample is wasted, and as the density is the sum of both, no weight grows.
+fn triace_layered_sample_ggx_lobe(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
+    let w = triace_layered_mirror(wo, triace_layered_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+    return vec3f(w.x, w.y, abs(w.z));
+}
+
+// A direction with density cos(theta) / pi.
+fn triace_layered_sample_cosine(u: vec2f) -> vec3f {
+    const two_pi = 6.2831855;
+    let r = sqrt(max(u.x, 0.0));
+    let phi = two_pi * u.y;
+    return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
+}
+
+// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+fn triace_layered_D_ggx(m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    const inv_pi = 0.31830987;
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    let v = vec3f(m.x / alpha_x, m.y / alpha_y, m.z);
+    let s = dot(v, v);
+    return inv_pi / (alpha_x * alpha_y * s * s);
+}
+
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
+fn triace_layered_ggx_length(w: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    return length(vec3f(alpha_x * w.x, alpha_y * w.y, w.z));
+}
+
+// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+fn triace_layered_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    return triace_layered_D_ggx(m, alpha_x, alpha_y)
+        / (2.0 * (wo.z + triace_layered_ggx_length(wo, alpha_x, alpha_y)));
+}
+
+// Density of `sample_ggx_lobe` in 1/sr.
+fn triace_layered_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    let straight = triace_layered_pdf_ggx_visible(wo, triace_layered_half_vector(wi, wo), alpha_x,
+        alpha_y);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    let exists = wo.z > wi.z;
+    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
+    let folded = triace_layered_pdf_ggx_visible(wo, triace_layered_half_vector(image, wo), alpha_x,
+        alpha_y);
+    return straight + select(0.0, folded, exists);
+}
+
+// Density of `sample_cosine` in 1/sr, for w above the horizon.
+fn triace_layered_pdf_cosine(w: vec3f) -> f32 {
+    const inv_pi = 0.31830987;
+    return w.z * inv_pi;
+}
+
+// Density of `sample` in 1/sr.
+fn triace_layered_pdf(params: TriaceLayered, wi: vec3f, wo: vec3f) -> f32 {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return 0.0;
+    }
+    let shares_result = triace_layered_shares(params, wo);
+    let P_top = shares_result.first;
+    let P_bottom = shares_result.second;
+    let alphas_result = triace_layered_alphas(params);
+    let alpha_1 = alphas_result.first;
+    let alpha_2 = alphas_result.second;
+    let top = triace_layered_pdf_ggx_lobe(wi, wo, alpha_1, alpha_1);
+    let bottom = triace_layered_pdf_ggx_lobe(wi, wo, alpha_2, alpha_2);
+    let matte = triace_layered_pdf_cosine(wi);
+    return P_top.x * top + P_top.y * (P_bottom.x * bottom + P_bottom.y * matte);
+}
+
+// Diffuse, or the GGX lobe as wide as one of the highlights, chosen by what they reflect.
+fn triace_layered_sample(params: TriaceLayered, wo: vec3f, u: vec2f) -> TriaceLayeredSample {
+    if (wo.z <= 0.0) {  // below the horizon
+        return TriaceLayeredSample(vec3f(0.0, 0.0, 1.0), 0.0);
+    }
+    let shares_result = triace_layered_shares(params, wo);
+    let P_top = shares_result.first;
+    let P_bottom = shares_result.second;
+    let choose_result = triace_layered_choose(P_top.x, u);
+    let on_top = choose_result.first;
+    let v = choose_result.second;
+    let choose_result_2 = triace_layered_choose(P_bottom.x, v);
+    let on_bottom = choose_result_2.first;
+    let t = choose_result_2.second;
+    let alphas_result = triace_layered_alphas(params);
+    let alpha_1 = alphas_result.first;
+    let alpha_2 = alphas_result.second;
+    let w_top = triace_layered_sample_ggx_lobe(wo, alpha_1, alpha_1, v);
+    let w_bottom = triace_layered_sample_ggx_lobe(wo, alpha_2, alpha_2, t);
+    let w_matte = triace_layered_sample_cosine(t);
+    let wi = select(select(w_matte, w_bottom, on_bottom), w_top, on_top);
+    return TriaceLayeredSample(wi, triace_layered_pdf(params, wi, wo));
+}
+
+// Directional albedo of a model without a closed form: the mean weight of its own samples.
+//
+// For tables and previews; the random numbers are a Fibonacci lattice.
+fn triace_layered_albedo(params: TriaceLayered, wo: vec3f) -> vec3f {
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const HORIZON = 1.0e-6;
+    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    const ALBEDO_SAMPLES = 987.0;
+    const GOLDEN = 0.618034;
+    const mu_min = 1.0e-18;
+    if (wo.z < 0.0) {  // below the horizon
+        return vec3f(0.0);
+    }
+    let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
+    var total = vec3f(0.0, 0.0, 0.0);
+    for (var i_step = 0; i_step < 987; i_step++) {
+        let i = f32(i_step);
+        let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
+        let drawn = triace_layered_sample(params, w, u);
+        let weight = select(0.0, drawn.wi.z / max(drawn.pdf, mu_min), drawn.pdf > 0.0);
+        total = total + triace_layered_eval(params, drawn.wi, w) * weight;
+    }
+    return total / ALBEDO_SAMPLES;
+}

@@ -1,0 +1,297 @@
+// tri-Ace Oren-Nayar: fitted for game consoles, driven by Blinn-Phong's shininess.
+//
+// Source: Gotanda, "Beyond a simple physically based Blinn-Phong model in real-time", SIGGRAPH 2012
+// course "Practical physically based shading in film and game production", Eq. 20 to 25.
+// The course gives the radiance f cos(theta_i); this is f. Where eq24 passes through zero on its way to a
+// negative value, float32 keeps an absolute accuracy of 1e-6 rho / pi, not a relative one.
+//
+// C++, made by gonio 0.1.0 from gonio/models/triace_oren_nayar.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+
+#pragma once
+#include <math.h>
+
+namespace gonio_triace_oren_nayar {
+
+struct Vec2 {
+    float x, y;
+};
+
+struct Vec3 {
+    float x, y, z;
+};
+
+inline Vec3 splat(float a) {
+    return Vec3{a, a, a};
+}
+
+inline float lerp(float a, float b, float t) {
+    return a * (1.0f - t) + b * t;
+}
+
+inline float dot(Vec3 a, Vec3 b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+inline Vec3 normalize(Vec3 a) {
+    float inv = 1.0f / sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
+    return Vec3{a.x * inv, a.y * inv, a.z * inv};
+}
+
+inline Vec3 operator*(Vec3 a, float b) {
+    return Vec3{a.x * b, a.y * b, a.z * b};
+}
+
+// A sampled direction and its density.
+struct TriaceOrenNayarSample {
+    Vec3 wi;  // direction towards the light, unit, local frame
+    float pdf;  // its density in 1/sr; 0 marks a wasted sample
+};
+
+// triace_oren_nayar: Rough diffuse that shares its roughness with a Blinn-Phong highlight. Reciprocal.
+// Exported with variant='eq25'.
+struct TriaceOrenNayar {
+    Vec3 rho;  // albedo of the facets, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
+    float shininess;  // Blinn-Phong exponent n; sigma = sqrt(2 / n); 0 to 1000000, default 10
+};
+
+// Results of coefficients.
+struct TriaceOrenNayarCoefficients {
+    float first;
+    float second;
+};
+
+// Results of coefficients.
+struct TriaceOrenNayarCoefficients2 {
+    float a;
+    float b;
+    float c;
+    float d;
+};
+
+// A' and B: QON's with sigma^2 = 2 / n, and 0.65 for 0.33 in A' since Eq. 24.
+inline TriaceOrenNayarCoefficients triace_oren_nayar_coefficients(const TriaceOrenNayar& params) {
+    float n = params.shininess;
+    float B = 1.0f / (2.22222f + 0.1f * n);
+    return TriaceOrenNayarCoefficients{1.0f - 1.0f / (2.0f + 0.65f * n), B};
+}
+
+// s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
+//
+// s is divided by a cosine that may be tiny, so its last bits count: the rounding error of one
+// product is carried along (Kahan), which plain wi.x wo.x + wi.y wo.y or dot(wi, wo) - mu_i mu_o loses.
+inline float triace_oren_nayar_tangential_dot(Vec3 wi, Vec3 wo) {
+    float q = wi.y * wo.y;
+    float error = fmaf(wi.y, wo.y, -q);
+    return fmaf(wi.x, wo.x, q) + error;
+}
+
+// s / max(mu_i, mu_o), finite for two directions in the horizon.
+inline float triace_oren_nayar_s_over_max(float s, Vec3 wi, Vec3 wo) {
+    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    constexpr float mu_min = 1.0e-18f;
+    return s / fmaxf(fmaxf(wi.z, wo.z), mu_min);
+}
+
+// s / t of Eq. 11: s itself for s <= 0.
+inline float triace_oren_nayar_s_over_t_fujii(float s, Vec3 wi, Vec3 wo) {
+    return s > 0.0f ? triace_oren_nayar_s_over_max(s, wi, wo) : s;
+}
+
+// Eq. 23, 24 or 25 without the cosine: BRDF value in 1/sr.
+inline Vec3 triace_oren_nayar_eval(const TriaceOrenNayar& params, Vec3 wi, Vec3 wo) {
+    constexpr float inv_pi = 0.31830987f;
+    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+        return splat(0.0f);
+    }
+    TriaceOrenNayarCoefficients coefficients_result = triace_oren_nayar_coefficients(params);
+    float A = coefficients_result.first;
+    float B = coefficients_result.second;
+    float s = triace_oren_nayar_tangential_dot(wi, wo);
+    float s_over_t = triace_oren_nayar_s_over_t_fujii(s, wi, wo);
+    return params.rho * (inv_pi * (A + B * s_over_t));
+}
+
+// P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
+inline float triace_oren_nayar_uniform_share(float mu, float r) {
+    // Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32.
+    constexpr float R_MIN = 1.0e-37f;
+    float fit = 0.162925f + mu * (-0.372058f + (0.538233f - 0.290822f * mu) * mu);
+    return r > 0.0f ? powf(fmaxf(r, R_MIN), 0.1f) * fit : 0.0f;
+}
+
+// A direction with density 1 / (2 pi).
+inline Vec3 triace_oren_nayar_sample_uniform(Vec2 u) {
+    constexpr float two_pi = 6.2831855f;
+    // z = 1 - u instead of u: random numbers lie in [0, 1), so z never becomes 0.
+    float z = 1.0f - u.x;
+    float r = sqrtf(fmaxf(u.x * (1.0f + z), 0.0f));
+    float phi = two_pi * u.y;
+    return Vec3{r * cosf(phi), r * sinf(phi), z};
+}
+
+// a, b, c, d of M = [[a, 0, b], [0, c, 0], [d, 0, 1]] (Eq. 25, Listing 2) at mu = wo.z.
+inline TriaceOrenNayarCoefficients2 triace_oren_nayar_cltc_coefficients(float mu, float r) {
+    float a = 1.0f + r * (0.303392f + (-0.518982f + 0.111709f * mu) * mu
+        + (-0.276266f + 0.335918f * mu) * r);
+    float b = r * (-1.16407f + 1.15859f * mu + (0.150815f - 0.150105f * mu) * r)
+        / (mu * mu * mu - 1.43545f);
+    float c = 1.0f + (0.20013f + (-0.506373f + 0.261777f * mu) * mu) * r;
+    // Numerator and denominator of d nearly vanish at mu = 1: the paper's polynomials in mu,
+    // 0.540852 - 1.01625 mu + 0.475392 mu^2 and -1.0743 + 0.0725628 mu + mu^2, are written in k = 1 - mu.
+    float k = 1.0f - mu;
+    float d = r * (-6.0e-6f + (0.065466f + 0.475392f * k) * k)
+        / (-0.0017372f - (2.0725627f - k) * k);
+    return TriaceOrenNayarCoefficients2{a, b, c, d};
+}
+
+// Share of the unit disk that clipping keeps (Eq. 28): (1 + cos(theta_P)) / 2.
+inline float triace_oren_nayar_kept_area(float d) {
+    return 0.5f + 0.5f / sqrtf(1.0f + d * d);
+}
+
+// Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
+inline Vec2 triace_oren_nayar_azimuth(Vec3 wo) {
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
+    // of its reciprocal still fits into a float32.
+    constexpr float SIN2_MIN = 1.0e-18f;
+    float sin2 = wo.x * wo.x + wo.y * wo.y;
+    bool tilted = sin2 > SIN2_MIN;
+    float inv = 1.0f / sqrtf(fmaxf(sin2, SIN2_MIN));
+    return Vec2{tilted ? wo.x * inv : 1.0f, tilted ? wo.y * inv : 0.0f};
+}
+
+inline Vec3 triace_oren_nayar_from_frame(Vec3 w, Vec2 axis) {
+    return Vec3{axis.x * w.x - axis.y * w.y, axis.y * w.x + axis.x * w.y, w.z};
+}
+
+// M applied to the cosine lobe's direction above (x, y), turned to wo's azimuth, normalised.
+inline Vec3 triace_oren_nayar_transform(float x, float y, Vec3 wo, float r, float d) {
+    TriaceOrenNayarCoefficients2 coefficients_result = triace_oren_nayar_cltc_coefficients(wo.z, r);
+    float a = coefficients_result.a;
+    float b = coefficients_result.b;
+    float c = coefficients_result.c;
+    float z = sqrtf(fmaxf(1.0f - x * x - y * y, 0.0f));
+    return normalize(triace_oren_nayar_from_frame(Vec3{a * x + b * z, c * y, d * x + z},
+        triace_oren_nayar_azimuth(wo)));
+}
+
+// Clipped to the directions that M keeps above the horizon (Listing 3).
+inline Vec3 triace_oren_nayar_sample_cltc(Vec3 wo, float r, Vec2 u) {
+    constexpr float two_pi = 6.2831855f;
+    // A sample that rounding pushed below the horizon is lifted to this cosine, 1/16 of a float32 epsilon.
+    constexpr float Z_MIN = 7.450581e-9f;
+    TriaceOrenNayarCoefficients2 coefficients_result = triace_oren_nayar_cltc_coefficients(wo.z, r);
+    float d = coefficients_result.d;
+    float R = sqrtf(fmaxf(u.x, 0.0f));
+    float phi = two_pi * u.y;
+    float y = R * sinf(phi);
+    // A half-disk and a half-ellipse (Heitz 2018); the plane cuts the side on which d x is negative.
+    float x = lerp(sqrtf(fmaxf(1.0f - y * y, 0.0f)), R * cosf(phi), triace_oren_nayar_kept_area(d));
+    Vec3 wi = triace_oren_nayar_transform(d < 0.0f ? -x : x, y, wo, r, d);
+    return Vec3{wi.x, wi.y, fmaxf(wi.z, Z_MIN)};
+}
+
+// CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
+inline Vec3 triace_oren_nayar_sample_cltc_uniform(Vec3 wo, float r, Vec2 u) {
+    // Smallest probability that is divided by; the smallest one above 0 is 8e-6, at R_MIN.
+    constexpr float P_MIN = 1.0e-6f;
+    float P_u = triace_oren_nayar_uniform_share(wo.z, r);
+    bool uniform = u.x < P_u;
+    float u1 = uniform ? u.x / fmaxf(P_u, P_MIN) : (u.x - P_u) / (1.0f - P_u);
+    Vec3 w_u = triace_oren_nayar_sample_uniform(Vec2{u1, u.y});
+    Vec3 w_c = triace_oren_nayar_sample_cltc(wo, r, Vec2{u1, u.y});
+    return uniform ? w_u : w_c;
+}
+
+inline Vec3 triace_oren_nayar_to_frame(Vec3 w, Vec2 axis) {
+    return Vec3{axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z};
+}
+
+// Density of `_transform` for an unclipped cosine lobe (Eq. 23 and 24).
+inline float triace_oren_nayar_cltc_pdf(Vec3 wi, Vec3 wo, float r, float d) {
+    constexpr float inv_pi = 0.31830987f;
+    TriaceOrenNayarCoefficients2 coefficients_result = triace_oren_nayar_cltc_coefficients(wo.z, r);
+    float a = coefficients_result.a;
+    float b = coefficients_result.b;
+    float c = coefficients_result.c;
+    Vec3 w = triace_oren_nayar_to_frame(wi, triace_oren_nayar_azimuth(wo));
+    float det = c * (a - b * d);
+    // det(M) times the inverse of M, applied to w
+    Vec3 h = Vec3{c * (w.x - b * w.z), (a - b * d) * w.y, c * (a * w.z - d * w.x)};
+    float inv2 = 1.0f / dot(h, h);
+    return inv_pi * det * det * inv2 * inv2 * fmaxf(h.z, 0.0f);
+}
+
+// Density of `sample_cltc`.
+inline float triace_oren_nayar_pdf_cltc(Vec3 wi, Vec3 wo, float r) {
+    TriaceOrenNayarCoefficients2 coefficients_result = triace_oren_nayar_cltc_coefficients(wo.z, r);
+    float d = coefficients_result.d;
+    return triace_oren_nayar_cltc_pdf(wi, wo, r, d) / triace_oren_nayar_kept_area(d);
+}
+
+// Density of `sample_uniform` in 1/sr.
+inline float triace_oren_nayar_pdf_uniform() {
+    constexpr float inv_two_pi = 0.15915494f;
+    return inv_two_pi;
+}
+
+// Density of `sample_cltc_uniform`.
+inline float triace_oren_nayar_pdf_cltc_uniform(Vec3 wi, Vec3 wo, float r) {
+    float P_u = triace_oren_nayar_uniform_share(wo.z, r);
+    return lerp(triace_oren_nayar_pdf_cltc(wi, wo, r), triace_oren_nayar_pdf_uniform(), P_u);
+}
+
+// Density of `sample` in 1/sr.
+inline float triace_oren_nayar_pdf(const TriaceOrenNayar& params, Vec3 wi, Vec3 wo) {
+    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+        return 0.0f;
+    }
+    TriaceOrenNayarCoefficients coefficients_result = triace_oren_nayar_coefficients(params);
+    float A = coefficients_result.first;
+    float B = coefficients_result.second;
+    return triace_oren_nayar_pdf_cltc_uniform(wi, wo, B / A);
+}
+
+// EON's CLTC with a uniform lobe, at the roughness with the same weight of s/t.
+inline TriaceOrenNayarSample triace_oren_nayar_sample(const TriaceOrenNayar& params, Vec3 wo,
+    Vec2 u) {
+    if (wo.z <= 0.0f) {  // below the horizon
+        return TriaceOrenNayarSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
+    }
+    TriaceOrenNayarCoefficients coefficients_result = triace_oren_nayar_coefficients(params);
+    float A = coefficients_result.first;
+    float B = coefficients_result.second;
+    Vec3 wi = triace_oren_nayar_sample_cltc_uniform(wo, B / A, u);
+    return TriaceOrenNayarSample{wi, triace_oren_nayar_pdf(params, wi, wo)};
+}
+
+// Eq. 8: the integral of s/t (Eq. 4) times the cosine, at a cosine mu in [0, 1]; pi/2 at mu = 0.
+inline float triace_oren_nayar_G_qualitative(float mu) {
+    float s = sqrtf(fmaxf((1.0f - mu) * (1.0f + mu), 0.0f));
+    // The paper has tan(theta) (1 - s^3); with 1 - s = mu^2 / (1 + s) the division by mu cancels.
+    return s * (acosf(fminf(fmaxf(mu, -1.0f), 1.0f)) - s * mu)
+        + 2.0f / 3.0f * s * mu * (1.0f + s + s * s) / (1.0f + s);
+}
+
+// Eq. 13: the same for s/t of Eq. 11.
+inline float triace_oren_nayar_G_fujii(float mu) {
+    return triace_oren_nayar_G_qualitative(mu)
+        - 2.0f / 3.0f * sqrtf(fmaxf((1.0f - mu) * (1.0f + mu), 0.0f));
+}
+
+// rho (A + B G / pi); for eq24 the azimuth averages s to nothing and rho A remains.
+inline Vec3 triace_oren_nayar_albedo(const TriaceOrenNayar& params, Vec3 wo) {
+    constexpr float inv_pi = 0.31830987f;
+    if (wo.z < 0.0f) {  // below the horizon
+        return splat(0.0f);
+    }
+    TriaceOrenNayarCoefficients coefficients_result = triace_oren_nayar_coefficients(params);
+    float A = coefficients_result.first;
+    float B = coefficients_result.second;
+    float G = triace_oren_nayar_G_fujii(wo.z);
+    return params.rho * (A + B * inv_pi * G);
+}
+
+}  // namespace gonio_triace_oren_nayar

@@ -1,0 +1,284 @@
+// tri-Ace Oren-Nayar: fitted for game consoles, driven by Blinn-Phong's shininess.
+//
+// Source: Gotanda, "Beyond a simple physically based Blinn-Phong model in real-time", SIGGRAPH 2012
+// course "Practical physically based shading in film and game production", Eq. 20 to 25.
+// The course gives the radiance f cos(theta_i); this is f. Where eq24 passes through zero on its way to a
+// negative value, float32 keeps an absolute accuracy of 1e-6 rho / pi, not a relative one.
+//
+// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/triace_oren_nayar.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+
+// A sampled direction and its density.
+struct TriaceOrenNayarSample {
+    wi: vec3f,  // direction towards the light, unit, local frame
+    pdf: f32,  // its density in 1/sr; 0 marks a wasted sample
+}
+
+// triace_oren_nayar: Rough diffuse that shares its roughness with a Blinn-Phong highlight. Reciprocal.
+// Exported with variant='eq25'.
+struct TriaceOrenNayar {
+    rho: vec3f,  // albedo of the facets, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
+    shininess: f32,  // Blinn-Phong exponent n; sigma = sqrt(2 / n); 0 to 1000000, default 10
+}
+
+// Results of coefficients.
+struct TriaceOrenNayarCoefficients {
+    first: f32,
+    second: f32,
+}
+
+// Results of coefficients.
+struct TriaceOrenNayarCoefficients2 {
+    a: f32,
+    b: f32,
+    c: f32,
+    d: f32,
+}
+
+// A' and B: QON's with sigma^2 = 2 / n, and 0.65 for 0.33 in A' since Eq. 24.
+fn triace_oren_nayar_coefficients(params: TriaceOrenNayar) -> TriaceOrenNayarCoefficients {
+    let n = params.shininess;
+    let B = 1.0 / (2.22222 + 0.1 * n);
+    return TriaceOrenNayarCoefficients(1.0 - 1.0 / (2.0 + 0.65 * n), B);
+}
+
+// s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
+//
+// s is divided by a cosine that may be tiny, so its last bits count: the rounding error of one
+// product is carried along (Kahan), which plain wi.x wo.x + wi.y wo.y or dot(wi, wo) - mu_i mu_o loses.
+fn triace_oren_nayar_tangential_dot(wi: vec3f, wo: vec3f) -> f32 {
+    let q = wi.y * wo.y;
+    let error = fma(wi.y, wo.y, -q);
+    return fma(wi.x, wo.x, q) + error;
+}
+
+// s / max(mu_i, mu_o), finite for two directions in the horizon.
+fn triace_oren_nayar_s_over_max(s: f32, wi: vec3f, wo: vec3f) -> f32 {
+    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    const mu_min = 1.0e-18;
+    return s / max(max(wi.z, wo.z), mu_min);
+}
+
+// s / t of Eq. 11: s itself for s <= 0.
+fn triace_oren_nayar_s_over_t_fujii(s: f32, wi: vec3f, wo: vec3f) -> f32 {
+    return select(s, triace_oren_nayar_s_over_max(s, wi, wo), s > 0.0);
+}
+
+// Eq. 23, 24 or 25 without the cosine: BRDF value in 1/sr.
+fn triace_oren_nayar_eval(params: TriaceOrenNayar, wi: vec3f, wo: vec3f) -> vec3f {
+    const inv_pi = 0.31830987;
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return vec3f(0.0);
+    }
+    let coefficients_result = triace_oren_nayar_coefficients(params);
+    let A = coefficients_result.first;
+    let B = coefficients_result.second;
+    let s = triace_oren_nayar_tangential_dot(wi, wo);
+    let s_over_t = triace_oren_nayar_s_over_t_fujii(s, wi, wo);
+    return params.rho * (inv_pi * (A + B * s_over_t));
+}
+
+// P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
+fn triace_oren_nayar_uniform_share(mu: f32, r: f32) -> f32 {
+    // Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32.
+    const R_MIN = 1.0e-37;
+    let fit = 0.162925 + mu * (-0.372058 + (0.538233 - 0.290822 * mu) * mu);
+    return select(0.0, pow(max(r, R_MIN), 0.1) * fit, r > 0.0);
+}
+
+// A direction with density 1 / (2 pi).
+fn triace_oren_nayar_sample_uniform(u: vec2f) -> vec3f {
+    const two_pi = 6.2831855;
+    // z = 1 - u instead of u: random numbers lie in [0, 1), so z never becomes 0.
+    let z = 1.0 - u.x;
+    let r = sqrt(max(u.x * (1.0 + z), 0.0));
+    let phi = two_pi * u.y;
+    return vec3f(r * cos(phi), r * sin(phi), z);
+}
+
+// a, b, c, d of M = [[a, 0, b], [0, c, 0], [d, 0, 1]] (Eq. 25, Listing 2) at mu = wo.z.
+fn triace_oren_nayar_cltc_coefficients(mu: f32, r: f32) -> TriaceOrenNayarCoefficients2 {
+    let a = 1.0 + r * (0.303392 + (-0.518982 + 0.111709 * mu) * mu
+        + (-0.276266 + 0.335918 * mu) * r);
+    let b = r * (-1.16407 + 1.15859 * mu + (0.150815 - 0.150105 * mu) * r)
+        / (mu * mu * mu - 1.43545);
+    let c = 1.0 + (0.20013 + (-0.506373 + 0.261777 * mu) * mu) * r;
+    // Numerator and denominator of d nearly vanish at mu = 1: the paper's polynomials in mu,
+    // 0.540852 - 1.01625 mu + 0.475392 mu^2 and -1.0743 + 0.0725628 mu + mu^2, are written in k = 1 - mu.
+    let k = 1.0 - mu;
+    let d = r * (-6.0e-6 + (0.065466 + 0.475392 * k) * k) / (-0.0017372 - (2.0725627 - k) * k);
+    return TriaceOrenNayarCoefficients2(a, b, c, d);
+}
+
+// Share of the unit disk that clipping keeps (Eq. 28): (1 + cos(theta_P)) / 2.
+fn triace_oren_nayar_kept_area(d: f32) -> f32 {
+    return 0.5 + 0.5 / sqrt(1.0 + d * d);
+}
+
+// Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
+fn triace_oren_nayar_azimuth(wo: vec3f) -> vec2f {
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
+    // of its reciprocal still fits into a float32.
+    const SIN2_MIN = 1.0e-18;
+    let sin2 = wo.x * wo.x + wo.y * wo.y;
+    let tilted = sin2 > SIN2_MIN;
+    let inv = 1.0 / sqrt(max(sin2, SIN2_MIN));
+    return vec2f(select(1.0, wo.x * inv, tilted), select(0.0, wo.y * inv, tilted));
+}
+
+fn triace_oren_nayar_from_frame(w: vec3f, axis: vec2f) -> vec3f {
+    return vec3f(axis.x * w.x - axis.y * w.y, axis.y * w.x + axis.x * w.y, w.z);
+}
+
+// M applied to the cosine lobe's direction above (x, y), turned to wo's azimuth, normalised.
+fn triace_oren_nayar_transform(x: f32, y: f32, wo: vec3f, r: f32, d: f32) -> vec3f {
+    let coefficients_result = triace_oren_nayar_cltc_coefficients(wo.z, r);
+    let a = coefficients_result.a;
+    let b = coefficients_result.b;
+    let c = coefficients_result.c;
+    let z = sqrt(max(1.0 - x * x - y * y, 0.0));
+    return normalize(triace_oren_nayar_from_frame(vec3f(a * x + b * z, c * y, d * x + z),
+        triace_oren_nayar_azimuth(wo)));
+}
+
+// Clipped to the directions that M keeps above the horizon (Listing 3).
+fn triace_oren_nayar_sample_cltc(wo: vec3f, r: f32, u: vec2f) -> vec3f {
+    const two_pi = 6.2831855;
+    // A sample that rounding pushed below the horizon is lifted to this cosine, 1/16 of a float32 epsilon.
+    const Z_MIN = 7.450581e-9;
+    let coefficients_result = triace_oren_nayar_cltc_coefficients(wo.z, r);
+    let d = coefficients_result.d;
+    let R = sqrt(max(u.x, 0.0));
+    let phi = two_pi * u.y;
+    let y = R * sin(phi);
+    // A half-disk and a half-ellipse (Heitz 2018); the plane cuts the side on which d x is negative.
+    let x = mix(sqrt(max(1.0 - y * y, 0.0)), R * cos(phi), triace_oren_nayar_kept_area(d));
+    let wi = triace_oren_nayar_transform(select(x, -x, d < 0.0), y, wo, r, d);
+    return vec3f(wi.x, wi.y, max(wi.z, Z_MIN));
+}
+
+// CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
+fn triace_oren_nayar_sample_cltc_uniform(wo: vec3f, r: f32, u: vec2f) -> vec3f {
+    // Smallest probability that is divided by; the smallest one above 0 is 8e-6, at R_MIN.
+    const P_MIN = 1.0e-6;
+    let P_u = triace_oren_nayar_uniform_share(wo.z, r);
+    let uniform = u.x < P_u;
+    let u1 = select((u.x - P_u) / (1.0 - P_u), u.x / max(P_u, P_MIN), uniform);
+    let w_u = triace_oren_nayar_sample_uniform(vec2f(u1, u.y));
+    let w_c = triace_oren_nayar_sample_cltc(wo, r, vec2f(u1, u.y));
+    return select(w_c, w_u, uniform);
+}
+
+fn triace_oren_nayar_to_frame(w: vec3f, axis: vec2f) -> vec3f {
+    return vec3f(axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z);
+}
+
+// Density of `_transform` for an unclipped cosine lobe (Eq. 23 and 24).
+fn triace_oren_nayar_cltc_pdf(wi: vec3f, wo: vec3f, r: f32, d: f32) -> f32 {
+    const inv_pi = 0.31830987;
+    let coefficients_result = triace_oren_nayar_cltc_coefficients(wo.z, r);
+    let a = coefficients_result.a;
+    let b = coefficients_result.b;
+    let c = coefficients_result.c;
+    let w = triace_oren_nayar_to_frame(wi, triace_oren_nayar_azimuth(wo));
+    let det = c * (a - b * d);
+    // det(M) times the inverse of M, applied to w
+    let h = vec3f(c * (w.x - b * w.z), (a - b * d) * w.y, c * (a * w.z - d * w.x));
+    let inv2 = 1.0 / dot(h, h);
+    return inv_pi * det * det * inv2 * inv2 * max(h.z, 0.0);
+}
+
+// Density of `sample_cltc`.
+fn triace_oren_nayar_pdf_cltc(wi: vec3f, wo: vec3f, r: f32) -> f32 {
+    let coefficients_result = triace_oren_nayar_cltc_coefficients(wo.z, r);
+    let d = coefficients_result.d;
+    return triace_oren_nayar_cltc_pdf(wi, wo, r, d) / triace_oren_nayar_kept_area(d);
+}
+
+// Density of `sample_uniform` in 1/sr.
+fn triace_oren_nayar_pdf_uniform() -> f32 {
+    const inv_two_pi = 0.15915494;
+    return inv_two_pi;
+}
+
+// Density of `sample_cltc_uniform`.
+fn triace_oren_nayar_pdf_cltc_uniform(wi: vec3f, wo: vec3f, r: f32) -> f32 {
+    let P_u = triace_oren_nayar_uniform_share(wo.z, r);
+    return mix(triace_oren_nayar_pdf_cltc(wi, wo, r), triace_oren_nayar_pdf_uniform(), P_u);
+}
+
+// Density of `sample` in 1/sr.
+fn triace_oren_nayar_pdf(params: TriaceOrenNayar, wi: vec3f, wo: vec3f) -> f32 {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return 0.0;
+    }
+    let coefficients_result = triace_oren_nayar_coefficients(params);
+    let A = coefficients_result.first;
+    let B = coefficients_result.second;
+    return triace_oren_nayar_pdf_cltc_uniform(wi, wo, B / A);
+}
+
+// EON's CLTC with a uniform lobe, at the roughness with the same weight of s/t.
+fn triace_oren_nayar_sample(params: TriaceOrenNayar, wo: vec3f,
+    u: vec2f) -> TriaceOrenNayarSample {
+    if (wo.z <= 0.0) {  // below the horizon
+        return TriaceOrenNayarSample(vec3f(0.0, 0.0, 1.0), 0.0);
+    }
+    let coefficients_result = triace_oren_nayar_coefficients(params);
+    let A = coefficients_result.first;
+    let B = coefficients_result.second;
+    let wi = triace_oren_nayar_sample_cltc_uniform(wo, B / A, u);
+    return TriaceOrenNayarSample(wi, triace_oren_nayar_pdf(params, wi, wo));
+}
+
+// Twice the arc tangent, for v in [-1, 1].
+fn triace_oren_nayar_twice_atan(v: f32) -> f32 {
+    const ATAN_4 = 0.21281867;
+    const ATAN_5 = -0.15008585;
+    const ATAN_6 = 0.085383;
+    const ATAN_7 = -0.03213723;
+    const ATAN_8 = 0.005699773;
+    const ATAN_0 = 2.0;  // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const ATAN_1 = -0.66666144;
+    const ATAN_2 = 0.3998524;
+    const ATAN_3 = -0.28407288;
+    let q = v * v;
+    let p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
+    return v * (ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p))));
+}
+
+// Arc cosine of x limited to [-1, 1]: twice the angle whose tangent is sin / (1 + x).
+fn triace_oren_nayar_safe_acos(x: f32) -> f32 {
+    const pi = 3.1415927;
+    let a = min(abs(x), 1.0);
+    let angle = triace_oren_nayar_twice_atan(sqrt(max((1.0 - a) * (1.0 + a), 0.0)) / (1.0 + a));
+    return select(angle, pi - angle, x < 0.0);
+}
+
+// Eq. 8: the integral of s/t (Eq. 4) times the cosine, at a cosine mu in [0, 1]; pi/2 at mu = 0.
+fn triace_oren_nayar_G_qualitative(mu: f32) -> f32 {
+    let s = sqrt(max((1.0 - mu) * (1.0 + mu), 0.0));
+    // The paper has tan(theta) (1 - s^3); with 1 - s = mu^2 / (1 + s) the division by mu cancels.
+    return s * (triace_oren_nayar_safe_acos(mu) - s * mu)
+        + 2.0 / 3.0 * s * mu * (1.0 + s + s * s) / (1.0 + s);
+}
+
+// Eq. 13: the same for s/t of Eq. 11.
+fn triace_oren_nayar_G_fujii(mu: f32) -> f32 {
+    return triace_oren_nayar_G_qualitative(mu)
+        - 2.0 / 3.0 * sqrt(max((1.0 - mu) * (1.0 + mu), 0.0));
+}
+
+// rho (A + B G / pi); for eq24 the azimuth averages s to nothing and rho A remains.
+fn triace_oren_nayar_albedo(params: TriaceOrenNayar, wo: vec3f) -> vec3f {
+    const inv_pi = 0.31830987;
+    if (wo.z < 0.0) {  // below the horizon
+        return vec3f(0.0);
+    }
+    let coefficients_result = triace_oren_nayar_coefficients(params);
+    let A = coefficients_result.first;
+    let B = coefficients_result.second;
+    let G = triace_oren_nayar_G_fujii(wo.z);
+    return params.rho * (A + B * inv_pi * G);
+}

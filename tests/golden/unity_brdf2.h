@@ -1,0 +1,331 @@
+// Unity BRDF2: the cheaper shading that Unity's built-in render pipeline takes on mobile devices.
+//
+// Source: UnityStandardBRDF.cginc of Unity 2018.2, which "PBR theory, part 1: foundations" (SZ's temple,
+// 2019), section 5, names beside BRDF1; the highlight is the one of "Optimizing PBR for mobile", SIGGRAPH
+// 2015 course: masking and Fresnel together are 1 / ((wo.H)^2 (alpha + 0.5)). Unity's own value is pi times
+// f.
+// Where it departs from physics: the highlight has the colour F0 at every angle, and nothing masks grazing
+// directions. Unity's constants are kept: at roughness 0 there is no highlight at all.
+// BRDF3, the lowest of the three, is absent: it reads its highlight from a table that is not public.
+//
+// C++, made by gonio 0.1.0 from gonio/models/unity_brdf2.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// albedo has no closed form here; it takes many evaluations, for tables and previews.
+
+#pragma once
+#include <math.h>
+
+namespace gonio_unity_brdf2 {
+
+struct Vec2 {
+    float x, y;
+};
+
+struct Vec3 {
+    float x, y, z;
+};
+
+inline Vec3 splat(float a) {
+    return Vec3{a, a, a};
+}
+
+inline float lerp(float a, float b, float t) {
+    return a * (1.0f - t) + b * t;
+}
+
+inline float fract(float a) {
+    return a - floorf(a);
+}
+
+inline float dot(Vec3 a, Vec3 b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+inline float length(Vec3 a) {
+    return sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
+}
+
+inline Vec3 normalize(Vec3 a) {
+    float inv = 1.0f / sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
+    return Vec3{a.x * inv, a.y * inv, a.z * inv};
+}
+
+inline Vec3 operator+(Vec3 a, Vec3 b) {
+    return Vec3{a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+inline Vec3 operator-(Vec3 a, Vec3 b) {
+    return Vec3{a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+inline Vec3 operator*(Vec3 a, float b) {
+    return Vec3{a.x * b, a.y * b, a.z * b};
+}
+
+inline Vec3 operator*(float a, Vec3 b) {
+    return Vec3{a * b.x, a * b.y, a * b.z};
+}
+
+inline Vec3 operator/(Vec3 a, float b) {
+    return Vec3{a.x / b, a.y / b, a.z / b};
+}
+
+inline Vec3 lerp(Vec3 a, Vec3 b, Vec3 c) {
+    return Vec3{lerp(a.x, b.x, c.x), lerp(a.y, b.y, c.y), lerp(a.z, b.z, c.z)};
+}
+
+// A sampled direction and its density.
+struct UnityBrdf2Sample {
+    Vec3 wi;  // direction towards the light, unit, local frame
+    float pdf;  // its density in 1/sr; 0 marks a wasted sample
+};
+
+// unity_brdf2: Lambert plus a highlight without masking and Fresnel. Reciprocal; gains energy.
+struct UnityBrdf2 {
+    // diffuse colour, or F0 of metals, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
+    Vec3 base_color;
+    float metallic;  // 0 for dielectrics, 1 for metals; 0 to 1, default 0
+    float roughness;  // perceptual roughness, 1 - Unity's smoothness; 0 to 1, default 0.5
+};
+
+// Results of choose.
+struct UnityBrdf2Choose {
+    bool first;
+    Vec2 second;
+};
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline Vec3 unity_brdf2_half_vector(Vec3 wi, Vec3 wo) {
+    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    constexpr float mu_min = 1.0e-18f;
+    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
+    // directions in the horizon.
+    return normalize(wi + Vec3{wo.x, wo.y, wo.z + mu_min});
+}
+
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+inline float unity_brdf2_cos_half(Vec3 wi, Vec3 wo) {
+    constexpr float mu_min = 1.0e-18f;
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return fminf(0.5f * length(wi + Vec3{wo.x, wo.y, wo.z + mu_min}), 1.0f);
+}
+
+inline Vec3 unity_brdf2_diffuse(const UnityBrdf2& params) {
+    constexpr float F0_DIELECTRIC = 0.04f;  // Unity's dielectric reflectance (linear colour space).
+    return (1.0f - F0_DIELECTRIC) * (1.0f - params.metallic) * params.base_color;
+}
+
+inline Vec3 unity_brdf2_specular(const UnityBrdf2& params) {
+    constexpr float F0_DIELECTRIC = 0.04f;
+    return lerp(splat(F0_DIELECTRIC), params.base_color, splat(params.metallic));
+}
+
+// BRDF value in 1/sr, without the cosine.
+inline Vec3 unity_brdf2_eval(const UnityBrdf2& params, Vec3 wi, Vec3 wo) {
+    constexpr float D_UNITY = 1.0e-5f;
+    // Unity's limits: of (wo.H)^2, and what its 1.00001 adds to the denominator of D.
+    constexpr float COS2_UNITY = 0.1f;
+    constexpr float inv_pi = 0.31830987f;
+    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+        return splat(0.0f);
+    }
+    float a = params.roughness * params.roughness;
+    Vec3 m = unity_brdf2_half_vector(wi, wo);
+    float c = unity_brdf2_cos_half(wi, wo);
+    // (N.H)^2 (a^2 - 1) + 1.00001, without its cancellation
+    float d = m.x * m.x + m.y * m.y + a * a * m.z * m.z + D_UNITY;
+    float highlight = a * a / (4.0f * fmaxf(c * c, COS2_UNITY) * (a + 0.5f) * d * d);
+    return inv_pi * (unity_brdf2_diffuse(params) + unity_brdf2_specular(params) * highlight);
+}
+
+// Width of the GGX that d is the denominator of: D_UNITY never lets it vanish.
+inline float unity_brdf2_alpha(const UnityBrdf2& params) {
+    constexpr float D_UNITY = 1.0e-5f;
+    float a2 = params.roughness * params.roughness * params.roughness * params.roughness;
+    return sqrtf((a2 + D_UNITY) / (1.0f + D_UNITY));
+}
+
+// Mean of the three channels, by which lobes are weighed against each other.
+inline float unity_brdf2_average(Vec3 color) {
+    return (color.x + color.y + color.z) / 3.0f;
+}
+
+inline float unity_brdf2_raised(float probability) {
+    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+    constexpr float SHARE_LEAST = 0.1f;
+    constexpr float ESTIMATE_TRUST = 50.0f;
+    return fmaxf(probability, fminf(SHARE_LEAST, ESTIMATE_TRUST * probability));
+}
+
+// Probabilities of two lobes with the given albedos; the first is certain if both are black.
+inline Vec2 unity_brdf2_lobes_shares(float first, float second) {
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
+    // that can be seen is that small.
+    constexpr float BLACK = 1.0e-20f;
+    float inv = 1.0f / (first + second + BLACK);
+    float a = unity_brdf2_raised((first + BLACK) * inv);
+    float b = unity_brdf2_raised(second * inv);
+    // The smaller one by itself: 1 minus a probability near 1 has no digits left.
+    bool smaller = first < second;
+    return Vec2{smaller ? a : 1.0f - b, smaller ? 1.0f - a : b};
+}
+
+// Probabilities of the diffuse lobe and of the highlight.
+inline Vec2 unity_brdf2_shares(const UnityBrdf2& params, Vec3 wo) {
+    constexpr float D_UNITY = 1.0e-5f;
+    // The highlight's albedo at the normal is near 1 / (a + 0.5), times the part that D_UNITY leaves.
+    float a = params.roughness * params.roughness;
+    float reflected = a * a / ((a * a + D_UNITY) * (a + 0.5f));
+    return unity_brdf2_lobes_shares(unity_brdf2_average(unity_brdf2_diffuse(params)),
+        unity_brdf2_average(unity_brdf2_specular(params)) * reflected);
+}
+
+// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
+inline UnityBrdf2Choose unity_brdf2_choose(float probability, Vec2 u) {
+    // Smallest probability that is divided by: a random number falls below it once in a million million.
+    constexpr float SHARE_MIN = 1.0e-12f;
+    // The largest float32 below 1, up to which random numbers go.
+    constexpr float RANDOM_MAX = 0.99999994f;
+    bool first = u.x < probability;
+    float below = u.x / fmaxf(probability, SHARE_MIN);
+    float above = (u.x - probability) / fmaxf(1.0f - probability, SHARE_MIN);
+    return UnityBrdf2Choose{first,
+        Vec2{fminf(fmaxf(first ? below : above, 0.0f), RANDOM_MAX), u.y}};
+}
+
+// A direction with density cos(theta) / pi.
+inline Vec3 unity_brdf2_sample_cosine(Vec2 u) {
+    constexpr float two_pi = 6.2831855f;
+    float r = sqrtf(fmaxf(u.x, 0.0f));
+    float phi = two_pi * u.y;
+    return Vec3{r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u.x, 0.0f))};
+}
+
+// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+inline Vec3 unity_brdf2_sample_ggx_visible(Vec3 wo, float alpha_x, float alpha_y, Vec2 u) {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    constexpr float RANDOM_MARGIN = 5.9604645e-8f;
+    constexpr float two_pi = 6.2831855f;
+    Vec3 w = normalize(Vec3{alpha_x * wo.x, alpha_y * wo.y, wo.z});
+    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = fminf(u.x, 1.0f - RANDOM_MARGIN);
+    float drop = u1 * (1.0f + w.z);
+    float r = sqrtf(fmaxf(drop * (2.0f - drop), 0.0f));
+    float phi = two_pi * u.y;
+    Vec3 h = Vec3{r * cosf(phi) + w.x, r * sinf(phi) + w.y, (1.0f - u1) * (1.0f + w.z)};
+    return normalize(Vec3{alpha_x * h.x, alpha_y * h.y, h.z});
+}
+
+// wo mirrored at a facet with normal m; it may leave below the horizon.
+inline Vec3 unity_brdf2_mirror(Vec3 wo, Vec3 m) {
+    return 2.0f * dot(wo, m) * m - wo;
+}
+
+// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+//
+// No sample is wasted, and as the density is the sum of both, no weight grows.
+inline Vec3 unity_brdf2_sample_ggx_lobe(Vec3 wo, float alpha_x, float alpha_y, Vec2 u) {
+    Vec3 w = unity_brdf2_mirror(wo, unity_brdf2_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+    return Vec3{w.x, w.y, fabsf(w.z)};
+}
+
+// A direction of one of the two lobes; shares: the probabilities of the matte one and of the other.
+inline Vec3 unity_brdf2_sample_matte_gloss(Vec3 wo, float alpha, Vec2 shares, Vec2 u) {
+    UnityBrdf2Choose choose_result = unity_brdf2_choose(shares.x, u);
+    bool matte = choose_result.first;
+    Vec2 v = choose_result.second;
+    return matte ? unity_brdf2_sample_cosine(v) : unity_brdf2_sample_ggx_lobe(wo, alpha, alpha, v);
+}
+
+// Density of `sample_cosine` in 1/sr, for w above the horizon.
+inline float unity_brdf2_pdf_cosine(Vec3 w) {
+    constexpr float inv_pi = 0.31830987f;
+    return w.z * inv_pi;
+}
+
+// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+inline float unity_brdf2_D_ggx(Vec3 m, float alpha_x, float alpha_y) {
+    constexpr float inv_pi = 0.31830987f;
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    Vec3 v = Vec3{m.x / alpha_x, m.y / alpha_y, m.z};
+    float s = dot(v, v);
+    return inv_pi / (alpha_x * alpha_y * s * s);
+}
+
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
+inline float unity_brdf2_ggx_length(Vec3 w, float alpha_x, float alpha_y) {
+    return length(Vec3{alpha_x * w.x, alpha_y * w.y, w.z});
+}
+
+// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+inline float unity_brdf2_pdf_ggx_visible(Vec3 wo, Vec3 m, float alpha_x, float alpha_y) {
+    return unity_brdf2_D_ggx(m, alpha_x, alpha_y)
+        / (2.0f * (wo.z + unity_brdf2_ggx_length(wo, alpha_x, alpha_y)));
+}
+
+// Density of `sample_ggx_lobe` in 1/sr.
+inline float unity_brdf2_pdf_ggx_lobe(Vec3 wi, Vec3 wo, float alpha_x, float alpha_y) {
+    float straight = unity_brdf2_pdf_ggx_visible(wo, unity_brdf2_half_vector(wi, wo), alpha_x,
+        alpha_y);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    bool exists = wo.z > wi.z;
+    Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
+    float folded = unity_brdf2_pdf_ggx_visible(wo, unity_brdf2_half_vector(image, wo), alpha_x,
+        alpha_y);
+    return straight + (exists ? folded : 0.0f);
+}
+
+// Density of `sample_matte_gloss` in 1/sr.
+inline float unity_brdf2_pdf_matte_gloss(Vec3 wi, Vec3 wo, float alpha, Vec2 shares) {
+    return shares.x * unity_brdf2_pdf_cosine(wi)
+        + shares.y * unity_brdf2_pdf_ggx_lobe(wi, wo, alpha, alpha);
+}
+
+// Density of `sample` in 1/sr.
+inline float unity_brdf2_pdf(const UnityBrdf2& params, Vec3 wi, Vec3 wo) {
+    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+        return 0.0f;
+    }
+    return unity_brdf2_pdf_matte_gloss(wi, wo, unity_brdf2_alpha(params),
+        unity_brdf2_shares(params, wo));
+}
+
+// Cosine-weighted or a visible GGX normal, by the estimated albedos.
+inline UnityBrdf2Sample unity_brdf2_sample(const UnityBrdf2& params, Vec3 wo, Vec2 u) {
+    if (wo.z <= 0.0f) {  // below the horizon
+        return UnityBrdf2Sample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
+    }
+    Vec3 wi = unity_brdf2_sample_matte_gloss(wo, unity_brdf2_alpha(params),
+        unity_brdf2_shares(params, wo), u);
+    return UnityBrdf2Sample{wi, unity_brdf2_pdf(params, wi, wo)};
+}
+
+// Directional albedo of a model without a closed form: the mean weight of its own samples.
+//
+// For tables and previews; the random numbers are a Fibonacci lattice.
+inline Vec3 unity_brdf2_albedo(const UnityBrdf2& params, Vec3 wo) {
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    constexpr float HORIZON = 1.0e-6f;
+    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    constexpr float ALBEDO_SAMPLES = 987.0f;
+    constexpr float GOLDEN = 0.618034f;
+    constexpr float mu_min = 1.0e-18f;
+    if (wo.z < 0.0f) {  // below the horizon
+        return splat(0.0f);
+    }
+    Vec3 w = Vec3{wo.x, wo.y, fmaxf(wo.z, HORIZON)};
+    Vec3 total = Vec3{0.0f, 0.0f, 0.0f};
+    for (int i_step = 0; i_step < 987; ++i_step) {
+        float i = float(i_step);
+        Vec2 u = Vec2{(i + 0.5f) / ALBEDO_SAMPLES, fract((i + 0.5f) * GOLDEN)};
+        UnityBrdf2Sample drawn = unity_brdf2_sample(params, w, u);
+        float weight = drawn.pdf > 0.0f ? drawn.wi.z / fmaxf(drawn.pdf, mu_min) : 0.0f;
+        total = total + unity_brdf2_eval(params, drawn.wi, w) * weight;
+    }
+    return total / ALBEDO_SAMPLES;
+}
+
+}  // namespace gonio_unity_brdf2

@@ -1,0 +1,294 @@
+// Unity Standard: BRDF1, the full-quality shading of Unity's built-in render pipeline.
+//
+// Source: "PBR theory, part 1: foundations" (SZ's temple, 2019), section 5, which walks through
+// UnityStandardBRDF.cginc of Unity 2018.2. Unity's own value is pi times f: its diffuse term is not divided
+// by pi and its highlight is multiplied by it. The article misses a division by 4 mu_i mu_o, but Unity's V
+// holds it already.
+// Where it departs from physics: k_d is the constant 0.96 (1 - metallic) in place of 1 - F, so that the
+// diffuse term takes no notice of the Fresnel reflection above it; V replaces sqrt(mu^2 + alpha^2 sin^2) of
+// Smith by mu (1 - alpha) + alpha.
+// Deviation: Unity adds 1e-5 to V's and 1e-7 to D's denominator, against division by zero; neither is here.
+// The second dims its highlights: the peak by 4 % at roughness 0.2, 28 % at 0.15 and 91 % at 0.1.
+//
+// Metal, made by gonio 0.1.0 from gonio/models/unity_standard.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// albedo has no closed form here; it takes many evaluations, for tables and previews.
+
+#include <metal_stdlib>
+using namespace metal;
+
+// A sampled direction and its density.
+struct UnityStandardSample {
+    float3 wi;  // direction towards the light, unit, local frame
+    float pdf;  // its density in 1/sr; 0 marks a wasted sample
+};
+
+// unity_standard: Burley diffuse plus a GGX highlight with a cheaper Smith term. Reciprocal; gains energy.
+struct UnityStandard {
+    // diffuse colour, or F0 of metals, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
+    float3 base_color;
+    float metallic;  // 0 for dielectrics, 1 for metals; 0 to 1, default 0
+    float roughness;  // perceptual roughness, 1 - Unity's smoothness; 0 to 1, default 0.5
+};
+
+// Results of choose.
+struct UnityStandardChoose {
+    bool first;
+    float2 second;
+};
+
+inline float unity_standard_alpha(UnityStandard params) {
+    const float ALPHA_UNITY = 0.002;
+    return max(params.roughness * params.roughness, ALPHA_UNITY);
+}
+
+// (1 - cos_theta)^5 of Schlick's approximation.
+inline float unity_standard_schlick_weight(float cos_theta) {
+    float k = 1.0 - cos_theta;
+    float k2 = k * k;
+    return k2 * k2 * k;
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline float3 unity_standard_half_vector(float3 wi, float3 wo) {
+    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    const float mu_min = 1.0e-18;
+    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
+    // directions in the horizon.
+    return normalize(wi + float3(wo.x, wo.y, wo.z + mu_min));
+}
+
+// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+inline float unity_standard_D_ggx(float3 m, float alpha_x, float alpha_y) {
+    const float inv_pi = 0.31830987;
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    float3 v = float3(m.x / alpha_x, m.y / alpha_y, m.z);
+    float s = dot(v, v);
+    return inv_pi / (alpha_x * alpha_y * s * s);
+}
+
+inline float3 unity_standard_f0(UnityStandard params) {
+    // Unity's dielectric reflectance (linear colour space), and its lower limit of alpha.
+    const float F0_DIELECTRIC = 0.04;
+    return mix(float3(F0_DIELECTRIC), params.base_color, float3(params.metallic));
+}
+
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+inline float unity_standard_cos_half(float3 wi, float3 wo) {
+    const float mu_min = 1.0e-18;
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return min(0.5 * length(wi + float3(wo.x, wo.y, wo.z + mu_min)), 1.0);
+}
+
+// (1 - c)^5 at c = wo . m, the half vector's cosine.
+inline float unity_standard_schlick_weight_half(float3 wi, float3 wo) {
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
+    // weight keeps its digits where the two meet and it goes to 0.
+    float3 apart = wi - wo;
+    float k = 0.25 * dot(apart, apart) / (1.0 + unity_standard_cos_half(wi, wo));
+    float k2 = k * k;
+    return k2 * k2 * k;
+}
+
+inline float3 unity_standard_diffuse(UnityStandard params) {
+    const float F0_DIELECTRIC = 0.04;
+    return (1.0 - F0_DIELECTRIC) * (1.0 - params.metallic) * params.base_color;
+}
+
+// BRDF value in 1/sr, without the cosine.
+inline float3 unity_standard_eval(UnityStandard params, float3 wi, float3 wo) {
+    const float mu_min = 1.0e-18;
+    const float inv_pi = 0.31830987;
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return float3(0.0);
+    }
+    float r = params.roughness;
+    float alpha = unity_standard_alpha(params);
+    // F90 = 0.5 + 2 roughness cos^2(theta_d), and 2 cos^2(theta_d) = 1 + dot(wi, wo)
+    float rise = r * (1.0 + dot(wi, wo)) - 0.5;
+    float burley = (1.0 + rise * unity_standard_schlick_weight(wi.z))
+        * (1.0 + rise * unity_standard_schlick_weight(wo.z));
+    float lambda_v = wi.z * mix(alpha, 1.0, wo.z);
+    float lambda_l = wo.z * mix(alpha, 1.0, wi.z);
+    float V = 0.5 / max(lambda_v + lambda_l, mu_min);
+    float D = unity_standard_D_ggx(unity_standard_half_vector(wi, wo), alpha, alpha);
+    float3 F = mix(unity_standard_f0(params), float3(1.0),
+        float3(unity_standard_schlick_weight_half(wi, wo)));
+    return inv_pi * burley * unity_standard_diffuse(params) + F * (D * V);
+}
+
+// Mean of the three channels, by which lobes are weighed against each other.
+inline float unity_standard_average(float3 color) {
+    return (color.x + color.y + color.z) / 3.0;
+}
+
+inline float unity_standard_raised(float probability) {
+    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+    const float SHARE_LEAST = 0.1;
+    const float ESTIMATE_TRUST = 50.0;
+    return max(probability, min(SHARE_LEAST, ESTIMATE_TRUST * probability));
+}
+
+// Probabilities of two lobes with the given albedos; the first is certain if both are black.
+inline float2 unity_standard_lobes_shares(float first, float second) {
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
+    // that can be seen is that small.
+    const float BLACK = 1.0e-20;
+    float inv = 1.0 / (first + second + BLACK);
+    float a = unity_standard_raised((first + BLACK) * inv);
+    float b = unity_standard_raised(second * inv);
+    // The smaller one by itself: 1 minus a probability near 1 has no digits left.
+    bool smaller = first < second;
+    return float2(smaller ? a : 1.0 - b, smaller ? 1.0 - a : b);
+}
+
+// Probabilities of the diffuse lobe and of the highlight.
+inline float2 unity_standard_shares(UnityStandard params, float3 wo) {
+    float3 F = mix(unity_standard_f0(params), float3(1.0),
+        float3(unity_standard_schlick_weight(wo.z)));
+    return unity_standard_lobes_shares(unity_standard_average(unity_standard_diffuse(params)),
+        unity_standard_average(F));
+}
+
+// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
+inline UnityStandardChoose unity_standard_choose(float probability, float2 u) {
+    // Smallest probability that is divided by: a random number falls below it once in a million million.
+    const float SHARE_MIN = 1.0e-12;
+    // The largest float32 below 1, up to which random numbers go.
+    const float RANDOM_MAX = 0.99999994;
+    bool first = u.x < probability;
+    float below = u.x / max(probability, SHARE_MIN);
+    float above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
+    return UnityStandardChoose{first, float2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y)};
+}
+
+// A direction with density cos(theta) / pi.
+inline float3 unity_standard_sample_cosine(float2 u) {
+    const float two_pi = 6.2831855;
+    float r = sqrt(max(u.x, 0.0));
+    float phi = two_pi * u.y;
+    return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
+}
+
+// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+inline float3 unity_standard_sample_ggx_visible(float3 wo, float alpha_x, float alpha_y,
+    float2 u) {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const float RANDOM_MARGIN = 5.9604645e-8;
+    const float two_pi = 6.2831855;
+    float3 w = normalize(float3(alpha_x * wo.x, alpha_y * wo.y, wo.z));
+    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    float drop = u1 * (1.0 + w.z);
+    float r = sqrt(max(drop * (2.0 - drop), 0.0));
+    float phi = two_pi * u.y;
+    float3 h = float3(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
+    return normalize(float3(alpha_x * h.x, alpha_y * h.y, h.z));
+}
+
+// wo mirrored at a facet with normal m; it may leave below the horizon.
+inline float3 unity_standard_mirror(float3 wo, float3 m) {
+    return 2.0 * dot(wo, m) * m - wo;
+}
+
+// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+//
+// No sample is wasted, and as the density is the sum of both, no weight grows.
+inline float3 unity_standard_sample_ggx_lobe(float3 wo, float alpha_x, float alpha_y,
+    float2 u) {
+    float3 w = unity_standard_mirror(wo,
+        unity_standard_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+    return float3(w.x, w.y, abs(w.z));
+}
+
+// A direction of one of the two lobes; shares: the probabilities of the matte one and of the other.
+inline float3 unity_standard_sample_matte_gloss(float3 wo, float alpha, float2 shares,
+    float2 u) {
+    UnityStandardChoose choose_result = unity_standard_choose(shares.x, u);
+    bool matte = choose_result.first;
+    float2 v = choose_result.second;
+    return matte ? unity_standard_sample_cosine(v)
+        : unity_standard_sample_ggx_lobe(wo, alpha, alpha, v);
+}
+
+// Density of `sample_cosine` in 1/sr, for w above the horizon.
+inline float unity_standard_pdf_cosine(float3 w) {
+    const float inv_pi = 0.31830987;
+    return w.z * inv_pi;
+}
+
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
+inline float unity_standard_ggx_length(float3 w, float alpha_x, float alpha_y) {
+    return length(float3(alpha_x * w.x, alpha_y * w.y, w.z));
+}
+
+// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+inline float unity_standard_pdf_ggx_visible(float3 wo, float3 m, float alpha_x, float alpha_y) {
+    return unity_standard_D_ggx(m, alpha_x, alpha_y)
+        / (2.0 * (wo.z + unity_standard_ggx_length(wo, alpha_x, alpha_y)));
+}
+
+// Density of `sample_ggx_lobe` in 1/sr.
+inline float unity_standard_pdf_ggx_lobe(float3 wi, float3 wo, float alpha_x, float alpha_y) {
+    float straight = unity_standard_pdf_ggx_visible(wo, unity_standard_half_vector(wi, wo), alpha_x,
+        alpha_y);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    bool exists = wo.z > wi.z;
+    float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
+    float folded = unity_standard_pdf_ggx_visible(wo, unity_standard_half_vector(image, wo),
+        alpha_x, alpha_y);
+    return straight + (exists ? folded : 0.0);
+}
+
+// Density of `sample_matte_gloss` in 1/sr.
+inline float unity_standard_pdf_matte_gloss(float3 wi, float3 wo, float alpha, float2 shares) {
+    return shares.x * unity_standard_pdf_cosine(wi)
+        + shares.y * unity_standard_pdf_ggx_lobe(wi, wo, alpha, alpha);
+}
+
+// Density of `sample` in 1/sr.
+inline float unity_standard_pdf(UnityStandard params, float3 wi, float3 wo) {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return 0.0;
+    }
+    return unity_standard_pdf_matte_gloss(wi, wo, unity_standard_alpha(params),
+        unity_standard_shares(params, wo));
+}
+
+// Cosine-weighted or a visible GGX normal, by the estimated albedos.
+inline UnityStandardSample unity_standard_sample(UnityStandard params, float3 wo, float2 u) {
+    if (wo.z <= 0.0) {  // below the horizon
+        return UnityStandardSample{float3(0.0, 0.0, 1.0), 0.0};
+    }
+    float3 wi = unity_standard_sample_matte_gloss(wo, unity_standard_alpha(params),
+        unity_standard_shares(params, wo), u);
+    return UnityStandardSample{wi, unity_standard_pdf(params, wi, wo)};
+}
+
+// Directional albedo of a model without a closed form: the mean weight of its own samples.
+//
+// For tables and previews; the random numbers are a Fibonacci lattice.
+inline float3 unity_standard_albedo(UnityStandard params, float3 wo) {
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const float HORIZON = 1.0e-6;
+    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    const float ALBEDO_SAMPLES = 987.0;
+    const float GOLDEN = 0.618034;
+    const float mu_min = 1.0e-18;
+    if (wo.z < 0.0) {  // below the horizon
+        return float3(0.0);
+    }
+    float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
+    float3 total = float3(0.0, 0.0, 0.0);
+    for (int i_step = 0; i_step < 987; ++i_step) {
+        float i = float(i_step);
+        float2 u = float2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
+        UnityStandardSample drawn = unity_standard_sample(params, w, u);
+        float weight = drawn.pdf > 0.0 ? drawn.wi.z / max(drawn.pdf, mu_min) : 0.0;
+        total = total + unity_standard_eval(params, drawn.wi, w) * weight;
+    }
+    return total / ALBEDO_SAMPLES;
+}

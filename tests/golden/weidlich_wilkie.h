@@ -1,0 +1,521 @@
+// Weidlich-Wilkie: a rough clear coat over any base, which may be coated itself.
+//
+// Source: Elek, "Layered materials in real-time rendering", CESCG 2010, Eq. 2 to 4 and Algorithm 1, after
+// Weidlich, Wilkie, "Arbitrarily layered micro-facet surfaces", GRAPHITE 2007. Symbols are Elek's.
+// Deviations: refracted directions keep the azimuth of the ones they belong to (Algorithm 1 mirrors them at
+// the normal, which would turn an anisotropic base by 180 degrees); F is exact by default, not Lazanyi's
+// fit;
+// D carries the 1 / pi that Elek's lacks. What Eq. 2 leaves out can be switched on: Fresnel's reflection at
+// both crossings, the compression of solid angles, and the light that bounces between base and surface.
+//
+// Lambert: ideal diffuse reflection.
+//
+// Source: Johann Heinrich Lambert, "Photometria", 1760.
+//
+// C++, made by gonio 0.1.0 from gonio/models/weidlich_wilkie.py, gonio/models/lambert.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// albedo has no closed form here; it takes many evaluations, for tables and previews.
+
+#pragma once
+#include <math.h>
+
+namespace gonio_weidlich_wilkie {
+
+struct Vec2 {
+    float x, y;
+};
+
+struct Vec3 {
+    float x, y, z;
+};
+
+inline Vec3 splat(float a) {
+    return Vec3{a, a, a};
+}
+
+inline Vec3 operator-(Vec3 a) {
+    return Vec3{-a.x, -a.y, -a.z};
+}
+
+inline float fract(float a) {
+    return a - floorf(a);
+}
+
+inline float dot(Vec3 a, Vec3 b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+inline float length(Vec3 a) {
+    return sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
+}
+
+inline Vec3 normalize(Vec3 a) {
+    float inv = 1.0f / sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
+    return Vec3{a.x * inv, a.y * inv, a.z * inv};
+}
+
+inline Vec3 operator+(Vec3 a, Vec3 b) {
+    return Vec3{a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+inline Vec3 operator+(Vec3 a, float b) {
+    return Vec3{a.x + b, a.y + b, a.z + b};
+}
+
+inline Vec3 operator-(Vec3 a, Vec3 b) {
+    return Vec3{a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+inline Vec3 operator*(Vec3 a, Vec3 b) {
+    return Vec3{a.x * b.x, a.y * b.y, a.z * b.z};
+}
+
+inline Vec3 operator*(Vec3 a, float b) {
+    return Vec3{a.x * b, a.y * b, a.z * b};
+}
+
+inline Vec3 operator*(float a, Vec3 b) {
+    return Vec3{a * b.x, a * b.y, a * b.z};
+}
+
+inline Vec3 operator/(Vec3 a, float b) {
+    return Vec3{a.x / b, a.y / b, a.z / b};
+}
+
+inline Vec3 exp(Vec3 a) {
+    return Vec3{expf(a.x), expf(a.y), expf(a.z)};
+}
+
+// A sampled direction and its density.
+struct WeidlichWilkieSample {
+    Vec3 wi;  // direction towards the light, unit, local frame
+    float pdf;  // its density in 1/sr; 0 marks a wasted sample
+};
+
+// Parameters of lambert: Ideal diffuse: the same radiance in every direction. Reciprocal; the albedo is
+// rho.
+struct WeidlichWilkieBase {
+    Vec3 rho;  // albedo, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
+};
+
+// weidlich_wilkie: A clear, tinted coat over any base; nest it for more layers. Reciprocal if the base is.
+// Exported with interface='rough', distribution='beckmann', masking='cook_torrance', fresnel='exact',
+// transmission='half_vector', solid_angle='none', bounces='none', roughness_clamp='on'.
+struct WeidlichWilkie {
+    float eta;  // index of the coat over that of the medium above it; 1 to 3, default 1.5
+    float alpha;  // slope width of the coat's facets; unused when smooth; 0.0001 to 1, default 0.1
+    Vec3 sigma_a;  // absorption of the coat per unit of thickness; 0 to 10, default (0, 0, 0)
+    float thickness;  // thickness of the coat, in the unit of sigma_a; 0 to 1, default 1
+    WeidlichWilkieBase base;  // what lies below; its indices are relative to the coat
+};
+
+// Results of choose.
+struct WeidlichWilkieChoose {
+    bool first;
+    Vec2 second;
+};
+
+// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
+inline float weidlich_wilkie_refracted_cos2(float mu, float eta) {
+    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and
+    // at the critical one, little else is left.
+    return fmaf(mu, mu, (eta - 1.0f) * (eta + 1.0f));
+}
+
+// The direction inside the layer that belongs to w outside; z = 0 where there is none.
+inline Vec3 weidlich_wilkie_refract(Vec3 w, float eta) {
+    return Vec3{w.x, w.y, sqrtf(fmaxf(weidlich_wilkie_refracted_cos2(w.z, eta), 0.0f))} / eta;
+}
+
+// Optical depth of the coat along its normal (Eq. 3).
+inline Vec3 weidlich_wilkie_depth(const WeidlichWilkie& params) {
+    float d = params.thickness;
+    return params.sigma_a * Vec3{d, d, d};
+}
+
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+inline float weidlich_wilkie_cos_half(Vec3 wi, Vec3 wo) {
+    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    constexpr float mu_min = 1.0e-18f;
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return fminf(0.5f * length(wi + Vec3{wo.x, wo.y, wo.z + mu_min}), 1.0f);
+}
+
+// 1 - F of a smooth dielectric at a cosine mu outside; exact where it nearly vanishes.
+inline float weidlich_wilkie_transmittance(float mu, float eta) {
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
+    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
+    constexpr float ROOT_MIN = 1.0e-16f;
+    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
+    // with q = c g + sin^2(theta)
+    float cos2 = weidlich_wilkie_refracted_cos2(mu, eta);
+    float g = sqrtf(fmaxf(cos2, ROOT_MIN));
+    float s = mu + g;
+    float p = mu * g;
+    float q = p + (1.0f - mu * mu);
+    float T = 2.0f * p * (q * q + eta * eta) / (s * s * (q * q));
+    return cos2 > ROOT_MIN ? T : 0.0f;
+}
+
+// 1 - F.
+inline float weidlich_wilkie_T(const WeidlichWilkie& params, float cos_theta) {
+    return weidlich_wilkie_transmittance(cos_theta, params.eta);
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline Vec3 weidlich_wilkie_half_vector(Vec3 wi, Vec3 wo) {
+    constexpr float mu_min = 1.0e-18f;
+    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
+    // directions in the horizon.
+    return normalize(wi + Vec3{wo.x, wo.y, wo.z + mu_min});
+}
+
+// G = min(1, 2 cos_m mu_o / cos_h, 2 cos_m mu_i / cos_h) of V-grooves; cos_m = m.z, cos_h = wo . m.
+inline float weidlich_wilkie_V_cook_torrance(Vec3 wi, Vec3 wo, float cos_m, float cos_h) {
+    constexpr float mu_min = 1.0e-18f;
+    float high = fmaxf(fmaxf(wi.z, wo.z), mu_min);
+    float low = fmaxf(fminf(wi.z, wo.z), mu_min);
+    return fminf(0.25f / low, 0.5f * cos_m / cos_h) / high;
+}
+
+// G / (4 mu_i mu_o).
+inline float weidlich_wilkie_V(const WeidlichWilkie& params, Vec3 wi, Vec3 wo) {
+    return weidlich_wilkie_V_cook_torrance(wi, wo, weidlich_wilkie_half_vector(wi, wo).z,
+        weidlich_wilkie_cos_half(wi, wo));
+}
+
+// T12 t: what the surface lets in and out again.
+inline float weidlich_wilkie_transmitted(const WeidlichWilkie& params, Vec3 wi, Vec3 wo) {
+    float T = weidlich_wilkie_T(params, weidlich_wilkie_cos_half(wi, wo));
+    float G = 4.0f * wi.z * wo.z * weidlich_wilkie_V(params, wi, wo);
+    return T * (1.0f - G + T * G);
+}
+
+inline float weidlich_wilkie_compression(const WeidlichWilkie& params) {
+    return 1.0f;
+}
+
+// A base whose highlights are at least as wide as the layer above has made the light.
+//
+// Elek, "Layered materials in real-time rendering", CESCG 2010, section 3: m2 = max(m1, m2). A base
+// says by `param(..., rougher=...)` what that means for its parameters.
+inline WeidlichWilkieBase weidlich_wilkie_interface_at_least_as_rough(const WeidlichWilkieBase& base, float alpha) {
+    return base;
+}
+
+// The base with the roughness that the coat leaves it.
+inline WeidlichWilkieBase weidlich_wilkie_below(const WeidlichWilkie& params) {
+    return weidlich_wilkie_interface_at_least_as_rough(params.base, params.alpha);
+}
+
+// rho / pi.
+inline Vec3 weidlich_wilkie_base_eval(const WeidlichWilkieBase& params, Vec3 wi, Vec3 wo) {
+    constexpr float inv_pi = 0.31830987f;
+    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+        return splat(0.0f);
+    }
+    return params.rho * inv_pi;
+}
+
+// exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+//
+// wi, wo: refracted directions. depth: absorption times thickness.
+inline Vec3 weidlich_wilkie_absorbed(Vec3 depth, Vec3 wi, Vec3 wo) {
+    constexpr float mu_min = 1.0e-18f;
+    return exp(-depth * (1.0f / fmaxf(wi.z, mu_min) + 1.0f / fmaxf(wo.z, mu_min)));
+}
+
+// Exact reflectance of a dielectric. Below eta = 1 all light is reflected past the critical angle.
+inline float weidlich_wilkie_F_dielectric(float cos_theta, float eta) {
+    constexpr float ROOT_MIN = 1.0e-16f;
+    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
+    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2),
+    // so that the mean of both squares is a product.
+    float c = cos_theta;
+    float contrast = (eta - 1.0f) * (eta + 1.0f);
+    float sin2 = 1.0f - c * c;
+    // c^2 with its rounding error: at the critical angle little else is left
+    float g2 = fmaf(c, c, contrast);
+    float g = sqrtf(fmaxf(g2, ROOT_MIN));
+    float s = c + g;
+    float p = c * g;
+    float r_s = contrast / (s * s);
+    float q = p + sin2;
+    float F = r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
+    return g2 > ROOT_MIN ? F : 1.0f;
+}
+
+inline float weidlich_wilkie_F(const WeidlichWilkie& params, float cos_h) {
+    return weidlich_wilkie_F_dielectric(cos_h, params.eta);
+}
+
+// Square of the slope in units of the widths, times m.z^2.
+inline float weidlich_wilkie_slope2(Vec3 m, float alpha_x, float alpha_y) {
+    float x = m.x / alpha_x;
+    float y = m.y / alpha_y;
+    return x * x + y * y;
+}
+
+// Beckmann: slopes with a normal distribution of variance alpha^2 / 2. Walter et al., Eq. 25.
+inline float weidlich_wilkie_D_beckmann(Vec3 m, float alpha_x, float alpha_y) {
+    // Square of the cosine below which exp(-tan^2 / alpha^2) is 0 in any precision, for alpha up to 3.2.
+    constexpr float COS2_MIN = 1.0e-6f;
+    constexpr float inv_pi = 0.31830987f;
+    float inv_cos2 = 1.0f / fmaxf(m.z * m.z, COS2_MIN);
+    float slope2 = weidlich_wilkie_slope2(m, alpha_x, alpha_y) * inv_cos2;
+    // Separate quotients: the square of their common denominator would leave a float32's range
+    return inv_pi / (alpha_x * alpha_y) * inv_cos2 * inv_cos2 * expf(-slope2);
+}
+
+inline float weidlich_wilkie_D(const WeidlichWilkie& params, Vec3 m) {
+    return weidlich_wilkie_D_beckmann(m, params.alpha, params.alpha);
+}
+
+// Eq. 2: BRDF value in 1/sr, without the cosine.
+inline Vec3 weidlich_wilkie_eval(const WeidlichWilkie& params, Vec3 wi, Vec3 wo) {
+    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+        return splat(0.0f);
+    }
+    Vec3 wi_t = weidlich_wilkie_refract(wi, params.eta);
+    Vec3 wo_t = weidlich_wilkie_refract(wo, params.eta);
+    Vec3 depth = weidlich_wilkie_depth(params);
+    float through = weidlich_wilkie_transmitted(params, wi, wo)
+        * weidlich_wilkie_compression(params);
+    Vec3 below = weidlich_wilkie_base_eval(weidlich_wilkie_below(params), wi_t, wo_t)
+        * (weidlich_wilkie_absorbed(depth, wi_t, wo_t) * through);
+    float cos_h = weidlich_wilkie_cos_half(wi, wo);
+    float coat = weidlich_wilkie_F(params, cos_h)
+        * weidlich_wilkie_D(params, weidlich_wilkie_half_vector(wi, wo))
+            * weidlich_wilkie_V(params, wi, wo);
+    return below + coat;
+}
+
+// Mean of the three channels, by which lobes are weighed against each other.
+inline float weidlich_wilkie_average(Vec3 color) {
+    return (color.x + color.y + color.z) / 3.0f;
+}
+
+inline float weidlich_wilkie_raised(float probability) {
+    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+    constexpr float SHARE_LEAST = 0.1f;
+    constexpr float ESTIMATE_TRUST = 50.0f;
+    return fmaxf(probability, fminf(SHARE_LEAST, ESTIMATE_TRUST * probability));
+}
+
+// Probabilities of two lobes with the given albedos; the first is certain if both are black.
+inline Vec2 weidlich_wilkie_lobes_shares(float first, float second) {
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
+    // that can be seen is that small.
+    constexpr float BLACK = 1.0e-20f;
+    float inv = 1.0f / (first + second + BLACK);
+    float a = weidlich_wilkie_raised((first + BLACK) * inv);
+    float b = weidlich_wilkie_raised(second * inv);
+    // The smaller one by itself: 1 minus a probability near 1 has no digits left.
+    bool smaller = first < second;
+    return Vec2{smaller ? a : 1.0f - b, smaller ? 1.0f - a : b};
+}
+
+// Probabilities of the coat and of the base: their parts of the light, if the base were white.
+inline Vec2 weidlich_wilkie_shares(const WeidlichWilkie& params, Vec3 wo, Vec3 wo_t) {
+    // The coat gets at least a tenth as many samples as the base: facets reflect more than the mean surface
+    // where they are tilted, and this bounds their weight.
+    constexpr float COAT_SHARE_MIN = 0.1f;
+    // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
+    constexpr float LOBE_MIN = 1.0e-12f;
+    // The shortest way in, the light's, bounds what the absorption can leave of the base.
+    Vec3 up = Vec3{0.0f, 0.0f, 1.0f};
+    float mu = wo.z;
+    mu = 0.5f + 0.5f * wo.z;  // nearer to wo.H of a diffuse base
+    float kept = weidlich_wilkie_T(params, mu)
+        * weidlich_wilkie_average(weidlich_wilkie_absorbed(weidlich_wilkie_depth(params), up, wo_t));
+    float through = wo_t.z > 0.0f ? kept : 0.0f;
+    float reflected = fmaxf(weidlich_wilkie_F(params, wo.z), COAT_SHARE_MIN * through + LOBE_MIN);
+    return weidlich_wilkie_lobes_shares(reflected, through);
+}
+
+// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
+inline WeidlichWilkieChoose weidlich_wilkie_choose(float probability, Vec2 u) {
+    // Smallest probability that is divided by: a random number falls below it once in a million million.
+    constexpr float SHARE_MIN = 1.0e-12f;
+    // The largest float32 below 1, up to which random numbers go.
+    constexpr float RANDOM_MAX = 0.99999994f;
+    bool first = u.x < probability;
+    float below = u.x / fmaxf(probability, SHARE_MIN);
+    float above = (u.x - probability) / fmaxf(1.0f - probability, SHARE_MIN);
+    return WeidlichWilkieChoose{first,
+        Vec2{fminf(fmaxf(first ? below : above, 0.0f), RANDOM_MAX), u.y}};
+}
+
+// A direction with density cos(theta) / pi.
+inline Vec3 weidlich_wilkie_sample_cosine(Vec2 u) {
+    constexpr float two_pi = 6.2831855f;
+    float r = sqrtf(fmaxf(u.x, 0.0f));
+    float phi = two_pi * u.y;
+    return Vec3{r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u.x, 0.0f))};
+}
+
+// Density of `sample_cosine` in 1/sr, for w above the horizon.
+inline float weidlich_wilkie_pdf_cosine(Vec3 w) {
+    constexpr float inv_pi = 0.31830987f;
+    return w.z * inv_pi;
+}
+
+// Cosine-weighted, which is exact here.
+inline WeidlichWilkieSample weidlich_wilkie_base_sample(const WeidlichWilkieBase& params,
+    Vec3 wo, Vec2 u) {
+    if (wo.z <= 0.0f) {  // below the horizon
+        return WeidlichWilkieSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
+    }
+    Vec3 wi = weidlich_wilkie_sample_cosine(u);
+    return WeidlichWilkieSample{wi, wi.z > 0.0f ? weidlich_wilkie_pdf_cosine(wi) : 0.0f};
+}
+
+// Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
+inline float weidlich_wilkie_critical_cosine(float eta) {
+    return sqrtf(fmaxf((eta - 1.0f) * (eta + 1.0f), 0.0f)) / eta;
+}
+
+// The outer direction for a direction inside: refracted, or spread out if it cannot leave.
+inline Vec3 weidlich_wilkie_leave(Vec3 w, float eta) {
+    constexpr float mu_min = 1.0e-18f;
+    // Smallest squared sine whose root is divided by; the azimuth of smaller ones does not matter.
+    constexpr float SIN2_MIN = 1.0e-18f;
+    float k = weidlich_wilkie_critical_cosine(eta);
+    bool refracted = w.z > k;
+    float spread = fminf(w.z / fmaxf(k, mu_min), 1.0f);
+    float cos_refracted = sqrtf(fmaxf(1.0f - eta * eta * (1.0f - w.z * w.z), 0.0f));
+    float z = refracted ? cos_refracted : spread;
+    float sin2 = w.x * w.x + w.y * w.y;
+    float scale = sqrtf(fmaxf(1.0f - z * z, 0.0f)) / sqrtf(fmaxf(sin2, SIN2_MIN));
+    // A sample above the horizon stays there, however flat.
+    z = w.z > 0.0f ? fmaxf(z, mu_min) : -1.0f;
+    return normalize(Vec3{w.x * scale, w.y * scale, z});
+}
+
+// A normal with density D_beckmann m.z. Walter et al., Eq. 28 and 29.
+inline Vec3 weidlich_wilkie_sample_beckmann(float alpha_x, float alpha_y, Vec2 u) {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    constexpr float RANDOM_MARGIN = 5.9604645e-8f;
+    constexpr float two_pi = 6.2831855f;
+    float r = sqrtf(fmaxf(-logf(fmaxf(1.0f - u.x, RANDOM_MARGIN)), 0.0f));
+    float phi = two_pi * u.y;
+    return normalize(Vec3{alpha_x * r * cosf(phi), alpha_y * r * sinf(phi), 1.0f});
+}
+
+// wo mirrored at a facet with normal m; it may leave below the horizon.
+inline Vec3 weidlich_wilkie_mirror(Vec3 wo, Vec3 m) {
+    return 2.0f * dot(wo, m) * m - wo;
+}
+
+// A direction that the coat mirrors.
+//
+// Visible normals need a G that is no larger than Smith's G1: with Cook-Torrance's the weights would
+// grow like alpha / mu_o in the horizon. Those of all normals are at most 2.
+inline Vec3 weidlich_wilkie_sample_coat(const WeidlichWilkie& params, Vec3 wo, Vec2 u) {
+    return weidlich_wilkie_mirror(wo,
+        weidlich_wilkie_sample_beckmann(params.alpha, params.alpha, u));
+}
+
+// cos(theta_i) / pi.
+inline float weidlich_wilkie_base_pdf(const WeidlichWilkieBase& params, Vec3 wi, Vec3 wo) {
+    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+        return 0.0f;
+    }
+    return weidlich_wilkie_pdf_cosine(wi);
+}
+
+// The inner direction that `leave` spreads to w; z = 0 for eta <= 1, which has none.
+inline Vec3 weidlich_wilkie_gather(Vec3 w, float eta) {
+    constexpr float SIN2_MIN = 1.0e-18f;
+    float k = weidlich_wilkie_critical_cosine(eta);
+    float z = k * w.z;
+    float sin2 = w.x * w.x + w.y * w.y;
+    float scale = sqrtf(fmaxf(1.0f - z * z, 0.0f)) / sqrtf(fmaxf(sin2, SIN2_MIN));
+    bool near = sin2 < SIN2_MIN;  // no azimuth: any is right
+    float x = near ? sqrtf(fmaxf(1.0f - z * z, 0.0f)) : w.x * scale;
+    return Vec3{x, near ? 0.0f : w.y * scale, z};
+}
+
+// Density of `leave` at w, from the inner density at w_t = refract(w) and at gather(w).
+inline float weidlich_wilkie_pdf_leave(float pdf_refracted, float pdf_gathered, Vec3 w,
+    Vec3 w_t, float eta) {
+    constexpr float mu_min = 1.0e-18f;
+    // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
+    // k^2, and the cosines are k mu and mu.
+    float jacobian = w_t.z > 0.0f ? w.z / (eta * eta * fmaxf(w_t.z, mu_min)) : 0.0f;
+    return pdf_refracted * jacobian + pdf_gathered * weidlich_wilkie_critical_cosine(eta);
+}
+
+// Density of `mirror` in 1/sr, if m has the given density and cos_h = wo . m.
+inline float weidlich_wilkie_pdf_mirror(float density, float cos_h) {
+    constexpr float mu_min = 1.0e-18f;
+    // Walter et al., Eq. 14
+    return density / (4.0f * fmaxf(cos_h, mu_min));
+}
+
+inline float weidlich_wilkie_pdf_coat(const WeidlichWilkie& params, Vec3 wi, Vec3 wo) {
+    Vec3 m = weidlich_wilkie_half_vector(wi, wo);
+    return weidlich_wilkie_pdf_mirror(weidlich_wilkie_D(params, m) * m.z,
+        weidlich_wilkie_cos_half(wi, wo));
+}
+
+// Density of `sample` in 1/sr.
+inline float weidlich_wilkie_pdf(const WeidlichWilkie& params, Vec3 wi, Vec3 wo) {
+    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+        return 0.0f;
+    }
+    Vec3 wi_t = weidlich_wilkie_refract(wi, params.eta);
+    Vec3 wo_t = weidlich_wilkie_refract(wo, params.eta);
+    float refracted = weidlich_wilkie_base_pdf(weidlich_wilkie_below(params), wi_t, wo_t);
+    float gathered = weidlich_wilkie_base_pdf(weidlich_wilkie_below(params),
+        weidlich_wilkie_gather(wi, params.eta), wo_t);
+    float below = weidlich_wilkie_pdf_leave(refracted, gathered, wi, wi_t, params.eta);
+    Vec2 P = weidlich_wilkie_shares(params, wo, wo_t);
+    return P.x * weidlich_wilkie_pdf_coat(params, wi, wo) + P.y * below;
+}
+
+// The coat by visible normals or the base below, chosen by what the coat reflects and absorbs.
+inline WeidlichWilkieSample weidlich_wilkie_sample(const WeidlichWilkie& params, Vec3 wo,
+    Vec2 u) {
+    if (wo.z <= 0.0f) {  // below the horizon
+        return WeidlichWilkieSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
+    }
+    Vec3 wo_t = weidlich_wilkie_refract(wo, params.eta);
+    WeidlichWilkieChoose choose_result = weidlich_wilkie_choose(weidlich_wilkie_shares(params, wo,
+        wo_t).x, u);
+    bool on_coat = choose_result.first;
+    Vec2 v = choose_result.second;
+    Vec3 w_base = weidlich_wilkie_leave(weidlich_wilkie_base_sample(weidlich_wilkie_below(params),
+        wo_t, v).wi, params.eta);
+    Vec3 wi = on_coat ? weidlich_wilkie_sample_coat(params, wo, v) : w_base;
+    return WeidlichWilkieSample{wi, weidlich_wilkie_pdf(params, wi, wo)};
+}
+
+// Directional albedo of a model without a closed form: the mean weight of its own samples.
+//
+// For tables and previews; the random numbers are a Fibonacci lattice.
+inline Vec3 weidlich_wilkie_albedo(const WeidlichWilkie& params, Vec3 wo) {
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    constexpr float HORIZON = 1.0e-6f;
+    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    constexpr float ALBEDO_SAMPLES = 987.0f;
+    constexpr float GOLDEN = 0.618034f;
+    constexpr float mu_min = 1.0e-18f;
+    if (wo.z < 0.0f) {  // below the horizon
+        return splat(0.0f);
+    }
+    Vec3 w = Vec3{wo.x, wo.y, fmaxf(wo.z, HORIZON)};
+    Vec3 total = Vec3{0.0f, 0.0f, 0.0f};
+    for (int i_step = 0; i_step < 987; ++i_step) {
+        float i = float(i_step);
+        Vec2 u = Vec2{(i + 0.5f) / ALBEDO_SAMPLES, fract((i + 0.5f) * GOLDEN)};
+        WeidlichWilkieSample drawn = weidlich_wilkie_sample(params, w, u);
+        float weight = drawn.pdf > 0.0f ? drawn.wi.z / fmaxf(drawn.pdf, mu_min) : 0.0f;
+        total = total + weidlich_wilkie_eval(params, drawn.wi, w) * weight;
+    }
+    return total / ALBEDO_SAMPLES;
+}
+
+}  // namespace gonio_weidlich_wilkie

@@ -1,0 +1,446 @@
+// Weidlich-Wilkie: a rough clear coat over any base, which may be coated itself.
+//
+// Source: Elek, "Layered materials in real-time rendering", CESCG 2010, Eq. 2 to 4 and Algorithm 1, after
+// Weidlich, Wilkie, "Arbitrarily layered micro-facet surfaces", GRAPHITE 2007. Symbols are Elek's.
+// Deviations: refracted directions keep the azimuth of the ones they belong to (Algorithm 1 mirrors them at
+// the normal, which would turn an anisotropic base by 180 degrees); F is exact by default, not Lazanyi's
+// fit;
+// D carries the 1 / pi that Elek's lacks. What Eq. 2 leaves out can be switched on: Fresnel's reflection at
+// both crossings, the compression of solid angles, and the light that bounces between base and surface.
+//
+// Lambert: ideal diffuse reflection.
+//
+// Source: Johann Heinrich Lambert, "Photometria", 1760.
+//
+// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/weidlich_wilkie.py, gonio/models/lambert.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// albedo has no closed form here; it takes many evaluations, for tables and previews.
+
+// A sampled direction and its density.
+struct WeidlichWilkieSample {
+    wi: vec3f,  // direction towards the light, unit, local frame
+    pdf: f32,  // its density in 1/sr; 0 marks a wasted sample
+}
+
+// Parameters of lambert: Ideal diffuse: the same radiance in every direction. Reciprocal; the albedo is
+// rho.
+struct WeidlichWilkieBase {
+    rho: vec3f,  // albedo, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
+}
+
+// weidlich_wilkie: A clear, tinted coat over any base; nest it for more layers. Reciprocal if the base is.
+// Exported with interface='rough', distribution='beckmann', masking='cook_torrance', fresnel='exact',
+// transmission='half_vector', solid_angle='none', bounces='none', roughness_clamp='on'.
+struct WeidlichWilkie {
+    eta: f32,  // index of the coat over that of the medium above it; 1 to 3, default 1.5
+    alpha: f32,  // slope width of the coat's facets; unused when smooth; 0.0001 to 1, default 0.1
+    sigma_a: vec3f,  // absorption of the coat per unit of thickness; 0 to 10, default (0, 0, 0)
+    thickness: f32,  // thickness of the coat, in the unit of sigma_a; 0 to 1, default 1
+    base: WeidlichWilkieBase,  // what lies below; its indices are relative to the coat
+}
+
+// Results of choose.
+struct WeidlichWilkieChoose {
+    first: bool,
+    second: vec2f,
+}
+
+// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
+fn weidlich_wilkie_refracted_cos2(mu: f32, eta: f32) -> f32 {
+    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and
+    // at the critical one, little else is left.
+    return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
+}
+
+// The direction inside the layer that belongs to w outside; z = 0 where there is none.
+fn weidlich_wilkie_refract(w: vec3f, eta: f32) -> vec3f {
+    return vec3f(w.x, w.y, sqrt(max(weidlich_wilkie_refracted_cos2(w.z, eta), 0.0))) / eta;
+}
+
+// Optical depth of the coat along its normal (Eq. 3).
+fn weidlich_wilkie_depth(params: WeidlichWilkie) -> vec3f {
+    let d = params.thickness;
+    return params.sigma_a * vec3f(d, d, d);
+}
+
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+fn weidlich_wilkie_cos_half(wi: vec3f, wo: vec3f) -> f32 {
+    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    const mu_min = 1.0e-18;
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return min(0.5 * length(wi + vec3f(wo.x, wo.y, wo.z + mu_min)), 1.0);
+}
+
+// 1 - F of a smooth dielectric at a cosine mu outside; exact where it nearly vanishes.
+fn weidlich_wilkie_transmittance(mu: f32, eta: f32) -> f32 {
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
+    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
+    const ROOT_MIN = 1.0e-16;
+    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
+    // with q = c g + sin^2(theta)
+    let cos2 = weidlich_wilkie_refracted_cos2(mu, eta);
+    let g = sqrt(max(cos2, ROOT_MIN));
+    let s = mu + g;
+    let p = mu * g;
+    let q = p + (1.0 - mu * mu);
+    let T = 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
+    return select(0.0, T, cos2 > ROOT_MIN);
+}
+
+// 1 - F.
+fn weidlich_wilkie_T(params: WeidlichWilkie, cos_theta: f32) -> f32 {
+    return weidlich_wilkie_transmittance(cos_theta, params.eta);
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn weidlich_wilkie_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    const mu_min = 1.0e-18;
+    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
+    // directions in the horizon.
+    return normalize(wi + vec3f(wo.x, wo.y, wo.z + mu_min));
+}
+
+// G = min(1, 2 cos_m mu_o / cos_h, 2 cos_m mu_i / cos_h) of V-grooves; cos_m = m.z, cos_h = wo . m.
+fn weidlich_wilkie_V_cook_torrance(wi: vec3f, wo: vec3f, cos_m: f32, cos_h: f32) -> f32 {
+    const mu_min = 1.0e-18;
+    let high = max(max(wi.z, wo.z), mu_min);
+    let low = max(min(wi.z, wo.z), mu_min);
+    return min(0.25 / low, 0.5 * cos_m / cos_h) / high;
+}
+
+// G / (4 mu_i mu_o).
+fn weidlich_wilkie_V(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> f32 {
+    return weidlich_wilkie_V_cook_torrance(wi, wo, weidlich_wilkie_half_vector(wi, wo).z,
+        weidlich_wilkie_cos_half(wi, wo));
+}
+
+// T12 t: what the surface lets in and out again.
+fn weidlich_wilkie_transmitted(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> f32 {
+    let T = weidlich_wilkie_T(params, weidlich_wilkie_cos_half(wi, wo));
+    let G = 4.0 * wi.z * wo.z * weidlich_wilkie_V(params, wi, wo);
+    return T * (1.0 - G + T * G);
+}
+
+fn weidlich_wilkie_compression(params: WeidlichWilkie) -> f32 {
+    return 1.0;
+}
+
+// A base whose highlights are at least as wide as the layer above has made the light.
+//
+// Elek, "Layered materials in real-time rendering", CESCG 2010, section 3: m2 = max(m1, m2). A base
+// says by `param(..., rougher=...)` what that means for its parameters.
+fn weidlich_wilkie_interface_at_least_as_rough(base: WeidlichWilkieBase,
+    alpha: f32) -> WeidlichWilkieBase {
+    return base;
+}
+
+// The base with the roughness that the coat leaves it.
+fn weidlich_wilkie_below(params: WeidlichWilkie) -> WeidlichWilkieBase {
+    return weidlich_wilkie_interface_at_least_as_rough(params.base, params.alpha);
+}
+
+// rho / pi.
+fn weidlich_wilkie_base_eval(params: WeidlichWilkieBase, wi: vec3f, wo: vec3f) -> vec3f {
+    const inv_pi = 0.31830987;
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return vec3f(0.0);
+    }
+    return params.rho * inv_pi;
+}
+
+// exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+//
+// wi, wo: refracted directions. depth: absorption times thickness.
+fn weidlich_wilkie_absorbed(depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
+    const mu_min = 1.0e-18;
+    return exp(-depth * (1.0 / max(wi.z, mu_min) + 1.0 / max(wo.z, mu_min)));
+}
+
+// Exact reflectance of a dielectric. Below eta = 1 all light is reflected past the critical angle.
+fn weidlich_wilkie_F_dielectric(cos_theta: f32, eta: f32) -> f32 {
+    const ROOT_MIN = 1.0e-16;
+    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
+    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2),
+    // so that the mean of both squares is a product.
+    let c = cos_theta;
+    let contrast = (eta - 1.0) * (eta + 1.0);
+    let sin2 = 1.0 - c * c;
+    // c^2 with its rounding error: at the critical angle little else is left
+    let g2 = fma(c, c, contrast);
+    let g = sqrt(max(g2, ROOT_MIN));
+    let s = c + g;
+    let p = c * g;
+    let r_s = contrast / (s * s);
+    let q = p + sin2;
+    let F = r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
+    return select(1.0, F, g2 > ROOT_MIN);
+}
+
+fn weidlich_wilkie_F(params: WeidlichWilkie, cos_h: f32) -> f32 {
+    return weidlich_wilkie_F_dielectric(cos_h, params.eta);
+}
+
+// Square of the slope in units of the widths, times m.z^2.
+fn weidlich_wilkie_slope2(m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    let x = m.x / alpha_x;
+    let y = m.y / alpha_y;
+    return x * x + y * y;
+}
+
+// Beckmann: slopes with a normal distribution of variance alpha^2 / 2. Walter et al., Eq. 25.
+fn weidlich_wilkie_D_beckmann(m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    // Square of the cosine below which exp(-tan^2 / alpha^2) is 0 in any precision, for alpha up to 3.2.
+    const COS2_MIN = 1.0e-6;
+    const inv_pi = 0.31830987;
+    let inv_cos2 = 1.0 / max(m.z * m.z, COS2_MIN);
+    let slope2 = weidlich_wilkie_slope2(m, alpha_x, alpha_y) * inv_cos2;
+    // Separate quotients: the square of their common denominator would leave a float32's range
+    return inv_pi / (alpha_x * alpha_y) * inv_cos2 * inv_cos2 * exp(-slope2);
+}
+
+fn weidlich_wilkie_D(params: WeidlichWilkie, m: vec3f) -> f32 {
+    return weidlich_wilkie_D_beckmann(m, params.alpha, params.alpha);
+}
+
+// Eq. 2: BRDF value in 1/sr, without the cosine.
+fn weidlich_wilkie_eval(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> vec3f {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return vec3f(0.0);
+    }
+    let wi_t = weidlich_wilkie_refract(wi, params.eta);
+    let wo_t = weidlich_wilkie_refract(wo, params.eta);
+    let depth = weidlich_wilkie_depth(params);
+    let through = weidlich_wilkie_transmitted(params, wi, wo) * weidlich_wilkie_compression(params);
+    let below = weidlich_wilkie_base_eval(weidlich_wilkie_below(params), wi_t, wo_t)
+        * (weidlich_wilkie_absorbed(depth, wi_t, wo_t) * through);
+    let cos_h = weidlich_wilkie_cos_half(wi, wo);
+    let coat = weidlich_wilkie_F(params, cos_h)
+        * weidlich_wilkie_D(params, weidlich_wilkie_half_vector(wi, wo))
+            * weidlich_wilkie_V(params, wi, wo);
+    return below + coat;
+}
+
+// Mean of the three channels, by which lobes are weighed against each other.
+fn weidlich_wilkie_average(color: vec3f) -> f32 {
+    return (color.x + color.y + color.z) / 3.0;
+}
+
+fn weidlich_wilkie_raised(probability: f32) -> f32 {
+    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+    const SHARE_LEAST = 0.1;
+    const ESTIMATE_TRUST = 50.0;
+    return max(probability, min(SHARE_LEAST, ESTIMATE_TRUST * probability));
+}
+
+// Probabilities of two lobes with the given albedos; the first is certain if both are black.
+fn weidlich_wilkie_lobes_shares(first: f32, second: f32) -> vec2f {
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
+    // that can be seen is that small.
+    const BLACK = 1.0e-20;
+    let inv = 1.0 / (first + second + BLACK);
+    let a = weidlich_wilkie_raised((first + BLACK) * inv);
+    let b = weidlich_wilkie_raised(second * inv);
+    // The smaller one by itself: 1 minus a probability near 1 has no digits left.
+    let smaller = first < second;
+    return vec2f(select(1.0 - b, a, smaller), select(b, 1.0 - a, smaller));
+}
+
+// Probabilities of the coat and of the base: their parts of the light, if the base were white.
+fn weidlich_wilkie_shares(params: WeidlichWilkie, wo: vec3f, wo_t: vec3f) -> vec2f {
+    // The coat gets at least a tenth as many samples as the base: facets reflect more than the mean surface
+    // where they are tilted, and this bounds their weight.
+    const COAT_SHARE_MIN = 0.1;
+    // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
+    const LOBE_MIN = 1.0e-12;
+    // The shortest way in, the light's, bounds what the absorption can leave of the base.
+    let up = vec3f(0.0, 0.0, 1.0);
+    var mu = wo.z;
+    mu = 0.5 + 0.5 * wo.z;  // nearer to wo.H of a diffuse base
+    let kept = weidlich_wilkie_T(params, mu)
+        * weidlich_wilkie_average(weidlich_wilkie_absorbed(weidlich_wilkie_depth(params), up, wo_t));
+    let through = select(0.0, kept, wo_t.z > 0.0);
+    let reflected = max(weidlich_wilkie_F(params, wo.z), COAT_SHARE_MIN * through + LOBE_MIN);
+    return weidlich_wilkie_lobes_shares(reflected, through);
+}
+
+// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
+fn weidlich_wilkie_choose(probability: f32, u: vec2f) -> WeidlichWilkieChoose {
+    // Smallest probability that is divided by: a random number falls below it once in a million million.
+    const SHARE_MIN = 1.0e-12;
+    const RANDOM_MAX = 0.99999994;  // The largest float32 below 1, up to which random numbers go.
+    let first = u.x < probability;
+    let below = u.x / max(probability, SHARE_MIN);
+    let above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
+    return WeidlichWilkieChoose(first,
+        vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
+}
+
+// A direction with density cos(theta) / pi.
+fn weidlich_wilkie_sample_cosine(u: vec2f) -> vec3f {
+    const two_pi = 6.2831855;
+    let r = sqrt(max(u.x, 0.0));
+    let phi = two_pi * u.y;
+    return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
+}
+
+// Density of `sample_cosine` in 1/sr, for w above the horizon.
+fn weidlich_wilkie_pdf_cosine(w: vec3f) -> f32 {
+    const inv_pi = 0.31830987;
+    return w.z * inv_pi;
+}
+
+// Cosine-weighted, which is exact here.
+fn weidlich_wilkie_base_sample(params: WeidlichWilkieBase, wo: vec3f,
+    u: vec2f) -> WeidlichWilkieSample {
+    if (wo.z <= 0.0) {  // below the horizon
+        return WeidlichWilkieSample(vec3f(0.0, 0.0, 1.0), 0.0);
+    }
+    let wi = weidlich_wilkie_sample_cosine(u);
+    return WeidlichWilkieSample(wi, select(0.0, weidlich_wilkie_pdf_cosine(wi), wi.z > 0.0));
+}
+
+// Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
+fn weidlich_wilkie_critical_cosine(eta: f32) -> f32 {
+    return sqrt(max((eta - 1.0) * (eta + 1.0), 0.0)) / eta;
+}
+
+// The outer direction for a direction inside: refracted, or spread out if it cannot leave.
+fn weidlich_wilkie_leave(w: vec3f, eta: f32) -> vec3f {
+    const mu_min = 1.0e-18;
+    // Smallest squared sine whose root is divided by; the azimuth of smaller ones does not matter.
+    const SIN2_MIN = 1.0e-18;
+    let k = weidlich_wilkie_critical_cosine(eta);
+    let refracted = w.z > k;
+    let spread = min(w.z / max(k, mu_min), 1.0);
+    let cos_refracted = sqrt(max(1.0 - eta * eta * (1.0 - w.z * w.z), 0.0));
+    var z = select(spread, cos_refracted, refracted);
+    let sin2 = w.x * w.x + w.y * w.y;
+    let scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
+    // A sample above the horizon stays there, however flat.
+    z = select(-1.0, max(z, mu_min), w.z > 0.0);
+    return normalize(vec3f(w.x * scale, w.y * scale, z));
+}
+
+// A normal with density D_beckmann m.z. Walter et al., Eq. 28 and 29.
+fn weidlich_wilkie_sample_beckmann(alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const RANDOM_MARGIN = 5.9604645e-8;
+    const two_pi = 6.2831855;
+    let r = sqrt(max(-log(max(1.0 - u.x, RANDOM_MARGIN)), 0.0));
+    let phi = two_pi * u.y;
+    return normalize(vec3f(alpha_x * r * cos(phi), alpha_y * r * sin(phi), 1.0));
+}
+
+// wo mirrored at a facet with normal m; it may leave below the horizon.
+fn weidlich_wilkie_mirror(wo: vec3f, m: vec3f) -> vec3f {
+    return 2.0 * dot(wo, m) * m - wo;
+}
+
+// A direction that the coat mirrors.
+//
+// Visible normals need a G that is no larger than Smith's G1: with Cook-Torrance's the weights would
+// grow like alpha / mu_o in the horizon. Those of all normals are at most 2.
+fn weidlich_wilkie_sample_coat(params: WeidlichWilkie, wo: vec3f, u: vec2f) -> vec3f {
+    return weidlich_wilkie_mirror(wo,
+        weidlich_wilkie_sample_beckmann(params.alpha, params.alpha, u));
+}
+
+// cos(theta_i) / pi.
+fn weidlich_wilkie_base_pdf(params: WeidlichWilkieBase, wi: vec3f, wo: vec3f) -> f32 {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return 0.0;
+    }
+    return weidlich_wilkie_pdf_cosine(wi);
+}
+
+// The inner direction that `leave` spreads to w; z = 0 for eta <= 1, which has none.
+fn weidlich_wilkie_gather(w: vec3f, eta: f32) -> vec3f {
+    const SIN2_MIN = 1.0e-18;
+    let k = weidlich_wilkie_critical_cosine(eta);
+    let z = k * w.z;
+    let sin2 = w.x * w.x + w.y * w.y;
+    let scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
+    let near = sin2 < SIN2_MIN;  // no azimuth: any is right
+    let x = select(w.x * scale, sqrt(max(1.0 - z * z, 0.0)), near);
+    return vec3f(x, select(w.y * scale, 0.0, near), z);
+}
+
+// Density of `leave` at w, from the inner density at w_t = refract(w) and at gather(w).
+fn weidlich_wilkie_pdf_leave(pdf_refracted: f32, pdf_gathered: f32, w: vec3f, w_t: vec3f,
+    eta: f32) -> f32 {
+    const mu_min = 1.0e-18;
+    // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
+    // k^2, and the cosines are k mu and mu.
+    let jacobian = select(0.0, w.z / (eta * eta * max(w_t.z, mu_min)), w_t.z > 0.0);
+    return pdf_refracted * jacobian + pdf_gathered * weidlich_wilkie_critical_cosine(eta);
+}
+
+// Density of `mirror` in 1/sr, if m has the given density and cos_h = wo . m.
+fn weidlich_wilkie_pdf_mirror(density: f32, cos_h: f32) -> f32 {
+    const mu_min = 1.0e-18;
+    // Walter et al., Eq. 14
+    return density / (4.0 * max(cos_h, mu_min));
+}
+
+fn weidlich_wilkie_pdf_coat(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> f32 {
+    let m = weidlich_wilkie_half_vector(wi, wo);
+    return weidlich_wilkie_pdf_mirror(weidlich_wilkie_D(params, m) * m.z,
+        weidlich_wilkie_cos_half(wi, wo));
+}
+
+// Density of `sample` in 1/sr.
+fn weidlich_wilkie_pdf(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> f32 {
+    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+        return 0.0;
+    }
+    let wi_t = weidlich_wilkie_refract(wi, params.eta);
+    let wo_t = weidlich_wilkie_refract(wo, params.eta);
+    let refracted = weidlich_wilkie_base_pdf(weidlich_wilkie_below(params), wi_t, wo_t);
+    let gathered = weidlich_wilkie_base_pdf(weidlich_wilkie_below(params),
+        weidlich_wilkie_gather(wi, params.eta), wo_t);
+    let below = weidlich_wilkie_pdf_leave(refracted, gathered, wi, wi_t, params.eta);
+    let P = weidlich_wilkie_shares(params, wo, wo_t);
+    return P.x * weidlich_wilkie_pdf_coat(params, wi, wo) + P.y * below;
+}
+
+// The coat by visible normals or the base below, chosen by what the coat reflects and absorbs.
+fn weidlich_wilkie_sample(params: WeidlichWilkie, wo: vec3f, u: vec2f) -> WeidlichWilkieSample {
+    if (wo.z <= 0.0) {  // below the horizon
+        return WeidlichWilkieSample(vec3f(0.0, 0.0, 1.0), 0.0);
+    }
+    let wo_t = weidlich_wilkie_refract(wo, params.eta);
+    let choose_result = weidlich_wilkie_choose(weidlich_wilkie_shares(params, wo, wo_t).x, u);
+    let on_coat = choose_result.first;
+    let v = choose_result.second;
+    let w_base = weidlich_wilkie_leave(weidlich_wilkie_base_sample(weidlich_wilkie_below(params),
+        wo_t, v).wi, params.eta);
+    let wi = select(w_base, weidlich_wilkie_sample_coat(params, wo, v), on_coat);
+    return WeidlichWilkieSample(wi, weidlich_wilkie_pdf(params, wi, wo));
+}
+
+// Directional albedo of a model without a closed form: the mean weight of its own samples.
+//
+// For tables and previews; the random numbers are a Fibonacci lattice.
+fn weidlich_wilkie_albedo(params: WeidlichWilkie, wo: vec3f) -> vec3f {
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const HORIZON = 1.0e-6;
+    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    const ALBEDO_SAMPLES = 987.0;
+    const GOLDEN = 0.618034;
+    const mu_min = 1.0e-18;
+    if (wo.z < 0.0) {  // below the horizon
+        return vec3f(0.0);
+    }
+    let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
+    var total = vec3f(0.0, 0.0, 0.0);
+    for (var i_step = 0; i_step < 987; i_step++) {
+        let i = f32(i_step);
+        let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
+        let drawn = weidlich_wilkie_sample(params, w, u);
+        let weight = select(0.0, drawn.wi.z / max(drawn.pdf, mu_min), drawn.pdf > 0.0);
+        total = total + weidlich_wilkie_eval(params, drawn.wi, w) * weight;
+    }
+    return total / ALBEDO_SAMPLES;
+}

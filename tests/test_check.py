@@ -1,0 +1,360 @@
+"""`gonio check`: every model is what it claims, every broken one is caught by the right checks."""
+
+from __future__ import annotations
+
+import functools
+import math
+from pathlib import Path
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import gonio
+from gonio import check, model_file
+from gonio.check import continuity, energy, hemisphere, sampling, statistics
+from gonio.check.report import EFFORTS, FAIL, Finding, Report, judge, junit, table
+from gonio.check.search import maximise
+from gonio.check.subject import ModelSubject, cosine_at, directions, evaluate
+from gonio.check.variants import place, place_of
+from gonio.claims import PROMISES, UNBOUNDED, Claims, as_tuple, known
+from gonio.model import Model, Option, Parameter
+
+BROKEN = Path(__file__).parent / "broken"
+QUICK = EFFORTS["quick"]
+
+
+# --- the models ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", sorted(gonio.models()))
+def test_model_is_what_it_claims(name: str) -> None:
+    reports = check.check_model(gonio.models()[name], "quick")
+    assert {r.check for r in reports} >= set(check.CHECKS) - {"monotonicity"}
+    wrong = [
+        f"{r.check}: {f.what} [{f.tag}] {f.measured:.6g} {f.text}\n{f.replay}"
+        for r in reports
+        for f in r.findings
+        if f.verdict == FAIL
+    ]
+    assert not wrong, "\n".join(wrong)
+
+
+# --- the broken ones -----------------------------------------------------------------------------
+
+# Which checks find what is wrong with each file in tests/broken; all others have to pass.
+CAUGHT: dict[str, set[str]] = {
+    "below_horizon": {"sampling"},
+    "brushed": {"isotropy"},
+    "cancelling": {"finite"},
+    "clamped_eon": {"energy", "albedo", "continuity", "monotonicity"},
+    "growing": {"monotonicity"},
+    "infinite_gradient": {"gradient"},
+    "missing_cosine": {"reciprocity"},
+    "modest": {"energy", "reciprocity", "finite", "sampling", "continuity"},
+    "nan_at_horizon": {"finite"},
+    "non_reciprocal": {"reciprocity"},
+    "overstated": {"energy"},
+    "pdf_half_percent": {"sampling"},
+    "pdf_tilted": {"sampling"},
+    "pi_twice": {"energy", "albedo"},
+    "rho_cubed": {"albedo"},
+    "toon": {"albedo", "continuity"},  # a rule that does not know of the edge integrates across it
+    "understated": {"energy"},
+    "unnormalised_d": {"energy"},
+    "wrong_gradient": {"gradient"},
+}
+
+
+@functools.cache
+def caught(name: str) -> list[Report]:
+    """Reports on a broken model with its default options."""
+    cls = model_file.load(BROKEN / f"{name}.py")
+    return check.check_subjects(check.subjects(cls)[:1], "quick")
+
+
+@pytest.mark.parametrize("name", sorted(CAUGHT))
+def test_broken_model_is_caught_by_the_right_checks(name: str) -> None:
+    reports = caught(name)
+    found = {r.check for r in reports if r.failed}
+    assert found == CAUGHT[name], "\n".join(table(reports))
+    assert found < set(check.CHECKS)  # by none of them all
+
+
+def test_every_check_catches_something_and_every_broken_model_is_listed() -> None:
+    assert set().union(*CAUGHT.values()) == set(check.CHECKS)
+    assert {path.stem for path in BROKEN.glob("*.py")} == set(CAUGHT)
+
+
+def test_failures_can_be_replayed() -> None:
+    """The line that is printed for a failure is one that the command takes, and shows the failure."""
+    from gonio.evaluation import directions as given_directions
+    from gonio.evaluation import evaluate as evaluate_once
+    from gonio.notation import parse_model
+
+    cls = model_file.load(BROKEN / "non_reciprocal.py")
+    subject = check.subjects(cls, label=str(BROKEN / "non_reciprocal.py"))[0]
+    (report,) = check.check_subjects([subject], "quick", ["reciprocity"])
+    words = (report.findings[0].replay or "").split()
+    assert words[:2] == ["gonio", "eval"]
+    assert words[-1] == "--double"
+    at_i, at_o = words.index("--wi"), words.index("--wo")
+    wi, wo = ([float(x) for x in words[at + 1 : at + 4]] for at in (at_i, at_o))
+    model = parse_model(words[2])
+    a, b = (
+        np.array(
+            evaluate_once(model, *given_directions(x, y, None, None, None, False), double=True).eval
+        )
+        for x, y in ((wi, wo), (wo, wi))
+    )
+    difference = np.max(np.abs(a - b) / np.maximum(np.maximum(abs(a), abs(b)), 1e-4))
+    assert difference == pytest.approx(report.findings[0].measured, rel=1e-6)
+
+
+# --- against publications ------------------------------------------------------------------------
+
+
+def findings(name: str, only: str, **options: str) -> dict[str, Finding]:
+    """What a check says about a model with these options, by name."""
+    subject = ModelSubject(gonio.model(name, **options))
+    return {f.what: f for f in check.CHECKS[only](subject, QUICK).findings}
+
+
+def test_energy_finds_the_published_maximum_of_qon() -> None:
+    """Above 1 only for 0 < sigma < 0.326, at most 1.0152 near sigma = 0.1986, at grazing angles."""
+    worst = findings("qon", "energy")["largest albedo"]
+    assert worst.measured == pytest.approx(1.0152, abs=1e-4)
+    places, _, wo = worst.case
+    sigma = ModelSubject(gonio.model("qon")).values(places[None])["sigma"][0]
+    assert sigma == pytest.approx(0.1986, abs=0.01)
+    assert wo[2] < 1e-2
+
+
+@pytest.mark.parametrize(("degrees", "published"), [(60, 1.056), (85, 1.143)])
+def test_the_clamped_eon_of_a_material_library_has_its_published_albedo(
+    degrees: float, published: float
+) -> None:
+    subject = ModelSubject(model_file.load(BROKEN / "clamped_eon.py")(rho=1, roughness=1))
+    wo = directions(np.array([math.cos(math.radians(degrees))]), np.zeros(1))
+    found = energy.precise(subject, subject.default()[None], wo)
+    assert found[0] == pytest.approx([published] * 3, abs=1.5e-3)
+
+
+def test_continuity_names_the_dark_ring_of_qon_and_no_other() -> None:
+    """Qualitative Oren-Nayar has it at s = 0; Fujii's form has a slope on both sides."""
+    assert continuity.DARK_RING in findings("qon", "continuity")
+    for name in ("fon", "eon", "oren_nayar", "qon_fujii"):
+        found = findings(name, "continuity")
+        assert continuity.DARK_RING not in found
+        assert "kink at s = 0" in found
+
+
+def test_smooth_models_have_no_kink_however_sharp_they_are() -> None:
+    for name in ("lambert", "burley_diffuse", "ue4"):
+        assert set(findings(name, "continuity")) == {"kinks and jumps"}
+
+
+def test_wasted_samples_are_those_that_a_rough_facet_mirrors_below_the_horizon() -> None:
+    """Normals of GGX with alpha = 1 seen from the normal: wi is above for tan < 1, which is one half."""
+    subject = ModelSubject(gonio.model("torrance_sparrow", masking="kelemen"), frozenset())
+    point = np.append(subject.default(), [1.0, 0.0])
+    names = [c.path for c in subject.columns]
+    point[names.index("alpha")] = 1.0
+    point[names.index("anisotropy")] = 0.0
+    assert sampling.waste(subject, point[None], 1 << 16)[0] == pytest.approx(0.5, abs=2e-3)
+
+
+# --- the tools -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("mu", [1e-6, 1e-3, 0.3, 1.0])
+@pytest.mark.parametrize("shininess", [1.0, 3.0, 300.0, 1e5])
+def test_adaptive_integration_is_exact_for_lobes_of_any_width(mu: float, shininess: float) -> None:
+    """The density of Phong's lobe integrates to 1, whatever its width and wherever it points."""
+    subject = ModelSubject(gonio.model("phong", shininess=shininess, rho=0, specular=1))
+    wo = directions(np.array([mu]), np.array([0.7]))
+    places = subject.default()[None]
+    cut = hemisphere.partition(subject, places, wo)
+    result = hemisphere.integrate(subject, places, wo, cut, 1e-6)
+    assert result.total[0, hemisphere.PDF] == pytest.approx(1, abs=1e-5)
+
+
+def test_adaptive_integration_finds_a_lobe_that_only_the_sampler_knows() -> None:
+    """A flake of width 1e-4, tilted by 45 degrees: far from the mirror direction of the surface."""
+    flake = gonio.model(
+        "car_paint", metal_alpha=1e-4, alpha=1e-4, flake_x=0.3, flake_y=0.2, sigma_a=0, distance=0
+    )
+    subject = ModelSubject(flake)
+    wo = directions(np.array([0.9]), np.array([0.3]))
+    places = subject.default()[None]
+    cut = hemisphere.partition(subject, places, wo)
+    found = hemisphere.integrate(subject, places, wo, cut, 1e-8).total[0, hemisphere.PDF]
+    assert found == pytest.approx(1, abs=1e-5)
+
+
+@given(
+    mu=st.floats(1e-6, 1),
+    turn=st.floats(-3.1, 3.1),
+    u=st.floats(1e-6, 1 - 1e-6),
+    v=st.floats(1e-6, 1 - 1e-6),
+)
+@settings(deadline=None, max_examples=50)
+def test_chart_and_unchart_are_inverse(mu: float, turn: float, u: float, v: float) -> None:
+    from gonio.check.subject import number_type, vectors
+
+    Float = number_type()
+    wo = vectors(Float, directions(np.array([mu]), np.array([turn])))
+    wi, _ = hemisphere.chart(wo, Float(u), Float(v))
+    assert abs(float(np.hypot(np.hypot(wi.x.numpy(), wi.y.numpy()), wi.z.numpy())[0]) - 1) < 1e-12
+    assert wi.z.numpy()[0] > -1e-15
+    back, _ = hemisphere.chart(wo, *hemisphere.unchart(wo, wi))
+    assert np.abs(np.array(back) - np.array(wi)).max() < 1e-7
+
+
+@given(x=st.floats(0.01, 300), degrees=st.integers(1, 120))
+@settings(deadline=None, max_examples=60)
+def test_chi_square_tail_is_that_of_mpmath(x: float, degrees: int) -> None:
+    true = mpmath.gammainc(mpmath.mpf(degrees) / 2, mpmath.mpf(x) / 2, regularized=True)
+    assert statistics.chi2_tail(x, degrees) == pytest.approx(float(true), rel=1e-9, abs=1e-14)
+
+
+def test_power_is_the_rejection_rate_of_samples_with_a_wrong_density() -> None:
+    """Counts drawn with probabilities that are 3 % off in 16 bins, 20,000 times."""
+    rng = np.random.default_rng(1)
+    bins, samples, off = 16, 40_000, 0.03
+    true = np.full(bins, 1 / bins) * np.where(np.arange(bins) % 2, 1 + off, 1 - off)
+    counts = rng.multinomial(samples, true, size=20_000)
+    chi2 = ((counts - samples / bins) ** 2 / (samples / bins)).sum(axis=1)
+    limit = statistics.chi2_limit(1e-2, bins - 1)
+    rate = statistics.noncentral_tail(limit, bins - 1, samples * off * off)
+    assert np.mean(chi2 > limit) == pytest.approx(rate, abs=0.015)
+
+
+def test_the_stated_power_is_enough_to_find_half_a_percent() -> None:
+    assert (
+        statistics.power(QUICK.samples, hemisphere.CELLS, sampling.TO_FIND, sampling.ALARM) > 0.99
+    )
+
+
+def test_the_search_finds_a_narrow_maximum_in_many_dimensions() -> None:
+    """A peak of width 0.01 in two of eight coordinates, on the edge of a third, beside a broad one."""
+
+    def height(points: Any) -> Any:
+        peak = np.exp(-((points[:, 0] - 0.3) ** 2 + (points[:, 1] - 0.9) ** 2) / 0.02)
+        peak *= np.exp(-points[:, 2] / 0.05)
+        return peak + 0.5 * np.exp(-((points[:, 3] - 0.5) ** 2) / 0.1)
+
+    points, values = maximise(height, 8, population=1024, rounds=16, seed=1)
+    assert values[0] > 1.49
+    assert points[0, :3] == pytest.approx([0.3, 0.9, 0.0], abs=0.02)
+
+
+@given(t=st.floats(0, 1), high=st.sampled_from([0.5, 1.0, 1.6, 1e5, math.inf]))
+def test_place_and_place_of_are_inverse(t: float, high: float) -> None:
+    declared = Parameter(0.25, 0, high, "")
+    value = place(declared, t)
+    assert declared.low <= value <= declared.high
+    assert place_of(declared, value) == pytest.approx(t, abs=1e-9)
+
+
+def test_cosines_reach_the_horizon_and_the_normal() -> None:
+    t = np.linspace(0, 1, 101)
+    mu = cosine_at(t)
+    assert mu[0] == 0
+    assert mu[-1] == 1
+    assert (np.diff(mu) > 0).all()
+
+
+# --- what is made of claims ----------------------------------------------------------------------
+
+
+def judged(size: float | None, measured: float, whole: bool = True) -> str:
+    """The verdict on an albedo that is documented as `size`."""
+
+    class Documented(gonio.models()["lambert"], register=False):  # type: ignore[misc]
+        claims = Claims() if size is None else Claims(energy=known(size))
+
+    subject = ModelSubject(Documented(), frozenset() if whole else frozenset({"rho"}))
+    return judge(subject, "energy", measured, limit=1.00001, ideal=1.0)[0]
+
+
+@pytest.mark.parametrize(
+    ("size", "measured", "whole", "verdict"),
+    [
+        (None, 1.0, True, "pass"),
+        (None, 1.1, True, "FAIL"),  # a promise that is not kept
+        (None, math.nan, True, "FAIL"),
+        (1.1, 1.1, True, "known"),
+        (1.1, 1.149, True, "known"),  # documented with two digits
+        (1.1, 1.16, True, "FAIL"),  # more than documented
+        (1.1, 1.04, True, "FAIL"),  # far less than documented
+        (1.1, 1.0, True, "FAIL"),  # kept, but not promised
+        (1.1, 1.0, False, "pass"),  # with some parameters fixed it may be less
+        (1.1, 1.04, False, "known"),
+        (1.1, 1.16, False, "FAIL"),
+        (UNBOUNDED, 100.0, True, "known"),
+    ],
+)
+def test_a_documented_size_is_neither_too_small_nor_far_too_large(
+    size: float | None, measured: float, whole: bool, verdict: str
+) -> None:
+    assert judged(size, measured, whole) == verdict
+
+
+def test_the_first_size_that_fits_the_options_counts() -> None:
+    claims = Claims(energy=(known(3, form=("a", "b")), known(2, form="c", other="x"), known(1.5)))
+    assert claims.size("energy", {"form": "b"}) == 3
+    assert claims.size("energy", {"form": "c", "other": "x"}) == 2
+    assert claims.size("energy", {"form": "c", "other": "y"}) == 1.5
+    assert Claims().size("energy", {}) is None
+
+
+def test_claims_name_options_and_parameters_that_exist() -> None:
+    for cls in gonio.models().values():
+        promises = [getattr(cls.claims, name) for name in (*PROMISES, "kinks")]
+        for entry in (entry for promise in promises for entry in as_tuple(promise)):
+            for name, values in entry.options.items():
+                declared = cls.fields[name]
+                assert isinstance(declared, Option)
+                assert set(as_tuple(values)) <= set(declared.values)
+        for entry in as_tuple(cls.claims.furnace):
+            cls(**entry.values)
+        for name in cls.claims.falls:
+            assert isinstance(cls.fields[name], Parameter)
+
+
+def test_a_model_without_claims_promises_everything() -> None:
+    class Plain(gonio.models()["qon"], register=False):  # type: ignore[misc]
+        claims = Claims()
+
+    reports = check.check_model(Plain, "quick", only=["energy", "continuity"])
+    assert [r.check for r in reports if r.failed] == ["energy", "continuity"]
+
+
+def test_reports_are_xml_and_text_with_every_failure() -> None:
+    from xml.etree import ElementTree
+
+    reports = caught("unnormalised_d")
+    suites = ElementTree.fromstring(junit(reports))
+    suite = suites.find("testsuite")
+    assert suite is not None
+    assert (suite.get("name"), suite.get("failures")) == ("unnormalised_d", "1")
+    failure = suite.find("testcase/failure")
+    assert failure is not None
+    assert "gonio eval" in str(failure.text)
+    text = "\n".join(table(reports))
+    assert text.count("FAIL") == 1
+    assert "energy, largest albedo: gonio eval unnormalised_d" in text
+
+
+def test_evaluation_in_batches_is_that_of_the_model() -> None:
+    model: Model = gonio.model("disney", roughness=0.3, metallic=0.4, base_color=(0.2, 0.5, 0.9))
+    subject = ModelSubject(model)
+    rng = np.random.default_rng(2)
+    wi, wo = (directions(rng.random(50), 6 * rng.random(50)) for _ in range(2))
+    f, pdf = evaluate(subject, subject.default()[None], np.zeros(50, np.uint32), wi, wo)
+    np.testing.assert_allclose(f, model.eval(wi, wo), rtol=1e-6)
+    np.testing.assert_allclose(pdf, model.pdf(wi, wo), rtol=1e-6)

@@ -1,0 +1,594 @@
+"""The translator: what it keeps, what it refuses, and that its texts are those in tests/golden."""
+
+from __future__ import annotations
+
+import ast
+import importlib.util
+import inspect
+import itertools
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import gonio
+from gonio import lang
+from gonio.cli import main
+from gonio.export import ExportError, command, export
+from gonio.export import targets as target_tables
+from gonio.export.printer import number
+from gonio.export.source import source
+from gonio.export.targets import TARGETS
+from gonio.export.vocabulary import RULES
+from gonio.material import library, load_material
+from gonio.model import Model, ModelError
+
+GOLDEN = Path(__file__).parent / "golden"
+LANGUAGES = list(TARGETS)
+
+
+def text(model: str | Model, to: str, **settings: Any) -> str:
+    made = gonio.model(model) if isinstance(model, str) else model
+    return export({made.name: made}, to, **settings)[0].source
+
+
+def written(tmp_path: Path, body: str, fields: str = "", head: str = "") -> Model:
+    """A user's own model, from a file outside the package."""
+    path = tmp_path / f"own_{abs(hash((body, fields, head))) % 10**9}.py"
+    path.write_text(
+        '"""Mine: a model of my own."""\n'
+        "from gonio.lang import *\n"
+        "from gonio.lang import Color, Float, Sample, Vec2, Vec3\n"
+        "from gonio.model import Model, option, param\n"
+        "from gonio.parts.hemisphere import pdf_cosine, sample_cosine\n"
+        f"{head}\n\n\n"
+        "class Mine(Model, register=False):\n"
+        '    """Mine."""\n\n'
+        '    rho: Color = param((0.8, 0.8, 0.8), 0, 1, "albedo")\n'
+        '    width: Float = param(0.5, 0, 1, "a number")\n'
+        f"{fields}\n"
+        "    def eval(self, wi: Vec3, wo: Vec3) -> Color:\n"
+        f"{body}\n"
+        "    def sample(self, wo: Vec3, u: Vec2) -> Sample:\n"
+        "        wi = sample_cosine(u)\n"
+        "        return Sample(wi, pdf_cosine(wi))\n\n"
+        "    def pdf(self, wi: Vec3, wo: Vec3) -> Float:\n"
+        "        return pdf_cosine(wi)\n",
+        encoding="utf-8",
+    )
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[path.stem] = module
+    spec.loader.exec_module(module)
+    return module.Mine()  # type: ignore[no-any-return]
+
+
+# --- what an export contains -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", gonio.models())
+def test_golden_exports_are_what_the_command_makes(name: str) -> None:
+    # cuda differs from cpp by its qualifiers only, which another test compares.
+    made = command.texts({name: gonio.model(name)}, [t for t in LANGUAGES if t != "cuda"])
+    for file, expected in made.items():
+        found = (GOLDEN / file).read_text(encoding="utf-8")
+        assert found == expected, f"tests/golden/{file} is not up to date; 'make golden' makes it"
+
+
+def test_golden_has_no_file_of_a_model_that_is_gone() -> None:
+    made = {
+        f"{name}.{target.extension}"
+        for name in gonio.models()
+        for target in TARGETS.values()
+        if target.name != "cuda"
+    }
+    assert {p.name for p in GOLDEN.iterdir()} == made
+
+
+def test_the_webgpu_example_has_the_golden_export() -> None:
+    page = (GOLDEN.parents[1] / "examples" / "webgpu.html").read_text(encoding="utf-8")
+    export_text = (GOLDEN / "eon.wgsl").read_text(encoding="utf-8")
+    assert f"begin of the export\n{export_text}// ---- end" in page, "'make golden' makes it"
+
+
+@pytest.mark.parametrize("name", gonio.models())
+def test_cuda_is_the_c_plus_plus_text_with_qualifiers(name: str) -> None:
+    cuda = text(name, "cuda").replace("__host__ __device__ inline", "inline")
+    # Long lines are folded elsewhere
+    assert cuda.replace("CUDA C++", "C++").split() == text(name, "cpp").split()
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_every_function_and_type_of_an_export_begins_with_its_prefix(language: str) -> None:
+    found = text("weidlich_wilkie", language)
+    functions = re.findall(r"^(?:fn |inline |__\w+__ )*(?:\w+ )?(\w+)\(.*\{$", found, re.M)
+    free = [f for f in functions if f not in ("if", "for", "Vec3")]
+    if language not in ("cpp", "cuda"):  # those have a namespace for their vectors
+        assert free
+        assert all(f.startswith("weidlich_wilkie") for f in free if f != "inline")
+    types = re.findall(r"^(?:struct|interface) (\w+)", found, re.M)
+    assert {"WeidlichWilkie", "WeidlichWilkieBase", "WeidlichWilkieSample"} <= set(types)
+    vectors = {"Vec2", "Vec3", "Bool3"}
+    assert all("WeidlichWilkie" in t for t in set(types) - vectors)
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("name", ["eon", "disney", "weidlich_wilkie"])
+def test_an_export_has_no_globals_no_macros_and_ascii_only(name: str, language: str) -> None:
+    found = text(name, language)
+    assert found.isascii()
+    allowed = (
+        "#pragma once",
+        "#include <math.h>",
+        "#include <metal_stdlib>",
+        "using namespace metal;",
+    )
+    for line in found.splitlines():
+        assert not line.startswith("#") or line in allowed
+        assert not re.match(r"(const|static|let|var|float|vec3|uniform)\b.*[=;]$", line), line
+
+
+def test_names_comments_and_docstrings_survive() -> None:
+    found = text("eon", "wgsl")
+    for kept in (
+        "arXiv:2410.18026",
+        "// With 1 - s = mu^2 / (1 + s) every term of Eq. 13 that cancels against C1 can be collected",
+        "fn eon_loss_exact(mu: f32) -> f32 {",
+        "const C1 = 0.2877934;  // A_F = 1 / (1 + C1 r)",
+        "// (1 - E_i)(1 - E_o) / (1 - <E>), of which r^2 A_F^2 / (r A_F) remains",
+        "roughness: f32,  // unitless r; not the Oren-Nayar angle sigma; 0 to 1, default 0.5",
+        f"made by gonio {gonio.__version__} from gonio/models/eon.py",
+    ):
+        assert kept in found
+
+
+@pytest.mark.parametrize("name", gonio.models())
+def test_no_comment_of_an_exported_function_is_lost(name: str) -> None:
+    """Functions with conditions on options keep those of the chosen branch only; they are left out."""
+    model = gonio.model(name)
+    found = " ".join(re.sub(r"[^\x20-\x7e]|//", " ", text(model, "glsl")).split())
+    file = source(str(inspect.getsourcefile(type(model))))
+    for node in ast.walk(file.tree):
+        if not isinstance(node, ast.FunctionDef) or f"_{node.name.strip('_')}(" not in found:
+            continue
+        if any(isinstance(n, ast.If) for n in ast.walk(node)):
+            continue
+        for line in range(node.lineno, (node.end_lineno or 0) + 1):
+            if line in file.comments and file.comments[line].text.isascii():
+                assert " ".join(file.comments[line].text.split()) in found
+
+
+def test_comments_inside_expressions_and_branches_are_kept(tmp_path: Path) -> None:
+    body = (
+        "        # above\n"
+        "        a = (\n"
+        "            self.width  # inside one\n"
+        "            # inside two\n"
+        "            + 1\n"
+        "        )\n"
+        "        if self.form == 'round':  # at the condition\n"
+        "            b = a * 2  # beside\n"
+        "            # below, in the branch\n"
+        "        else:\n"
+        "            # not taken\n"
+        "            b = a\n"
+        "        return self.rho * b\n"
+        "        # at the end\n"
+    )
+    model = written(tmp_path, body, fields='    form: str = option("round", "flat", doc="x")\n')
+    found = text(model, "glsl")
+    for kept in (
+        "above",
+        "inside one",
+        "inside two",
+        "at the condition",
+        "beside",
+        "below, in the branch",
+        "at the end",
+    ):
+        assert f"// {kept}" in found, kept
+    assert "not taken" not in found
+    other = text(model.replace(form="flat"), "glsl")
+    assert "// not taken" in other
+    assert "below, in the branch" not in other
+    assert "beside" not in other
+
+
+def test_only_the_chosen_branch_of_an_option_is_exported() -> None:
+    exact, fitted = text("eon", "glsl"), text(gonio.model("eon", albedo_form="fitted"), "glsl")
+    assert "eon_loss_exact" in exact
+    assert "eon_loss_fitted" not in exact
+    assert "eon_loss_fitted" in fitted
+
+
+def test_only_what_is_asked_for_is_exported() -> None:
+    found = text("eon", "glsl", only=["eval"])
+    assert "eon_eval" in found
+    for absent in ("eon_sample", "eon_pdf", "eon_albedo", "EonSample", "EonCoefficients"):
+        assert absent not in found
+
+
+def test_several_models_share_their_parts_once() -> None:
+    models = {name: gonio.model(name) for name in ("eon", "fon", "lambert")}
+    exports = export(models, "glsl")
+    assert len({e.source for e in exports}) == 1
+    found = exports[0].source
+    assert found.count("float gonio_tangential_dot(") == 1
+    assert "struct GonioSample" in found
+    assert "vec3 eon_eval(Eon params" in found
+    assert "vec3 fon_eval(Fon params" in found
+
+
+def test_two_models_may_have_private_functions_of_the_same_name() -> None:
+    models = {name: gonio.model(name) for name in ("ue4", "unity_standard", "disney")}
+    found = export(models, "wgsl")[0].source
+    names = re.findall(r"^fn (\w+)\(", found, re.M)
+    assert len(names) == len(set(names))
+
+
+def test_a_function_for_numbers_and_colours_is_exported_for_both(tmp_path: Path) -> None:
+    body = "        return twice(self.rho) * twice(self.width)\n"
+    head = "\n\ndef twice(x: Float) -> Float:\n    return x + x\n"
+    found = text(written(tmp_path, body, head=head), "wgsl")
+    assert "fn mine_twice(x: vec3f) -> vec3f" in found
+    assert "fn mine_twice_scalar(x: f32) -> f32" in found
+
+
+def test_embedding_writes_the_parameters_of_a_material() -> None:
+    chosen = command.choose(["orange_lacquer"])
+    found = export(chosen.models, "hlsl", embed=True)[0].source
+    assert "OrangeLacquer orange_lacquer_material() {" in found
+    model = chosen.models["orange_lacquer"]
+    for path, declared, value in model.parameters():
+        numbers = value if isinstance(value, tuple) else (value,) * declared.width
+        printed = ", ".join(number(v, "") for v in numbers)
+        shown = f"float3({printed})" if declared.width == 3 else printed
+        assert f"material.{path} = {shown};" in found
+
+
+def test_slang_has_methods_behind_an_interface() -> None:
+    found = text("eon", "slang")
+    assert "interface IEonBrdf {" in found
+    assert "struct Eon : IEonBrdf {" in found
+    assert "float3 eval(float3 wi, float3 wo) {" in found
+
+
+def test_wgsl_selects_and_glsl_asks() -> None:
+    assert "select(1.0, wo.x * inv, tilted)" in text("eon", "wgsl")
+    # A branch that computes would be a jump as "tilted ? wo.x * inv : 1.0", and both are computed anyway
+    assert "mix(1.0, wo.x * inv, tilted)" in text("eon", "glsl")
+    assert "tilted ? wo.x * inv : 1.0" in text("eon", "hlsl")
+    assert " ? " not in re.sub(r"//.*", "", text("disney", "wgsl"))
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_words_of_the_language_are_not_used_as_names(tmp_path: Path, language: str) -> None:
+    target = TARGETS[language]
+    word = "half" if "half" in target.reserved else "double"
+    assert word in target.reserved
+    found = text(
+        written(tmp_path, f"        {word} = 2 * self.width\n        return self.rho * {word}\n"),
+        language,
+    )
+    assert not re.search(rf"\b{word}\b(?!_)", re.sub(r"//.*", "", found))
+    assert f"{word}_" in found
+
+
+def test_methods_of_the_class_above_stand_beside_those_that_replace_them(tmp_path: Path) -> None:
+    path = tmp_path / "dimmed.py"
+    path.write_text(
+        '"""EON, dimmed twice."""\n'
+        "from gonio.lang import Color, Vec3\n"
+        "from gonio.models.eon import EON\n\n\n"
+        "class Dimmed(EON, register=False):\n"
+        '    """Dimmed."""\n\n'
+        "    def eval(self, wi: Vec3, wo: Vec3) -> Color:\n"
+        "        return 0.5 * super().eval(wi, wo) + 0.25 * EON.eval(self, wi, wo)\n\n"
+        "    def _loss(self, mu):\n"
+        "        return 2 * super()._loss(mu)\n",
+        encoding="utf-8",
+    )
+    model = command.choose([str(path)]).models["dimmed"]
+    for language, call in (
+        ("glsl", "dimmed_eon_eval(params, wi, wo)"),
+        ("slang", "this.eon_eval(wi, wo)"),
+    ):
+        found = text(model, language)
+        assert f"return 0.5 * {call} + 0.25 * {call};" in found
+        assert "2.0 * " in found
+    again = text(model, "glsl")
+    assert "float dimmed_loss(Dimmed params, float mu) {" in again
+    assert "return 2.0 * dimmed_eon_loss(params, mu);" in again
+
+
+def test_names_that_the_text_needs_itself_are_changed(tmp_path: Path) -> None:
+    body = (
+        "        result = 2 * self.width\n"
+        "        max = maximum(result, wi.z)\n"
+        "        i_step = max\n"
+        "        for i in range(2):\n"
+        "            i_step = i_step + i\n"
+        "        return self.rho * i_step\n"
+    )
+    found = text(written(tmp_path, body), "glsl")
+    assert "float max_ = max(result, wi.z);" in found
+    assert "for (int i_step_ = 0;" in found
+    body = "        return self.rho * several(wi.z)\n"
+    head = (
+        "\n\ndef pair(x: Float):\n    result = x * 2\n    return result, x\n"
+        "\n\ndef several(x: Float) -> Float:\n    a, b = pair(x)\n    return a + b\n"
+    )
+    found = text(written(tmp_path, body, head=head), "hlsl")
+    assert "MinePair result_;" in found
+    assert "result_.result = result;" in found
+
+
+# --- the vocabulary --------------------------------------------------------------------------------
+
+
+def test_every_function_of_the_vocabulary_has_a_rule_and_a_spelling() -> None:
+    functions = {
+        name
+        for name, value in vars(lang).items()
+        if inspect.isfunction(value)
+        and value.__module__ == lang.__name__
+        and not name.startswith("_")
+    }
+    assert functions == set(RULES)
+    special = {"select", "vec2", "vec3", "safe_sqrt"}  # the printer knows these by name
+    for target in TARGETS.values():
+        missing = functions - special - set(target.spellings) - target.library
+        assert missing <= {"fma"}  # which is a product and a sum where it is missing
+        assert not set(target.spellings) - functions
+
+
+def test_the_page_on_the_language_names_all_of_the_vocabulary() -> None:
+    page = (Path(__file__).parents[1] / "docs" / "language.md").read_text(encoding="utf-8")
+    for name in [*RULES, *(n for n in vars(lang) if n.isupper() and len(n) > 1)]:
+        assert f"`{name}" in page, name
+
+
+@pytest.mark.parametrize(
+    ("value", "printed"),
+    [
+        (1, "1.0"),
+        (0.1, "0.1"),
+        (1e-18, "1.0e-18"),
+        (-2.5, "-2.5"),
+        (1 / 3, "0.33333334"),
+        (16777216, "1.6777216e7"),
+    ],
+)
+def test_numbers_are_the_shortest_that_a_float32_keeps(value: float, printed: str) -> None:
+    assert number(value, "") == printed
+    assert np.float32(printed) == np.float32(value)
+
+
+@pytest.mark.parametrize("value", [1e39, 1e-60, float("nan"), float("inf")])
+def test_numbers_that_float32_has_not_are_refused(value: float) -> None:
+    with pytest.raises(ExportError, match="float32"):
+        number(value, "")
+
+
+# --- what is refused -------------------------------------------------------------------------------
+
+REFUSED = [
+    (
+        "        return self.rho * np.sin(wi.z)",
+        "not in the vocabulary",
+        "np.sin",
+        "import numpy as np",
+    ),
+    ("        return self.rho * abs(wi.z)", "'abs' is not known here", "abs", ""),
+    (
+        "        if wi.z > 0.5:\n            return self.rho\n        return self.rho",
+        "select",
+        "wi.z > 0.5",
+        "",
+    ),
+    ("        return self.rho if wi.z > 0.5 else 0 * self.rho", "select", "self.rho if", ""),
+    ("        return self.rho * wi[2]", "v.x, v.y", "wi[2]", ""),
+    ("        return self.rho * wi.w", "has no 'w'", "wi.w", ""),
+    ("        return self.rho * self.wdith", "has no 'wdith'", "self.wdith", ""),
+    ("        x = [1, 2]\n        return self.rho", "variables, or vec2 and vec3", "[1, 2]", ""),
+    (
+        "        return self.rho * wi.z ** self.width",
+        "power(x, exponent)",
+        "wi.z ** self.width",
+        "",
+    ),
+    ("        return self.rho * (wi.z // 1)", "only + - * /", "wi.z // 1", ""),
+    ("        while True:\n            return self.rho", "for i in range", "while True", ""),
+    (
+        "        x = 1\n        x = vec3(1, 2, 3)\n        return self.rho",
+        "a vec3 where a number",
+        "x = vec3",
+        "",
+    ),
+    ("        wi = wo\n        return self.rho", "argument wi", "wi = wo", ""),
+    ("        return self.rho * select(self.width, 1, 0)", "select's condition", "select(", ""),
+    ("        return self.rho * dot(wi, 1, 2)", "2 arguments are expected", "dot(", ""),
+    ("        return vec3(1, 2)", "z missing", "vec3(1, 2)", ""),
+    ("        return self.rho * (not wi.z)", "~", "not wi.z", ""),
+    ("        return self.rho * (wi.z > 0 and wo.z > 0)", "&", "wi.z > 0 and wo.z > 0", ""),
+    (
+        "        return self.rho * again(wi.z)",
+        "calls itself",
+        "",
+        "\n\ndef again(x: Float) -> Float:\n    return again(x)\n",
+    ),
+    ("        return self.rho * f(wi.z)", "write it with 'def'", "", "f = lambda x: x"),
+    ("        pass", "without a result", "def eval", ""),
+    ("        return wi, wo", "where a vec3 is expected", "return wi, wo", ""),
+    ("        self.width = 2\n        return self.rho", "only a name", "self.width", ""),
+    ("        return self.rho * f'{wi.z}'", "text has no meaning", "f'{wi.z}'", ""),
+    (
+        "        x = 0\n        for i in (1, 2):\n            x = x + i\n        return self.rho",
+        "range",
+        "for i",
+        "",
+    ),
+    (
+        "        for i in range(self.width):\n            x = i\n        return self.rho",
+        "known when",
+        "self.width",
+        "",
+    ),
+    ("        a, b = wi, wo, wo\n        return self.rho", "2 names for 3", "a, b =", ""),
+    ("        return self.rho + wi.z > 0", "where a vec3 is expected", "return", ""),
+    ("        'text'\n        'more'\n        return self.rho", "comment", "'more'", ""),
+    ("        params = 2\n        return self.rho * params", "use another name", "params = 2", ""),
+    ("        \u03b1 = 2\n        return self.rho * \u03b1", "English alphabet", "\u03b1 = 2", ""),
+    ("        a__b = 2\n        return self.rho * a__b", "English alphabet", "a__b = 2", ""),
+    ("        return self.rho * vec2(1, 2)", "a pair of numbers", "self.rho * vec2", ""),
+    ("        return self.rho * dot(vec2(1, 2), vec2(1, 2))", "cannot take a vec2", "dot(", ""),
+]
+
+
+@pytest.mark.parametrize(("body", "message", "marked", "head"), REFUSED)
+def test_what_cannot_be_exported_is_refused_with_its_place(
+    tmp_path: Path, body: str, message: str, marked: str, head: str
+) -> None:
+    model = written(tmp_path, body + "\n", head=head)
+    with pytest.raises(ExportError) as caught:
+        text(model, "glsl")
+    told = str(caught.value)
+    assert message in told
+    path, line = re.match(r"(.+?\.py):(\d+)", told).groups()  # type: ignore[union-attr]
+    assert Path(path).parent == tmp_path
+    shown = Path(path).read_text(encoding="utf-8").splitlines()[int(line) - 1]
+    if marked:
+        lines = told.splitlines()
+        assert lines[-2] == shown.rstrip()
+        start = len(lines[-1]) - len(lines[-1].lstrip())
+        assert set(lines[-1].strip()) == {"^"}
+        assert shown[start:].startswith(marked.split("\n")[0].rstrip()) or marked in shown
+
+
+def test_a_loop_over_a_fixed_number_of_steps_is_exported(tmp_path: Path) -> None:
+    body = (
+        "        total = vec3(0, 0, 0)\n"
+        "        for i in range(4):\n"
+        "            # each step\n"
+        "            total = total + self.rho * i\n"
+        "        return total\n"
+    )
+    found = text(written(tmp_path, body), "wgsl")
+    assert "var total = vec3f(0.0, 0.0, 0.0);" in found
+    assert "for (var i_step = 0; i_step < 4; i_step++) {" in found
+    assert "// each step" in found
+
+
+def test_a_model_without_a_mean_albedo_is_refused_where_it_is_needed() -> None:
+    base = gonio.model("torrance_sparrow")
+    coated = gonio.model("weidlich_wilkie", base=base, bounces="diffuse")
+    with pytest.raises(ExportError, match="closed form of its mean albedo"):
+        text(coated, "glsl")
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"to": "glls"}, "did you mean 'glsl'"),
+        ({"to": "glsl", "only": ["value"]}, "eval, sample, pdf, albedo"),
+        ({"to": "glsl", "prefix": "2d"}, "cannot begin a name"),
+        ({"to": "glsl", "prefix": "a__b"}, "cannot begin a name"),
+    ],
+)
+def test_wrong_settings_are_refused(settings: dict[str, Any], message: str) -> None:
+    with pytest.raises(ExportError, match=re.escape(message)):
+        export({"eon": gonio.model("eon")}, **settings)
+
+
+def test_osl_holds_one_shader() -> None:
+    with pytest.raises(ExportError, match="one shader"):
+        export({n: gonio.model(n) for n in ("eon", "fon")}, "osl")
+
+
+# --- the command -----------------------------------------------------------------------------------
+
+
+def run(*arguments: str) -> Any:
+    return CliRunner().invoke(main, ["export", *arguments])
+
+
+def test_the_command_prints_one_text() -> None:
+    result = run("eon", "--to", "wgsl", "--option", "albedo_form=fitted", "--only", "eval")
+    assert result.exit_code == 0
+    assert result.stdout == text(gonio.model("eon", albedo_form="fitted"), "wgsl", only=["eval"])
+
+
+def test_the_command_writes_files_and_says_which(tmp_path: Path) -> None:
+    result = run("eon", "fon", "--to", "glsl", "--to", "cpp", "-o", f"{tmp_path}/")
+    assert result.exit_code == 0
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["gonio.glsl", "gonio.h"]
+    assert str(tmp_path / "gonio.h") in result.stdout
+
+
+def test_another_name_lets_a_model_be_exported_twice() -> None:
+    result = run("eon", "fast=eon:albedo_form=fitted", "--to", "glsl")
+    assert result.exit_code == 0
+    assert "vec3 fast_eval(Fast params" in result.stdout
+    assert "vec3 eon_eval(Eon params" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["eon"], "add --to"),
+        (["--to", "glsl"], "name a model"),
+        (["eno", "--to", "glsl"], "did you mean 'eon'"),
+        (["eon", "eon", "--to", "glsl"], "two exports are called 'eon'"),
+        (["eon", "--to", "glsl", "--to", "wgsl", "-o", "one.txt"], "give a folder"),
+        (["eon", "--to", "glsl", "-o", "no/such/folder/eon.glsl"], "create it first"),
+        (["eon", "--to", "glsl", "-p", "roughness=2"], "out of range"),
+        (["--all", "eon", "--to", "glsl"], "take no models"),
+        (["eon", "--to", "mtlx"], "give a folder"),
+        (["eon", "--to", "mtlx", "--only", "eval", "-o", "./"], "leave out --only"),
+        (["eon", "--to", "mtlx", "--prove"], "prove essl"),
+    ],
+)
+def test_wrong_commands_are_answered_with_one_line(
+    arguments: list[str], message: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = run(*arguments)
+    assert result.exit_code == 1
+    assert message in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_material_tells_what_the_host_has_to_feed() -> None:
+    flaked = next(name for name in library() if load_material(name).flakes)
+    result = run(flaked, "--to", "glsl")
+    assert result.exit_code == 0
+    assert "flake_x and flake_y come from a map of flakes" in result.stderr
+
+
+def test_every_material_can_be_exported() -> None:
+    # Each in one language: all languages have the models themselves above
+    for name, language in zip(library(), itertools.cycle(LANGUAGES), strict=False):
+        exported = export(command.choose([name]).models, language)[0]
+        assert len(exported.entry.members) == len(list(load_material(name).model.parameters()))
+        assert all(
+            member.path.split(".")[-1] in exported.source for member in exported.entry.members
+        )
+
+
+def test_unknown_models_are_refused() -> None:
+    with pytest.raises(ModelError):
+        command.choose(["no_such_model"])
+
+
+def test_helpers_are_printed_only_where_they_are_used() -> None:
+    assert "operator<" not in text("lambert", "cpp")
+    dielectric = gonio.model("torrance_sparrow", fresnel="dielectric")
+    assert "Bool3 operator>(" in text(dielectric, "cpp")
+    assert target_tables.CPP.helpers["vec3"] in text("lambert", "cpp")

@@ -1,0 +1,84 @@
+"""What exports bring along because shading languages lack it, against mpmath's 40 digits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+
+import gonio
+from gonio.export import library
+
+mpmath.mp.dps = 40
+
+INSIDE = np.concatenate([np.linspace(-1, 1, 401), [1e-9, -1e-9, 1 - 1e-9, 1e-9 - 1]])
+
+
+def worst(ours: Callable[[float], Any], right: Callable[[Any], Any], places: Any) -> float:
+    """Largest relative error."""
+    return max(
+        abs(float(ours(float(x)) - right(mpmath.mpf(float(x))))) / max(abs(float(right(x))), 1e-12)
+        for x in places
+    )
+
+
+def test_arc_sine_and_arc_cosine_are_exact_to_2e_8() -> None:
+    assert worst(library.safe_asin, mpmath.asin, INSIDE) < 2e-8
+    assert worst(library.safe_acos, mpmath.acos, INSIDE[INSIDE < 1]) < 2e-8
+
+
+@pytest.mark.parametrize("x", [-1.5, -1.0, 1.0, 1.5])
+def test_arc_sine_and_arc_cosine_limit_their_argument(x: float) -> None:
+    limited = min(max(x, -1), 1)
+    assert library.safe_asin(x) == pytest.approx(math.asin(limited), rel=2e-8)
+    assert library.safe_acos(x) == pytest.approx(math.acos(limited), rel=2e-8, abs=1e-12)
+
+
+def test_the_error_function_is_exact_to_3e_8() -> None:
+    assert worst(library.erf, mpmath.erf, np.linspace(-6, 6, 241)) < 3e-8
+    assert library.erf(1e30) == pytest.approx(1)
+
+
+def test_the_inverse_error_function_is_exact_to_single_precision() -> None:
+    # Giles gives 7 units in the last place of a float32, at which 1 - x has few digits left.
+    assert worst(library.erfinv, mpmath.erfinv, np.linspace(-0.999, 0.999, 201)) < 2e-6
+
+
+def test_a_coarser_polynomial_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(library, "ATAN_3", library.ATAN_3 * 1.00001)
+    assert worst(library.safe_asin, mpmath.asin, INSIDE) > 2e-8
+
+
+class _Lattice:
+    """A model as `sampled_albedo` sees one: its own methods, on one direction at a time."""
+
+    def __init__(self, model: gonio.Model) -> None:
+        self.model = model
+
+    def sample(self, wo: Any, u: Any) -> Any:
+        drawn = self.model.sample(np.array(wo, np.float64), np.array(u, np.float64))
+        return gonio.Sample(_vector(drawn.wi), float(drawn.pdf))
+
+    def eval(self, wi: Any, wo: Any) -> Any:
+        return _vector(self.model.eval(np.array(wi, np.float64), np.array(wo, np.float64)))
+
+
+def _vector(values: Any) -> Any:
+    from gonio.lang import vec3
+
+    return vec3(*(float(v) for v in values))
+
+
+@pytest.mark.parametrize("theta", [0.0, 60.0, 85.0])
+def test_the_sampled_albedo_is_near_the_closed_form(
+    theta: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(library, "ALBEDO_SAMPLES", 233)  # each is a call from Python
+    eon = gonio.model("eon", roughness=0.7)
+    wo = [math.sin(math.radians(theta)), 0.0, math.cos(math.radians(theta))]
+    found = library.sampled_albedo(_Lattice(eon), _vector(wo))  # type: ignore[arg-type]
+    assert np.allclose(np.array(found), eon.albedo(np.array(wo)), atol=0.01)
