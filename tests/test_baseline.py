@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from support.integrate import half_vector_rule
 
 from gonio.bench import native
 
@@ -34,6 +35,11 @@ def directions(mu, phi):
 def random_directions(n, seed):
     random = np.random.default_rng(seed)
     return directions(random.uniform(MU_MIN, 1, n), random.uniform(0, 2 * np.pi, n))
+
+
+def diffuse(name, rho=(0.8, 0.8, 0.8), roughness=0.5):
+    """Parameters of a diffuse row: the colour and, but for lambert, a number."""
+    return rho if name == "lambert" else (*rho, roughness)
 
 
 # ---- float64 references, from the formulas and not from the C++: s from x and y alone ----
@@ -122,9 +128,244 @@ REFERENCES = {
 }
 
 
+# ---- the same for the models of many terms; by angles, slopes and complex numbers ----
+
+
+def half_vector(wi, wo):
+    m = np.add(wi, wo)
+    return m / np.linalg.norm(m, axis=0)
+
+
+def ggx(m, ax, ay):
+    """Density of the slopes, a bivariate Student distribution, over cos^4."""
+    x, y = -m[0] / m[2], -m[1] / m[2]
+    return 1 / (np.pi * ax * ay * (1 + (x / ax) ** 2 + (y / ay) ** 2) ** 2) / m[2] ** 4
+
+
+def smith_lambda(w, ax, ay):
+    phi, tan = np.arctan2(w[1], w[0]), np.tan(np.arccos(w[2]))
+    alpha2 = (ax * np.cos(phi)) ** 2 + (ay * np.sin(phi)) ** 2
+    return (np.sqrt(1 + alpha2 * tan**2) - 1) / 2
+
+
+def conductor(cos_theta, eta, k):
+    index = complex(eta, k)
+    inside = np.sqrt(1 - (1 - cos_theta**2) / index**2)
+    r_s = (cos_theta - index * inside) / (cos_theta + index * inside)
+    r_p = (index * cos_theta - inside) / (index * cos_theta + inside)
+    return (abs(r_s) ** 2 + abs(r_p) ** 2) / 2
+
+
+def dielectric(cos_theta, eta):
+    outside = np.arccos(cos_theta)
+    inside = np.arcsin(np.sin(outside) / eta)
+    s = np.sin(outside - inside) / np.sin(outside + inside)
+    p = np.tan(outside - inside) / np.tan(outside + inside)
+    normal = outside < 1e-6
+    return np.where(normal, ((eta - 1) / (eta + 1)) ** 2, (s**2 + p**2) / 2)
+
+
+TORRANCE_SPARROW = {
+    "gold": (0.3, 0.0, 0.14, 0.38, 1.44, 4.1, 2.4, 1.6, 0.9, 0.9, 0.9, 1, 1, 1),
+    "stretched": (0.1, 0.8, 1.3, 1.0, 0.6, 7.5, 6.4, 5.3, 0.9, 0.9, 0.9, 1, 1, 1),
+    "rough": (1.0, 0.3, 3.2, 3.2, 2.2, 3.3, 3.3, 3.0, 0.9, 0.9, 0.9, 1, 1, 1),
+}
+
+
+def torrance_sparrow(parameters, wi, wo):
+    alpha, anisotropy, *rest = parameters
+    aspect = np.sqrt(1 - 0.9 * anisotropy)
+    ax, ay = alpha / aspect, alpha * aspect
+    m = half_vector(wi, wo)
+    G = 1 / (1 + smith_lambda(wi, ax, ay) + smith_lambda(wo, ax, ay))
+    facets = ggx(m, ax, ay) * G / (4 * wi[2] * wo[2])
+    cosine = np.sum(m * wo, axis=0)
+    return [conductor(cosine, rest[c], rest[3 + c]) * facets for c in range(3)]
+
+
+DISNEY = {  # base colour, then the ten numbers in Burley's order
+    "default": (0.8, 0.8, 0.8, 0, 0, 0.5, 0, 0.5, 0, 0, 0.5, 0, 1),
+    "cloth": (0.6, 0.3, 0.1, 0.7, 0.2, 0.4, 0.5, 0.7, 0.1, 0.9, 0.6, 0.3, 0.2),
+    "metal": (0.9, 0.7, 0.3, 0, 1, 0.5, 0, 0.4, 0.8, 0, 0.5, 1, 0.6),
+}
+
+
+def disney(parameters, wi, wo):
+    colour, names = np.array(parameters[:3]), parameters[3:]
+    subsurface, metallic, specular, specular_tint, roughness, anisotropic = names[:6]
+    sheen, sheen_tint, clearcoat, gloss = names[6:]
+    m = half_vector(wi, wo)
+    cos_d = np.sum(m * wo, axis=0)
+    rise_i, rise_o, rise_d = ((1 - c) ** 5 for c in (wi[2], wo[2], cos_d))
+
+    def twice(at_grazing):  # from 1 at the normal
+        return (1 - rise_i + rise_i * at_grazing) * (1 - rise_o + rise_o * at_grazing)
+
+    rough_diffuse = twice(0.5 + 2 * roughness * cos_d**2)
+    flat = 1.25 * (twice(roughness * cos_d**2) * (1 / (wi[2] + wo[2]) - 0.5) + 0.5)
+    diffuse = ((1 - subsurface) * rough_diffuse + subsurface * flat) / np.pi
+
+    def smith_over_cosines(width):  # G1 G1 / (4 mu mu)
+        return (1 / (1 + smith_lambda(wi, width, width)) / (1 + smith_lambda(wo, width, width))) / (
+            4 * wi[2] * wo[2]
+        )
+
+    aspect = np.sqrt(1 - 0.9 * anisotropic)
+    highlight = ggx(m, roughness**2 / aspect, roughness**2 * aspect)
+    highlight = highlight * smith_over_cosines((0.5 + roughness / 2) ** 2)
+    a = 0.1 * (1 - gloss) + 0.001 * gloss
+    gtr1 = (1 - a**2) / (-2 * np.pi * np.log(a)) / (1 - m[2] ** 2 + (a * m[2]) ** 2)
+    coat = 0.25 * clearcoat * (0.04 + 0.96 * rise_d) * gtr1 * smith_over_cosines(0.25)
+    tint = colour / (0.3 * colour[0] + 0.6 * colour[1] + 0.1 * colour[2])
+    value = []
+    for c in range(3):
+        f0 = 0.08 * specular * (1 - specular_tint + specular_tint * tint[c])
+        f0 = (1 - metallic) * f0 + metallic * colour[c]
+        cloth = sheen * (1 - sheen_tint + sheen_tint * tint[c]) * rise_d
+        matte = (1 - metallic) * (diffuse * colour[c] + cloth)
+        value.append(matte + (f0 + (1 - f0) * rise_d) * highlight + coat)
+    return value
+
+
+COAT = {  # eta, alpha, sigma_a, thickness, rho
+    "clear": (1.5, 0.1, 0, 0, 0, 1, 0.8, 0.8, 0.8),
+    "tinted": (1.8, 0.4, 0.1, 0.6, 2.0, 0.7, 0.9, 0.5, 0.1),
+}
+TWO_COATS = {  # eta, alpha, sigma_a, thickness, twice, and rho
+    "clear": (1.5, 0.1, 0, 0, 0, 1, 1.5, 0.1, 0, 0, 0, 1, 0.8, 0.8, 0.8),
+    "sharper below": (1.4, 0.5, 0.3, 0.1, 0, 1, 1.2, 0.2, 0, 1, 2, 0.3, 0.9, 0.5, 0.1),
+    "sharper above": (1.4, 0.2, 0.3, 0.1, 0, 1, 1.2, 0.5, 0, 1, 2, 0.3, 0.9, 0.5, 0.1),
+}
+
+
+def coated(parameters, wi, wo, at_least=0.0):
+    if len(parameters) == 3:
+        return [rho / np.pi + 0 * wi[2] for rho in parameters]
+    eta, alpha, *sigma, thickness = parameters[:6]
+    alpha = max(alpha, at_least)
+    m = half_vector(wi, wo)
+    cos_h = np.sum(m * wo, axis=0)
+    F = dielectric(cos_h, eta)
+    grooves = [2 * m[2] * w[2] / cos_h for w in (wi, wo)]
+    G = np.minimum(1, np.minimum(*grooves))
+    tan2 = (m[0] ** 2 + m[1] ** 2) / m[2] ** 2
+    D = np.exp(-tan2 / alpha**2) / (np.pi * alpha**2 * m[2] ** 4)
+    inside = []
+    for w in (wi, wo):  # Snell's law in angles; the azimuth stays
+        theta = np.arcsin(np.sin(np.arccos(w[2])) / eta)
+        phi = np.arctan2(w[1], w[0])
+        inside.append((np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)))
+    path = thickness * (1 / inside[0][2] + 1 / inside[1][2])
+    base = coated(parameters[6:], *inside, at_least=alpha)
+    through = (1 - F) * ((1 - G) + (1 - F) * G)
+    facets = F * D * G / (4 * wi[2] * wo[2])
+    return [facets + b * through * np.exp(-s * path) for b, s in zip(base, sigma, strict=True)]
+
+
+COMPLETE = [
+    *(("torrance_sparrow", torrance_sparrow, p) for p in TORRANCE_SPARROW.values()),
+    *(("disney", disney, p) for p in DISNEY.values()),
+    *(("weidlich_wilkie", coated, p) for p in COAT.values()),
+    *(("weidlich_wilkie_two_coats", coated, p) for p in TWO_COATS.values()),
+]
+IDS = [
+    *(f"torrance_sparrow {name}" for name in TORRANCE_SPARROW),
+    *(f"disney {name}" for name in DISNEY),
+    *(f"coat {name}" for name in COAT),
+    *(f"two coats {name}" for name in TWO_COATS),
+]
+
+
 def test_every_row_of_the_baseline_has_a_reference_here(baseline):
-    assert set(baseline.eval_names) == set(REFERENCES)
-    assert set(baseline.sample_names) == {"lambert", "eon_exact", "eon_fitted"}
+    complete = {name for name, _, _ in COMPLETE}
+    assert set(baseline.eval_names) == set(REFERENCES) | complete
+    assert set(baseline.sample_names) == {"lambert", "eon_exact", "eon_fitted"} | complete
+
+
+# The printed formulas take 1 - cos^2 of the half vector, good to 1e-7, over the square of the width, which
+# is 0.01 at least here: a few 1e-5 of D, and as much of the value. GTR1's 1 + (a^2 - 1) cos^2 at a width of
+# 0.04 (disney's metal) is 0.0016 with an error of 1e-7.
+COMPLETE_RTOL = 1e-4
+
+
+def assert_values(baseline, name, parameters, expected, **how):
+    """The baseline's values for random directions are those of the reference `expected`."""
+    wi, wo = random_directions(20_000, seed=1), random_directions(20_000, seed=2)
+    found = baseline.eval(name, wi, wo, parameters, repeat=1, threads=2, **how).value
+    wi64, wo64 = (w / np.linalg.norm(w, axis=0) for w in np.array([wi, wo], np.float64))
+    for channel, values in zip(found, expected(wi64, wo64), strict=True):
+        # In the far tail of a Beckmann highlight the exponent is large, and so is its error.
+        atol = COMPLETE_RTOL * 1e-2 * values.mean()
+        np.testing.assert_allclose(channel, values, rtol=COMPLETE_RTOL, atol=atol)
+
+
+@pytest.mark.parametrize("inlined", [False, True], ids=["calls", "inlined"])
+@pytest.mark.parametrize(("name", "reference", "parameters"), COMPLETE, ids=IDS)
+def test_values_of_many_terms_are_the_formulas(baseline, name, reference, parameters, inlined):
+    def expected(wi, wo):
+        return reference(parameters, wi, wo)
+
+    assert_values(baseline, name, parameters, expected, inlined=inlined)
+
+
+# Width, roughness, index, and index of the lower coat.
+CHANGED = {"torrance_sparrow": 0, "disney": 7, "weidlich_wilkie": 0, "weidlich_wilkie_two_coats": 6}
+
+
+@pytest.mark.parametrize(("name", "reference", "parameters"), COMPLETE, ids=IDS)
+def test_a_parameter_that_is_a_percent_off_is_caught(baseline, name, reference, parameters):
+    changed = list(parameters)
+    changed[CHANGED[name]] *= 0.99
+
+    def expected(wi, wo):
+        return reference(tuple(changed), wi, wo)
+
+    with pytest.raises(AssertionError, match="Mismatched"):
+        assert_values(baseline, name, parameters, expected)
+
+
+def mean_weight(baseline, name, parameters, degrees, density=1.0):
+    """Mean of f cos / pdf over samples, for each channel; `density` makes the pdf wrong."""
+    n = 512
+    random = np.random.default_rng(5)
+    u1, u2 = np.meshgrid(np.arange(n), np.arange(n))
+    u1, u2 = (np.float32((u.ravel() + random.random(n * n)) / n) for u in (u1, u2))
+    u1, u2 = (np.minimum(u, np.float32(1 - 2.0**-24)) for u in (u1, u2))
+    wo = directions(np.full(u1.size, np.cos(np.radians(degrees))), 0.0)
+    samples = baseline.sample_pdf_eval(name, wo, u1, u2, parameters, repeat=1, threads=2)
+    used = samples.pdf > 0
+    assert np.all(samples.wi[2][used] > 0)
+    np.testing.assert_allclose(np.linalg.norm(samples.wi[:, used], axis=0), 1, atol=1e-6)
+    np.testing.assert_array_equal(samples.value[:, ~used], 0)
+    weight = np.zeros(samples.value.shape)
+    weight[:, used] = samples.value[:, used].astype(float) * samples.wi[2, used]
+    weight[:, used] /= density * samples.pdf[used]
+    return weight.mean(axis=1)
+
+
+# Mean of 260,000 stratified weights, which stay below 10 for these parameters.
+WEIGHT_RTOL = 4e-3
+
+
+@pytest.mark.parametrize("degrees", [10, 75])
+@pytest.mark.parametrize(("name", "reference", "parameters"), COMPLETE, ids=IDS)
+def test_mean_weight_is_the_albedo(baseline, name, reference, parameters, degrees):
+    theta = np.radians(degrees)
+    wi, weights = half_vector_rule(theta, nodes=10, azimuths=20)
+    up = wi[:, 2] > 0
+    wi, weights = wi[up].T, weights[up]
+    wo = np.array([[np.sin(theta)], [0], [np.cos(theta)]]) + 0 * wi
+    expected = [np.sum(f * wi[2] * weights) for f in reference(parameters, wi, wo)]
+    found = mean_weight(baseline, name, parameters, degrees)
+    np.testing.assert_allclose(found, expected, rtol=WEIGHT_RTOL)
+    wrong = mean_weight(baseline, name, parameters, degrees, density=1.01)
+    assert np.all(abs(wrong / expected - 1) > WEIGHT_RTOL)
+
+
+def test_a_row_with_too_few_parameters_is_an_error(baseline):
+    wi, wo = random_directions(8, seed=6), random_directions(8, seed=7)
+    with pytest.raises(ValueError, match="disney takes 13 parameters, given 4"):
+        baseline.eval("disney", wi, wo, (0.8, 0.8, 0.8, 0.5))
 
 
 @pytest.mark.parametrize("inlined", [False, True], ids=["calls", "inlined"])
@@ -133,7 +374,7 @@ def test_every_row_of_the_baseline_has_a_reference_here(baseline):
 def test_values_are_the_formulas(baseline, name, roughness, inlined):
     wi, wo = random_directions(20_000, seed=1), random_directions(20_000, seed=2)
     timed = baseline.eval(
-        name, wi, wo, rho=RHO, roughness=roughness, repeat=1, threads=2, inlined=inlined
+        name, wi, wo, diffuse(name, RHO, roughness), repeat=1, threads=2, inlined=inlined
     )
     wi64, wo64 = (np.array(w, np.float64) for w in (wi, wo))
     for channel, rho in zip(timed.value, RHO, strict=True):
@@ -154,7 +395,7 @@ def albedo(baseline, name, mu_o, roughness):
     d_phi = np.concatenate([weight, weight]) * np.pi / 2
     wi = directions(np.cos(theta)[:, None], phi)
     wo = directions(np.full(wi[0].size, mu_o), 0.0)
-    f = baseline.eval(name, wi, wo, rho=WHITE, roughness=roughness, repeat=1).value[0]
+    f = baseline.eval(name, wi, wo, diffuse(name, WHITE, roughness), repeat=1).value[0]
     cosines = (np.sin(theta) * np.cos(theta) * d_theta)[:, None] * (2 * d_phi)  # both signs of phi
     return np.sum(f.astype(np.float64) * cosines.ravel())
 
@@ -199,7 +440,7 @@ def test_eon_density_is_that_of_the_published_matrix(baseline, mu_o, r, a, b, c,
     u1, u2 = midpoints(64)
     azimuth = 0.7
     wo = directions(np.full(u1.size, mu_o), azimuth)
-    samples = baseline.sample_pdf_eval("eon_exact", wo, u1, u2, roughness=r, repeat=1)
+    samples = baseline.sample_pdf_eval("eon_exact", wo, u1, u2, (1, 1, 1, r), repeat=1)
     # Density of M w_H at wi: |M^-1 wi|^-3 |det M^-1| cos / (pi s), M^-1 taken by NumPy.
     turned = np.exp(-1j * azimuth) * (samples.wi[0] + 1j * samples.wi[1])
     if mu_o == 1:  # wo has no azimuth: its frame is the local one
@@ -225,7 +466,7 @@ def test_samples_of_a_white_surface_have_mean_weight_one(baseline, name, roughne
     u1, u2 = midpoints(n)
     wo = directions(np.full(u1.size, mu_o), 2.0)
     samples = baseline.sample_pdf_eval(
-        name, wo, u1, u2, rho=WHITE, roughness=roughness, repeat=1, threads=2
+        name, wo, u1, u2, diffuse(name, WHITE, roughness), repeat=1, threads=2
     )
     assert np.all(samples.wi[2] >= 0)
     np.testing.assert_allclose(np.linalg.norm(samples.wi, axis=0), 1, atol=5e-7)
@@ -239,16 +480,17 @@ def test_samples_of_a_white_surface_have_mean_weight_one(baseline, name, roughne
 def test_sampled_values_are_those_of_eval(baseline, name):
     u1, u2 = midpoints(64)
     wo = random_directions(u1.size, seed=3)
-    samples = baseline.sample_pdf_eval(name, wo, u1, u2, rho=RHO, repeat=1)
-    value = baseline.eval(name, tuple(samples.wi), wo, rho=RHO, repeat=1).value
+    parameters = diffuse(name, RHO)
+    samples = baseline.sample_pdf_eval(name, wo, u1, u2, parameters, repeat=1)
+    value = baseline.eval(name, tuple(samples.wi), wo, parameters, repeat=1).value
     np.testing.assert_array_equal(samples.value, value)
 
 
 @pytest.mark.parametrize("n", [0, 1, 2, 1001])
 def test_chunks_cover_every_pair_once(baseline, n):
     wi, wo = random_directions(n, seed=4), random_directions(n, seed=5)
-    one = baseline.eval("oren_nayar", wi, wo, threads=1, repeat=1).value
-    three = baseline.eval("oren_nayar", wi, wo, threads=3, repeat=1).value
+    one = baseline.eval("oren_nayar", wi, wo, diffuse(""), threads=1, repeat=1).value
+    three = baseline.eval("oren_nayar", wi, wo, diffuse(""), threads=3, repeat=1).value
     np.testing.assert_array_equal(one, three)
 
 
@@ -290,10 +532,10 @@ def test_a_source_that_does_not_compile_is_an_error_and_leaves_nothing(
 def test_wrong_arguments_are_errors_that_say_what_is_right(baseline):
     wi, wo = random_directions(8, seed=6), random_directions(8, seed=7)
     with pytest.raises(ValueError, match="no row 'phong' in the baseline; it has lambert"):
-        baseline.eval("phong", wi, wo)
+        baseline.eval("phong", wi, wo, diffuse("phong"))
     with pytest.raises(ValueError, match="given float64"):
-        baseline.eval("fon", tuple(np.float64(x) for x in wi), wo)
+        baseline.eval("fon", tuple(np.float64(x) for x in wi), wo, diffuse("fon"))
     with pytest.raises(ValueError, match=r"of one length, here \(8,\)"):
-        baseline.eval("fon", wi, tuple(x[:4] for x in wo))
+        baseline.eval("fon", wi, tuple(x[:4] for x in wo), diffuse("fon"))
     with pytest.raises(ValueError, match="threads=0"):
-        baseline.eval("fon", wi, wo, threads=0)
+        baseline.eval("fon", wi, wo, diffuse("fon"), threads=0)

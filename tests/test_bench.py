@@ -32,21 +32,23 @@ class Twin:
         self.factor = factor
         self.calls = []
 
-    def model(self, name, rho, roughness):
+    def model(self, name, parameters):
+        rho, rest = tuple(parameters[:3]), parameters[3:]
         if name == "lambert":
+            assert not rest
             return gonio.Lambert(rho=rho)
         if name == "fon":
-            return gonio.FON(rho=rho, roughness=roughness)
-        return gonio.EON(rho=rho, roughness=roughness, albedo_form=name.partition("_")[2])
+            return gonio.FON(rho=rho, roughness=rest[0])
+        return gonio.EON(rho=rho, roughness=rest[0], albedo_form=name.partition("_")[2])
 
-    def eval(self, name, wi, wo, *, rho, roughness, threads, repeat, inlined=False):
+    def eval(self, name, wi, wo, parameters, *, threads, repeat, inlined=False):
         self.calls.append(("inlined " if inlined else "") + name)
-        model = self.model(name, rho, roughness)
+        model = self.model(name, parameters)
         value = model.eval(np.stack(wi, -1), np.stack(wo, -1)) * self.factor
         return native.Timed(1e-3, np.ascontiguousarray(value.T))
 
-    def sample_pdf_eval(self, name, wo, u1, u2, *, rho, roughness, threads, repeat, inlined=False):
-        model = self.model(name, rho, roughness)
+    def sample_pdf_eval(self, name, wo, u1, u2, parameters, *, threads, repeat, inlined=False):
+        model = self.model(name, parameters)
         wo, u = np.stack(wo, -1), np.stack([u1, u2], -1)
         wi, pdf = model.sample(wo, u)
         value = model.eval(wi, wo)
@@ -88,6 +90,22 @@ def test_a_row_named_after_an_option_measures_that_option():
 def test_a_model_without_a_baseline_comes_alone():
     (eon,) = (entry for entry in pairs.entries(()) if entry.model.name == "eon")
     assert (eon.label, eon.in_baseline) == ("eon", False)
+
+
+def test_a_row_named_after_an_inner_model_comes_beside_the_models_own():
+    found = {entry.label: entry for entry in pairs.entries(("weidlich_wilkie_two_coats",))}
+    assert not found["weidlich_wilkie"].in_baseline
+    two = found["weidlich_wilkie_two_coats"].model
+    assert (two.name, two.base.name, two.base.base.name) == (
+        "weidlich_wilkie",
+        "weidlich_wilkie",
+        "lambert",
+    )
+
+
+def test_parameters_are_all_numbers_in_order_with_three_for_a_colour():
+    model = gonio.model("weidlich_wilkie", eta=1.4, sigma_a=(1, 2, 3), **{"base.rho": 0.5})
+    assert pairs.Entry("", model, False).parameters == (1.4, 0.1, 1, 2, 3, 1, 0.5, 0.5, 0.5)
 
 
 @needs_llvm
@@ -357,17 +375,38 @@ def test_random_directions_are_unit_and_above_the_horizon():
 def test_materials_are_rendered_in_the_same_scene():
 
     section = pictures.render_section(4, 1, 1, silent)
-    assert [row["row"] for row in section.rows] == ["diffuse", *pictures.GOALS]
-    assert section.rows[0]["multiple"] == 1
+    rows = {row["row"]: row for row in section.rows}
+    assert set(rows) == {*pictures.COMPARED, *pictures.GOALS}
+    for own, ours in pictures.COMPARED.items():
+        assert rows[own]["multiple"] == 1
+        for name in ours:
+            expected = rows[name]["seconds"] / rows[own]["seconds"]
+            assert rows[name]["multiple"] == pytest.approx(expected)
+            assert rows[name]["goal"].startswith("≤")
     assert all(row["seconds"] > 0 for row in section.rows)
+
+
+@needs_llvm
+def test_another_metal_is_not_taken_for_mitsubas(monkeypatch):
+    materials = pictures._materials
+
+    def wrong():
+        found = materials()
+        found["gonio_torrance_sparrow"][0]["alpha"] = 0.5
+        return found
+
+    monkeypatch.setattr(pictures, "_materials", wrong)
+    monkeypatch.setattr(pictures, "COMPARED", {"roughconductor": ("gonio_torrance_sparrow",)})
+    with pytest.raises(BenchError, match="gonio_torrance_sparrow and roughconductor should give"):
+        pictures.render_section(64, 16, 1, silent)
 
 
 def test_pictures_of_different_materials_are_an_error():
     random = np.random.default_rng(1)
     one, other = (1 + 0.1 * random.standard_normal((32, 32, 3)) for _ in range(2))
-    pictures._check_same(one, other)
+    pictures._check_same("a", "b", one, other)
     with pytest.raises(BenchError, match="should give the same picture"):
-        pictures._check_same(one, 1.05 * other)
+        pictures._check_same("a", "b", one, 1.05 * other)
 
 
 def test_sections_are_known_by_name():

@@ -16,6 +16,7 @@
 #include <cstring>
 #include <memory>
 #include <thread>
+#include <type_traits>
 #include <vector>
 
 namespace {
@@ -38,6 +39,11 @@ float length(Vec3 a) { return std::sqrt(dot(a, a)); }
 Vec3 normalize(Vec3 a) { return a / length(a); }
 float mix(float a, float b, float t) { return a + t * (b - a); }
 
+// Parameters: as many floats as the model has numbers, in the order in which it declares them.
+struct Flat {
+    Vec3 rho;
+};
+
 struct Params {
     Vec3 rho;
     float roughness;  // sigma in radians, r or the shininess n: whatever the model takes
@@ -45,7 +51,7 @@ struct Params {
 
 // ---- Values ----------------------------------------------------------------------------------------------------
 
-Vec3 lambert(const Params& p, Vec3, Vec3) { return p.rho / PI; }
+Vec3 lambert(const Flat& p, Vec3, Vec3) { return p.rho / PI; }
 
 // Oren and Nayar 1994, Eq. 27-29, with interreflection.
 Vec3 oren_nayar(const Params& p, Vec3 wi, Vec3 wo) {
@@ -163,7 +169,7 @@ struct Sample {
     float pdf;
 };
 
-Sample cosine_sample(const Params&, Vec3, float u1, float u2) {
+Sample cosine_sample(const Flat&, Vec3, float u1, float u2) {
     float R = std::sqrt(u1), phi = 2.0f * PI * u2;
     float z = std::sqrt(1.0f - u1);
     return {{R * std::cos(phi), R * std::sin(phi), z}, z / PI};
@@ -235,17 +241,365 @@ Sample eon_sample(const Params& p, Vec3 wo, float u1, float u2) {
     return s;
 }
 
+// ---- Facets ----------------------------------------------------------------------------------------------------
+
+float square(float x) { return x * x; }
+
+const Sample WASTED = {{0.0f, 0.0f, -1.0f}, 0.0f};
+
+struct Half {
+    Vec3 m;       // (wi + wo) / |wi + wo|
+    float cos_h;  // wo . m, half the length of wi + wo
+};
+
+Half half_vector(Vec3 wi, Vec3 wo) {
+    Vec3 sum = wi + wo;
+    float len = length(sum);
+    return {sum / len, std::min(0.5f * len, 1.0f)};
+}
+
+Vec3 mirror(Vec3 wo, Vec3 m) { return m * (2.0f * dot(wo, m)) - wo; }
+
+// Walter et al. 2007, Eq. 33, with a width along x and one along y (Burley 2012, Eq. 13).
+float D_ggx(Vec3 m, float ax, float ay) {
+    return 1.0f / (PI * ax * ay * square(square(m.x / ax) + square(m.y / ay) + m.z * m.z));
+}
+
+// Smith's Lambda for GGX. Heitz 2014, Eq. 72 and 86.
+float Lambda_ggx(Vec3 w, float ax, float ay) {
+    float alpha2_tan2 = (square(ax * w.x) + square(ay * w.y)) / (w.z * w.z);
+    return 0.5f * (std::sqrt(1.0f + alpha2_tan2) - 1.0f);
+}
+
+// Heitz, "Sampling the GGX distribution of visible normals", JCGT 2018, Listing 1.
+Vec3 visible_ggx_normal(Vec3 wo, float ax, float ay, float u1, float u2) {
+    Vec3 Vh = normalize({ax * wo.x, ay * wo.y, wo.z});
+    float lensq = Vh.x * Vh.x + Vh.y * Vh.y;
+    Vec3 T1 = lensq > 0.0f ? Vec3{-Vh.y, Vh.x, 0.0f} * (1.0f / std::sqrt(lensq)) : Vec3{1.0f, 0.0f, 0.0f};
+    Vec3 T2 = {-Vh.z * T1.y, Vh.z * T1.x, Vh.x * T1.y - Vh.y * T1.x};
+    float r = std::sqrt(u1), phi = 2.0f * PI * u2;
+    float t1 = r * std::cos(phi), t2 = r * std::sin(phi);
+    float s = 0.5f * (1.0f + Vh.z);
+    t2 = (1.0f - s) * std::sqrt(1.0f - t1 * t1) + s * t2;
+    Vec3 Nh = T1 * t1 + T2 * t2 + Vh * std::sqrt(std::max(0.0f, 1.0f - t1 * t1 - t2 * t2));
+    return normalize({ax * Nh.x, ay * Nh.y, std::max(1e-6f, Nh.z)});
+}
+
+// G1(wo) D / (4 mu_o), the density of wo mirrored at a visible normal m.
+float visible_ggx_pdf(Vec3 wo, Vec3 m, float ax, float ay) {
+    return D_ggx(m, ax, ay) / ((1.0f + Lambda_ggx(wo, ax, ay)) * 4.0f * wo.z);
+}
+
+// Exact reflectance of a conductor for one channel (Born and Wolf; as renderers have it).
+float F_conductor(float cos_theta, float eta, float k) {
+    float cos2 = cos_theta * cos_theta, sin2 = 1.0f - cos2, sin4 = sin2 * sin2;
+    float t0 = eta * eta - k * k - sin2;
+    float a2_plus_b2 = std::sqrt(t0 * t0 + 4.0f * eta * eta * k * k);
+    float a = std::sqrt(std::max(0.5f * (a2_plus_b2 + t0), 0.0f));
+    float t1 = a2_plus_b2 + cos2, t2 = 2.0f * a * cos_theta;
+    float Rs = (t1 - t2) / (t1 + t2);
+    float t3 = a2_plus_b2 * cos2 + sin4, t4 = t2 * sin2;
+    float Rp = Rs * (t3 - t4) / (t3 + t4);
+    return 0.5f * (Rs + Rp);
+}
+
+// Exact reflectance of a dielectric, by Snell and Fresnel; eta >= 1.
+float F_dielectric(float cos_i, float eta) {
+    float cos_t = std::sqrt(1.0f - (1.0f - cos_i * cos_i) / (eta * eta));
+    float rs = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
+    float rp = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+    return 0.5f * (rs * rs + rp * rp);
+}
+
+// ---- Choice of lobes -------------------------------------------------------------------------------------------
+
+// The first lobe's probability of two with the albedos a and b: in proportion, but at least a tenth for a lobe,
+// unless fifty times its part is less. gonio chooses so; densities can only be compared with the same choice.
+float first_share(float a, float b) {
+    float p = a / (a + b), q = b / (a + b);
+    return p < q ? std::max(p, std::min(0.1f, 50.0f * p)) : 1.0f - std::max(q, std::min(0.1f, 50.0f * q));
+}
+
+// Whether u chooses the first lobe; u is stretched to [0, 1) again.
+bool choose(float probability, float& u) {
+    bool first = u < probability;
+    u = first ? u / probability : (u - probability) / (1.0f - probability);
+    u = std::min(u, 0.99999994f);
+    return first;
+}
+
+float average(Vec3 c) { return (c.x + c.y + c.z) / 3.0f; }
+
+// ---- Torrance-Sparrow: GGX, height-correlated Smith, exact conductor ---------------------------------------------
+
+struct TorranceSparrow {
+    float alpha, anisotropy;
+    Vec3 eta, k;
+    Vec3 f0, f90;  // of Schlick's Fresnel, which this row does not have
+};
+
+struct Widths {
+    float x, y;
+};
+
+Widths widths(const TorranceSparrow& p) {
+    float aspect = std::sqrt(1.0f - 0.9f * p.anisotropy);
+    return {p.alpha / aspect, p.alpha * aspect};
+}
+
+Vec3 torrance_sparrow(const TorranceSparrow& p, Vec3 wi, Vec3 wo) {
+    Widths a = widths(p);
+    Half h = half_vector(wi, wo);
+    float D = D_ggx(h.m, a.x, a.y);
+    float G = 1.0f / (1.0f + Lambda_ggx(wi, a.x, a.y) + Lambda_ggx(wo, a.x, a.y));
+    Vec3 F = {F_conductor(h.cos_h, p.eta.x, p.k.x), F_conductor(h.cos_h, p.eta.y, p.k.y),
+              F_conductor(h.cos_h, p.eta.z, p.k.z)};
+    return F * (D * G / (4.0f * wi.z * wo.z));
+}
+
+Sample torrance_sparrow_sample(const TorranceSparrow& p, Vec3 wo, float u1, float u2) {
+    Widths a = widths(p);
+    Vec3 m = visible_ggx_normal(wo, a.x, a.y, u1, u2);
+    Vec3 wi = mirror(wo, m);
+    if (wi.z <= 0.0f) return WASTED;
+    return {wi, visible_ggx_pdf(wo, m, a.x, a.y)};
+}
+
+// ---- Disney 2012: Burley's disney.brdf, with the masking of the course notes ---------------------------------------
+
+struct Disney {
+    Vec3 baseColor;
+    float subsurface, metallic, specular, specularTint, roughness, anisotropic, sheen, sheenTint, clearcoat,
+        clearcoatGloss;
+};
+
+float SchlickFresnel(float u) { return pow5(std::clamp(1.0f - u, 0.0f, 1.0f)); }
+
+float GTR1(float NdotH, float a) {
+    float a2 = a * a;
+    float t = 1.0f + (a2 - 1.0f) * NdotH * NdotH;
+    return (a2 - 1.0f) / (PI * std::log(a2) * t);
+}
+
+float smithG_GGX(float NdotV, float alphaG) {
+    float a = alphaG * alphaG, b = NdotV * NdotV;
+    return 1.0f / (NdotV + std::sqrt(a + b - a * b));
+}
+
+Vec3 mix(Vec3 a, Vec3 b, float t) { return a + (b - a) * t; }
+
+Vec3 tint(const Disney& p) {
+    float luminance = 0.3f * p.baseColor.x + 0.6f * p.baseColor.y + 0.1f * p.baseColor.z;
+    return luminance > 0.0f ? p.baseColor / luminance : white();
+}
+
+Vec3 specular_colour(const Disney& p) {
+    return mix(mix(white(), tint(p), p.specularTint) * (p.specular * 0.08f), p.baseColor, p.metallic);
+}
+
+Widths widths(const Disney& p) {
+    float aspect = std::sqrt(1.0f - p.anisotropic * 0.9f);
+    return {std::max(0.001f, square(p.roughness) / aspect), std::max(0.001f, square(p.roughness) * aspect)};
+}
+
+Vec3 disney(const Disney& p, Vec3 L, Vec3 V) {
+    float NdotL = L.z, NdotV = V.z;
+    Half h = half_vector(L, V);
+    float NdotH = h.m.z, LdotH = h.cos_h;
+
+    // Diffuse, from 1 at the normal to 0.5 or more at grazing angles
+    float FL = SchlickFresnel(NdotL), FV = SchlickFresnel(NdotV);
+    float Fd90 = 0.5f + 2.0f * LdotH * LdotH * p.roughness;
+    float Fd = mix(1.0f, Fd90, FL) * mix(1.0f, Fd90, FV);
+
+    // Hanrahan and Krueger's, for subsurface
+    float Fss90 = LdotH * LdotH * p.roughness;
+    float Fss = mix(1.0f, Fss90, FL) * mix(1.0f, Fss90, FV);
+    float ss = 1.25f * (Fss * (1.0f / (NdotL + NdotV) - 0.5f) + 0.5f);
+
+    Widths a = widths(p);
+    float Ds = D_ggx(h.m, a.x, a.y);
+    float FH = SchlickFresnel(LdotH);
+    Vec3 Fs = mix(specular_colour(p), white(), FH);
+    float roughg = square(p.roughness * 0.5f + 0.5f);
+    float Gs = smithG_GGX(NdotL, roughg) * smithG_GGX(NdotV, roughg);
+
+    Vec3 Fsheen = mix(white(), tint(p), p.sheenTint) * (FH * p.sheen);
+
+    float Dr = GTR1(NdotH, mix(0.1f, 0.001f, p.clearcoatGloss));
+    float Fr = mix(0.04f, 1.0f, FH);
+    float Gr = smithG_GGX(NdotL, 0.25f) * smithG_GGX(NdotV, 0.25f);
+
+    return (p.baseColor * (mix(Fd, ss, p.subsurface) / PI) + Fsheen) * (1.0f - p.metallic) + Fs * (Gs * Ds) +
+           white() * (0.25f * p.clearcoat * Gr * Fr * Dr);
+}
+
+// Lobes by the estimated albedos: cosine-weighted (some of it uniform, for the subsurface term), a visible GGX normal
+// whose mirrored direction is folded up at the horizon, or a clearcoat normal.
+Sample disney_sample(const Disney& p, Vec3 wo, float u1, float u2) {
+    Widths a = widths(p);
+    float FV = SchlickFresnel(wo.z);
+    float diffuse =
+        average((p.baseColor + mix(white(), tint(p), p.sheenTint) * (0.06f * p.sheen)) * (1.0f - p.metallic));
+    float highlight = average(mix(specular_colour(p), white(), FV));
+    float clearcoat = 0.25f * p.clearcoat * mix(0.04f, 1.0f, FV);
+    float P_diffuse = first_share(diffuse, highlight + clearcoat), P_highlight = first_share(highlight, clearcoat);
+    float P_uniform = 0.5f * p.subsurface;
+    float coat_alpha = mix(0.1f, 0.001f, p.clearcoatGloss);
+
+    Vec3 wi;
+    if (choose(P_diffuse, u1)) {
+        bool uniform = choose(P_uniform, u1);
+        float z = uniform ? u1 : std::sqrt(1.0f - u1);
+        float sine = std::sqrt(1.0f - z * z), phi = 2.0f * PI * u2;
+        wi = {sine * std::cos(phi), sine * std::sin(phi), z};
+    } else if (choose(P_highlight, u1)) {
+        wi = mirror(wo, visible_ggx_normal(wo, a.x, a.y, u1, u2));
+        wi.z = std::abs(wi.z);
+    } else {
+        float a2 = coat_alpha * coat_alpha;  // Burley, Eq. 5
+        float cos2 = (1.0f - std::pow(a2, 1.0f - u1)) / (1.0f - a2);
+        float sine = std::sqrt(std::max(1.0f - cos2, 0.0f)), phi = 2.0f * PI * u2;
+        wi = mirror(wo, {sine * std::cos(phi), sine * std::sin(phi), std::sqrt(cos2)});
+    }
+    if (wi.z <= 0.0f) return WASTED;
+
+    Half h = half_vector(wi, wo);
+    float folded = 0.0f;
+    if (wo.z > wi.z) folded = visible_ggx_pdf(wo, half_vector({wi.x, wi.y, -wi.z}, wo).m, a.x, a.y);
+    float specular = P_highlight * (visible_ggx_pdf(wo, h.m, a.x, a.y) + folded) +
+                     (1.0f - P_highlight) * GTR1(h.m.z, coat_alpha) * h.m.z / (4.0f * h.cos_h);
+    float matte = mix(wi.z / PI, 1.0f / (2.0f * PI), P_uniform);
+    return {wi, P_diffuse * matte + (1.0f - P_diffuse) * specular};
+}
+
+// ---- Weidlich-Wilkie: Elek 2010, Eq. 2 to 4, with a base of any kind ------------------------------------------------
+
+template <class Base>
+struct Coat {
+    float eta, alpha;
+    Vec3 sigma_a;
+    float thickness;
+    Base base;
+};
+
+// The base is at least as rough as what lies above it.
+Flat at_least_as_rough(Flat base, float) { return base; }
+template <class Base>
+Coat<Base> at_least_as_rough(Coat<Base> base, float alpha) {
+    base.alpha = std::max(base.alpha, alpha);
+    return base;
+}
+
+Vec3 refract(Vec3 w, float eta) {
+    float x = w.x / eta, y = w.y / eta;
+    return {x, y, std::sqrt(1.0f - (x * x + y * y))};
+}
+
+Vec3 exp(Vec3 a) { return {std::exp(a.x), std::exp(a.y), std::exp(a.z)}; }
+
+// exp(-sigma d (1 / mu_i' + 1 / mu_o')).
+template <class Base>
+Vec3 absorbed(const Coat<Base>& p, float mu_i, float mu_o) {
+    return exp(p.sigma_a * (-p.thickness * (1.0f / mu_i + 1.0f / mu_o)));
+}
+
+float D_beckmann(float cos_m, float alpha) {
+    float cos2 = cos_m * cos_m, alpha2 = alpha * alpha;
+    return std::exp((cos2 - 1.0f) / (cos2 * alpha2)) / (PI * alpha2 * cos2 * cos2);
+}
+
+Vec3 value(const Flat& p, Vec3 wi, Vec3 wo) { return lambert(p, wi, wo); }
+template <class Base>
+Vec3 value(const Coat<Base>& p, Vec3 wi, Vec3 wo) {
+    Half h = half_vector(wi, wo);
+    float F = F_dielectric(h.cos_h, p.eta);
+    float G = std::min(1.0f, 2.0f * h.m.z * std::min(wi.z, wo.z) / h.cos_h);
+    float coat = F * D_beckmann(h.m.z, p.alpha) * G / (4.0f * wi.z * wo.z);
+    float T12 = 1.0f - F;
+    float t = (1.0f - G) + T12 * G;
+    Vec3 wi_t = refract(wi, p.eta), wo_t = refract(wo, p.eta);
+    Vec3 below = value(at_least_as_rough(p.base, p.alpha), wi_t, wo_t);
+    return white() * coat + below * absorbed(p, wi_t.z, wo_t.z) * (T12 * t);
+}
+
+template <class Base>
+Vec3 coated(const Coat<Base>& p, Vec3 wi, Vec3 wo) {
+    return value(p, wi, wo);
+}
+
+// The coat's probability, by what it reflects of wo and what reaches the base and leaves again along wo.
+template <class Base>
+float coat_share(const Coat<Base>& p, Vec3 wo, Vec3 wo_t) {
+    float T = 1.0f - F_dielectric(0.5f + 0.5f * wo.z, p.eta);
+    float through = T * average(absorbed(p, 1.0f, wo_t.z));
+    return first_share(std::max(F_dielectric(wo.z, p.eta), 0.1f * through), through);
+}
+
+// Directions inside that are reflected totally, flatter than the cosine k, are spread over the hemisphere outside.
+float critical_cosine(float eta) { return std::sqrt(1.0f - 1.0f / (eta * eta)); }
+
+// The direction with the azimuth of w and the cosine z.
+Vec3 with_cosine(Vec3 w, float z) {
+    float sin2 = w.x * w.x + w.y * w.y, sine = std::sqrt(std::max(1.0f - z * z, 0.0f));
+    if (sin2 <= 0.0f) return {sine, 0.0f, z};
+    float scale = sine / std::sqrt(sin2);
+    return {w.x * scale, w.y * scale, z};
+}
+
+float density(const Flat&, Vec3 wi, Vec3) { return wi.z / PI; }
+template <class Base>
+float density(const Coat<Base>& p, Vec3 wi, Vec3 wo) {
+    Vec3 wi_t = refract(wi, p.eta), wo_t = refract(wo, p.eta);
+    Base base = at_least_as_rough(p.base, p.alpha);
+    float k = critical_cosine(p.eta);
+    float below = density(base, wi_t, wo_t) * wi.z / (p.eta * p.eta * wi_t.z) +
+                  density(base, with_cosine(wi, k * wi.z), wo_t) * k;
+    Half h = half_vector(wi, wo);
+    float P = coat_share(p, wo, wo_t);
+    return P * D_beckmann(h.m.z, p.alpha) * h.m.z / (4.0f * h.cos_h) + (1.0f - P) * below;
+}
+
+Vec3 direction(const Flat&, Vec3, float u1, float u2) {
+    float R = std::sqrt(u1), phi = 2.0f * PI * u2;
+    return {R * std::cos(phi), R * std::sin(phi), std::sqrt(1.0f - u1)};
+}
+template <class Base>
+Vec3 direction(const Coat<Base>& p, Vec3 wo, float u1, float u2) {
+    Vec3 wo_t = refract(wo, p.eta);
+    if (choose(coat_share(p, wo, wo_t), u1)) {
+        float tangent = p.alpha * std::sqrt(-std::log(1.0f - u1)), phi = 2.0f * PI * u2;  // Walter et al., Eq. 28
+        float cos_m = 1.0f / std::sqrt(1.0f + tangent * tangent), sin_m = tangent * cos_m;
+        return mirror(wo, {sin_m * std::cos(phi), sin_m * std::sin(phi), cos_m});
+    }
+    Vec3 w = direction(at_least_as_rough(p.base, p.alpha), wo_t, u1, u2);
+    if (w.z <= 0.0f) return WASTED.wi;
+    float k = critical_cosine(p.eta);
+    float refracted2 = 1.0f - p.eta * p.eta * (1.0f - w.z * w.z);
+    return with_cosine(w, w.z > k ? std::sqrt(std::max(refracted2, 0.0f)) : w.z / k);
+}
+
+template <class Base>
+Sample coated_sample(const Coat<Base>& p, Vec3 wo, float u1, float u2) {
+    Vec3 wi = direction(p, wo, u1, u2);
+    if (wi.z <= 0.0f) return WASTED;
+    return {wi, density(p, wi, wo)};
+}
+
 // ---- Loops -----------------------------------------------------------------------------------------------------
 
-using EvalFunction = Vec3(const Params&, Vec3 wi, Vec3 wo);
-using SampleFunction = Sample(const Params&, Vec3 wo, float u1, float u2);
+template <class P>
+using EvalFunction = Vec3(const P&, Vec3 wi, Vec3 wo);
+template <class P>
+using SampleFunction = Sample(const P&, Vec3 wo, float u1, float u2);
 
 // One array per component: wi.xyz, wo.xyz -> value.rgb for eval; wo.xyz, u1, u2 -> wi.xyz, pdf, value.rgb for sample.
 using Inputs = const float* const*;
 using Outputs = float* const*;
 
 // Always inlined into its callers below, which differ only in whether f is known to the compiler.
-[[gnu::always_inline]] inline void eval_loop(EvalFunction* f, Params p, Inputs in, Outputs out, size_t begin,
+template <class P>
+[[gnu::always_inline]] inline void eval_loop(EvalFunction<P>* f, P p, Inputs in, Outputs out, size_t begin,
                                              size_t end) {
     const float *wi_x = in[0], *wi_y = in[1], *wi_z = in[2];
     const float *wo_x = in[3], *wo_y = in[4], *wo_z = in[5];
@@ -258,7 +612,9 @@ using Outputs = float* const*;
     }
 }
 
-[[gnu::always_inline]] inline void sample_loop(SampleFunction* sample, EvalFunction* f, Params p, Inputs in,
+// A sample with density 0 is wasted, and has no value.
+template <class P>
+[[gnu::always_inline]] inline void sample_loop(SampleFunction<P>* sample, EvalFunction<P>* f, P p, Inputs in,
                                                Outputs out, size_t begin, size_t end) {
     const float *wo_x = in[0], *wo_y = in[1], *wo_z = in[2], *u1 = in[3], *u2 = in[4];
     float *__restrict wi_x = out[0], *__restrict wi_y = out[1], *__restrict wi_z = out[2], *__restrict pdf = out[3];
@@ -266,7 +622,7 @@ using Outputs = float* const*;
     for (size_t i = begin; i < end; i++) {
         Vec3 wo = {wo_x[i], wo_y[i], wo_z[i]};
         Sample s = sample(p, wo, u1[i], u2[i]);
-        Vec3 value = f(p, s.wi, wo);
+        Vec3 value = s.pdf > 0.0f ? f(p, s.wi, wo) : Vec3{0.0f, 0.0f, 0.0f};
         wi_x[i] = s.wi.x;
         wi_y[i] = s.wi.y;
         wi_z[i] = s.wi.z;
@@ -277,56 +633,82 @@ using Outputs = float* const*;
     }
 }
 
-void calls(SampleFunction* sample, EvalFunction* f, const Params& p, Inputs in, Outputs out, size_t begin, size_t end) {
-    if (sample)
-        sample_loop(sample, f, p, in, out, begin, end);
-    else
-        eval_loop(f, p, in, out, begin, end);
+template <class P>
+P read(const float* parameters) {
+    static_assert(std::is_trivially_copyable_v<P> && sizeof(P) % sizeof(float) == 0);
+    P p;
+    std::memcpy(&p, parameters, sizeof(P));
+    return p;
 }
 
-template <EvalFunction* f>
-void inlined_eval(const Params& p, Inputs in, Outputs out, size_t begin, size_t end) {
-    eval_loop(f, p, in, out, begin, end);
+using Loop = void(const float* parameters, Inputs in, Outputs out, size_t begin, size_t end);
+
+// The functions' addresses are volatile here: the compiler does not know what it calls.
+template <class P, EvalFunction<P>* f>
+void called_eval(const float* parameters, Inputs in, Outputs out, size_t begin, size_t end) {
+    EvalFunction<P>* volatile hidden = f;
+    eval_loop<P>(hidden, read<P>(parameters), in, out, begin, end);
 }
 
-template <SampleFunction* sample, EvalFunction* f>
-void inlined_sample(const Params& p, Inputs in, Outputs out, size_t begin, size_t end) {
-    sample_loop(sample, f, p, in, out, begin, end);
+template <class P, SampleFunction<P>* sample, EvalFunction<P>* f>
+void called_sample(const float* parameters, Inputs in, Outputs out, size_t begin, size_t end) {
+    SampleFunction<P>* volatile hidden_sample = sample;
+    EvalFunction<P>* volatile hidden = f;
+    sample_loop<P>(hidden_sample, hidden, read<P>(parameters), in, out, begin, end);
 }
 
-using InlinedLoop = void(const Params&, Inputs, Outputs, size_t begin, size_t end);
+template <class P, EvalFunction<P>* f>
+void inlined_eval(const float* parameters, Inputs in, Outputs out, size_t begin, size_t end) {
+    eval_loop<P>(f, read<P>(parameters), in, out, begin, end);
+}
+
+template <class P, SampleFunction<P>* sample, EvalFunction<P>* f>
+void inlined_sample(const float* parameters, Inputs in, Outputs out, size_t begin, size_t end) {
+    sample_loop<P>(sample, f, read<P>(parameters), in, out, begin, end);
+}
 
 struct Row {
     const char* name;
-    SampleFunction* sample;  // null: the row times eval alone
-    EvalFunction* eval;
-    InlinedLoop* inlined;
+    bool samples;    // whether the row times sample + pdf + eval, or eval alone
+    int parameters;  // how many floats
+    Loop* called;
+    Loop* inlined;
 };
 
-template <EvalFunction* f>
+template <class P, EvalFunction<P>* f>
 constexpr Row row(const char* name) {
-    return {name, nullptr, f, inlined_eval<f>};
+    return {name, false, sizeof(P) / sizeof(float), called_eval<P, f>, inlined_eval<P, f>};
 }
 
-template <SampleFunction* sample, EvalFunction* f>
+template <class P, SampleFunction<P>* sample, EvalFunction<P>* f>
 constexpr Row row(const char* name) {
-    return {name, sample, f, inlined_sample<sample, f>};
+    return {name, true, sizeof(P) / sizeof(float), called_sample<P, sample, f>, inlined_sample<P, sample, f>};
 }
+
+using TwoCoats = Coat<Coat<Flat>>;
 
 const Row ROWS[] = {
-    row<lambert>("lambert"),
-    row<oren_nayar>("oren_nayar"),
-    row<qon>("qon"),
-    row<qon_footnote>("qon_footnote"),
-    row<qon_fujii>("qon_fujii"),
-    row<fon>("fon"),
-    row<eon<true>>("eon_exact"),
-    row<eon<false>>("eon_fitted"),
-    row<triace_oren_nayar>("triace_oren_nayar"),
-    row<burley_diffuse>("burley_diffuse"),
-    row<cosine_sample, lambert>("lambert"),
-    row<eon_sample, eon<true>>("eon_exact"),
-    row<eon_sample, eon<false>>("eon_fitted"),
+    row<Flat, lambert>("lambert"),
+    row<Params, oren_nayar>("oren_nayar"),
+    row<Params, qon>("qon"),
+    row<Params, qon_footnote>("qon_footnote"),
+    row<Params, qon_fujii>("qon_fujii"),
+    row<Params, fon>("fon"),
+    row<Params, eon<true>>("eon_exact"),
+    row<Params, eon<false>>("eon_fitted"),
+    row<Params, triace_oren_nayar>("triace_oren_nayar"),
+    row<Params, burley_diffuse>("burley_diffuse"),
+    row<TorranceSparrow, torrance_sparrow>("torrance_sparrow"),
+    row<Disney, disney>("disney"),
+    row<Coat<Flat>, coated<Flat>>("weidlich_wilkie"),
+    row<TwoCoats, coated<Coat<Flat>>>("weidlich_wilkie_two_coats"),
+    row<Flat, cosine_sample, lambert>("lambert"),
+    row<Params, eon_sample, eon<true>>("eon_exact"),
+    row<Params, eon_sample, eon<false>>("eon_fitted"),
+    row<TorranceSparrow, torrance_sparrow_sample, torrance_sparrow>("torrance_sparrow"),
+    row<Disney, disney_sample, disney>("disney"),
+    row<Coat<Flat>, coated_sample<Flat>, coated<Flat>>("weidlich_wilkie"),
+    row<TwoCoats, coated_sample<Coat<Flat>>, coated<Coat<Flat>>>("weidlich_wilkie_two_coats"),
 };
 
 // Calls body(begin, end) on `threads` contiguous chunks of 0..n, the last one in this thread, and returns the
@@ -349,19 +731,16 @@ extern "C" {
 const char* baseline_name(int i) { return i < int(std::size(ROWS)) ? ROWS[i].name : nullptr; }
 
 // Whether row i is sample + pdf + eval (1) or eval (0).
-int baseline_samples(int i) { return ROWS[i].sample != nullptr; }
+int baseline_samples(int i) { return ROWS[i].samples; }
 
-// Runs row i once over n pairs and returns the seconds. parameters: rho r, g, b, roughness.
+// How many floats row i takes as parameters.
+int baseline_parameters(int i) { return ROWS[i].parameters; }
+
+// Runs row i once over n pairs and returns the seconds.
 double baseline_run(int i, int inlined, const float* parameters, const float* const* in, float* const* out, size_t n,
                     int threads) {
-    const Row& r = ROWS[i];
-    const Params p = {{parameters[0], parameters[1], parameters[2]}, parameters[3]};
-    return timed_parallel(n, threads, [&](size_t begin, size_t end) {
-        if (inlined)
-            r.inlined(p, in, out, begin, end);
-        else
-            calls(r.sample, r.eval, p, in, out, begin, end);
-    });
+    Loop* loop = inlined ? ROWS[i].inlined : ROWS[i].called;
+    return timed_parallel(n, threads, [&](size_t begin, size_t end) { loop(parameters, in, out, begin, end); });
 }
 
 // STREAM's triad a = b + x c over n floats per array: bytes read and written per second, best of `repeat`.

@@ -10,7 +10,7 @@ import drjit as dr
 
 import gonio
 from gonio import backend
-from gonio.bench import machine, native, pictures, startup
+from gonio.bench import machine, native, pictures, shaders, startup
 from gonio.bench.pairs import (
     DISTRIBUTION,
     STREAM_BYTES,
@@ -24,8 +24,9 @@ from gonio.bench.pairs import (
     stream,
 )
 from gonio.bench.report import Column, Report, Section
+from gonio.export.prove.tools import ProofError
 
-SECTIONS = ("eval", "sample", "numpy", "render", "kernels", "startup")
+SECTIONS = ("eval", "sample", "numpy", "render", "shaders", "kernels", "startup")
 
 NUMPY_PAIRS = 1_000_000
 NUMPY_ROUNDS = 50
@@ -42,13 +43,13 @@ def bench(
     output: Path | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Report:
-    """Measure gonio beside C++, NumPy, Mitsuba's own plug-ins and the clock.
+    """Measure gonio beside C++, NumPy, Mitsuba's own plug-ins, shaders written by hand and the clock.
 
     Args:
         pairs: how many pairs of directions, at least 1.
         repeat: how many times the two sides of a comparison run in turn; the medians are reported.
-        rows: what to measure: names of sections (eval, sample, numpy, render, kernels, startup), of
-            models and of rows such as "eon_fitted". None measures everything.
+        rows: what to measure: names of sections (eval, sample, numpy, render, shaders, kernels,
+            startup), of models and of rows such as "eon_fitted". None measures everything.
         output: a file for the report: Markdown, or JSON if its name ends in .json.
         progress: is told what is measured next; None prints that to stderr.
 
@@ -100,6 +101,12 @@ def bench(
         "Models have their default parameters, which the kernels do not know as constants.",
         DISTRIBUTION,
     ]
+    if "shaders" in sections:
+        try:
+            found.extend(shaders.shader_sections(repeat, say))
+        except ProofError as error:
+            say(f"leaving out the shaders: {error}")
+            notes.append(f"The exported shaders were not measured: {error}")
     report = Report(described, notes, found)
     if output is not None:
         report.write(output)

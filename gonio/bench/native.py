@@ -1,6 +1,7 @@
 """The C++ baseline of `gonio bench`: compiles baseline.cpp and calls it.
 
-It knows nothing of the models: the rows (a name, and what is timed) are read from the library.
+It knows nothing of the models: the rows (a name, what is timed, and how many parameters it takes) are
+read from the library.
 """
 
 import ctypes
@@ -86,21 +87,19 @@ class Baseline:
         name: str,
         wi: Directions,
         wo: Directions,
+        parameters: Sequence[float],
         *,
-        rho: tuple[float, float, float] = (0.8, 0.8, 0.8),
-        roughness: float = 0.5,
         threads: int = 1,
         repeat: int = 5,
         inlined: bool = False,
     ) -> Timed:
         """Evaluate model `name` for every pair, `repeat` times after one call that is not timed.
 
-        `roughness` is the model's own scale: sigma in radians for `oren_nayar` and `qon*`, the
-        shininess n for `triace_oren_nayar`, r in [0, 1] for the rest. `inlined` lets the compiler
-        fuse model and loop and vectorise; without it every pair is one call, as in a renderer.
+        `parameters` are the model's numbers in the order in which it declares them, three for a
+        colour, those of inner models after its own. `inlined` lets the compiler fuse model and loop
+        and vectorise; without it every pair is one call, as in a renderer.
         """
         row = _find(name, self._eval_rows)
-        parameters = (*rho, roughness)
         seconds, out = self._run(row, parameters, (*wi, *wo), 3, threads, repeat, inlined)
         return Timed(seconds, out)
 
@@ -110,16 +109,14 @@ class Baseline:
         wo: Directions,
         u1: Floats,
         u2: Floats,
+        parameters: Sequence[float],
         *,
-        rho: tuple[float, float, float] = (0.8, 0.8, 0.8),
-        roughness: float = 0.5,
         threads: int = 1,
         repeat: int = 5,
         inlined: bool = False,
     ) -> TimedSamples:
         """Sample wi, its density and the value there for every (wo, u1, u2); else as `eval`."""
         row = _find(name, self._sample_rows)
-        parameters = (*rho, roughness)
         seconds, out = self._run(row, parameters, (*wo, u1, u2), 7, threads, repeat, inlined)
         return TimedSamples(seconds, value=out[4:], wi=out[:3], pdf=out[3])
 
@@ -140,6 +137,10 @@ class Baseline:
         inlined: bool,
     ) -> tuple[float, Floats]:
         _check_counts(threads, repeat)
+        wanted = self._c.baseline_parameters(row)
+        if len(parameters) != wanted:
+            name = self._c.baseline_name(row).decode()
+            raise ValueError(f"{name} takes {wanted} parameters, given {len(parameters)}")
         n = _common_length(inputs)
         out = np.empty((outputs, n), np.float32)
         c_parameters = (ctypes.c_float * len(parameters))(*parameters)

@@ -1,4 +1,4 @@
-"""gonio's Mitsuba plug-ins beside Mitsuba's own `diffuse`: render times, and kernels compiled."""
+"""gonio's Mitsuba plug-ins beside Mitsuba's own: render times, and kernels compiled."""
 
 from __future__ import annotations
 
@@ -17,11 +17,15 @@ from gonio.model import Parameter
 
 VARIANT = "llvm_ad_rgb"
 
-# Render time as a multiple of that with `diffuse`.
-GOALS = {"gonio_lambert": 1.05, "gonio_eon": 1.15}
+# Render time as a multiple of that with Mitsuba's own material.
+GOALS = {"gonio_lambert": 1.05, "gonio_eon": 1.15, "gonio_torrance_sparrow": 1.1}
 
-# gonio_lambert and diffuse are the same material, sampled in different ways: the mean difference of
-# their pictures stays within this many standard errors.
+# gonio's plug-ins by Mitsuba's own that they are compared with. The first of each is the same material,
+# sampled in another way: the mean difference of their pictures stays within SIGMAS standard errors.
+COMPARED = {
+    "diffuse": ("gonio_lambert", "gonio_eon"),
+    "roughconductor": ("gonio_torrance_sparrow",),
+}
 SIGMAS = 5
 
 
@@ -42,22 +46,39 @@ def _mitsuba() -> Iterator[Any]:
             mi.set_variant(before)
 
 
-def cornell_box(mi: Any, material: Mapping[str, Any], colour: str, size: int) -> Any:
+def cornell_box(mi: Any, material: Mapping[str, Any], colour: str | None, size: int) -> Any:
     """Mitsuba's Cornell box with `material` on everything; `colour` is what it calls the albedo."""
     scene = mi.cornell_box()
     for name, part in scene.items():
         if isinstance(part, dict) and part.get("type") == "diffuse":
-            scene[name] = {**material, colour: part["reflectance"]}
+            albedo = {} if colour is None else {colour: part["reflectance"]}
+            scene[name] = {**material, **albedo}
     scene["sensor"]["film"]["width"] = scene["sensor"]["film"]["height"] = size
     return mi.load_dict(scene)
 
 
+def _materials() -> dict[str, tuple[dict[str, Any], str | None]]:
+    """Plug-ins by name, with the name of their albedo; the metal is gold for both."""
+    from gonio.mitsuba import plugin
+
+    # Mitsuba's masking is the separable one.
+    gold = gonio.model("torrance_sparrow", masking="smith")
+    node = plugin(gold)
+    own = {"distribution": "ggx", "alpha": node["alpha"], "eta": node["eta"], "k": node["k"]}
+    return {
+        "diffuse": ({"type": "diffuse"}, "reflectance"),
+        "gonio_lambert": ({"type": "gonio_lambert"}, "rho"),
+        "gonio_eon": ({"type": "gonio_eon"}, "rho"),
+        "roughconductor": ({"type": "roughconductor", **own}, None),
+        "gonio_torrance_sparrow": (node, None),
+    }
+
+
 def render_section(size: int, spp: int, repeat: int, progress: Callable[[str], None]) -> Section:
-    """Render times of `diffuse`, `gonio_lambert` and `gonio_eon` in the same scene, in turn."""
+    """Render times of Mitsuba's materials and of gonio's in the same scene, in turn."""
+    rows: list[dict[str, Value]] = []
     with _mitsuba() as mi:
-        scenes = {"diffuse": cornell_box(mi, {"type": "diffuse"}, "reflectance", size)}
-        for name in GOALS:
-            scenes[name] = cornell_box(mi, {"type": name}, "rho", size)
+        materials = _materials()
 
         def render(scene: Any) -> Any:
             image = mi.render(scene, spp=spp, seed=0)
@@ -65,43 +86,46 @@ def render_section(size: int, spp: int, repeat: int, progress: Callable[[str], N
             dr.sync_thread()
             return image
 
-        progress("render: the first pictures, which compile")
-        pictures = {name: np.array(render(scene)) for name, scene in scenes.items()}
-        _check_same(pictures["gonio_lambert"], pictures["diffuse"])
-        progress(f"render: {', '.join(scenes)} {repeat} times")
-        sides = {
-            name: stopwatch(lambda scene=scene: render(scene))  # type: ignore[misc]
-            for name, scene in scenes.items()
-        }
-        seconds = alternate(sides, repeat)
-    rows: list[dict[str, Value]] = []
-    for name, value in seconds.items():
-        multiple = value / seconds["diffuse"]
-        row: dict[str, Value] = {"row": name, "seconds": value, "multiple": multiple}
-        if name in GOALS:
-            row["goal"] = goal_text(multiple, at_most=GOALS[name])
-        rows.append(row)
+        for own, ours in COMPARED.items():
+            names = (own, *ours)
+            progress(f"render: the first pictures of {', '.join(names)}, which compile")
+            scenes = {name: cornell_box(mi, *materials[name], size) for name in names}
+            pictures = {name: np.array(render(scene)) for name, scene in scenes.items()}
+            _check_same(ours[0], own, pictures[ours[0]], pictures[own])
+            progress(f"render: {', '.join(names)} {repeat} times")
+            sides = {
+                name: stopwatch(lambda scene=scene: render(scene))  # type: ignore[misc]
+                for name, scene in scenes.items()
+            }
+            seconds = alternate(sides, repeat)
+            for name, value in seconds.items():
+                multiple = value / seconds[own]
+                row: dict[str, Value] = {"row": name, "seconds": value, "multiple": multiple}
+                if name in GOALS:
+                    row["goal"] = goal_text(multiple, at_most=GOALS[name])
+                rows.append(row)
     columns = (
         Column("row", "material"),
         Column("seconds", "ms", milliseconds),
-        Column("multiple", "× diffuse", ratio),
+        Column("multiple", "× Mitsuba's", ratio),
         Column("goal", "goal"),
     )
     note = (
         f"Mitsuba's Cornell box with the material on everything, {VARIANT}, path tracer, {size}×{size} "
-        f"pixels, {spp} samples per pixel, compiled before."
+        f"pixels, {spp} samples per pixel, compiled before. gonio_lambert and gonio_eon are compared with "
+        "Mitsuba's diffuse, gonio_torrance_sparrow (GGX, gold) with its roughconductor."
     )
     return Section("render", "Mitsuba 3 plug-ins", [note], columns, rows)
 
 
-def _check_same(ours: Any, theirs: Any) -> None:
-    apart = np.mean(ours - theirs, axis=-1, dtype=np.float64)
+def _check_same(ours: str, own: str, our_picture: Any, own_picture: Any) -> None:
+    apart = np.mean(our_picture - own_picture, axis=-1, dtype=np.float64)
     error = np.std(apart) / np.sqrt(apart.size)
     if not abs(np.mean(apart)) <= SIGMAS * error:
         raise BenchError(
-            f"gonio_lambert and diffuse should give the same picture, but their means are "
-            f"{np.mean(ours):.6g} and {np.mean(theirs):.6g} (standard error {error:.1g}): the render "
-            "times cannot be compared."
+            f"{ours} and {own} should give the same picture, but their means are "
+            f"{np.mean(our_picture):.6g} and {np.mean(own_picture):.6g} (standard error {error:.1g}): "
+            "the render times cannot be compared."
         )
 
 

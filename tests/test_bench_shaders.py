@@ -1,0 +1,230 @@
+"""Exported shaders beside hand-written ones: that the comparison is fair, and what it finds.
+
+Accuracy is measured on whatever OpenGL runs on here, which without a GPU is Mesa's llvmpipe.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from gonio.bench import command, shader_times, shaders
+from gonio.bench.shaders import Arc, Length, accuracy, handwritten, length
+from gonio.export.entry import Export
+from gonio.export.prove import tools
+from gonio.export.prove.tools import ProofError
+
+NAMES = tuple(shaders.subjects())
+
+# Relative error that is allowed where the rounding of the inputs changes the value by less than 1e-6: some
+# fifty roundings of a float32, and llvmpipe's log, exp and pow, which are off by 1e-6 and more.
+WELL_CONDITIONED = 1e-5
+
+# Errors of two correct shaders differ by chance: this much of one may be more than the other.
+CHANCE = 1.5
+
+# How many instructions an export may have for one that was written by hand. Not all are 1: exports keep the
+# model's structure of parts, whose guards against division by zero serve gradients as well, and the horizon
+# is tested again in each layer. A change that makes one worse has to change its number here.
+AT_MOST = {"eon": 1.11, "torrance_sparrow": 1.05, "disney": 1.06, "weidlich_wilkie": 1.23}
+
+
+@pytest.fixture(scope="module")
+def errors():
+    """Of the exported and the hand-written shader of each model."""
+    return {
+        name: accuracy(model, [shaders.exported(name), handwritten(name)])[0]
+        for name, model in shaders.subjects().items()
+    }
+
+
+def with_source(shader: Export, old: str, new: str) -> Export:
+    assert shader.source.count(old) == 1
+    return replace(shader, source=shader.source.replace(old, new))
+
+
+# ------------------------------------------------------------------------------------------- accuracy
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_hand_written_shaders_compute_the_model(name, errors):
+    by_hand = errors[name][1]
+    assert by_hand.worst < WELL_CONDITIONED
+    assert by_hand.median < 5e-7
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_exported_shaders_are_as_accurate_as_hand_written_ones(name, errors):
+    exported, by_hand = errors[name]
+    assert exported.worst < WELL_CONDITIONED
+    assert exported.median < CHANCE * by_hand.median
+    assert exported.high < CHANCE * by_hand.high
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("eon", "0.2877934092", "0.2878934092"),  # C1, 0.03 % off
+        ("torrance_sparrow", "(eta + 1.0) - k * k", "(eta + 1.0) + k * k"),
+        ("disney", "2.0 * F_ss90 - 0.5", "2.0 * F_ss90 - 0.4999"),
+        ("weidlich_wilkie", "T * (1.0 - G * F)", "T * (1.0 - G)"),  # light lost at the way up
+    ],
+)
+def test_a_wrong_hand_written_shader_is_noticed(name, old, new):
+    wrong = with_source(handwritten(name), old, new)
+    (found,), _ = accuracy(shaders.subjects()[name], [wrong], 4000)
+    assert found.worst > WELL_CONDITIONED
+
+
+def test_a_shader_that_makes_nan_is_noticed():
+    wrong = with_source(handwritten("eon"), "max(1.0 - mu * mu, 0.0)", "(0.5 - mu * mu)")
+    (found,), _ = accuracy(shaders.subjects()["eon"], [wrong], 1000)
+    assert found.worst == np.inf
+
+
+def test_a_shader_that_does_not_compile_is_an_error_with_its_line():
+    wrong = with_source(handwritten("eon"), "float A = ", "vec3 A = ")
+    with pytest.raises(ProofError, match=r"line \d+: vec3 A = "):
+        length(wrong)
+
+
+# --------------------------------------------------------------------------------------------- length
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_exported_shaders_are_about_as_short_as_hand_written_ones(name):
+    exported, by_hand = length(shaders.exported(name)), length(handwritten(name))
+    assert exported.instructions <= AT_MOST[name] * by_hand.instructions
+
+
+def written(body: str) -> Export:
+    """EON's names with another body."""
+    shader = shaders.exported("eon")
+    return replace(
+        shader,
+        source="struct Eon {\n    vec3 rho;\n    float roughness;\n};\n"
+        f"vec3 eon_eval(Eon params, vec3 wi, vec3 wo) {{\n{body}\n}}\n",
+    )
+
+
+@pytest.mark.parametrize(
+    ("body", "instructions", "operations"),
+    [
+        ("return vec3(0.0);", 0, 0),
+        ("return params.rho;", 0, 0),  # reading and writing belong to the harness
+        ("return params.rho.zyx;", 0, 0),
+        ("return wi + wo;", 1, 3),
+        ("return params.rho * wi.x;", 1, 3),
+        ("return vec3(wi.x * wo.x);", 1, 1),
+        ("return vec3(dot(wi, wo));", 1, 5),
+        ("return vec3(length(wi));", 1, 6),
+        ("return normalize(wi);", 1, 9),
+        ("return vec3(sqrt(wi.x) + exp(wo.x));", 3, 3),
+        ("if (wi.z > 0.0) { return wi + wo; }\nreturn vec3(0.0);", 3, 5),  # compare, branch, add
+        # What a loop repeats counts once: compare, branch, next i, multiply and add
+        ("vec3 w = wi;\nfor (int i = 0; i < 3; ++i) { w = w * wo + params.rho; }\nreturn w;", 4, 6),
+    ],
+)
+def test_instructions_of_short_shaders_are_counted_as_by_hand(body, instructions, operations):
+    assert length(written(body)) == Length(instructions, operations)
+
+
+def test_a_shader_that_computes_more_is_longer():
+    shader = handwritten("eon")
+    twice = with_source(
+        shader, "float eon_lost(float mu) {", "float eon_lost(float mu) {\n    mu = exp(log(mu));"
+    )
+    # In each of two calls
+    assert length(twice).instructions == length(shader).instructions + 4
+
+
+def test_what_the_harness_computes_is_not_counted(monkeypatch):
+    shader = handwritten("eon")
+    honest = length(shader)
+    plain = shaders._harness
+
+    def busy(shader):
+        text = plain(shader)
+        return text.replace("made[row] =", "made[row] = sqrt(float(row)) +")
+
+    monkeypatch.setattr(shaders, "_harness", busy)
+    # The sum of two vectors is one more; root and conversion are in the constant shader as well
+    assert length(shader).instructions - honest.instructions <= 1
+
+
+def test_a_harness_that_is_not_subtracted_is_noticed(monkeypatch):
+    monkeypatch.setattr(shaders, "_constant", lambda shader: shader)
+    assert length(written("return wi + wo;")) != Length(1, 3)
+
+
+# ----------------------------------------------------------------------------------------------- time
+
+
+def test_a_slower_shader_takes_longer():
+    shader = handwritten("eon")
+    slow = with_source(
+        shader,
+        "float eon_lost(float mu) {",
+        "float eon_lost(float mu) {\n    for (int i = 0; i < 100; ++i) { mu = cos(acos(mu)); }",
+    )
+    (quick, slower), device = shader_times.eval_times(shaders.subjects()["eon"], [shader, slow], 3)
+    assert device
+    assert 0 < 2 * quick < slower
+
+
+def test_arc_functions_of_exported_code_keep_the_digits_of_a_float32():
+    ways = [arc for arc in shaders.arcs() if arc.way == "polynomial"]
+    assert [arc.name for arc in ways] == ["acos", "asin"]
+    wrong = replace(ways[0], body=f"{ways[0].body} + 2e-6")
+    x = shaders.arguments(4096)
+    found, _ = shader_times.arc_values_and_times([*ways, wrong], x, 1)
+    (cosine, _), (sine, _), (off, _) = found
+    exact = np.arccos(x.astype(np.float64))
+    # Four roundings of values up to pi
+    assert np.abs(cosine - exact).max() < 1e-6
+    assert np.abs(off - exact).max() > 1e-6
+    np.testing.assert_allclose(sine, np.arcsin(x.astype(np.float64)), rtol=1e-6)
+
+
+def test_the_time_of_an_arc_function_is_that_of_one_call():
+    """Ten times the work takes more than twice the time: the function is measured, not the memory."""
+    light = Arc("acos", "light", "x * x", "")
+    heavy = Arc("acos", "heavy", " + ".join(f"acos(x * {0.1 * k:.1f})" for k in range(1, 10)), "")
+    found, _ = shader_times.arc_values_and_times([light, heavy], shaders.arguments(1 << 15), 3)
+    assert found[1][1] > 2 * found[0][1]
+
+
+# -------------------------------------------------------------------------------------------- section
+
+
+def test_the_sections_have_a_row_for_each_model_and_each_way(monkeypatch):
+    monkeypatch.setattr(shaders, "ACCURACY_ROWS", 256)
+    monkeypatch.setattr(shader_times, "PAIRS", 1 << 12)
+    section, arcs = shaders.shader_sections(1, lambda text: None)
+    assert [row["row"] for row in section.rows] == list(NAMES)
+    assert [(row["row"], row["way"]) for row in arcs.rows] == [
+        ("acos", "builtin"),
+        ("acos", "polynomial"),
+        ("asin", "builtin"),
+        ("asin", "polynomial"),
+    ]
+    for found in (section, arcs):
+        keys = {column.key for column in found.columns}
+        assert all(keys <= set(row) for row in found.rows)
+        assert found.markdown().count("\n|") == len(found.rows) + 2
+
+
+@pytest.mark.parametrize("tool", ["glslangValidator", "spirv-opt", "moderngl"])
+def test_a_missing_tool_is_named_in_one_line(tool, monkeypatch):
+    locate = tools.locate
+    monkeypatch.setattr(tools, "locate", lambda name: None if name == tool else locate(name))
+    with pytest.raises(ProofError) as raised:
+        shaders.shader_sections(1, lambda text: None)
+    assert str(raised.value).startswith(f"{tool} is not installed")
+    assert "\n" not in str(raised.value)
+
+
+def test_the_bench_knows_the_shaders():
+    assert "shaders" in command.SECTIONS
