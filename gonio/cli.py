@@ -350,6 +350,9 @@ def _parse_angles(text: str) -> list[float]:
 @contextmanager
 def _progress(label: str) -> Iterator[Callable[[int, int], None]]:
     """A progress bar on stderr, shown on terminals only."""
+    if not sys.stderr.isatty():  # click would still print the label
+        yield lambda done, total: None
+        return
     with click.progressbar(length=1000, label=label, file=sys.stderr) as bar:
 
         def step(done: int, total: int) -> None:
