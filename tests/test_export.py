@@ -525,10 +525,11 @@ def test_the_command_prints_one_text() -> None:
 
 
 def test_the_command_writes_files_and_says_which(tmp_path: Path) -> None:
-    result = run("eon", "fon", "--to", "glsl", "--to", "cpp", "-o", f"{tmp_path}/")
+    folder = tmp_path / "new"  # which the slash behind it asks for
+    result = run("eon", "fon", "--to", "glsl", "--to", "cpp", "-o", f"{folder}/")
     assert result.exit_code == 0
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["gonio.glsl", "gonio.h"]
-    assert str(tmp_path / "gonio.h") in result.stdout
+    assert sorted(p.name for p in folder.iterdir()) == ["gonio.glsl", "gonio.h"]
+    assert str(folder / "gonio.h") in result.stdout
 
 
 def test_another_name_lets_a_model_be_exported_twice() -> None:

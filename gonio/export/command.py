@@ -134,11 +134,11 @@ def texts(
 
 
 def write(files: Mapping[str, str], output: str | None) -> list[Path]:
-    """Write texts to a file, or to a folder under their own names.
+    """Write texts to a file, or under their own names to a folder ("shaders/", made if need be).
 
     Raises:
         ExportError: several texts for one file.
-        FileNotFoundError: the folder does not exist.
+        FileNotFoundError: the file's folder does not exist.
     """
     if output is None:
         raise ExportError(f"{len(files)} files; give a folder for them: -o FOLDER/")
@@ -146,6 +146,8 @@ def write(files: Mapping[str, str], output: str | None) -> list[Path]:
     if not folder and len(files) > 1:
         raise ExportError(f"{len(files)} files for one name, {output}; give a folder.")
     root = Path(output)
+    if folder:
+        root.mkdir(parents=True, exist_ok=True)
     paths = []
     for name, text in files.items():
         path = root / name if folder else root
