@@ -414,7 +414,9 @@ def _steps(declared: Parameter) -> tuple[float, ...]:
         return tuple(float(x) for x in np.geomspace(max(low, 1.0), min(high, 1e4), STEPS))
     if declared.name == "alpha":
         low = max(low, 0.02)
-    return tuple(round(float(x), 4) for x in np.linspace(low, min(high, 2.5), STEPS))
+    # Rounded for the reader, but not out of the range: pi / 2 is less than 1.5708
+    values = np.linspace(low, min(high, 2.5), STEPS)
+    return tuple(min(max(round(float(x), 4), declared.low), declared.high) for x in values)
 
 
 # --- the picture -----------------------------------------------------------------------------------

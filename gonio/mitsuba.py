@@ -42,6 +42,8 @@ def plugin(model: Model) -> dict[str, Any]:
     Raises:
         ModelError: a parameter is an array; pictures take numbers, colours and Mitsuba's textures.
     """
+    if _registered.get((mi.variant(), model.name)) is not type(model):
+        register(type(model))  # from a user's file, which gonio's registry does not hold
     node: dict[str, Any] = {"type": PREFIX + model.name}
     for name in model.fields:
         value = getattr(model, name)

@@ -15,7 +15,7 @@ import gonio
 from gonio import comparison
 from gonio.cli import main
 from gonio.comparison import ANGLES_I, ANGLES_O, compare, measure
-from gonio.model import ModelError
+from gonio.model import ModelError, Parameter
 from gonio.notation import parse_model
 from gonio.reference import Stack, document
 
@@ -31,6 +31,14 @@ def smooth_coat(**settings: Any) -> Any:
 
 
 # --- numbers ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", gonio.models())
+def test_every_parameter_can_be_varied_over_its_range(name: str) -> None:
+    for field in gonio.model(name).fields.values():
+        if isinstance(field, Parameter) and field.width == 1:
+            for value in comparison._steps(field):
+                gonio.model(name, **{field.name: value})
 
 
 def test_twice_the_albedo_is_a_hundred_percent() -> None:

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import ast
-import importlib.util
 import inspect
 import itertools
 import re
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +24,7 @@ from gonio.export.targets import TARGETS
 from gonio.export.vocabulary import RULES
 from gonio.material import library, load_material
 from gonio.model import Model, ModelError
+from gonio.model_file import load
 
 GOLDEN = Path(__file__).parent / "golden"
 LANGUAGES = list(TARGETS)
@@ -38,7 +37,7 @@ def text(model: str | Model, to: str, **settings: Any) -> str:
 
 def written(tmp_path: Path, body: str, fields: str = "", head: str = "") -> Model:
     """A user's own model, from a file outside the package."""
-    path = tmp_path / f"own_{abs(hash((body, fields, head))) % 10**9}.py"
+    path = tmp_path / "mine.py"
     path.write_text(
         '"""Mine: a model of my own."""\n'
         "from gonio.lang import *\n"
@@ -46,7 +45,7 @@ def written(tmp_path: Path, body: str, fields: str = "", head: str = "") -> Mode
         "from gonio.model import Model, option, param\n"
         "from gonio.parts.hemisphere import pdf_cosine, sample_cosine\n"
         f"{head}\n\n\n"
-        "class Mine(Model, register=False):\n"
+        "class Mine(Model):\n"
         '    """Mine."""\n\n'
         '    rho: Color = param((0.8, 0.8, 0.8), 0, 1, "albedo")\n'
         '    width: Float = param(0.5, 0, 1, "a number")\n'
@@ -60,13 +59,7 @@ def written(tmp_path: Path, body: str, fields: str = "", head: str = "") -> Mode
         "        return pdf_cosine(wi)\n",
         encoding="utf-8",
     )
-    spec = importlib.util.spec_from_file_location(path.stem, path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[path.stem] = module
-    spec.loader.exec_module(module)
-    return module.Mine()  # type: ignore[no-any-return]
+    return load(path)()
 
 
 # --- what an export contains -----------------------------------------------------------------------
@@ -223,6 +216,15 @@ def test_several_models_share_their_parts_once() -> None:
     assert "struct GonioSample" in found
     assert "vec3 eon_eval(Eon params" in found
     assert "vec3 fon_eval(Fon params" in found
+
+
+def test_a_file_that_has_changed_is_read_again(tmp_path: Path) -> None:
+    before = text(written(tmp_path, "        return self.rho * 0.25\n"), "glsl")
+    after = text(
+        written(tmp_path, "        x = wi.z\n        return self.rho * (0.5 * x)\n"), "glsl"
+    )
+    assert "params.rho * 0.25" in before
+    assert "params.rho * (0.5 * x)" in after
 
 
 def test_two_models_may_have_private_functions_of_the_same_name() -> None:

@@ -7,9 +7,7 @@ nine of ten rows stay below tells them apart.
 
 from __future__ import annotations
 
-import importlib.util
 import itertools
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -25,6 +23,7 @@ from gonio.export.prove.runners import RUNNERS
 from gonio.export.targets import TARGETS
 from gonio.export.tree import Builtin, Expr, Operation
 from gonio.model import Model
+from gonio.model_file import load
 
 ROWS = 200
 
@@ -134,6 +133,9 @@ class Random(Model, register=False):
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         {body}
 
+    def sample(self, wo: Vec3, u: Vec2) -> Sample:
+        return Sample(vec3(u.x, u.y, 0.5), 1)
+
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         return wi.z
 
@@ -150,13 +152,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def made(body: str, folder: Path) -> Model:
     path = folder / f"random_{next(counter)}.py"
     path.write_text(SOURCE.replace("{body}", body), encoding="utf-8")
-    spec = importlib.util.spec_from_file_location(path.stem, path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[path.stem] = module
-    spec.loader.exec_module(module)
-    return module.Random()  # type: ignore[no-any-return]
+    return load(path)()
 
 
 def rows(seed: int) -> Any:

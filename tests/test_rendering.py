@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ import pytest
 import gonio
 from gonio.files import replacing
 from gonio.material import load_material, load_series
+from gonio.notation import parse_model
 from gonio.rendering import (
     _passes,
     captions,
@@ -197,3 +199,10 @@ def test_labels_say_what_differs() -> None:
     assert describe(gonio.EON(roughness=1, rho=(0.1, 0.2, 0.3), sampler="cosine")) == (
         "eon rho=0.1/0.2/0.3 roughness=1 cosine"
     )
+
+
+def test_a_model_file_is_rendered_as_it_is(tmp_path: Path) -> None:
+    text = Path(str(inspect.getsourcefile(gonio.Lambert))).read_text(encoding="utf-8")
+    (tmp_path / "my_clay.py").write_text(text, encoding="utf-8")
+    mine = render(parse_model(f"{tmp_path / 'my_clay.py'}:rho=0.5"), **SMALL)
+    np.testing.assert_allclose(mine, render(gonio.Lambert(rho=0.5), **SMALL), rtol=1e-5)

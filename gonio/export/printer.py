@@ -49,6 +49,9 @@ WIDTH = 100
 COMMENT_WIDTH = 112
 INDENT = "    "
 
+# A broken line keeps at least so much in front: a name and an equals sign alone read badly.
+BREAK_MIN = 20
+
 # Precedence: a part is bracketed where it binds less tightly than its place asks.
 ANY, TERNARY, OR, AND, COMPARED, SUM, PRODUCT, SIGN, POSTFIX = range(9)
 LEVELS = {"||": OR, "&&": AND, "+": SUM, "-": SUM, "*": PRODUCT, "/": PRODUCT}
@@ -555,7 +558,7 @@ def fold(line: str) -> list[str]:
             at = i
         # The outermost place; sums before products; and of these the last one that fits
         product = line[i : i + 3] in (" * ", " / ")
-        if 20 < at <= WIDTH - len(INDENT) and (best is None or (depth, product) <= best[:2]):
+        if BREAK_MIN < at <= WIDTH - len(INDENT) and (best is None or (depth, product) <= best[:2]):
             best = (depth, product, at)
     if best is None:
         return [line]

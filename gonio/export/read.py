@@ -58,6 +58,9 @@ SIGNATURES: dict[str, tuple[tuple[tuple[str, Type], ...], Type | None]] = {
     "mean_albedo": ((), "vec3"),
 }
 
+# More steps than this are a mistake, or hang a graphics driver.
+STEPS_MAX = 2**16
+
 # Name of the struct of parameters where a function gets it.
 SELF = "params"
 
@@ -572,8 +575,8 @@ class _Body:
         ):
             self.refuse(node, "only 'for i in range(count)' can be exported.")
         count = self._static_number(call.args[0])
-        if count != int(count) or not 0 < count < 2**20:
-            self.refuse(call, f"the number of steps must be from 1 to {2**20}, got {count:g}.")
+        if count != int(count) or not 0 < count <= STEPS_MAX:
+            self.refuse(call, f"the number of steps must be from 1 to {STEPS_MAX}, got {count:g}.")
         self._check_name(node, node.target.id)
         outside = dict(self.scope)
         self.scope[node.target.id] = "float"

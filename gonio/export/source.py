@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import functools
 import io
+import os
 import tokenize
 from dataclasses import dataclass
 from pathlib import Path
@@ -110,7 +111,15 @@ class Source:
         return None
 
 
-@functools.cache
 def source(path: str) -> Source:
-    """A file, parsed once."""
+    """A file, parsed once; again when it has changed, as the files of people who try things do."""
+    try:
+        status = os.stat(path)
+    except OSError:
+        return Source(path)  # which says what is wrong
+    return _parsed(path, status.st_mtime_ns, status.st_size)
+
+
+@functools.lru_cache(maxsize=256)
+def _parsed(path: str, changed: int, size: int) -> Source:
     return Source(path)

@@ -7,7 +7,7 @@ shader), stands in `gonio.export.printer` behind a flag of the target.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 # Functions of the vocabulary that graphics languages lack or have too inexact: see gonio.export.library.
@@ -129,6 +129,8 @@ class Target:
     """Whether members of a call's result can be taken at once: f(x).z"""
     methods: bool = False
     """Whether models are structs with methods, behind an interface."""
+    shader: bool = False
+    """Whether a text is one shader, with parameters as inputs and values as outputs."""
     helpers: Mapping[str, str] = field(default_factory=dict)
     """Small functions that the language lacks. A spelling with {p}_less takes "less"; C++ takes what its
     operators need."""
@@ -186,17 +188,13 @@ GLSL = Target(
 )
 
 # OpenGL ES and WebGL 2 have no fma. Its use here is to carry rounding errors along; without it they are 0.
-ESSL = Target(
+ESSL = replace(
+    GLSL,
     name="essl",
     title="GLSL ES 3.00 (WebGL 2)",
     extension="essl",
-    types=GLSL_TYPES,
-    reserved=GLSL_WORDS,
     spellings={k: v for k, v in COMMON.items() if k != "fma"},
     note="Needs 'precision highp float;'.",
-    select_computed=GLSL.select_computed,
-    select3=GLSL.select3,
-    comparisons=GLSL.comparisons,
 )
 
 HLSL = Target(
@@ -362,26 +360,14 @@ CPP = Target(
     foot="\n}}  // namespace {namespace}\n",
 )
 
-CUDA = Target(
+CUDA = replace(
+    CPP,
     name="cuda",
     title="CUDA C++",
     extension="cuh",
-    types=CPP.types,
     reserved=CPP.reserved
     | _words("blockDim blockIdx gridDim threadIdx warpSize __device__ __host__"),
-    spellings=CPP.spellings,
-    library=CPP.library,
-    suffix=CPP.suffix,
-    constant=CPP.constant,
-    function="__host__ __device__ inline {result} {name}({parameters}) {{",
-    struct_parameter=CPP.struct_parameter,
-    vector=CPP.vector,
-    splat=CPP.splat,
-    record=CPP.record,
-    select3=CPP.select3,
-    helpers=CPP.helpers,
-    head=CPP.head,
-    foot=CPP.foot,
+    function="__host__ __device__ " + CPP.function,
 )
 
 OSL = Target(
@@ -409,6 +395,7 @@ OSL = Target(
         ">=": "{p}_not_less({0}, {1})",
     },
     result_struct_members=False,
+    shader=True,
     helpers={
         "select": """\
 // yes where the mask is 1, else no.

@@ -57,8 +57,10 @@ def export(
             raise ExportError(f"no function {name!r}; there are {', '.join(FUNCTIONS)}.")
     if not models:
         raise ExportError("nothing to export; name a model.")
-    if target.name == "osl" and len(models) > 1:
-        raise ExportError("an OSL file holds one shader; export one model at a time.")
+    if target.shader and len(models) > 1:
+        raise ExportError(
+            f"an {target.extension.upper()} file holds one shader; export one model at a time."
+        )
     for name in [*models, *([prefix] if prefix else [])]:
         if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or "__" in name:
             raise ExportError(
@@ -134,7 +136,7 @@ class _Text:
             blocks += [self.printer.function(f) for f in free]
         if self.embed:
             blocks += [self._embedded(root) for root in self.roots]
-        if self.target.name == "osl":
+        if self.target.shader:
             blocks.append(self._shader(self.roots[0]))
         qualifiers = self.target.function.partition("{result}")[0]
         helpers = [
