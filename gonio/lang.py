@@ -35,7 +35,8 @@ TWO_PI = 2 * PI
 INV_PI = 1 / PI
 INV_TWO_PI = 1 / TWO_PI
 
-# Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN² still fit in a float32.
+# Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+# 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
 MU_MIN = 1e-18
 
 
@@ -102,6 +103,11 @@ def safe_sqrt(x: Any) -> Any:
     return dr.safe_sqrt(x)
 
 
+def smooth_sqrt(x: Any) -> Any:
+    """Square root of a value that is not negative, with a finite derivative at 0."""
+    return dr.safe_sqrt(x)
+
+
 def safe_acos(x: Any) -> Any:
     """Arc cosine of `x` limited to [−1, 1], with a finite derivative at both ends."""
     return dr.safe_acos(x)
@@ -110,6 +116,12 @@ def safe_acos(x: Any) -> Any:
 def safe_asin(x: Any) -> Any:
     """Arc sine of `x` limited to [−1, 1], with a finite derivative at both ends."""
     return dr.safe_asin(x)
+
+
+def twice_atan_over(v: Any) -> Any:
+    """2 atan(v) / v for `v` in [−1, 1], the angle whose half has the tangent `v`; 2 at v = 0."""
+    zero = v == 0
+    return dr.select(zero, 2, 2 * dr.atan(v) / dr.select(zero, 1, v))
 
 
 def sin(x: Any) -> Any:

@@ -22,7 +22,7 @@ import numpy as np
 
 from gonio import arrays, quadrature
 from gonio.claims import Claims
-from gonio.lang import Color, Float, Sample, Vec2, Vec3, select, vec2, vec3
+from gonio.lang import MU_MIN, Color, Float, Sample, Vec2, Vec3, select, vec2, vec3
 
 
 class ModelError(ValueError):
@@ -290,6 +290,10 @@ class Model:
         """BRDF value in 1/sr, WITHOUT the cosine, shape (..., 3); 0 at and below the horizon."""
         raise NotImplementedError
 
+    def eval_above(self, wi: Vec3, wo: Vec3) -> Color:
+        """`eval` inside a kernel, without the test for the horizon: for directions known to be above it."""
+        return inspect.unwrap(type(self).eval)(self, wi, wo)
+
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """Sample `wi` for a known `wo` from two uniform random numbers in [0, 1), shape (..., 2).
 
@@ -360,20 +364,20 @@ def _suggest(name: str, known: Mapping[str, Any]) -> str:
     return f"{did}{'' if near else ';'} known are {', '.join(known)}" if known else ""
 
 
-# The horizon is handled here and nowhere else. Directions below it are replaced by the normal before
+# The horizon is handled here and nowhere else. Directions in it or below are replaced by the normal before
 # the model sees them: the values are masked anyway, and their derivatives stay finite that way.
 
 
 def _guard_eval(method: Any, model: Model, wi: Vec3, wo: Vec3) -> Color:
-    above_i, above_o = wi.z > 0, wo.z > 0
+    above_i, above_o = wi.z > MU_MIN, wo.z > MU_MIN
     value = method(model, _upwards(above_i, wi), _upwards(above_o, wo))
     return select(above_i & above_o, value, 0)
 
 
 def _guard_sample(method: Any, model: Model, wo: Vec3, u: Vec2) -> Sample:
-    above = wo.z > 0
+    above = wo.z > MU_MIN
     wi, pdf = method(model, _upwards(above, wo), u)
-    return Sample(wi, select(above & (wi.z > 0), pdf, 0))
+    return Sample(wi, select(above & (wi.z > MU_MIN), pdf, 0))
 
 
 def _guard_albedo(method: Any, model: Model, wo: Vec3) -> Color:

@@ -25,11 +25,6 @@ WELL_CONDITIONED = 1e-5
 # Errors of two correct shaders differ by chance: this much of one may be more than the other.
 CHANCE = 1.5
 
-# How many instructions an export may have for one that was written by hand. Not all are 1: exports keep the
-# model's structure of parts, whose guards against division by zero serve gradients as well, and the horizon
-# is tested again in each layer. A change that makes one worse has to change its number here.
-AT_MOST = {"eon": 1.11, "torrance_sparrow": 1.05, "disney": 1.06, "weidlich_wilkie": 1.23}
-
 
 @pytest.fixture(scope="module")
 def errors():
@@ -94,9 +89,15 @@ def test_a_shader_that_does_not_compile_is_an_error_with_its_line():
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_exported_shaders_are_about_as_short_as_hand_written_ones(name):
+def test_exported_shaders_are_no_longer_than_hand_written_ones(name):
     exported, by_hand = length(shaders.exported(name)), length(handwritten(name))
-    assert exported.instructions <= AT_MOST[name] * by_hand.instructions
+    assert exported.instructions <= by_hand.instructions
+
+
+def test_an_export_with_one_more_guard_is_too_long():
+    shader = shaders.exported("eon")
+    guarded = with_source(shader, "s / max(wi.z, wo.z)", "s / max(max(wi.z, wo.z), 1.0e-18)")
+    assert length(guarded).instructions > length(handwritten("eon")).instructions
 
 
 def written(body: str) -> Export:

@@ -239,13 +239,12 @@ class Arc:
 
 def arcs() -> list[Arc]:
     """Arc cosine and sine: the builtin ones, and those of exported code."""
-    cosine = export({"qon": gonio.model("qon")}, "glsl", only=["albedo"])[0].source
-    sine = export({"eon": gonio.model("eon")}, "glsl", only=["eval"])[0].source
+    both = export({"oren_nayar": gonio.model("oren_nayar")}, "glsl", only=["eval"])[0].source
     return [
         Arc("acos", "builtin", "acos(clamp(x, -1.0, 1.0))", ""),
-        Arc("acos", "polynomial", "qon_safe_acos(x)", cosine),
+        Arc("acos", "polynomial", "oren_nayar_safe_acos(x)", both),
         Arc("asin", "builtin", "asin(clamp(x, -1.0, 1.0))", ""),
-        Arc("asin", "polynomial", "eon_safe_asin(x)", sine),
+        Arc("asin", "polynomial", "oren_nayar_safe_asin(x)", both),
     ]
 
 

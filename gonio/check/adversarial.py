@@ -19,10 +19,6 @@ AZIMUTHS = (0.0, 1e-7, 1e-3, 0.5, 1.5707963, 1.5708, 2.0, 3.1414, 3.14159265)
 RANDOM = (0.0, 2.0**-24, 1e-4, 0.25, 0.5, 0.75, 1 - 2.0**-24)
 
 
-# Below this the derivative of 1 / mu is larger than a float32 can be, and mu^2 smaller.
-DIFFERENTIABLE = 1e-18
-
-
 @functools.cache
 def hard_pairs(lowest: float = 0.0) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Pairs (wi, wo) of every combination of the cosines and azimuths above, and more.

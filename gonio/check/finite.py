@@ -8,7 +8,7 @@ import drjit as dr
 import numpy as np
 from numpy.typing import NDArray
 
-from gonio.check.adversarial import DIFFERENTIABLE, hard_numbers, hard_pairs, places
+from gonio.check.adversarial import hard_numbers, hard_pairs, places
 from gonio.check.reciprocity import dimensions, pairs
 from gonio.check.report import FAIL, PASS, Effort, Finding, Report, judge
 from gonio.check.search import maximise
@@ -25,6 +25,7 @@ from gonio.check.subject import (
     stored,
     vectors,
 )
+from gonio.lang import MU_MIN
 
 # Far tails of a lobe are compared with this: D has few digits left below 1e-38, and the other factors,
 # 1 / (4 mu_i mu_o) for one, may be as large as 1e13.
@@ -151,7 +152,7 @@ def _lowest(subject: Subject, effort: Effort) -> Finding:
 def _precision(subject: ModelSubject, effort: Effort) -> Finding:
     """The largest relative error of float32 against float64, on the same float32 inputs."""
     # The squares of smaller cosines are below the smallest float32
-    hard_i, hard_o = hard_pairs(DIFFERENTIABLE)
+    hard_i, hard_o = hard_pairs(MU_MIN)
     rng = np.random.default_rng(1)
     count = effort.pairs
     random = [

@@ -9,7 +9,7 @@ import drjit as dr
 import numpy as np
 
 from gonio import arrays, backend
-from gonio.check.adversarial import DIFFERENTIABLE, hard_numbers, hard_pairs, places
+from gonio.check.adversarial import hard_numbers, hard_pairs, places
 from gonio.check.report import FAIL, PASS, Effort, Finding, Report
 from gonio.check.subject import (
     Array,
@@ -21,6 +21,7 @@ from gonio.check.subject import (
     stored,
     vectors,
 )
+from gonio.lang import MU_MIN
 from gonio.model import Parameter
 
 # Steps of the differences, relative to the parameter or to its range.
@@ -68,7 +69,7 @@ def leaves(subject: ModelSubject, where: Array, Float: Any, rounded: bool) -> di
 
 def _finite(subject: ModelSubject) -> Finding:
     Float = backend.array_module().Float
-    wi, wo = hard_pairs(DIFFERENTIABLE)
+    wi, wo = hard_pairs(MU_MIN)
     where = places(len(wi), len(subject.columns), 6)
     u = hard_numbers(len(wi), 8)
     wrong: list[str] = []

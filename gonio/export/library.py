@@ -46,23 +46,25 @@ ERFC_1, ERFC_2, ERFC_3 = 0.2627345196, 0.2854649797, 0.1743749649
 ERFC_4, ERFC_5, ERFC_6 = 0.2435054861, 0.1368199822, -0.1032009059
 
 
-def _twice_atan(v: Float) -> Float:
-    """Twice the arc tangent, for v in [-1, 1]."""
+def twice_atan_over(v: Float) -> Float:
+    """2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0."""
     q = v * v
     p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)))
-    return v * (ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p))))
+    return ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p)))
 
 
 def safe_asin(x: Float) -> Float:
     """Arc sine of x limited to [-1, 1]: twice the angle whose tangent is x / (1 + cos)."""
     c = safe_sqrt((1 - x) * (1 + x))
-    return _twice_atan(clamp(x / (1 + c), -1, 1))
+    v = clamp(x / (1 + c), -1, 1)
+    return v * twice_atan_over(v)
 
 
 def safe_acos(x: Float) -> Float:
     """Arc cosine of x limited to [-1, 1]: twice the angle whose tangent is sin / (1 + x)."""
     a = minimum(absolute(x), 1)
-    angle = _twice_atan(safe_sqrt((1 - a) * (1 + a)) / (1 + a))
+    v = safe_sqrt((1 - a) * (1 + a)) / (1 + a)
+    angle = v * twice_atan_over(v)
     return select(x < 0, PI - angle, angle)
 
 

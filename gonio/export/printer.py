@@ -237,6 +237,8 @@ class Printer:
                 zero = Splat(zero, expr.type)
             bounded = Builtin("maximum", (arguments[0], zero), expr.type)
             return self._builtin(Builtin("sqrt", (bounded,), expr.type))
+        if expr.name == "smooth_sqrt":  # its derivative is Python's matter
+            return self._builtin(Builtin("sqrt", arguments, expr.type))
         spelling = self.target.spellings.get(expr.name)
         if expr.name == "fma" and spelling is None:
             product = Operation("*", arguments[0], arguments[1], expr.type)

@@ -49,9 +49,13 @@ from gonio.export.tree import (
 from gonio.export.vocabulary import RULES, VECTORS, widest
 from gonio.model import Child, Model, Option, Parameter
 
+# `eval` without the test for the horizon.
+UNTESTED = "eval_above"
+
 # The types of a model's own methods, which its users call.
 SIGNATURES: dict[str, tuple[tuple[tuple[str, Type], ...], Type | None]] = {
     "eval": ((("wi", "vec3"), ("wo", "vec3")), "vec3"),
+    UNTESTED: ((("wi", "vec3"), ("wo", "vec3")), "vec3"),
     "sample": ((("wo", "vec3"), ("u", "vec2")), None),
     "pdf": ((("wi", "vec3"), ("wo", "vec3")), "float"),
     "albedo": ((("wo", "vec3"),), "vec3"),
@@ -231,7 +235,7 @@ class Reader:
     ) -> Function:
         """A Python function as it is for some types of arguments; those of a model get its struct first."""
         given = tuple(arguments)
-        key = (function, owner, given)
+        key = (function, owner, given, method == UNTESTED)
         if key in self._read:
             return self._read[key]
         if key in self._open:
@@ -320,7 +324,7 @@ def _plain(value: Any) -> str:
 
 def _method(owner: Struct, name: str) -> types.FunctionType:
     """The function that a model's author wrote, without the contract around it."""
-    method = inspect.unwrap(getattr(type(owner.model), name))
+    method = inspect.unwrap(getattr(type(owner.model), "eval" if name == UNTESTED else name))
     if method is inspect.unwrap(Model.albedo):
         return cast(types.FunctionType, library.sampled_albedo)
     if method is inspect.unwrap(Model.mean_albedo) and owner.model is not None:
@@ -444,14 +448,16 @@ class _Body:
         if second:
             other = Access(Variable(known[second], "vec3"), "z", "float")
             height = Builtin("minimum", (height, other), "float")
-        condition = Operation(comparison, height, Number(0), "bool")
+        horizon = Number(0 if self.method == "albedo" else lang.MU_MIN)
+        condition = Operation(comparison, height, horizon, "bool")
         zero: Expr = Number(0)
         if self.method == "sample":
             up = Construction((Number(0), Number(0), Number(1)), "vec3")
             zero = Construction((up, zero), self.reader.sample)
         elif self.result == "vec3":
             zero = Splat(zero, "vec3")
-        self.statements.append(ReturnIf(condition, zero, trailing="below the horizon"))
+        where = "below the horizon" if self.method == "albedo" else "in the horizon or below"
+        self.statements.append(ReturnIf(condition, zero, trailing=where))
 
     # --- statements --------------------------------------------------------------------------------
 
@@ -635,7 +641,7 @@ class _Body:
             name = self._fresh("wi")
             self.statements.append(Assign(name, wi))
             wi = Variable(name, "vec3")
-        above = Operation(">", Access(wi, "z", "float"), Number(0), "bool")
+        above = Operation(">", Access(wi, "z", "float"), Number(lang.MU_MIN), "bool")
         masked = Builtin("select", (above, pdf, Number(0)), "float")
         return Construction((wi, masked), expr.type)
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 # Functions of the vocabulary that graphics languages lack or have too inexact: see gonio.export.library.
-SHADER_LIBRARY = frozenset({"safe_acos", "safe_asin", "erf", "erfinv"})
+SHADER_LIBRARY = frozenset({"safe_acos", "safe_asin", "twice_atan_over", "erf", "erfinv"})
 
 
 def _words(text: str) -> frozenset[str]:
@@ -346,7 +346,7 @@ CPP = Target(
     types={"float": "float", "vec2": "Vec2", "vec3": "Vec3", "bool": "bool", "bool3": "Bool3"},
     reserved=CPP_WORDS,
     spellings=_CPP_SPELLINGS,
-    library=frozenset({"erfinv"}),
+    library=frozenset({"erfinv", "twice_atan_over"}),
     suffix="f",
     constant="constexpr {type} {name} = {value};",
     function="inline {result} {name}({parameters}) {{",

@@ -23,7 +23,7 @@ from gonio.parts.distribution import (
     pdf_ggx_visible,
     sample_ggx_visible,
 )
-from gonio.parts.fresnel import F_conductor, F_dielectric
+from gonio.parts.fresnel import F_conductor, F_denser
 from gonio.parts.interface import (
     LOBE_MIN,
     absorbed,
@@ -31,7 +31,7 @@ from gonio.parts.interface import (
     leave,
     pdf_leave,
     refract,
-    transmittance,
+    transmittance_denser,
 )
 from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, shares
 from gonio.parts.roughness import at_least_alpha
@@ -96,12 +96,12 @@ class CarPaint(Model):
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """Eq. 2 with a tilted base: BRDF value in 1/sr, without the cosine."""
         cos_h = cos_half(wi, wo)
-        coat = F_dielectric(cos_h, self.eta) * ggx_facets(wi, wo, self.alpha)
+        coat = F_denser(cos_h, self.eta) * ggx_facets(wi, wo, self.alpha)
 
         if self.transmission == "half_vector":
-            through = through_facets(wi, wo, self.alpha, transmittance(cos_h, self.eta))
+            through = through_facets(wi, wo, self.alpha, transmittance_denser(cos_h, self.eta))
         else:
-            through = transmittance(wi.z, self.eta) * transmittance(wo.z, self.eta)
+            through = transmittance_denser(wi.z, self.eta) * transmittance_denser(wo.z, self.eta)
         if self.solid_angle == "compressed":
             through = through / (self.eta * self.eta)
         wi_t, wo_t = refract(wi, self.eta), refract(wo, self.eta)
@@ -143,7 +143,7 @@ class CarPaint(Model):
 
     def _facing(self, w: Vec3) -> Vec3:
         """w, or the flake's normal in place of a direction behind it, which is masked elsewhere."""
-        return select(w.z > 0, w, vec3(0 * w.z, 0 * w.z, 0 * w.z + 1))
+        return select(w.z > MU_MIN, w, vec3(0 * w.z, 0 * w.z, 0 * w.z + 1))
 
     def _flake(self, wi_t: Vec3, wo_t: Vec3) -> Color:
         """The metal's BRDF in the flake's frame."""
@@ -152,7 +152,7 @@ class CarPaint(Model):
         wi, wo = self._facing(tilted_i), self._facing(tilted_o)
         F = F_conductor(cos_half(wi, wo), self.metal_eta / self.eta, self.metal_k / self.eta)
         if self.flake_cosine == "light":
-            visible = maximum(tilted_i.z, 0) / maximum(wi_t.z, MU_MIN)
+            visible = maximum(tilted_i.z, 0) / wi_t.z
         else:
             visible = seen(tilted_i.z, wi_t.z) * seen(tilted_o.z, wo_t.z)
         return select(tilted_o.z > 0, F * (ggx_facets(wi, wo, alpha) * visible), 0)
@@ -167,8 +167,8 @@ class CarPaint(Model):
 
     def _shares(self, wo: Vec3, wo_t: Vec3) -> Vec2:
         """Probabilities of the coat and of the flake."""
-        below = transmittance(wo.z, self.eta) * average(absorbed_least(self._depth(), wo_t))
+        below = transmittance_denser(wo.z, self.eta) * average(absorbed_least(self._depth(), wo_t))
         tilted = to_tilted(wo_t, self._normal())
         lit = select(tilted.z > 0, below, 0)
-        coat = maximum(F_dielectric(wo.z, self.eta), COAT_SHARE_MIN * below + LOBE_MIN)
+        coat = maximum(F_denser(wo.z, self.eta), COAT_SHARE_MIN * below + LOBE_MIN)
         return shares(coat, lit)

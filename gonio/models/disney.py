@@ -10,17 +10,18 @@ Deviation: base_color is linear here, the code takes it with a gamma of 2.2.
 from gonio.claims import Claims, known
 from gonio.lang import (
     INV_PI,
-    MU_MIN,
     Color,
     Float,
     Sample,
     Vec2,
     Vec3,
+    dot,
     lerp,
     maximum,
     select,
     sqrt,
     vec2,
+    vec3,
 )
 from gonio.model import Model, option, param
 from gonio.parts.distribution import (
@@ -121,14 +122,15 @@ class Disney(Model):
         F_d = (1 + rise * F_i) * (1 + rise * F_o)
         # Hanrahan-Krueger's isotropic subsurface scattering; 1 + (F90 - 1) F as a sum of positive terms
         F_ss = (schlick_complement(wi.z) + F90 * F_i) * (schlick_complement(wo.z) + F90 * F_o)
-        scattered = 1.25 * (F_ss * (1 / maximum(wi.z + wo.z, MU_MIN) - 0.5) + 0.5)
+        scattered = 1.25 * (F_ss * (1 / (wi.z + wo.z) - 0.5) + 0.5)
         diffuse = INV_PI * lerp(F_d, scattered, self.subsurface) * self.base_color
         F_H = schlick_weight_half(wi, wo)
         base = (1 - self.metallic) * (diffuse + F_H * self._sheen())
 
         D_c = D_gtr1_narrow(half_vector(wi, wo), self._coat_alpha())
         V_c = V_smith_ggx_round(wi, wo, COAT_ALPHA_MASKING)
-        return base + COAT_STRENGTH * self.clearcoat * lerp(COAT_F0, 1, F_H) * (D_c * V_c)
+        F_c = self.clearcoat * lerp(COAT_STRENGTH * COAT_F0, COAT_STRENGTH, F_H)
+        return base + F_c * (D_c * V_c)
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """Cosine-weighted, a visible GGX normal or a clearcoat normal, by the estimated albedos."""
@@ -175,7 +177,7 @@ class Disney(Model):
     def _tint(self) -> Color:
         """The base colour's hue and saturation, with a luminance of 1."""
         color = self.base_color
-        luminance = 0.3 * color.x + 0.6 * color.y + 0.1 * color.z
+        luminance = dot(color, vec3(0.3, 0.6, 0.1))
         tint = color / maximum(luminance, LUMINANCE_MIN)
         return select(luminance > 0, tint, 1)
 

@@ -15,8 +15,8 @@ from gonio.lang import (
     Sample,
     Vec2,
     Vec3,
-    safe_asin,
     safe_sqrt,
+    twice_atan_over,
 )
 from gonio.model import Model, option, param
 from gonio.parts import cltc
@@ -42,10 +42,11 @@ def loss_exact(mu: Float) -> Float:
     With 1 - s = mu^2 / (1 + s) every term of Eq. 13 that cancels against C1 can be collected, which
     leaves a sum of positive terms.
     """
-    s = safe_sqrt((1 - mu) * (1 + mu))
-    t = mu / (1 + s)
-    lost = mu * t * (PI / 2 - 2 / 3 - t * s * (1 / 3 * s + 2 / 3))
-    return lost + s * safe_asin(mu)
+    # The angle is taken from s, not from mu: their rounding errors cancel at the normal
+    s = safe_sqrt(1 - mu * mu)
+    t = mu / (1 + s)  # tan(asin(mu) / 2)
+    lost = mu * (PI / 2 - 2 / 3 - t * s * (1 / 3 * s + 2 / 3))
+    return t * (lost + s * twice_atan_over(t))
 
 
 def loss_fitted(mu: Float) -> Float:
@@ -98,12 +99,11 @@ class EON(Model):
         """Eq. 16 and 19: BRDF value in 1/sr, without the cosine."""
         r = self.roughness
         A_F = 1 / (1 + C1 * r)
-        single = A_F * fujii_shape(wi, wo, r)
-        # (1 - E_i)(1 - E_o) / (1 - <E>), of which r^2 A_F^2 / (r A_F) remains
-        multiple = A_F * r * (INV_PI * INV_PI / (C1 - C2)) * self._loss(wi.z) * self._loss(wo.z)
-        if self.color_shift == "none":
-            return self.rho * (INV_PI * (single + multiple))
-        return INV_PI * (self.rho * single + self._rho_multiple(self.rho) * multiple)
+        single = INV_PI * A_F * fujii_shape(wi, wo, r)
+        # (1 - E_i)(1 - E_o) / (1 - <E>) / pi, of which r^2 A_F^2 / (r A_F) remains
+        white = INV_PI * INV_PI * INV_PI / (C1 - C2)
+        multiple = white * (A_F * r) * self._loss(wi.z) * self._loss(wo.z)
+        return self.rho * (single + self._shifted(multiple))
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """By default CLTC with a uniform lobe: over 100 times less variance at grazing than cosine."""
@@ -146,9 +146,7 @@ class EON(Model):
         A_F = 1 / (1 + C1 * r)
         single = 1 - INV_PI * r * A_F * loss_exact(wo.z)
         multiple = INV_PI * r * A_F * self._loss(wo.z) * self._mean_loss_ratio()
-        if self.color_shift == "none":
-            return self.rho * (single + multiple)
-        return self.rho * single + self._rho_multiple(self.rho) * multiple
+        return self.rho * (single + self._shifted(multiple))
 
     def mean_albedo(self) -> Color:
         """Hemispherical mean of `albedo`."""
@@ -157,9 +155,7 @@ class EON(Model):
         single = A_F * (1 + C2 * r)
         ratio = self._mean_loss_ratio()
         multiple = r * A_F * (C1 - C2) * ratio * ratio
-        if self.color_shift == "none":
-            return self.rho * (single + multiple)
-        return self.rho * single + self._rho_multiple(self.rho) * multiple
+        return self.rho * (single + self._shifted(multiple))
 
     def _loss(self, mu: Float) -> Float:
         if self.albedo_form == "exact":
@@ -172,9 +168,11 @@ class EON(Model):
             return 1
         return (C1 - MEAN_G_FITTED) / (C1 - C2)
 
-    def _rho_multiple(self, rho: Color) -> Color:
-        """Colour of the multiple scattering (Eq. 19)."""
+    def _shifted(self, multiple: Float) -> Color:
+        """Multiple scattering in its colour, which is that of Eq. 19 over rho."""
+        if self.color_shift == "none":
+            return multiple
         r = self.roughness
         A_F = 1 / (1 + C1 * r)
-        mean_loss = A_F * r * (C1 - C2)  # 1 - <E_F>
-        return rho * rho * (1 - mean_loss) / (1 - rho * mean_loss)
+        mean_loss = (C1 - C2) * (A_F * r)  # 1 - <E_F>
+        return multiple * (1 - mean_loss) * self.rho / (1 - self.rho * mean_loss)

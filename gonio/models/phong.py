@@ -10,7 +10,6 @@ from gonio.claims import Claims, kink, known
 from gonio.lang import (
     INV_PI,
     INV_TWO_PI,
-    MU_MIN,
     PI,
     TWO_PI,
     Color,
@@ -25,7 +24,6 @@ from gonio.lang import (
     fma,
     lerp,
     log,
-    maximum,
     minimum,
     normalize,
     safe_sqrt,
@@ -132,7 +130,7 @@ class Phong(Model):
         """BRDF value in 1/sr, without the cosine."""
         n = self.shininess
         if self.form == "classical":
-            highlight = lobe(wi, wo, n) / maximum(wi.z, MU_MIN)
+            highlight = lobe(wi, wo, n) / wi.z
         else:
             highlight = INV_TWO_PI * (n + 2) * lobe(wi, wo, n)
         return self.rho * INV_PI + self.specular * highlight

@@ -12,7 +12,6 @@ turns off.
 from gonio.claims import Claims, kink, known
 from gonio.lang import (
     INV_PI,
-    MU_MIN,
     Color,
     Float,
     Sample,
@@ -36,7 +35,7 @@ from gonio.parts.interface import (
     f0_between,
     refract,
     refracted_cos2,
-    transmittance,
+    transmittance_denser,
     transmittance_lazanyi,
 )
 from gonio.parts.lobes import (
@@ -149,8 +148,8 @@ class TriAceLayered(Model):
         n1, n2 = self.top_eta, self.bottom_eta
         if self.bottom_fresnel == "exact":
             # Both crossings of the upper surface have the same F at angles that belong together.
-            T = transmittance(cos_h, n1)
-            cos_t = sqrt(maximum(refracted_cos2(cos_h, n1), MU_MIN)) / n1
+            T = transmittance_denser(cos_h, n1)
+            cos_t = sqrt(refracted_cos2(cos_h, n1)) / n1
             inner = F_between(cos_t, n1, n2) * T
             glossy = T * inner
         else:
@@ -171,8 +170,7 @@ class TriAceLayered(Model):
         """Eq. 2 or 3."""
         if self.absorption == "exact":
             return absorbed(self._depth(), refract(wi, self.top_eta), refract(wo, self.top_eta))
-        path = 1 / maximum(wi.z, MU_MIN) + 1 / maximum(wo.z, MU_MIN)
-        return maximum(1 - self._depth() * path, 0)
+        return maximum(1 - self._depth() * (1 / wi.z + 1 / wo.z), 0)
 
     def _diffuse_shape(self, wi: Vec3, wo: Vec3) -> Float:
         if self.diffuse == "lambert":

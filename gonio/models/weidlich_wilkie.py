@@ -22,7 +22,7 @@ from gonio.parts.distribution import (
     sample_beckmann,
     sample_ggx,
 )
-from gonio.parts.fresnel import F_dielectric, F_lazanyi
+from gonio.parts.fresnel import F_denser, F_lazanyi
 from gonio.parts.interface import (
     LOBE_MIN,
     absorbed,
@@ -32,11 +32,12 @@ from gonio.parts.interface import (
     leave,
     pdf_leave,
     refract,
-    transmittance,
+    transmittance_denser,
     transmittance_lazanyi,
 )
 from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, shares
 from gonio.parts.masking import (
+    G_cook_torrance,
     V_cook_torrance,
     V_smith_beckmann,
     V_smith_correlated_beckmann,
@@ -124,7 +125,7 @@ class WeidlichWilkie(Model):
         wi_t, wo_t = refract(wi, self.eta), refract(wo, self.eta)
         depth = self._depth()
         through = self._transmitted(wi, wo) * self._compression()
-        below = self._below().eval(wi_t, wo_t) * (absorbed(depth, wi_t, wo_t) * through)
+        below = self._below().eval_above(wi_t, wo_t) * (absorbed(depth, wi_t, wo_t) * through)
         if self.bounces == "diffuse":
             below = below / (1 - self.base.mean_albedo() * diffuse_return(depth, self.eta))
         if self.interface == "smooth":
@@ -186,19 +187,24 @@ class WeidlichWilkie(Model):
 
     def _F(self, cos_h: Float) -> Float:
         if self.fresnel == "exact":
-            return F_dielectric(cos_h, self.eta)
+            return F_denser(cos_h, self.eta)
         return F_lazanyi(cos_h, self.eta, 0)
 
     def _T(self, cos_theta: Float) -> Float:
         """1 - F."""
         if self.fresnel == "exact":
-            return transmittance(cos_theta, self.eta)
+            return transmittance_denser(cos_theta, self.eta)
         return transmittance_lazanyi(cos_theta, self.eta)
 
     def _D(self, m: Vec3) -> Float:
         if self.distribution == "beckmann":
             return D_beckmann(m, self.alpha, self.alpha)
         return D_ggx(m, self.alpha, self.alpha)
+
+    def _G(self, wi: Vec3, wo: Vec3) -> Float:
+        if self.masking == "cook_torrance":
+            return G_cook_torrance(wi, wo, half_vector(wi, wo).z, cos_half(wi, wo))
+        return 4 * wi.z * wo.z * self._V(wi, wo)
 
     def _V(self, wi: Vec3, wo: Vec3) -> Float:
         """G / (4 mu_i mu_o)."""
@@ -217,11 +223,12 @@ class WeidlichWilkie(Model):
         """T12 t: what the surface lets in and out again."""
         if self.transmission == "both_ways":
             return self._T(wi.z) * self._T(wo.z)
-        T = self._T(cos_half(wi, wo))
+        cos_h = cos_half(wi, wo)
+        T = self._T(cos_h)
         if self.interface == "smooth":
             return T * T
-        G = 4 * wi.z * wo.z * self._V(wi, wo)
-        return T * ((1 - G) + T * G)
+        # Eq. 4: t = (1 - G) + T21 G, and T21 = T12 = 1 - F at the half vector
+        return T * (1 - self._G(wi, wo) * self._F(cos_h))
 
     def _compression(self) -> Float:
         if self.solid_angle == "compressed":
@@ -235,7 +242,6 @@ class WeidlichWilkie(Model):
         mu = wo.z
         if self.transmission == "half_vector":
             mu = 0.5 + 0.5 * wo.z  # nearer to wo.H of a diffuse base
-        kept = self._T(mu) * average(absorbed(self._depth(), up, wo_t))
-        through = select(wo_t.z > 0, kept, 0)
+        through = self._T(mu) * average(absorbed(self._depth(), up, wo_t))
         reflected = maximum(self._F(wo.z), COAT_SHARE_MIN * through + LOBE_MIN)
         return shares(reflected, through)

@@ -77,15 +77,14 @@ BEYOND_6, BEYOND_7, BEYOND_8 = 4.6655247915e-5, -5.33585946608e-6, 4.00455147614
 
 def half_vector(wi: Vec3, wo: Vec3) -> Vec3:
     """The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|."""
-    # MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    # directions in the horizon.
-    return normalize(wi + vec3(wo.x, wo.y, wo.z + MU_MIN))
+    h = wi + wo
+    return h / length(h)  # which `cos_half` needs as well
 
 
 def cos_half(wi: Vec3, wo: Vec3) -> Float:
     """wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo."""
     # 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return minimum(0.5 * length(wi + vec3(wo.x, wo.y, wo.z + MU_MIN)), 1)
+    return 0.5 * length(wi + wo)
 
 
 def mirror(wo: Vec3, m: Vec3) -> Vec3:
@@ -96,7 +95,7 @@ def mirror(wo: Vec3, m: Vec3) -> Vec3:
 def pdf_mirror(density: Float, cos_h: Float) -> Float:
     """Density of `mirror` in 1/sr, if m has the given density and cos_h = wo . m."""
     # Walter et al., Eq. 14
-    return density / (4 * maximum(cos_h, MU_MIN))
+    return 0.25 * density / cos_h
 
 
 def anisotropic_alpha(alpha: Float, anisotropy: Float) -> Vec2:

@@ -35,36 +35,41 @@ def F_schlick(cos_theta: Float, f0: Color, f90: Color) -> Color:
     return f0 * rest + f90 * schlick_weight(cos_theta)
 
 
-def F_dielectric(cos_theta: Float, eta: Color) -> Color:
-    """Exact reflectance of a dielectric. Below eta = 1 all light is reflected past the critical angle."""
+def F_denser(cos_theta: Float, eta: Color) -> Color:
+    """Exact reflectance of a dielectric with eta >= 1, which never reflects all light."""
     # r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
     # difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2),
     # so that the mean of both squares is a product.
     c = cos_theta
     contrast = (eta - 1) * (eta + 1)
     sin2 = 1 - c * c
-    # c^2 with its rounding error: at the critical angle little else is left
-    g2 = fma(c, c, contrast)
-    g = sqrt(maximum(g2, ROOT_MIN))
+    # c^2 with its rounding error: at grazing angles, and at the critical one, little else is left
+    g = sqrt(maximum(fma(c, c, contrast), ROOT_MIN))
     s, p = c + g, c * g
     r_s = contrast / (s * s)
     q = p + sin2
-    F = r_s * r_s * ((p * p + sin2 * sin2) / (q * q))
-    return select(g2 > ROOT_MIN, F, 1)
+    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q))
+
+
+def F_dielectric(cos_theta: Float, eta: Color) -> Color:
+    """Exact reflectance of a dielectric. Below eta = 1 all light is reflected past the critical angle."""
+    g2 = fma(cos_theta, cos_theta, (eta - 1) * (eta + 1))
+    return select(g2 > ROOT_MIN, F_denser(cos_theta, eta), 1)
 
 
 def F_conductor(cos_theta: Float, eta: Color, k: Color) -> Color:
     """Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0."""
     # As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     c = cos_theta
-    contrast_re, half_im = (eta - 1) * (eta + 1) - k * k, eta * k
+    # A trace of absorption keeps the roots below from 0
+    contrast_re, half_im = (eta - 1) * (eta + 1) - k * k, eta * k + ROOT_MIN
     c2 = c * c
     sin2 = 1 - c2
     w_re = contrast_re + c2
     im2 = 4 * half_im * half_im
-    w_abs = sqrt(maximum(w_re * w_re + im2, ROOT_MIN * ROOT_MIN))
+    w_abs = sqrt(w_re * w_re + im2)
     # Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    large = sqrt(0.5 * maximum(w_abs + absolute(w_re), ROOT_MIN))
+    large = sqrt(0.5 * (w_abs + absolute(w_re)))
     g_re = select(w_re > 0, large, half_im / large)
     # |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
     cross = 2 * c * g_re

@@ -26,6 +26,7 @@ from gonio.lang import (
     normalize,
     safe_sqrt,
     select,
+    smooth_sqrt,
     sqrt,
     vec3,
 )
@@ -63,20 +64,23 @@ def refracted_cos2(mu: Float, eta: Float) -> Float:
 
 
 def refract(w: Vec3, eta: Float) -> Vec3:
-    """The direction inside the layer that belongs to w outside; z = 0 where there is none."""
-    return vec3(w.x, w.y, safe_sqrt(refracted_cos2(w.z, eta))) / eta
+    """The direction inside a layer with eta >= 1 that belongs to w outside."""
+    return vec3(w.x, w.y, smooth_sqrt(refracted_cos2(w.z, eta))) / eta
+
+
+def transmittance_denser(mu: Float, eta: Float) -> Float:
+    """1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes."""
+    # 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
+    # with q = c g + sin^2(theta)
+    g = sqrt(maximum(refracted_cos2(mu, eta), ROOT_MIN))
+    s, p = mu + g, mu * g
+    q = p + (1 - mu * mu)
+    return 2 * p * (q * q + eta * eta) / (s * s * (q * q))
 
 
 def transmittance(mu: Float, eta: Float) -> Float:
-    """1 - F of a smooth dielectric at a cosine mu outside; exact where it nearly vanishes."""
-    # 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
-    # with q = c g + sin^2(theta)
-    cos2 = refracted_cos2(mu, eta)
-    g = sqrt(maximum(cos2, ROOT_MIN))
-    s, p = mu + g, mu * g
-    q = p + (1 - mu * mu)
-    T = 2 * p * (q * q + eta * eta) / (s * s * (q * q))
-    return select(cos2 > ROOT_MIN, T, 0)
+    """1 - F of a smooth dielectric, 0 where it reflects totally."""
+    return select(refracted_cos2(mu, eta) > ROOT_MIN, transmittance_denser(mu, eta), 0)
 
 
 def transmittance_lazanyi(cos_theta: Float, eta: Float) -> Float:
@@ -90,11 +94,11 @@ def transmittance_conductor(cos_theta: Float, eta: Color, k: Color) -> Color:
     # With eps = (eta + i k)^2 and g^2 = eps - 1 + c^2: 1 - R_s = 4 c Re(g) / |c + g|^2, and 1 - R_p is
     # 4 c Re(conj(g) eps) / |eps c + g|^2.
     c = cos_theta
-    eps_re, eps_im = (eta - k) * (eta + k), 2 * eta * k
+    eps_re, eps_im = (eta - k) * (eta + k), 2 * (eta * k + ROOT_MIN)
     w_re = (eta - 1) * (eta + 1) - k * k + c * c
-    w_abs = sqrt(maximum(w_re * w_re + eps_im * eps_im, ROOT_MIN * ROOT_MIN))
+    w_abs = sqrt(w_re * w_re + eps_im * eps_im)
     # Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    large = sqrt(0.5 * maximum(w_abs + absolute(w_re), ROOT_MIN))
+    large = sqrt(0.5 * (w_abs + absolute(w_re)))
     small = 0.5 * eps_im / large
     g_re, g_im = select(w_re > 0, large, small), select(w_re > 0, small, large)
     s_re, p_re, p_im = c + g_re, eps_re * c + g_re, eps_im * c + g_im
@@ -129,7 +133,7 @@ def absorbed(depth: Color, wi: Vec3, wo: Vec3) -> Color:
 
     wi, wo: refracted directions. depth: absorption times thickness.
     """
-    return exp(-depth * (1 / maximum(wi.z, MU_MIN) + 1 / maximum(wo.z, MU_MIN)))
+    return exp(-depth * (1 / wi.z + 1 / wo.z))
 
 
 # --- diffuse light -------------------------------------------------------------------------------------
@@ -183,6 +187,9 @@ LOBE_MIN = 1e-12
 # cannot leave, and would be wasted: their ring is spread over the whole outer hemisphere instead, so that
 # cosine-weighted samples inside are cosine-weighted samples outside, exactly.
 
+# Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
+LEAVE_MIN = 1e-12
+
 
 def critical_cosine(eta: Float) -> Float:
     """Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1."""
@@ -199,7 +206,7 @@ def leave(w: Vec3, eta: Float) -> Vec3:
     sin2 = w.x * w.x + w.y * w.y
     scale = safe_sqrt(1 - z * z) / sqrt(maximum(sin2, SIN2_MIN))
     # A sample above the horizon stays there, however flat.
-    z = select(w.z > 0, maximum(z, MU_MIN), -1)
+    z = select(w.z > 0, maximum(z, LEAVE_MIN), -1)
     return normalize(vec3(w.x * scale, w.y * scale, z))
 
 
@@ -218,8 +225,7 @@ def pdf_leave(pdf_refracted: Float, pdf_gathered: Float, w: Vec3, w_t: Vec3, eta
     """Density of `leave` at w, from the inner density at w_t = refract(w) and at gather(w)."""
     # Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
     # k^2, and the cosines are k mu and mu.
-    jacobian = select(w_t.z > 0, w.z / (eta * eta * maximum(w_t.z, MU_MIN)), 0)
-    return pdf_refracted * jacobian + pdf_gathered * critical_cosine(eta)
+    return pdf_refracted * w.z / (eta * eta * w_t.z) + pdf_gathered * critical_cosine(eta)
 
 
 # --- the base ------------------------------------------------------------------------------------------

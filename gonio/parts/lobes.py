@@ -110,7 +110,9 @@ def pdf_ggx_lobe(wi: Vec3, wo: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
     # The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     exists = wo.z > wi.z
     image = vec3(wi.x, wi.y, select(exists, -wi.z, wi.z))
-    folded = pdf_ggx_visible(wo, half_vector(image, wo), alpha_x, alpha_y)
+    # The least lift, for two that are equally high but for their last digits
+    higher = vec3(wo.x, wo.y, wo.z + MU_MIN)
+    folded = pdf_ggx_visible(wo, half_vector(image, higher), alpha_x, alpha_y)
     return straight + select(exists, folded, 0)
 
 

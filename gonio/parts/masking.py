@@ -37,19 +37,23 @@ def V_implicit() -> float:
 
 def V_neumann(wi: Vec3, wo: Vec3) -> Float:
     """G = mu_i mu_o / max(mu_i, mu_o)."""
-    return 0.25 / maximum(maximum(wi.z, wo.z), MU_MIN)
+    return 0.25 / maximum(wi.z, wo.z)
+
+
+def G_cook_torrance(wi: Vec3, wo: Vec3, cos_m: Float, cos_h: Float) -> Float:
+    """Of V-grooves: min(1, 2 cos_m mu_o / cos_h, 2 cos_m mu_i / cos_h) with cos_m = m.z, cos_h = wo . m."""
+    return minimum(2 * cos_m * minimum(wi.z, wo.z) / cos_h, 1)
 
 
 def V_cook_torrance(wi: Vec3, wo: Vec3, cos_m: Float, cos_h: Float) -> Float:
-    """G = min(1, 2 cos_m mu_o / cos_h, 2 cos_m mu_i / cos_h) of V-grooves; cos_m = m.z, cos_h = wo . m."""
-    high, low = maximum(maximum(wi.z, wo.z), MU_MIN), maximum(minimum(wi.z, wo.z), MU_MIN)
-    return minimum(0.25 / low, 0.5 * cos_m / cos_h) / high
+    """The same over 4 mu_i mu_o."""
+    # One quotient after the other: the derivative by the product of two small cosines would be infinite
+    return 0.25 * G_cook_torrance(wi, wo, cos_m, cos_h) / wi.z / wo.z
 
 
 def V_kelemen(cos_h: Float) -> Float:
     """G = mu_i mu_o / (wo . m)^2."""
-    c = maximum(cos_h, MU_MIN)
-    return 0.25 / c / c
+    return 0.25 / cos_h / cos_h
 
 
 # --- Smith, GGX ------------------------------------------------------------------------------------

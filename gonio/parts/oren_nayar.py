@@ -4,7 +4,6 @@ Numbers of equations are those of Portsmouth, Kutz, Hill, "EON", arXiv:2410.1802
 """
 
 from gonio.lang import (
-    MU_MIN,
     PI,
     Float,
     Vec3,
@@ -35,8 +34,8 @@ def tangential_cross(wi: Vec3, wo: Vec3) -> Float:
 
 
 def s_over_max(s: Float, wi: Vec3, wo: Vec3) -> Float:
-    """s / max(mu_i, mu_o), finite for two directions in the horizon."""
-    return s / maximum(maximum(wi.z, wo.z), MU_MIN)
+    """s / max(mu_i, mu_o)."""
+    return s / maximum(wi.z, wo.z)
 
 
 def s_over_t_qualitative(s: Float, wi: Vec3, wo: Vec3) -> Float:
@@ -56,7 +55,7 @@ def fujii_shape(wi: Vec3, wo: Vec3, r: Float) -> Float:
     # wi is the mirror direction of a grazing wo, where 1 + s goes to 0.
     x, y = wi.x + wo.x, wi.y + wo.y
     one_plus_s = 0.5 * (x * x + y * y + wi.z * wi.z + wo.z * wo.z)
-    return select(s > 0, 1 + r * s_over_max(s, wi, wo), (1 - r) + r * one_plus_s)
+    return (1 - r) + r * select(s > 0, 1 + s_over_max(s, wi, wo), one_plus_s)
 
 
 def G_qualitative(mu: Float) -> Float:

@@ -4,7 +4,7 @@ Source: Gotanda, "Beyond a simple physically based Blinn-Phong model in real-tim
 "Practical physically based shading in film and game production", Eq. 1.
 """
 
-from gonio.lang import MU_MIN, Float, Vec3, maximum
+from gonio.lang import Float, Vec3, maximum
 from gonio.parts.distribution import half_vector
 from gonio.parts.lobes import cos_power
 
@@ -15,4 +15,4 @@ NORM_SLOPE, NORM_OFFSET = 0.0397436, 0.0856832
 def blinn_phong_highlight(wi: Vec3, wo: Vec3, shininess: Float) -> Float:
     """(0.0397436 n + 0.0856832) (N.H)^n / max(mu_i, mu_o): Eq. 1's highlight without Fresnel."""
     power = cos_power(half_vector(wi, wo), shininess)
-    return (NORM_SLOPE * shininess + NORM_OFFSET) * power / maximum(maximum(wi.z, wo.z), MU_MIN)
+    return (NORM_SLOPE * shininess + NORM_OFFSET) * power / maximum(wi.z, wo.z)

@@ -30,7 +30,7 @@ float burley_diffuse_schlick_weight(float cos_theta) {
 // BRDF value in 1/sr, without the cosine.
 vec3 burley_diffuse_eval(BurleyDiffuse params, vec3 wi, vec3 wo) {
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3(0.0);
     }
     // F90 = 0.5 + 2 roughness cos^2(theta_d), and 2 cos^2(theta_d) = 1 + dot(wi, wo)
@@ -56,16 +56,16 @@ float burley_diffuse_pdf_cosine(vec3 w) {
 
 // Cosine-weighted: the weight is the product of two Fresnel factors of at most 2.5.
 BurleyDiffuseSample burley_diffuse_sample(BurleyDiffuse params, vec3 wo, vec2 u) {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return BurleyDiffuseSample(vec3(0.0, 0.0, 1.0), 0.0);
     }
     vec3 wi = burley_diffuse_sample_cosine(u);
-    return BurleyDiffuseSample(wi, mix(0.0, burley_diffuse_pdf_cosine(wi), wi.z > 0.0));
+    return BurleyDiffuseSample(wi, mix(0.0, burley_diffuse_pdf_cosine(wi), wi.z > 1.0e-18));
 }
 
 // Density of `sample` in 1/sr.
 float burley_diffuse_pdf(BurleyDiffuse params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     return burley_diffuse_pdf_cosine(wi);

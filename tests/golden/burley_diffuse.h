@@ -55,7 +55,7 @@ inline float burley_diffuse_schlick_weight(float cos_theta) {
 // BRDF value in 1/sr, without the cosine.
 inline Vec3 burley_diffuse_eval(const BurleyDiffuse& params, Vec3 wi, Vec3 wo) {
     constexpr float inv_pi = 0.31830987f;
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return splat(0.0f);
     }
     // F90 = 0.5 + 2 roughness cos^2(theta_d), and 2 cos^2(theta_d) = 1 + dot(wi, wo)
@@ -81,16 +81,16 @@ inline float burley_diffuse_pdf_cosine(Vec3 w) {
 
 // Cosine-weighted: the weight is the product of two Fresnel factors of at most 2.5.
 inline BurleyDiffuseSample burley_diffuse_sample(const BurleyDiffuse& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 0.0f) {  // below the horizon
+    if (wo.z <= 1.0e-18f) {  // in the horizon or below
         return BurleyDiffuseSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     Vec3 wi = burley_diffuse_sample_cosine(u);
-    return BurleyDiffuseSample{wi, wi.z > 0.0f ? burley_diffuse_pdf_cosine(wi) : 0.0f};
+    return BurleyDiffuseSample{wi, wi.z > 1.0e-18f ? burley_diffuse_pdf_cosine(wi) : 0.0f};
 }
 
 // Density of `sample` in 1/sr.
 inline float burley_diffuse_pdf(const BurleyDiffuse& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return 0.0f;
     }
     return burley_diffuse_pdf_cosine(wi);

@@ -30,7 +30,7 @@ float burley_diffuse_schlick_weight(float cos_theta) {
 // BRDF value in 1/sr, without the cosine.
 float3 burley_diffuse_eval(BurleyDiffuse params, float3 wi, float3 wo) {
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return (float3)(0.0);
     }
     // F90 = 0.5 + 2 roughness cos^2(theta_d), and 2 cos^2(theta_d) = 1 + dot(wi, wo)
@@ -56,7 +56,7 @@ float burley_diffuse_pdf_cosine(float3 w) {
 
 // Cosine-weighted: the weight is the product of two Fresnel factors of at most 2.5.
 BurleyDiffuseSample burley_diffuse_sample(BurleyDiffuse params, float3 wo, float2 u) {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         BurleyDiffuseSample result;
         result.wi = float3(0.0, 0.0, 1.0);
         result.pdf = 0.0;
@@ -65,13 +65,13 @@ BurleyDiffuseSample burley_diffuse_sample(BurleyDiffuse params, float3 wo, float
     float3 wi = burley_diffuse_sample_cosine(u);
     BurleyDiffuseSample result;
     result.wi = wi;
-    result.pdf = wi.z > 0.0 ? burley_diffuse_pdf_cosine(wi) : 0.0;
+    result.pdf = wi.z > 1.0e-18 ? burley_diffuse_pdf_cosine(wi) : 0.0;
     return result;
 }
 
 // Density of `sample` in 1/sr.
 float burley_diffuse_pdf(BurleyDiffuse params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     return burley_diffuse_pdf_cosine(wi);

@@ -30,7 +30,7 @@ fn burley_diffuse_schlick_weight(cos_theta: f32) -> f32 {
 // BRDF value in 1/sr, without the cosine.
 fn burley_diffuse_eval(params: BurleyDiffuse, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3f(0.0);
     }
     // F90 = 0.5 + 2 roughness cos^2(theta_d), and 2 cos^2(theta_d) = 1 + dot(wi, wo)
@@ -56,16 +56,16 @@ fn burley_diffuse_pdf_cosine(w: vec3f) -> f32 {
 
 // Cosine-weighted: the weight is the product of two Fresnel factors of at most 2.5.
 fn burley_diffuse_sample(params: BurleyDiffuse, wo: vec3f, u: vec2f) -> BurleyDiffuseSample {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return BurleyDiffuseSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let wi = burley_diffuse_sample_cosine(u);
-    return BurleyDiffuseSample(wi, select(0.0, burley_diffuse_pdf_cosine(wi), wi.z > 0.0));
+    return BurleyDiffuseSample(wi, select(0.0, burley_diffuse_pdf_cosine(wi), wi.z > 1.0e-18));
 }
 
 // Density of `sample` in 1/sr.
 fn burley_diffuse_pdf(params: BurleyDiffuse, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     return burley_diffuse_pdf_cosine(wi);

@@ -105,10 +105,6 @@ inline Bool3 operator>(Vec3 a, Vec3 b) {
     return Bool3{a.x > b.x, a.y > b.y, a.z > b.z};
 }
 
-inline Vec3 maximum(Vec3 a, Vec3 b) {
-    return Vec3{fmaxf(a.x, b.x), fmaxf(a.y, b.y), fmaxf(a.z, b.z)};
-}
-
 inline Vec3 absolute(Vec3 a) {
     return Vec3{fabsf(a.x), fabsf(a.y), fabsf(a.z)};
 }
@@ -152,14 +148,12 @@ struct CarPaintChoose {
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float car_paint_cos_half(Vec3 wi, Vec3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    constexpr float mu_min = 1.0e-18f;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return fminf(0.5f * length(wi + Vec3{wo.x, wo.y, wo.z + mu_min}), 1.0f);
+    return 0.5f * length(wi + wo);
 }
 
-// Exact reflectance of a dielectric. Below eta = 1 all light is reflected past the critical angle.
-inline float car_paint_F_dielectric(float cos_theta, float eta) {
+// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
+inline float car_paint_F_denser(float cos_theta, float eta) {
     // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
     // It is reached at the edge of total internal reflection, where the true derivative is infinite.
     constexpr float ROOT_MIN = 1.0e-16f;
@@ -169,23 +163,19 @@ inline float car_paint_F_dielectric(float cos_theta, float eta) {
     float c = cos_theta;
     float contrast = (eta - 1.0f) * (eta + 1.0f);
     float sin2 = 1.0f - c * c;
-    // c^2 with its rounding error: at the critical angle little else is left
-    float g2 = fmaf(c, c, contrast);
-    float g = sqrtf(fmaxf(g2, ROOT_MIN));
+    // c^2 with its rounding error: at grazing angles, and at the critical one, little else is left
+    float g = sqrtf(fmaxf(fmaf(c, c, contrast), ROOT_MIN));
     float s = c + g;
     float p = c * g;
     float r_s = contrast / (s * s);
     float q = p + sin2;
-    float F = r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
-    return g2 > ROOT_MIN ? F : 1.0f;
+    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
 }
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 car_paint_half_vector(Vec3 wi, Vec3 wo) {
-    constexpr float mu_min = 1.0e-18f;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + Vec3{wo.x, wo.y, wo.z + mu_min});
+    Vec3 h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -222,23 +212,21 @@ inline float car_paint_refracted_cos2(float mu, float eta) {
     return fmaf(mu, mu, (eta - 1.0f) * (eta + 1.0f));
 }
 
-// 1 - F of a smooth dielectric at a cosine mu outside; exact where it nearly vanishes.
-inline float car_paint_transmittance(float mu, float eta) {
+// 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
+inline float car_paint_transmittance_denser(float mu, float eta) {
     constexpr float ROOT_MIN = 1.0e-16f;
     // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
     // with q = c g + sin^2(theta)
-    float cos2 = car_paint_refracted_cos2(mu, eta);
-    float g = sqrtf(fmaxf(cos2, ROOT_MIN));
+    float g = sqrtf(fmaxf(car_paint_refracted_cos2(mu, eta), ROOT_MIN));
     float s = mu + g;
     float p = mu * g;
     float q = p + (1.0f - mu * mu);
-    float T = 2.0f * p * (q * q + eta * eta) / (s * s * (q * q));
-    return cos2 > ROOT_MIN ? T : 0.0f;
+    return 2.0f * p * (q * q + eta * eta) / (s * s * (q * q));
 }
 
-// The direction inside the layer that belongs to w outside; z = 0 where there is none.
+// The direction inside a layer with eta >= 1 that belongs to w outside.
 inline Vec3 car_paint_refract(Vec3 w, float eta) {
-    return Vec3{w.x, w.y, sqrtf(fmaxf(car_paint_refracted_cos2(w.z, eta), 0.0f))} / eta;
+    return Vec3{w.x, w.y, sqrtf(car_paint_refracted_cos2(w.z, eta))} / eta;
 }
 
 // Absorption times thickness, for each channel.
@@ -254,8 +242,7 @@ inline Vec3 car_paint_depth(const CarPaint& params) {
 //
 // wi, wo: refracted directions. depth: absorption times thickness.
 inline Vec3 car_paint_absorbed(Vec3 depth, Vec3 wi, Vec3 wo) {
-    constexpr float mu_min = 1.0e-18f;
-    return exp(-depth * (1.0f / fmaxf(wi.z, mu_min) + 1.0f / fmaxf(wo.z, mu_min)));
+    return exp(-depth * (1.0f / wi.z + 1.0f / wo.z));
 }
 
 // normalize(N_flake + max(distance, 1) N) with N_flake = normalize(slope_x, slope_y, 1).
@@ -289,7 +276,10 @@ inline Vec3 car_paint_to_tilted(Vec3 w, Vec3 n) {
 
 // w, or the flake's normal in place of a direction behind it, which is masked elsewhere.
 inline Vec3 car_paint_facing(const CarPaint& params, Vec3 w) {
-    return w.z > 0.0f ? w : Vec3{0.0f, 0.0f, 1.0f};
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
+    constexpr float mu_min = 1.0e-18f;
+    return w.z > mu_min ? w : Vec3{0.0f, 0.0f, 1.0f};
 }
 
 // Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
@@ -297,15 +287,16 @@ inline Vec3 car_paint_F_conductor(float cos_theta, Vec3 eta, Vec3 k) {
     constexpr float ROOT_MIN = 1.0e-16f;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     float c = cos_theta;
+    // A trace of absorption keeps the roots below from 0
     Vec3 contrast_re = (eta - 1.0f) * (eta + 1.0f) - k * k;
-    Vec3 half_im = eta * k;
+    Vec3 half_im = eta * k + ROOT_MIN;
     float c2 = c * c;
     float sin2 = 1.0f - c2;
     Vec3 w_re = contrast_re + c2;
     Vec3 im2 = 4.0f * half_im * half_im;
-    Vec3 w_abs = sqrt(maximum(w_re * w_re + im2, splat(ROOT_MIN * ROOT_MIN)));
+    Vec3 w_abs = sqrt(w_re * w_re + im2);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    Vec3 large = sqrt(0.5f * maximum(w_abs + absolute(w_re), splat(ROOT_MIN)));
+    Vec3 large = sqrt(0.5f * (w_abs + absolute(w_re)));
     Vec3 g_re = select(w_re > splat(0.0f), large, half_im / large);
     // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
     Vec3 cross = 2.0f * c * g_re;
@@ -338,15 +329,14 @@ inline Vec3 car_paint_flake(const CarPaint& params, Vec3 wi_t, Vec3 wo_t) {
 
 // Eq. 2 with a tilted base: BRDF value in 1/sr, without the cosine.
 inline Vec3 car_paint_eval(const CarPaint& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return splat(0.0f);
     }
     float cos_h = car_paint_cos_half(wi, wo);
-    float coat = car_paint_F_dielectric(cos_h, params.eta)
-        * car_paint_ggx_facets(wi, wo, params.alpha);
+    float coat = car_paint_F_denser(cos_h, params.eta) * car_paint_ggx_facets(wi, wo, params.alpha);
 
-    float through = car_paint_transmittance(wi.z, params.eta)
-        * car_paint_transmittance(wo.z, params.eta);
+    float through = car_paint_transmittance_denser(wi.z, params.eta)
+        * car_paint_transmittance_denser(wo.z, params.eta);
     through = through / (params.eta * params.eta);
     Vec3 wi_t = car_paint_refract(wi, params.eta);
     Vec3 wo_t = car_paint_refract(wo, params.eta);
@@ -393,11 +383,11 @@ inline Vec2 car_paint_shares(const CarPaint& params, Vec3 wo, Vec3 wo_t) {
     constexpr float COAT_SHARE_MIN = 0.1f;
     // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
     constexpr float LOBE_MIN = 1.0e-12f;
-    float below = car_paint_transmittance(wo.z, params.eta)
+    float below = car_paint_transmittance_denser(wo.z, params.eta)
         * car_paint_average(car_paint_absorbed_least(car_paint_depth(params), wo_t));
     Vec3 tilted = car_paint_to_tilted(wo_t, car_paint_normal(params));
     float lit = tilted.z > 0.0f ? below : 0.0f;
-    float coat = fmaxf(car_paint_F_dielectric(wo.z, params.eta), COAT_SHARE_MIN * below + LOBE_MIN);
+    float coat = fmaxf(car_paint_F_denser(wo.z, params.eta), COAT_SHARE_MIN * below + LOBE_MIN);
     return car_paint_lobes_shares(coat, lit);
 }
 
@@ -457,6 +447,8 @@ inline Vec3 car_paint_leave(Vec3 w, float eta) {
     constexpr float mu_min = 1.0e-18f;
     // Smallest squared sine whose root is divided by; the azimuth of smaller ones does not matter.
     constexpr float SIN2_MIN = 1.0e-18f;
+    // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
+    constexpr float LEAVE_MIN = 1.0e-12f;
     float k = car_paint_critical_cosine(eta);
     bool refracted = w.z > k;
     float spread = fminf(w.z / fmaxf(k, mu_min), 1.0f);
@@ -465,7 +457,7 @@ inline Vec3 car_paint_leave(Vec3 w, float eta) {
     float sin2 = w.x * w.x + w.y * w.y;
     float scale = sqrtf(fmaxf(1.0f - z * z, 0.0f)) / sqrtf(fmaxf(sin2, SIN2_MIN));
     // A sample above the horizon stays there, however flat.
-    z = w.z > 0.0f ? fmaxf(z, mu_min) : -1.0f;
+    z = w.z > 0.0f ? fmaxf(z, LEAVE_MIN) : -1.0f;
     return normalize(Vec3{w.x * scale, w.y * scale, z});
 }
 
@@ -502,27 +494,29 @@ inline Vec3 car_paint_gather(Vec3 w, float eta) {
 // Density of `leave` at w, from the inner density at w_t = refract(w) and at gather(w).
 inline float car_paint_pdf_leave(float pdf_refracted, float pdf_gathered, Vec3 w, Vec3 w_t,
     float eta) {
-    constexpr float mu_min = 1.0e-18f;
     // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
     // k^2, and the cosines are k mu and mu.
-    float jacobian = w_t.z > 0.0f ? w.z / (eta * eta * fmaxf(w_t.z, mu_min)) : 0.0f;
-    return pdf_refracted * jacobian + pdf_gathered * car_paint_critical_cosine(eta);
+    return pdf_refracted * w.z / (eta * eta * w_t.z)
+        + pdf_gathered * car_paint_critical_cosine(eta);
 }
 
 // Density of `sample_ggx_lobe` in 1/sr.
 inline float car_paint_pdf_ggx_lobe(Vec3 wi, Vec3 wo, float alpha_x, float alpha_y) {
+    constexpr float mu_min = 1.0e-18f;
     float straight = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(wi, wo), alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
-    float folded = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(image, wo), alpha_x,
+    // The least lift, for two that are equally high but for their last digits
+    Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
+    float folded = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(image, higher), alpha_x,
         alpha_y);
     return straight + (exists ? folded : 0.0f);
 }
 
 // Density of `sample` in 1/sr.
 inline float car_paint_pdf(const CarPaint& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return 0.0f;
     }
     Vec3 wi_t = car_paint_refract(wi, params.eta);
@@ -537,7 +531,7 @@ inline float car_paint_pdf(const CarPaint& params, Vec3 wi, Vec3 wo) {
 
 // Visible normals of the coat, or of the flake and then out through the coat.
 inline CarPaintSample car_paint_sample(const CarPaint& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 0.0f) {  // below the horizon
+    if (wo.z <= 1.0e-18f) {  // in the horizon or below
         return CarPaintSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     Vec3 n = car_paint_normal(params);

@@ -49,14 +49,12 @@ struct CarPaintChoose {
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float car_paint_cos_half(float3 wi, float3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const float mu_min = 1.0e-18;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return min(0.5 * length(wi + float3(wo.x, wo.y, wo.z + mu_min)), 1.0);
+    return 0.5 * length(wi + wo);
 }
 
-// Exact reflectance of a dielectric. Below eta = 1 all light is reflected past the critical angle.
-inline float car_paint_F_dielectric(float cos_theta, float eta) {
+// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
+inline float car_paint_F_denser(float cos_theta, float eta) {
     // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
     // It is reached at the edge of total internal reflection, where the true derivative is infinite.
     const float ROOT_MIN = 1.0e-16;
@@ -66,23 +64,19 @@ inline float car_paint_F_dielectric(float cos_theta, float eta) {
     float c = cos_theta;
     float contrast = (eta - 1.0) * (eta + 1.0);
     float sin2 = 1.0 - c * c;
-    // c^2 with its rounding error: at the critical angle little else is left
-    float g2 = fma(c, c, contrast);
-    float g = sqrt(max(g2, ROOT_MIN));
+    // c^2 with its rounding error: at grazing angles, and at the critical one, little else is left
+    float g = sqrt(max(fma(c, c, contrast), ROOT_MIN));
     float s = c + g;
     float p = c * g;
     float r_s = contrast / (s * s);
     float q = p + sin2;
-    float F = r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
-    return g2 > ROOT_MIN ? F : 1.0;
+    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
 }
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline float3 car_paint_half_vector(float3 wi, float3 wo) {
-    const float mu_min = 1.0e-18;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + float3(wo.x, wo.y, wo.z + mu_min));
+    float3 h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -120,23 +114,21 @@ inline float car_paint_refracted_cos2(float mu, float eta) {
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
-// 1 - F of a smooth dielectric at a cosine mu outside; exact where it nearly vanishes.
-inline float car_paint_transmittance(float mu, float eta) {
+// 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
+inline float car_paint_transmittance_denser(float mu, float eta) {
     const float ROOT_MIN = 1.0e-16;
     // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
     // with q = c g + sin^2(theta)
-    float cos2 = car_paint_refracted_cos2(mu, eta);
-    float g = sqrt(max(cos2, ROOT_MIN));
+    float g = sqrt(max(car_paint_refracted_cos2(mu, eta), ROOT_MIN));
     float s = mu + g;
     float p = mu * g;
     float q = p + (1.0 - mu * mu);
-    float T = 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
-    return cos2 > ROOT_MIN ? T : 0.0;
+    return 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
 }
 
-// The direction inside the layer that belongs to w outside; z = 0 where there is none.
+// The direction inside a layer with eta >= 1 that belongs to w outside.
 inline float3 car_paint_refract(float3 w, float eta) {
-    return float3(w.x, w.y, sqrt(max(car_paint_refracted_cos2(w.z, eta), 0.0))) / eta;
+    return float3(w.x, w.y, sqrt(car_paint_refracted_cos2(w.z, eta))) / eta;
 }
 
 // Absorption times thickness, for each channel.
@@ -152,8 +144,7 @@ inline float3 car_paint_depth(CarPaint params) {
 //
 // wi, wo: refracted directions. depth: absorption times thickness.
 inline float3 car_paint_absorbed(float3 depth, float3 wi, float3 wo) {
-    const float mu_min = 1.0e-18;
-    return exp(-depth * (1.0 / max(wi.z, mu_min) + 1.0 / max(wo.z, mu_min)));
+    return exp(-depth * (1.0 / wi.z + 1.0 / wo.z));
 }
 
 // normalize(N_flake + max(distance, 1) N) with N_flake = normalize(slope_x, slope_y, 1).
@@ -187,7 +178,10 @@ inline float3 car_paint_to_tilted(float3 w, float3 n) {
 
 // w, or the flake's normal in place of a direction behind it, which is masked elsewhere.
 inline float3 car_paint_facing(CarPaint params, float3 w) {
-    return w.z > 0.0 ? w : float3(0.0, 0.0, 1.0);
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
+    const float mu_min = 1.0e-18;
+    return w.z > mu_min ? w : float3(0.0, 0.0, 1.0);
 }
 
 // Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
@@ -195,15 +189,16 @@ inline float3 car_paint_F_conductor(float cos_theta, float3 eta, float3 k) {
     const float ROOT_MIN = 1.0e-16;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     float c = cos_theta;
+    // A trace of absorption keeps the roots below from 0
     float3 contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
-    float3 half_im = eta * k;
+    float3 half_im = eta * k + ROOT_MIN;
     float c2 = c * c;
     float sin2 = 1.0 - c2;
     float3 w_re = contrast_re + c2;
     float3 im2 = 4.0 * half_im * half_im;
-    float3 w_abs = sqrt(max(w_re * w_re + im2, float3(ROOT_MIN * ROOT_MIN)));
+    float3 w_abs = sqrt(w_re * w_re + im2);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    float3 large = sqrt(0.5 * max(w_abs + abs(w_re), float3(ROOT_MIN)));
+    float3 large = sqrt(0.5 * (w_abs + abs(w_re)));
     float3 g_re = select(half_im / large, large, w_re > float3(0.0));
     // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
     float3 cross = 2.0 * c * g_re;
@@ -236,15 +231,14 @@ inline float3 car_paint_flake(CarPaint params, float3 wi_t, float3 wo_t) {
 
 // Eq. 2 with a tilted base: BRDF value in 1/sr, without the cosine.
 inline float3 car_paint_eval(CarPaint params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return float3(0.0);
     }
     float cos_h = car_paint_cos_half(wi, wo);
-    float coat = car_paint_F_dielectric(cos_h, params.eta)
-        * car_paint_ggx_facets(wi, wo, params.alpha);
+    float coat = car_paint_F_denser(cos_h, params.eta) * car_paint_ggx_facets(wi, wo, params.alpha);
 
-    float through = car_paint_transmittance(wi.z, params.eta)
-        * car_paint_transmittance(wo.z, params.eta);
+    float through = car_paint_transmittance_denser(wi.z, params.eta)
+        * car_paint_transmittance_denser(wo.z, params.eta);
     through = through / (params.eta * params.eta);
     float3 wi_t = car_paint_refract(wi, params.eta);
     float3 wo_t = car_paint_refract(wo, params.eta);
@@ -291,11 +285,11 @@ inline float2 car_paint_shares(CarPaint params, float3 wo, float3 wo_t) {
     const float COAT_SHARE_MIN = 0.1;
     // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
     const float LOBE_MIN = 1.0e-12;
-    float below = car_paint_transmittance(wo.z, params.eta)
+    float below = car_paint_transmittance_denser(wo.z, params.eta)
         * car_paint_average(car_paint_absorbed_least(car_paint_depth(params), wo_t));
     float3 tilted = car_paint_to_tilted(wo_t, car_paint_normal(params));
     float lit = tilted.z > 0.0 ? below : 0.0;
-    float coat = max(car_paint_F_dielectric(wo.z, params.eta), COAT_SHARE_MIN * below + LOBE_MIN);
+    float coat = max(car_paint_F_denser(wo.z, params.eta), COAT_SHARE_MIN * below + LOBE_MIN);
     return car_paint_lobes_shares(coat, lit);
 }
 
@@ -355,6 +349,8 @@ inline float3 car_paint_leave(float3 w, float eta) {
     const float mu_min = 1.0e-18;
     // Smallest squared sine whose root is divided by; the azimuth of smaller ones does not matter.
     const float SIN2_MIN = 1.0e-18;
+    // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
+    const float LEAVE_MIN = 1.0e-12;
     float k = car_paint_critical_cosine(eta);
     bool refracted = w.z > k;
     float spread = min(w.z / max(k, mu_min), 1.0);
@@ -363,7 +359,7 @@ inline float3 car_paint_leave(float3 w, float eta) {
     float sin2 = w.x * w.x + w.y * w.y;
     float scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
     // A sample above the horizon stays there, however flat.
-    z = w.z > 0.0 ? max(z, mu_min) : -1.0;
+    z = w.z > 0.0 ? max(z, LEAVE_MIN) : -1.0;
     return normalize(float3(w.x * scale, w.y * scale, z));
 }
 
@@ -400,27 +396,29 @@ inline float3 car_paint_gather(float3 w, float eta) {
 // Density of `leave` at w, from the inner density at w_t = refract(w) and at gather(w).
 inline float car_paint_pdf_leave(float pdf_refracted, float pdf_gathered, float3 w, float3 w_t,
     float eta) {
-    const float mu_min = 1.0e-18;
     // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
     // k^2, and the cosines are k mu and mu.
-    float jacobian = w_t.z > 0.0 ? w.z / (eta * eta * max(w_t.z, mu_min)) : 0.0;
-    return pdf_refracted * jacobian + pdf_gathered * car_paint_critical_cosine(eta);
+    return pdf_refracted * w.z / (eta * eta * w_t.z)
+        + pdf_gathered * car_paint_critical_cosine(eta);
 }
 
 // Density of `sample_ggx_lobe` in 1/sr.
 inline float car_paint_pdf_ggx_lobe(float3 wi, float3 wo, float alpha_x, float alpha_y) {
+    const float mu_min = 1.0e-18;
     float straight = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(wi, wo), alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
-    float folded = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(image, wo), alpha_x,
+    // The least lift, for two that are equally high but for their last digits
+    float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
+    float folded = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(image, higher), alpha_x,
         alpha_y);
     return straight + (exists ? folded : 0.0);
 }
 
 // Density of `sample` in 1/sr.
 inline float car_paint_pdf(CarPaint params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     float3 wi_t = car_paint_refract(wi, params.eta);
@@ -435,7 +433,7 @@ inline float car_paint_pdf(CarPaint params, float3 wi, float3 wo) {
 
 // Visible normals of the coat, or of the flake and then out through the coat.
 inline CarPaintSample car_paint_sample(CarPaint params, float3 wo, float2 u) {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return CarPaintSample{float3(0.0, 0.0, 1.0), 0.0};
     }
     float3 n = car_paint_normal(params);

@@ -46,14 +46,12 @@ struct CarPaintChoose {
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn car_paint_cos_half(wi: vec3f, wo: vec3f) -> f32 {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const mu_min = 1.0e-18;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return min(0.5 * length(wi + vec3f(wo.x, wo.y, wo.z + mu_min)), 1.0);
+    return 0.5 * length(wi + wo);
 }
 
-// Exact reflectance of a dielectric. Below eta = 1 all light is reflected past the critical angle.
-fn car_paint_F_dielectric(cos_theta: f32, eta: f32) -> f32 {
+// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
+fn car_paint_F_denser(cos_theta: f32, eta: f32) -> f32 {
     // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
     // It is reached at the edge of total internal reflection, where the true derivative is infinite.
     const ROOT_MIN = 1.0e-16;
@@ -63,23 +61,19 @@ fn car_paint_F_dielectric(cos_theta: f32, eta: f32) -> f32 {
     let c = cos_theta;
     let contrast = (eta - 1.0) * (eta + 1.0);
     let sin2 = 1.0 - c * c;
-    // c^2 with its rounding error: at the critical angle little else is left
-    let g2 = fma(c, c, contrast);
-    let g = sqrt(max(g2, ROOT_MIN));
+    // c^2 with its rounding error: at grazing angles, and at the critical one, little else is left
+    let g = sqrt(max(fma(c, c, contrast), ROOT_MIN));
     let s = c + g;
     let p = c * g;
     let r_s = contrast / (s * s);
     let q = p + sin2;
-    let F = r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
-    return select(1.0, F, g2 > ROOT_MIN);
+    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
 }
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn car_paint_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    const mu_min = 1.0e-18;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + vec3f(wo.x, wo.y, wo.z + mu_min));
+    let h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -116,23 +110,21 @@ fn car_paint_refracted_cos2(mu: f32, eta: f32) -> f32 {
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
-// 1 - F of a smooth dielectric at a cosine mu outside; exact where it nearly vanishes.
-fn car_paint_transmittance(mu: f32, eta: f32) -> f32 {
+// 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
+fn car_paint_transmittance_denser(mu: f32, eta: f32) -> f32 {
     const ROOT_MIN = 1.0e-16;
     // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
     // with q = c g + sin^2(theta)
-    let cos2 = car_paint_refracted_cos2(mu, eta);
-    let g = sqrt(max(cos2, ROOT_MIN));
+    let g = sqrt(max(car_paint_refracted_cos2(mu, eta), ROOT_MIN));
     let s = mu + g;
     let p = mu * g;
     let q = p + (1.0 - mu * mu);
-    let T = 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
-    return select(0.0, T, cos2 > ROOT_MIN);
+    return 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
 }
 
-// The direction inside the layer that belongs to w outside; z = 0 where there is none.
+// The direction inside a layer with eta >= 1 that belongs to w outside.
 fn car_paint_refract(w: vec3f, eta: f32) -> vec3f {
-    return vec3f(w.x, w.y, sqrt(max(car_paint_refracted_cos2(w.z, eta), 0.0))) / eta;
+    return vec3f(w.x, w.y, sqrt(car_paint_refracted_cos2(w.z, eta))) / eta;
 }
 
 // Absorption times thickness, for each channel.
@@ -148,8 +140,7 @@ fn car_paint_depth(params: CarPaint) -> vec3f {
 //
 // wi, wo: refracted directions. depth: absorption times thickness.
 fn car_paint_absorbed(depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
-    const mu_min = 1.0e-18;
-    return exp(-depth * (1.0 / max(wi.z, mu_min) + 1.0 / max(wo.z, mu_min)));
+    return exp(-depth * (1.0 / wi.z + 1.0 / wo.z));
 }
 
 // normalize(N_flake + max(distance, 1) N) with N_flake = normalize(slope_x, slope_y, 1).
@@ -183,7 +174,10 @@ fn car_paint_to_tilted(w: vec3f, n: vec3f) -> vec3f {
 
 // w, or the flake's normal in place of a direction behind it, which is masked elsewhere.
 fn car_paint_facing(params: CarPaint, w: vec3f) -> vec3f {
-    return select(vec3f(0.0, 0.0, 1.0), w, w.z > 0.0);
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
+    const mu_min = 1.0e-18;
+    return select(vec3f(0.0, 0.0, 1.0), w, w.z > mu_min);
 }
 
 // Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
@@ -191,15 +185,16 @@ fn car_paint_F_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f {
     const ROOT_MIN = 1.0e-16;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     let c = cos_theta;
+    // A trace of absorption keeps the roots below from 0
     let contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
-    let half_im = eta * k;
+    let half_im = eta * k + ROOT_MIN;
     let c2 = c * c;
     let sin2 = 1.0 - c2;
     let w_re = contrast_re + c2;
     let im2 = 4.0 * half_im * half_im;
-    let w_abs = sqrt(max(w_re * w_re + im2, vec3f(ROOT_MIN * ROOT_MIN)));
+    let w_abs = sqrt(w_re * w_re + im2);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    let large = sqrt(0.5 * max(w_abs + abs(w_re), vec3f(ROOT_MIN)));
+    let large = sqrt(0.5 * (w_abs + abs(w_re)));
     let g_re = select(half_im / large, large, w_re > vec3f(0.0));
     // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
     let cross = 2.0 * c * g_re;
@@ -233,15 +228,14 @@ fn car_paint_flake(params: CarPaint, wi_t: vec3f, wo_t: vec3f) -> vec3f {
 
 // Eq. 2 with a tilted base: BRDF value in 1/sr, without the cosine.
 fn car_paint_eval(params: CarPaint, wi: vec3f, wo: vec3f) -> vec3f {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3f(0.0);
     }
     let cos_h = car_paint_cos_half(wi, wo);
-    let coat = car_paint_F_dielectric(cos_h, params.eta)
-        * car_paint_ggx_facets(wi, wo, params.alpha);
+    let coat = car_paint_F_denser(cos_h, params.eta) * car_paint_ggx_facets(wi, wo, params.alpha);
 
-    var through = car_paint_transmittance(wi.z, params.eta)
-        * car_paint_transmittance(wo.z, params.eta);
+    var through = car_paint_transmittance_denser(wi.z, params.eta)
+        * car_paint_transmittance_denser(wo.z, params.eta);
     through = through / (params.eta * params.eta);
     let wi_t = car_paint_refract(wi, params.eta);
     let wo_t = car_paint_refract(wo, params.eta);
@@ -288,11 +282,11 @@ fn car_paint_shares(params: CarPaint, wo: vec3f, wo_t: vec3f) -> vec2f {
     const COAT_SHARE_MIN = 0.1;
     // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
     const LOBE_MIN = 1.0e-12;
-    let below = car_paint_transmittance(wo.z, params.eta)
+    let below = car_paint_transmittance_denser(wo.z, params.eta)
         * car_paint_average(car_paint_absorbed_least(car_paint_depth(params), wo_t));
     let tilted = car_paint_to_tilted(wo_t, car_paint_normal(params));
     let lit = select(0.0, below, tilted.z > 0.0);
-    let coat = max(car_paint_F_dielectric(wo.z, params.eta), COAT_SHARE_MIN * below + LOBE_MIN);
+    let coat = max(car_paint_F_denser(wo.z, params.eta), COAT_SHARE_MIN * below + LOBE_MIN);
     return car_paint_lobes_shares(coat, lit);
 }
 
@@ -351,6 +345,8 @@ fn car_paint_leave(w: vec3f, eta: f32) -> vec3f {
     const mu_min = 1.0e-18;
     // Smallest squared sine whose root is divided by; the azimuth of smaller ones does not matter.
     const SIN2_MIN = 1.0e-18;
+    // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
+    const LEAVE_MIN = 1.0e-12;
     let k = car_paint_critical_cosine(eta);
     let refracted = w.z > k;
     let spread = min(w.z / max(k, mu_min), 1.0);
@@ -359,7 +355,7 @@ fn car_paint_leave(w: vec3f, eta: f32) -> vec3f {
     let sin2 = w.x * w.x + w.y * w.y;
     let scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
     // A sample above the horizon stays there, however flat.
-    z = select(-1.0, max(z, mu_min), w.z > 0.0);
+    z = select(-1.0, max(z, LEAVE_MIN), w.z > 0.0);
     return normalize(vec3f(w.x * scale, w.y * scale, z));
 }
 
@@ -396,26 +392,29 @@ fn car_paint_gather(w: vec3f, eta: f32) -> vec3f {
 // Density of `leave` at w, from the inner density at w_t = refract(w) and at gather(w).
 fn car_paint_pdf_leave(pdf_refracted: f32, pdf_gathered: f32, w: vec3f, w_t: vec3f,
     eta: f32) -> f32 {
-    const mu_min = 1.0e-18;
     // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
     // k^2, and the cosines are k mu and mu.
-    let jacobian = select(0.0, w.z / (eta * eta * max(w_t.z, mu_min)), w_t.z > 0.0);
-    return pdf_refracted * jacobian + pdf_gathered * car_paint_critical_cosine(eta);
+    return pdf_refracted * w.z / (eta * eta * w_t.z)
+        + pdf_gathered * car_paint_critical_cosine(eta);
 }
 
 // Density of `sample_ggx_lobe` in 1/sr.
 fn car_paint_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    const mu_min = 1.0e-18;
     let straight = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(wi, wo), alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     let exists = wo.z > wi.z;
     let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
-    let folded = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(image, wo), alpha_x, alpha_y);
+    // The least lift, for two that are equally high but for their last digits
+    let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
+    let folded = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(image, higher), alpha_x,
+        alpha_y);
     return straight + select(0.0, folded, exists);
 }
 
 // Density of `sample` in 1/sr.
 fn car_paint_pdf(params: CarPaint, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     let wi_t = car_paint_refract(wi, params.eta);
@@ -430,7 +429,7 @@ fn car_paint_pdf(params: CarPaint, wi: vec3f, wo: vec3f) -> f32 {
 
 // Visible normals of the coat, or of the flake and then out through the coat.
 fn car_paint_sample(params: CarPaint, wo: vec3f, u: vec2f) -> CarPaintSample {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return CarPaintSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let n = car_paint_normal(params);

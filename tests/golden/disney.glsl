@@ -55,11 +55,8 @@ vec2 disney_widths(Disney params) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 disney_half_vector(vec3 wi, vec3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const float mu_min = 1.0e-18;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + vec3(wo.x, wo.y, wo.z + mu_min));
+    vec3 h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -75,7 +72,7 @@ float disney_D_ggx(vec3 m, float alpha_x, float alpha_y) {
 vec3 disney_tint(Disney params) {
     const float LUMINANCE_MIN = 1.0e-18;  // Smallest luminance that is divided by.
     vec3 color = params.base_color;
-    float luminance = 0.3 * color.x + 0.6 * color.y + 0.1 * color.z;
+    float luminance = dot(color, vec3(0.3, 0.6, 0.1));
     vec3 tint = color / max(luminance, LUMINANCE_MIN);
     return luminance > 0.0 ? tint : vec3(1.0);
 }
@@ -89,9 +86,8 @@ vec3 disney_f0(Disney params) {
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float disney_cos_half(vec3 wi, vec3 wo) {
-    const float mu_min = 1.0e-18;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return min(0.5 * length(wi + vec3(wo.x, wo.y, wo.z + mu_min)), 1.0);
+    return 0.5 * length(wi + wo);
 }
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
@@ -146,7 +142,6 @@ float disney_V_smith_ggx_round(vec3 wi, vec3 wo, float alpha) {
 
 // All but the highlight: diffuse, sheen and clearcoat, which are not stretched.
 vec3 disney_eval_round(Disney params, vec3 wi, vec3 wo) {
-    const float mu_min = 1.0e-18;
     const float inv_pi = 0.31830987;
     const float COAT_ALPHA_MASKING = 0.25;
     const float COAT_STRENGTH = 0.25;
@@ -161,14 +156,15 @@ vec3 disney_eval_round(Disney params, vec3 wi, vec3 wo) {
     // Hanrahan-Krueger's isotropic subsurface scattering; 1 + (F90 - 1) F as a sum of positive terms
     float F_ss = (disney_schlick_complement(wi.z) + F90 * F_i)
         * (disney_schlick_complement(wo.z) + F90 * F_o);
-    float scattered = 1.25 * (F_ss * (1.0 / max(wi.z + wo.z, mu_min) - 0.5) + 0.5);
+    float scattered = 1.25 * (F_ss * (1.0 / (wi.z + wo.z) - 0.5) + 0.5);
     vec3 diffuse = inv_pi * mix(F_d, scattered, params.subsurface) * params.base_color;
     float F_H = disney_schlick_weight_half(wi, wo);
     vec3 base = (1.0 - params.metallic) * (diffuse + F_H * disney_sheen(params));
 
     float D_c = disney_D_gtr1_narrow(disney_half_vector(wi, wo), disney_coat_alpha(params));
     float V_c = disney_V_smith_ggx_round(wi, wo, COAT_ALPHA_MASKING);
-    return base + COAT_STRENGTH * params.clearcoat * mix(COAT_F0, 1.0, F_H) * (D_c * V_c);
+    float F_c = params.clearcoat * mix(COAT_STRENGTH * COAT_F0, COAT_STRENGTH, F_H);
+    return base + F_c * (D_c * V_c);
 }
 
 // Masking of the highlight, G / (4 mu_i mu_o).
@@ -179,7 +175,7 @@ float disney_V(Disney params, vec3 wi, vec3 wo) {
 
 // BRDF value in 1/sr, without the cosine.
 vec3 disney_eval(Disney params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3(0.0);
     }
     vec2 widths = disney_widths(params);
@@ -343,9 +339,8 @@ vec3 disney_sample_cosine(vec2 u) {
 
 // Density of `mirror` in 1/sr, if m has the given density and cos_h = wo . m.
 float disney_pdf_mirror(float density, float cos_h) {
-    const float mu_min = 1.0e-18;
     // Walter et al., Eq. 14
-    return density / (4.0 * max(cos_h, mu_min));
+    return 0.25 * density / cos_h;
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
@@ -361,11 +356,16 @@ float disney_pdf_ggx_visible(vec3 wo, vec3 m, float alpha_x, float alpha_y) {
 
 // Density of `sample_ggx_lobe` in 1/sr.
 float disney_pdf_ggx_lobe(vec3 wi, vec3 wo, float alpha_x, float alpha_y) {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
+    const float mu_min = 1.0e-18;
     float straight = disney_pdf_ggx_visible(wo, disney_half_vector(wi, wo), alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     vec3 image = vec3(wi.x, wi.y, exists ? -wi.z : wi.z);
-    float folded = disney_pdf_ggx_visible(wo, disney_half_vector(image, wo), alpha_x, alpha_y);
+    // The least lift, for two that are equally high but for their last digits
+    vec3 higher = vec3(wo.x, wo.y, wo.z + mu_min);
+    float folded = disney_pdf_ggx_visible(wo, disney_half_vector(image, higher), alpha_x, alpha_y);
     return straight + (exists ? folded : 0.0);
 }
 
@@ -383,7 +383,7 @@ float disney_pdf_uniform() {
 
 // Density of `sample` in 1/sr.
 float disney_pdf(Disney params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     vec2 widths = disney_widths(params);
@@ -399,7 +399,7 @@ float disney_pdf(Disney params, vec3 wi, vec3 wo) {
 
 // Cosine-weighted, a visible GGX normal or a clearcoat normal, by the estimated albedos.
 DisneySample disney_sample(Disney params, vec3 wo, vec2 u) {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return DisneySample(vec3(0.0, 0.0, 1.0), 0.0);
     }
     vec2 widths = disney_widths(params);

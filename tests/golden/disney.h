@@ -121,11 +121,8 @@ inline Vec2 disney_widths(const Disney& params) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 disney_half_vector(Vec3 wi, Vec3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    constexpr float mu_min = 1.0e-18f;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + Vec3{wo.x, wo.y, wo.z + mu_min});
+    Vec3 h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -141,7 +138,7 @@ inline float disney_D_ggx(Vec3 m, float alpha_x, float alpha_y) {
 inline Vec3 disney_tint(const Disney& params) {
     constexpr float LUMINANCE_MIN = 1.0e-18f;  // Smallest luminance that is divided by.
     Vec3 color = params.base_color;
-    float luminance = 0.3f * color.x + 0.6f * color.y + 0.1f * color.z;
+    float luminance = dot(color, Vec3{0.3f, 0.6f, 0.1f});
     Vec3 tint = color / fmaxf(luminance, LUMINANCE_MIN);
     return luminance > 0.0f ? tint : splat(1.0f);
 }
@@ -155,9 +152,8 @@ inline Vec3 disney_f0(const Disney& params) {
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float disney_cos_half(Vec3 wi, Vec3 wo) {
-    constexpr float mu_min = 1.0e-18f;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return fminf(0.5f * length(wi + Vec3{wo.x, wo.y, wo.z + mu_min}), 1.0f);
+    return 0.5f * length(wi + wo);
 }
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
@@ -212,7 +208,6 @@ inline float disney_V_smith_ggx_round(Vec3 wi, Vec3 wo, float alpha) {
 
 // All but the highlight: diffuse, sheen and clearcoat, which are not stretched.
 inline Vec3 disney_eval_round(const Disney& params, Vec3 wi, Vec3 wo) {
-    constexpr float mu_min = 1.0e-18f;
     constexpr float inv_pi = 0.31830987f;
     constexpr float COAT_ALPHA_MASKING = 0.25f;
     constexpr float COAT_STRENGTH = 0.25f;
@@ -227,14 +222,15 @@ inline Vec3 disney_eval_round(const Disney& params, Vec3 wi, Vec3 wo) {
     // Hanrahan-Krueger's isotropic subsurface scattering; 1 + (F90 - 1) F as a sum of positive terms
     float F_ss = (disney_schlick_complement(wi.z) + F90 * F_i)
         * (disney_schlick_complement(wo.z) + F90 * F_o);
-    float scattered = 1.25f * (F_ss * (1.0f / fmaxf(wi.z + wo.z, mu_min) - 0.5f) + 0.5f);
+    float scattered = 1.25f * (F_ss * (1.0f / (wi.z + wo.z) - 0.5f) + 0.5f);
     Vec3 diffuse = inv_pi * lerp(F_d, scattered, params.subsurface) * params.base_color;
     float F_H = disney_schlick_weight_half(wi, wo);
     Vec3 base = (1.0f - params.metallic) * (diffuse + F_H * disney_sheen(params));
 
     float D_c = disney_D_gtr1_narrow(disney_half_vector(wi, wo), disney_coat_alpha(params));
     float V_c = disney_V_smith_ggx_round(wi, wo, COAT_ALPHA_MASKING);
-    return base + COAT_STRENGTH * params.clearcoat * lerp(COAT_F0, 1.0f, F_H) * (D_c * V_c);
+    float F_c = params.clearcoat * lerp(COAT_STRENGTH * COAT_F0, COAT_STRENGTH, F_H);
+    return base + F_c * (D_c * V_c);
 }
 
 // Masking of the highlight, G / (4 mu_i mu_o).
@@ -245,7 +241,7 @@ inline float disney_V(const Disney& params, Vec3 wi, Vec3 wo) {
 
 // BRDF value in 1/sr, without the cosine.
 inline Vec3 disney_eval(const Disney& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return splat(0.0f);
     }
     Vec2 widths = disney_widths(params);
@@ -409,9 +405,8 @@ inline Vec3 disney_sample_cosine(Vec2 u) {
 
 // Density of `mirror` in 1/sr, if m has the given density and cos_h = wo . m.
 inline float disney_pdf_mirror(float density, float cos_h) {
-    constexpr float mu_min = 1.0e-18f;
     // Walter et al., Eq. 14
-    return density / (4.0f * fmaxf(cos_h, mu_min));
+    return 0.25f * density / cos_h;
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
@@ -427,11 +422,16 @@ inline float disney_pdf_ggx_visible(Vec3 wo, Vec3 m, float alpha_x, float alpha_
 
 // Density of `sample_ggx_lobe` in 1/sr.
 inline float disney_pdf_ggx_lobe(Vec3 wi, Vec3 wo, float alpha_x, float alpha_y) {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
+    constexpr float mu_min = 1.0e-18f;
     float straight = disney_pdf_ggx_visible(wo, disney_half_vector(wi, wo), alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
-    float folded = disney_pdf_ggx_visible(wo, disney_half_vector(image, wo), alpha_x, alpha_y);
+    // The least lift, for two that are equally high but for their last digits
+    Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
+    float folded = disney_pdf_ggx_visible(wo, disney_half_vector(image, higher), alpha_x, alpha_y);
     return straight + (exists ? folded : 0.0f);
 }
 
@@ -449,7 +449,7 @@ inline float disney_pdf_uniform() {
 
 // Density of `sample` in 1/sr.
 inline float disney_pdf(const Disney& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return 0.0f;
     }
     Vec2 widths = disney_widths(params);
@@ -465,7 +465,7 @@ inline float disney_pdf(const Disney& params, Vec3 wi, Vec3 wo) {
 
 // Cosine-weighted, a visible GGX normal or a clearcoat normal, by the estimated albedos.
 inline DisneySample disney_sample(const Disney& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 0.0f) {  // below the horizon
+    if (wo.z <= 1.0e-18f) {  // in the horizon or below
         return DisneySample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     Vec2 widths = disney_widths(params);

@@ -54,11 +54,8 @@ fn disney_widths(params: Disney) -> vec2f {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn disney_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const mu_min = 1.0e-18;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + vec3f(wo.x, wo.y, wo.z + mu_min));
+    let h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -74,7 +71,7 @@ fn disney_D_ggx(m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
 fn disney_tint(params: Disney) -> vec3f {
     const LUMINANCE_MIN = 1.0e-18;  // Smallest luminance that is divided by.
     let color = params.base_color;
-    let luminance = 0.3 * color.x + 0.6 * color.y + 0.1 * color.z;
+    let luminance = dot(color, vec3f(0.3, 0.6, 0.1));
     let tint = color / max(luminance, LUMINANCE_MIN);
     return select(vec3f(1.0), tint, luminance > 0.0);
 }
@@ -88,9 +85,8 @@ fn disney_f0(params: Disney) -> vec3f {
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn disney_cos_half(wi: vec3f, wo: vec3f) -> f32 {
-    const mu_min = 1.0e-18;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return min(0.5 * length(wi + vec3f(wo.x, wo.y, wo.z + mu_min)), 1.0);
+    return 0.5 * length(wi + wo);
 }
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
@@ -145,7 +141,6 @@ fn disney_V_smith_ggx_round(wi: vec3f, wo: vec3f, alpha: f32) -> f32 {
 
 // All but the highlight: diffuse, sheen and clearcoat, which are not stretched.
 fn disney_eval_round(params: Disney, wi: vec3f, wo: vec3f) -> vec3f {
-    const mu_min = 1.0e-18;
     const inv_pi = 0.31830987;
     const COAT_ALPHA_MASKING = 0.25;
     const COAT_STRENGTH = 0.25;
@@ -160,14 +155,15 @@ fn disney_eval_round(params: Disney, wi: vec3f, wo: vec3f) -> vec3f {
     // Hanrahan-Krueger's isotropic subsurface scattering; 1 + (F90 - 1) F as a sum of positive terms
     let F_ss = (disney_schlick_complement(wi.z) + F90 * F_i)
         * (disney_schlick_complement(wo.z) + F90 * F_o);
-    let scattered = 1.25 * (F_ss * (1.0 / max(wi.z + wo.z, mu_min) - 0.5) + 0.5);
+    let scattered = 1.25 * (F_ss * (1.0 / (wi.z + wo.z) - 0.5) + 0.5);
     let diffuse = inv_pi * mix(F_d, scattered, params.subsurface) * params.base_color;
     let F_H = disney_schlick_weight_half(wi, wo);
     let base = (1.0 - params.metallic) * (diffuse + F_H * disney_sheen(params));
 
     let D_c = disney_D_gtr1_narrow(disney_half_vector(wi, wo), disney_coat_alpha(params));
     let V_c = disney_V_smith_ggx_round(wi, wo, COAT_ALPHA_MASKING);
-    return base + COAT_STRENGTH * params.clearcoat * mix(COAT_F0, 1.0, F_H) * (D_c * V_c);
+    let F_c = params.clearcoat * mix(COAT_STRENGTH * COAT_F0, COAT_STRENGTH, F_H);
+    return base + F_c * (D_c * V_c);
 }
 
 // Masking of the highlight, G / (4 mu_i mu_o).
@@ -178,7 +174,7 @@ fn disney_V(params: Disney, wi: vec3f, wo: vec3f) -> f32 {
 
 // BRDF value in 1/sr, without the cosine.
 fn disney_eval(params: Disney, wi: vec3f, wo: vec3f) -> vec3f {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3f(0.0);
     }
     let widths = disney_widths(params);
@@ -340,9 +336,8 @@ fn disney_sample_cosine(u: vec2f) -> vec3f {
 
 // Density of `mirror` in 1/sr, if m has the given density and cos_h = wo . m.
 fn disney_pdf_mirror(density: f32, cos_h: f32) -> f32 {
-    const mu_min = 1.0e-18;
     // Walter et al., Eq. 14
-    return density / (4.0 * max(cos_h, mu_min));
+    return 0.25 * density / cos_h;
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
@@ -358,11 +353,16 @@ fn disney_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f3
 
 // Density of `sample_ggx_lobe` in 1/sr.
 fn disney_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
+    const mu_min = 1.0e-18;
     let straight = disney_pdf_ggx_visible(wo, disney_half_vector(wi, wo), alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     let exists = wo.z > wi.z;
     let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
-    let folded = disney_pdf_ggx_visible(wo, disney_half_vector(image, wo), alpha_x, alpha_y);
+    // The least lift, for two that are equally high but for their last digits
+    let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
+    let folded = disney_pdf_ggx_visible(wo, disney_half_vector(image, higher), alpha_x, alpha_y);
     return straight + select(0.0, folded, exists);
 }
 
@@ -380,7 +380,7 @@ fn disney_pdf_uniform() -> f32 {
 
 // Density of `sample` in 1/sr.
 fn disney_pdf(params: Disney, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     let widths = disney_widths(params);
@@ -396,7 +396,7 @@ fn disney_pdf(params: Disney, wi: vec3f, wo: vec3f) -> f32 {
 
 // Cosine-weighted, a visible GGX normal or a clearcoat normal, by the estimated albedos.
 fn disney_sample(params: Disney, wo: vec3f, u: vec2f) -> DisneySample {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return DisneySample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let widths = disney_widths(params);

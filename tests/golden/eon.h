@@ -39,8 +39,8 @@ inline Vec3 normalize(Vec3 a) {
     return Vec3{a.x * inv, a.y * inv, a.z * inv};
 }
 
-inline Vec3 operator+(Vec3 a, Vec3 b) {
-    return Vec3{a.x + b.x, a.y + b.y, a.z + b.z};
+inline Vec3 operator+(float a, Vec3 b) {
+    return Vec3{a + b.x, a + b.y, a + b.z};
 }
 
 inline Vec3 operator-(float a, Vec3 b) {
@@ -94,11 +94,9 @@ inline float eon_tangential_dot(Vec3 wi, Vec3 wo) {
     return fmaf(wi.x, wo.x, q) + error;
 }
 
-// s / max(mu_i, mu_o), finite for two directions in the horizon.
+// s / max(mu_i, mu_o).
 inline float eon_s_over_max(float s, Vec3 wi, Vec3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    constexpr float mu_min = 1.0e-18f;
-    return s / fmaxf(fmaxf(wi.z, wo.z), mu_min);
+    return s / fmaxf(wi.z, wo.z);
 }
 
 // 1 + r s/t with Eq. 11: the angular shape of FON and of EON's single scattering.
@@ -109,7 +107,24 @@ inline float eon_fujii_shape(Vec3 wi, Vec3 wo, float r) {
     float x = wi.x + wo.x;
     float y = wi.y + wo.y;
     float one_plus_s = 0.5f * (x * x + y * y + wi.z * wi.z + wo.z * wo.z);
-    return s > 0.0f ? 1.0f + r * eon_s_over_max(s, wi, wo) : 1.0f - r + r * one_plus_s;
+    return 1.0f - r + r * (s > 0.0f ? 1.0f + eon_s_over_max(s, wi, wo) : one_plus_s);
+}
+
+// 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
+inline float eon_twice_atan_over(float v) {
+    constexpr float ATAN_4 = 0.21281867f;
+    constexpr float ATAN_5 = -0.15008585f;
+    constexpr float ATAN_6 = 0.085383f;
+    constexpr float ATAN_7 = -0.03213723f;
+    constexpr float ATAN_8 = 0.005699773f;
+    // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    constexpr float ATAN_0 = 2.0f;
+    constexpr float ATAN_1 = -0.66666144f;
+    constexpr float ATAN_2 = 0.3998524f;
+    constexpr float ATAN_3 = -0.28407288f;
+    float q = v * v;
+    float p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
+    return ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p)));
 }
 
 // pi C1 - G_F at cosine mu, from 0 at grazing to pi C1 at the normal: 1 - E_F = r A_F loss / pi.
@@ -118,24 +133,25 @@ inline float eon_fujii_shape(Vec3 wi, Vec3 wo, float r) {
 // leaves a sum of positive terms.
 inline float eon_loss_exact(float mu) {
     constexpr float pi = 3.1415927f;
-    float s = sqrtf(fmaxf((1.0f - mu) * (1.0f + mu), 0.0f));
-    float t = mu / (1.0f + s);
-    float lost = mu * t * (pi / 2.0f - 2.0f / 3.0f - t * s * (1.0f / 3.0f * s + 2.0f / 3.0f));
-    return lost + s * asinf(fminf(fmaxf(mu, -1.0f), 1.0f));
+    // The angle is taken from s, not from mu: their rounding errors cancel at the normal
+    float s = sqrtf(fmaxf(1.0f - mu * mu, 0.0f));
+    float t = mu / (1.0f + s);  // tan(asin(mu) / 2)
+    float lost = mu * (pi / 2.0f - 2.0f / 3.0f - t * s * (1.0f / 3.0f * s + 2.0f / 3.0f));
+    return t * (lost + s * eon_twice_atan_over(t));
 }
 
 inline float eon_loss(const Eon& params, float mu) {
     return eon_loss_exact(mu);
 }
 
-// Colour of the multiple scattering (Eq. 19).
-inline Vec3 eon_rho_multiple(const Eon& params, Vec3 rho) {
+// Multiple scattering in its colour, which is that of Eq. 19 over rho.
+inline Vec3 eon_shifted(const Eon& params, float multiple) {
     constexpr float C1 = 0.2877934f;  // A_F = 1 / (1 + C1 r)
     constexpr float C2 = 0.07248821f;  // the hemispherical mean of E_F is A_F (1 + C2 r)
     float r = params.roughness;
     float A_F = 1.0f / (1.0f + C1 * r);
-    float mean_loss = A_F * r * (C1 - C2);  // 1 - <E_F>
-    return rho * rho * (1.0f - mean_loss) / (1.0f - rho * mean_loss);
+    float mean_loss = (C1 - C2) * (A_F * r);  // 1 - <E_F>
+    return multiple * (1.0f - mean_loss) * params.rho / (1.0f - params.rho * mean_loss);
 }
 
 // Eq. 16 and 19: BRDF value in 1/sr, without the cosine.
@@ -143,16 +159,16 @@ inline Vec3 eon_eval(const Eon& params, Vec3 wi, Vec3 wo) {
     constexpr float C1 = 0.2877934f;
     constexpr float inv_pi = 0.31830987f;
     constexpr float C2 = 0.07248821f;
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return splat(0.0f);
     }
     float r = params.roughness;
     float A_F = 1.0f / (1.0f + C1 * r);
-    float single = A_F * eon_fujii_shape(wi, wo, r);
-    // (1 - E_i)(1 - E_o) / (1 - <E>), of which r^2 A_F^2 / (r A_F) remains
-    float multiple = A_F * r * (inv_pi * inv_pi / (C1 - C2)) * eon_loss(params, wi.z)
-        * eon_loss(params, wo.z);
-    return inv_pi * (params.rho * single + eon_rho_multiple(params, params.rho) * multiple);
+    float single = inv_pi * A_F * eon_fujii_shape(wi, wo, r);
+    // (1 - E_i)(1 - E_o) / (1 - <E>) / pi, of which r^2 A_F^2 / (r A_F) remains
+    float white = inv_pi * inv_pi * inv_pi / (C1 - C2);
+    float multiple = white * (A_F * r) * eon_loss(params, wi.z) * eon_loss(params, wo.z);
+    return params.rho * (single + eon_shifted(params, multiple));
 }
 
 // P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
@@ -286,7 +302,7 @@ inline float eon_pdf_cltc_uniform(Vec3 wi, Vec3 wo, float r) {
 
 // Density of the chosen sampler in 1/sr.
 inline float eon_pdf(const Eon& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return 0.0f;
     }
     float r = params.roughness;
@@ -295,7 +311,7 @@ inline float eon_pdf(const Eon& params, Vec3 wi, Vec3 wo) {
 
 // By default CLTC with a uniform lobe: over 100 times less variance at grazing than cosine.
 inline EonSample eon_sample(const Eon& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 0.0f) {  // below the horizon
+    if (wo.z <= 1.0e-18f) {  // in the horizon or below
         return EonSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     float r = params.roughness;
@@ -321,7 +337,7 @@ inline Vec3 eon_albedo(const Eon& params, Vec3 wo) {
     float A_F = 1.0f / (1.0f + C1 * r);
     float single = 1.0f - inv_pi * r * A_F * eon_loss_exact(wo.z);
     float multiple = inv_pi * r * A_F * eon_loss(params, wo.z) * eon_mean_loss_ratio(params);
-    return params.rho * single + eon_rho_multiple(params, params.rho) * multiple;
+    return params.rho * (single + eon_shifted(params, multiple));
 }
 
 }  // namespace gonio_eon

@@ -40,11 +40,9 @@ float eon_tangential_dot(float3 wi, float3 wo) {
     return mad(wi.x, wo.x, q) + error;
 }
 
-// s / max(mu_i, mu_o), finite for two directions in the horizon.
+// s / max(mu_i, mu_o).
 float eon_s_over_max(float s, float3 wi, float3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const float mu_min = 1.0e-18;
-    return s / max(max(wi.z, wo.z), mu_min);
+    return s / max(wi.z, wo.z);
 }
 
 // 1 + r s/t with Eq. 11: the angular shape of FON and of EON's single scattering.
@@ -55,11 +53,11 @@ float eon_fujii_shape(float3 wi, float3 wo, float r) {
     float x = wi.x + wo.x;
     float y = wi.y + wo.y;
     float one_plus_s = 0.5 * (x * x + y * y + wi.z * wi.z + wo.z * wo.z);
-    return s > 0.0 ? 1.0 + r * eon_s_over_max(s, wi, wo) : 1.0 - r + r * one_plus_s;
+    return 1.0 - r + r * (s > 0.0 ? 1.0 + eon_s_over_max(s, wi, wo) : one_plus_s);
 }
 
-// Twice the arc tangent, for v in [-1, 1].
-float eon_twice_atan(float v) {
+// 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
+float eon_twice_atan_over(float v) {
     const float ATAN_4 = 0.21281867;
     const float ATAN_5 = -0.15008585;
     const float ATAN_6 = 0.085383;
@@ -71,13 +69,7 @@ float eon_twice_atan(float v) {
     const float ATAN_3 = -0.28407288;
     float q = v * v;
     float p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
-    return v * (ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p))));
-}
-
-// Arc sine of x limited to [-1, 1]: twice the angle whose tangent is x / (1 + cos).
-float eon_safe_asin(float x) {
-    float c = sqrt(max((1.0 - x) * (1.0 + x), 0.0));
-    return eon_twice_atan(clamp(x / (1.0 + c), -1.0, 1.0));
+    return ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p)));
 }
 
 // pi C1 - G_F at cosine mu, from 0 at grazing to pi C1 at the normal: 1 - E_F = r A_F loss / pi.
@@ -86,24 +78,25 @@ float eon_safe_asin(float x) {
 // leaves a sum of positive terms.
 float eon_loss_exact(float mu) {
     const float pi = 3.1415927;
-    float s = sqrt(max((1.0 - mu) * (1.0 + mu), 0.0));
-    float t = mu / (1.0 + s);
-    float lost = mu * t * (pi / 2.0 - 2.0 / 3.0 - t * s * (1.0 / 3.0 * s + 2.0 / 3.0));
-    return lost + s * eon_safe_asin(mu);
+    // The angle is taken from s, not from mu: their rounding errors cancel at the normal
+    float s = sqrt(max(1.0 - mu * mu, 0.0));
+    float t = mu / (1.0 + s);  // tan(asin(mu) / 2)
+    float lost = mu * (pi / 2.0 - 2.0 / 3.0 - t * s * (1.0 / 3.0 * s + 2.0 / 3.0));
+    return t * (lost + s * eon_twice_atan_over(t));
 }
 
 float eon_loss(Eon params, float mu) {
     return eon_loss_exact(mu);
 }
 
-// Colour of the multiple scattering (Eq. 19).
-float3 eon_rho_multiple(Eon params, float3 rho) {
+// Multiple scattering in its colour, which is that of Eq. 19 over rho.
+float3 eon_shifted(Eon params, float multiple) {
     const float C1 = 0.2877934;  // A_F = 1 / (1 + C1 r)
     const float C2 = 0.07248821;  // the hemispherical mean of E_F is A_F (1 + C2 r)
     float r = params.roughness;
     float A_F = 1.0 / (1.0 + C1 * r);
-    float mean_loss = A_F * r * (C1 - C2);  // 1 - <E_F>
-    return rho * rho * (1.0 - mean_loss) / (1.0 - rho * mean_loss);
+    float mean_loss = (C1 - C2) * (A_F * r);  // 1 - <E_F>
+    return multiple * (1.0 - mean_loss) * params.rho / (1.0 - params.rho * mean_loss);
 }
 
 // Eq. 16 and 19: BRDF value in 1/sr, without the cosine.
@@ -111,16 +104,16 @@ float3 eon_eval(Eon params, float3 wi, float3 wo) {
     const float C1 = 0.2877934;
     const float inv_pi = 0.31830987;
     const float C2 = 0.07248821;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return (float3)(0.0);
     }
     float r = params.roughness;
     float A_F = 1.0 / (1.0 + C1 * r);
-    float single = A_F * eon_fujii_shape(wi, wo, r);
-    // (1 - E_i)(1 - E_o) / (1 - <E>), of which r^2 A_F^2 / (r A_F) remains
-    float multiple = A_F * r * (inv_pi * inv_pi / (C1 - C2)) * eon_loss(params, wi.z)
-        * eon_loss(params, wo.z);
-    return inv_pi * (params.rho * single + eon_rho_multiple(params, params.rho) * multiple);
+    float single = inv_pi * A_F * eon_fujii_shape(wi, wo, r);
+    // (1 - E_i)(1 - E_o) / (1 - <E>) / pi, of which r^2 A_F^2 / (r A_F) remains
+    float white = inv_pi * inv_pi * inv_pi / (C1 - C2);
+    float multiple = white * (A_F * r) * eon_loss(params, wi.z) * eon_loss(params, wo.z);
+    return params.rho * (single + eon_shifted(params, multiple));
 }
 
 // P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
@@ -258,7 +251,7 @@ float eon_pdf_cltc_uniform(float3 wi, float3 wo, float r) {
 
 // Density of the chosen sampler in 1/sr.
 float eon_pdf(Eon params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     float r = params.roughness;
@@ -267,7 +260,7 @@ float eon_pdf(Eon params, float3 wi, float3 wo) {
 
 // By default CLTC with a uniform lobe: over 100 times less variance at grazing than cosine.
 EonSample eon_sample(Eon params, float3 wo, float2 u) {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         EonSample result;
         result.wi = float3(0.0, 0.0, 1.0);
         result.pdf = 0.0;
@@ -299,5 +292,5 @@ float3 eon_albedo(Eon params, float3 wo) {
     float A_F = 1.0 / (1.0 + C1 * r);
     float single = 1.0 - inv_pi * r * A_F * eon_loss_exact(wo.z);
     float multiple = inv_pi * r * A_F * eon_loss(params, wo.z) * eon_mean_loss_ratio(params);
-    return params.rho * single + eon_rho_multiple(params, params.rho) * multiple;
+    return params.rho * (single + eon_shifted(params, multiple));
 }

@@ -40,11 +40,9 @@ fn eon_tangential_dot(wi: vec3f, wo: vec3f) -> f32 {
     return fma(wi.x, wo.x, q) + error;
 }
 
-// s / max(mu_i, mu_o), finite for two directions in the horizon.
+// s / max(mu_i, mu_o).
 fn eon_s_over_max(s: f32, wi: vec3f, wo: vec3f) -> f32 {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const mu_min = 1.0e-18;
-    return s / max(max(wi.z, wo.z), mu_min);
+    return s / max(wi.z, wo.z);
 }
 
 // 1 + r s/t with Eq. 11: the angular shape of FON and of EON's single scattering.
@@ -55,11 +53,11 @@ fn eon_fujii_shape(wi: vec3f, wo: vec3f, r: f32) -> f32 {
     let x = wi.x + wo.x;
     let y = wi.y + wo.y;
     let one_plus_s = 0.5 * (x * x + y * y + wi.z * wi.z + wo.z * wo.z);
-    return select(1.0 - r + r * one_plus_s, 1.0 + r * eon_s_over_max(s, wi, wo), s > 0.0);
+    return 1.0 - r + r * select(one_plus_s, 1.0 + eon_s_over_max(s, wi, wo), s > 0.0);
 }
 
-// Twice the arc tangent, for v in [-1, 1].
-fn eon_twice_atan(v: f32) -> f32 {
+// 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
+fn eon_twice_atan_over(v: f32) -> f32 {
     const ATAN_4 = 0.21281867;
     const ATAN_5 = -0.15008585;
     const ATAN_6 = 0.085383;
@@ -71,13 +69,7 @@ fn eon_twice_atan(v: f32) -> f32 {
     const ATAN_3 = -0.28407288;
     let q = v * v;
     let p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
-    return v * (ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p))));
-}
-
-// Arc sine of x limited to [-1, 1]: twice the angle whose tangent is x / (1 + cos).
-fn eon_safe_asin(x: f32) -> f32 {
-    let c = sqrt(max((1.0 - x) * (1.0 + x), 0.0));
-    return eon_twice_atan(clamp(x / (1.0 + c), -1.0, 1.0));
+    return ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p)));
 }
 
 // pi C1 - G_F at cosine mu, from 0 at grazing to pi C1 at the normal: 1 - E_F = r A_F loss / pi.
@@ -86,24 +78,25 @@ fn eon_safe_asin(x: f32) -> f32 {
 // leaves a sum of positive terms.
 fn eon_loss_exact(mu: f32) -> f32 {
     const pi = 3.1415927;
-    let s = sqrt(max((1.0 - mu) * (1.0 + mu), 0.0));
-    let t = mu / (1.0 + s);
-    let lost = mu * t * (pi / 2.0 - 2.0 / 3.0 - t * s * (1.0 / 3.0 * s + 2.0 / 3.0));
-    return lost + s * eon_safe_asin(mu);
+    // The angle is taken from s, not from mu: their rounding errors cancel at the normal
+    let s = sqrt(max(1.0 - mu * mu, 0.0));
+    let t = mu / (1.0 + s);  // tan(asin(mu) / 2)
+    let lost = mu * (pi / 2.0 - 2.0 / 3.0 - t * s * (1.0 / 3.0 * s + 2.0 / 3.0));
+    return t * (lost + s * eon_twice_atan_over(t));
 }
 
 fn eon_loss(params: Eon, mu: f32) -> f32 {
     return eon_loss_exact(mu);
 }
 
-// Colour of the multiple scattering (Eq. 19).
-fn eon_rho_multiple(params: Eon, rho: vec3f) -> vec3f {
+// Multiple scattering in its colour, which is that of Eq. 19 over rho.
+fn eon_shifted(params: Eon, multiple: f32) -> vec3f {
     const C1 = 0.2877934;  // A_F = 1 / (1 + C1 r)
     const C2 = 0.07248821;  // the hemispherical mean of E_F is A_F (1 + C2 r)
     let r = params.roughness;
     let A_F = 1.0 / (1.0 + C1 * r);
-    let mean_loss = A_F * r * (C1 - C2);  // 1 - <E_F>
-    return rho * rho * (1.0 - mean_loss) / (1.0 - rho * mean_loss);
+    let mean_loss = (C1 - C2) * (A_F * r);  // 1 - <E_F>
+    return multiple * (1.0 - mean_loss) * params.rho / (1.0 - params.rho * mean_loss);
 }
 
 // Eq. 16 and 19: BRDF value in 1/sr, without the cosine.
@@ -111,16 +104,16 @@ fn eon_eval(params: Eon, wi: vec3f, wo: vec3f) -> vec3f {
     const C1 = 0.2877934;
     const inv_pi = 0.31830987;
     const C2 = 0.07248821;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3f(0.0);
     }
     let r = params.roughness;
     let A_F = 1.0 / (1.0 + C1 * r);
-    let single = A_F * eon_fujii_shape(wi, wo, r);
-    // (1 - E_i)(1 - E_o) / (1 - <E>), of which r^2 A_F^2 / (r A_F) remains
-    let multiple = A_F * r * (inv_pi * inv_pi / (C1 - C2)) * eon_loss(params, wi.z)
-        * eon_loss(params, wo.z);
-    return inv_pi * (params.rho * single + eon_rho_multiple(params, params.rho) * multiple);
+    let single = inv_pi * A_F * eon_fujii_shape(wi, wo, r);
+    // (1 - E_i)(1 - E_o) / (1 - <E>) / pi, of which r^2 A_F^2 / (r A_F) remains
+    let white = inv_pi * inv_pi * inv_pi / (C1 - C2);
+    let multiple = white * (A_F * r) * eon_loss(params, wi.z) * eon_loss(params, wo.z);
+    return params.rho * (single + eon_shifted(params, multiple));
 }
 
 // P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
@@ -253,7 +246,7 @@ fn eon_pdf_cltc_uniform(wi: vec3f, wo: vec3f, r: f32) -> f32 {
 
 // Density of the chosen sampler in 1/sr.
 fn eon_pdf(params: Eon, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     let r = params.roughness;
@@ -262,7 +255,7 @@ fn eon_pdf(params: Eon, wi: vec3f, wo: vec3f) -> f32 {
 
 // By default CLTC with a uniform lobe: over 100 times less variance at grazing than cosine.
 fn eon_sample(params: Eon, wo: vec3f, u: vec2f) -> EonSample {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return EonSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let r = params.roughness;
@@ -288,5 +281,5 @@ fn eon_albedo(params: Eon, wo: vec3f) -> vec3f {
     let A_F = 1.0 / (1.0 + C1 * r);
     let single = 1.0 - inv_pi * r * A_F * eon_loss_exact(wo.z);
     let multiple = inv_pi * r * A_F * eon_loss(params, wo.z) * eon_mean_loss_ratio(params);
-    return params.rho * single + eon_rho_multiple(params, params.rho) * multiple;
+    return params.rho * (single + eon_shifted(params, multiple));
 }

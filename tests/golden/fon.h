@@ -71,11 +71,9 @@ inline float fon_tangential_dot(Vec3 wi, Vec3 wo) {
     return fmaf(wi.x, wo.x, q) + error;
 }
 
-// s / max(mu_i, mu_o), finite for two directions in the horizon.
+// s / max(mu_i, mu_o).
 inline float fon_s_over_max(float s, Vec3 wi, Vec3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    constexpr float mu_min = 1.0e-18f;
-    return s / fmaxf(fmaxf(wi.z, wo.z), mu_min);
+    return s / fmaxf(wi.z, wo.z);
 }
 
 // 1 + r s/t with Eq. 11: the angular shape of FON and of EON's single scattering.
@@ -86,14 +84,14 @@ inline float fon_fujii_shape(Vec3 wi, Vec3 wo, float r) {
     float x = wi.x + wo.x;
     float y = wi.y + wo.y;
     float one_plus_s = 0.5f * (x * x + y * y + wi.z * wi.z + wo.z * wo.z);
-    return s > 0.0f ? 1.0f + r * fon_s_over_max(s, wi, wo) : 1.0f - r + r * one_plus_s;
+    return 1.0f - r + r * (s > 0.0f ? 1.0f + fon_s_over_max(s, wi, wo) : one_plus_s);
 }
 
 // Eq. 10: BRDF value in 1/sr, without the cosine.
 inline Vec3 fon_eval(const Fon& params, Vec3 wi, Vec3 wo) {
     constexpr float inv_pi = 0.31830987f;
     constexpr float C1 = 0.2877934f;  // A_F = 1 / (1 + C1 r)
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return splat(0.0f);
     }
     float r = params.roughness;
@@ -231,7 +229,7 @@ inline float fon_pdf_cltc_uniform(Vec3 wi, Vec3 wo, float r) {
 
 // Density of `sample` in 1/sr.
 inline float fon_pdf(const Fon& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return 0.0f;
     }
     return fon_pdf_cltc_uniform(wi, wo, params.roughness);
@@ -239,7 +237,7 @@ inline float fon_pdf(const Fon& params, Vec3 wi, Vec3 wo) {
 
 // EON's CLTC with a uniform lobe, made for the same shape.
 inline FonSample fon_sample(const Fon& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 0.0f) {  // below the horizon
+    if (wo.z <= 1.0e-18f) {  // in the horizon or below
         return FonSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     Vec3 wi = fon_sample_cltc_uniform(wo, params.roughness, u);

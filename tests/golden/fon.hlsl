@@ -37,11 +37,9 @@ float fon_tangential_dot(float3 wi, float3 wo) {
     return mad(wi.x, wo.x, q) + error;
 }
 
-// s / max(mu_i, mu_o), finite for two directions in the horizon.
+// s / max(mu_i, mu_o).
 float fon_s_over_max(float s, float3 wi, float3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const float mu_min = 1.0e-18;
-    return s / max(max(wi.z, wo.z), mu_min);
+    return s / max(wi.z, wo.z);
 }
 
 // 1 + r s/t with Eq. 11: the angular shape of FON and of EON's single scattering.
@@ -52,14 +50,14 @@ float fon_fujii_shape(float3 wi, float3 wo, float r) {
     float x = wi.x + wo.x;
     float y = wi.y + wo.y;
     float one_plus_s = 0.5 * (x * x + y * y + wi.z * wi.z + wo.z * wo.z);
-    return s > 0.0 ? 1.0 + r * fon_s_over_max(s, wi, wo) : 1.0 - r + r * one_plus_s;
+    return 1.0 - r + r * (s > 0.0 ? 1.0 + fon_s_over_max(s, wi, wo) : one_plus_s);
 }
 
 // Eq. 10: BRDF value in 1/sr, without the cosine.
 float3 fon_eval(Fon params, float3 wi, float3 wo) {
     const float inv_pi = 0.31830987;
     const float C1 = 0.2877934;  // A_F = 1 / (1 + C1 r)
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return (float3)(0.0);
     }
     float r = params.roughness;
@@ -201,7 +199,7 @@ float fon_pdf_cltc_uniform(float3 wi, float3 wo, float r) {
 
 // Density of `sample` in 1/sr.
 float fon_pdf(Fon params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     return fon_pdf_cltc_uniform(wi, wo, params.roughness);
@@ -209,7 +207,7 @@ float fon_pdf(Fon params, float3 wi, float3 wo) {
 
 // EON's CLTC with a uniform lobe, made for the same shape.
 FonSample fon_sample(Fon params, float3 wo, float2 u) {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         FonSample result;
         result.wi = float3(0.0, 0.0, 1.0);
         result.pdf = 0.0;
@@ -222,8 +220,8 @@ FonSample fon_sample(Fon params, float3 wo, float2 u) {
     return result;
 }
 
-// Twice the arc tangent, for v in [-1, 1].
-float fon_twice_atan(float v) {
+// 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
+float fon_twice_atan_over(float v) {
     const float ATAN_4 = 0.21281867;
     const float ATAN_5 = -0.15008585;
     const float ATAN_6 = 0.085383;
@@ -235,14 +233,15 @@ float fon_twice_atan(float v) {
     const float ATAN_3 = -0.28407288;
     float q = v * v;
     float p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
-    return v * (ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p))));
+    return ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p)));
 }
 
 // Arc cosine of x limited to [-1, 1]: twice the angle whose tangent is sin / (1 + x).
 float fon_safe_acos(float x) {
     const float pi = 3.1415927;
     float a = min(abs(x), 1.0);
-    float angle = fon_twice_atan(sqrt(max((1.0 - a) * (1.0 + a), 0.0)) / (1.0 + a));
+    float v = sqrt(max((1.0 - a) * (1.0 + a), 0.0)) / (1.0 + a);
+    float angle = v * fon_twice_atan_over(v);
     return x < 0.0 ? pi - angle : angle;
 }
 

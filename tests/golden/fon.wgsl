@@ -37,11 +37,9 @@ fn fon_tangential_dot(wi: vec3f, wo: vec3f) -> f32 {
     return fma(wi.x, wo.x, q) + error;
 }
 
-// s / max(mu_i, mu_o), finite for two directions in the horizon.
+// s / max(mu_i, mu_o).
 fn fon_s_over_max(s: f32, wi: vec3f, wo: vec3f) -> f32 {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const mu_min = 1.0e-18;
-    return s / max(max(wi.z, wo.z), mu_min);
+    return s / max(wi.z, wo.z);
 }
 
 // 1 + r s/t with Eq. 11: the angular shape of FON and of EON's single scattering.
@@ -52,14 +50,14 @@ fn fon_fujii_shape(wi: vec3f, wo: vec3f, r: f32) -> f32 {
     let x = wi.x + wo.x;
     let y = wi.y + wo.y;
     let one_plus_s = 0.5 * (x * x + y * y + wi.z * wi.z + wo.z * wo.z);
-    return select(1.0 - r + r * one_plus_s, 1.0 + r * fon_s_over_max(s, wi, wo), s > 0.0);
+    return 1.0 - r + r * select(one_plus_s, 1.0 + fon_s_over_max(s, wi, wo), s > 0.0);
 }
 
 // Eq. 10: BRDF value in 1/sr, without the cosine.
 fn fon_eval(params: Fon, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
     const C1 = 0.2877934;  // A_F = 1 / (1 + C1 r)
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3f(0.0);
     }
     let r = params.roughness;
@@ -196,7 +194,7 @@ fn fon_pdf_cltc_uniform(wi: vec3f, wo: vec3f, r: f32) -> f32 {
 
 // Density of `sample` in 1/sr.
 fn fon_pdf(params: Fon, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     return fon_pdf_cltc_uniform(wi, wo, params.roughness);
@@ -204,15 +202,15 @@ fn fon_pdf(params: Fon, wi: vec3f, wo: vec3f) -> f32 {
 
 // EON's CLTC with a uniform lobe, made for the same shape.
 fn fon_sample(params: Fon, wo: vec3f, u: vec2f) -> FonSample {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return FonSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let wi = fon_sample_cltc_uniform(wo, params.roughness, u);
     return FonSample(wi, fon_pdf(params, wi, wo));
 }
 
-// Twice the arc tangent, for v in [-1, 1].
-fn fon_twice_atan(v: f32) -> f32 {
+// 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
+fn fon_twice_atan_over(v: f32) -> f32 {
     const ATAN_4 = 0.21281867;
     const ATAN_5 = -0.15008585;
     const ATAN_6 = 0.085383;
@@ -224,14 +222,15 @@ fn fon_twice_atan(v: f32) -> f32 {
     const ATAN_3 = -0.28407288;
     let q = v * v;
     let p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
-    return v * (ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p))));
+    return ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p)));
 }
 
 // Arc cosine of x limited to [-1, 1]: twice the angle whose tangent is sin / (1 + x).
 fn fon_safe_acos(x: f32) -> f32 {
     const pi = 3.1415927;
     let a = min(abs(x), 1.0);
-    let angle = fon_twice_atan(sqrt(max((1.0 - a) * (1.0 + a), 0.0)) / (1.0 + a));
+    let v = sqrt(max((1.0 - a) * (1.0 + a), 0.0)) / (1.0 + a);
+    let angle = v * fon_twice_atan_over(v);
     return select(angle, pi - angle, x < 0.0);
 }
 

@@ -20,7 +20,7 @@ struct Lambert {
 // rho / pi.
 vec3 lambert_eval(Lambert params, vec3 wi, vec3 wo) {
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3(0.0);
     }
     return params.rho * inv_pi;
@@ -42,16 +42,16 @@ float lambert_pdf_cosine(vec3 w) {
 
 // Cosine-weighted, which is exact here.
 LambertSample lambert_sample(Lambert params, vec3 wo, vec2 u) {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return LambertSample(vec3(0.0, 0.0, 1.0), 0.0);
     }
     vec3 wi = lambert_sample_cosine(u);
-    return LambertSample(wi, mix(0.0, lambert_pdf_cosine(wi), wi.z > 0.0));
+    return LambertSample(wi, mix(0.0, lambert_pdf_cosine(wi), wi.z > 1.0e-18));
 }
 
 // cos(theta_i) / pi.
 float lambert_pdf(Lambert params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     return lambert_pdf_cosine(wi);

@@ -41,7 +41,7 @@ struct Lambert {
 // rho / pi.
 inline Vec3 lambert_eval(const Lambert& params, Vec3 wi, Vec3 wo) {
     constexpr float inv_pi = 0.31830987f;
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return splat(0.0f);
     }
     return params.rho * inv_pi;
@@ -63,16 +63,16 @@ inline float lambert_pdf_cosine(Vec3 w) {
 
 // Cosine-weighted, which is exact here.
 inline LambertSample lambert_sample(const Lambert& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 0.0f) {  // below the horizon
+    if (wo.z <= 1.0e-18f) {  // in the horizon or below
         return LambertSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     Vec3 wi = lambert_sample_cosine(u);
-    return LambertSample{wi, wi.z > 0.0f ? lambert_pdf_cosine(wi) : 0.0f};
+    return LambertSample{wi, wi.z > 1.0e-18f ? lambert_pdf_cosine(wi) : 0.0f};
 }
 
 // cos(theta_i) / pi.
 inline float lambert_pdf(const Lambert& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return 0.0f;
     }
     return lambert_pdf_cosine(wi);

@@ -20,7 +20,7 @@ struct Lambert {
 // rho / pi.
 float3 lambert_eval(Lambert params, float3 wi, float3 wo) {
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return (float3)(0.0);
     }
     return params.rho * inv_pi;
@@ -42,7 +42,7 @@ float lambert_pdf_cosine(float3 w) {
 
 // Cosine-weighted, which is exact here.
 LambertSample lambert_sample(Lambert params, float3 wo, float2 u) {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         LambertSample result;
         result.wi = float3(0.0, 0.0, 1.0);
         result.pdf = 0.0;
@@ -51,13 +51,13 @@ LambertSample lambert_sample(Lambert params, float3 wo, float2 u) {
     float3 wi = lambert_sample_cosine(u);
     LambertSample result;
     result.wi = wi;
-    result.pdf = wi.z > 0.0 ? lambert_pdf_cosine(wi) : 0.0;
+    result.pdf = wi.z > 1.0e-18 ? lambert_pdf_cosine(wi) : 0.0;
     return result;
 }
 
 // cos(theta_i) / pi.
 float lambert_pdf(Lambert params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     return lambert_pdf_cosine(wi);

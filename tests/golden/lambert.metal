@@ -23,7 +23,7 @@ struct Lambert {
 // rho / pi.
 inline float3 lambert_eval(Lambert params, float3 wi, float3 wo) {
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return float3(0.0);
     }
     return params.rho * inv_pi;
@@ -45,16 +45,16 @@ inline float lambert_pdf_cosine(float3 w) {
 
 // Cosine-weighted, which is exact here.
 inline LambertSample lambert_sample(Lambert params, float3 wo, float2 u) {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return LambertSample{float3(0.0, 0.0, 1.0), 0.0};
     }
     float3 wi = lambert_sample_cosine(u);
-    return LambertSample{wi, wi.z > 0.0 ? lambert_pdf_cosine(wi) : 0.0};
+    return LambertSample{wi, wi.z > 1.0e-18 ? lambert_pdf_cosine(wi) : 0.0};
 }
 
 // cos(theta_i) / pi.
 inline float lambert_pdf(Lambert params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     return lambert_pdf_cosine(wi);

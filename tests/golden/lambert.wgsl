@@ -20,7 +20,7 @@ struct Lambert {
 // rho / pi.
 fn lambert_eval(params: Lambert, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3f(0.0);
     }
     return params.rho * inv_pi;
@@ -42,16 +42,16 @@ fn lambert_pdf_cosine(w: vec3f) -> f32 {
 
 // Cosine-weighted, which is exact here.
 fn lambert_sample(params: Lambert, wo: vec3f, u: vec2f) -> LambertSample {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return LambertSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let wi = lambert_sample_cosine(u);
-    return LambertSample(wi, select(0.0, lambert_pdf_cosine(wi), wi.z > 0.0));
+    return LambertSample(wi, select(0.0, lambert_pdf_cosine(wi), wi.z > 1.0e-18));
 }
 
 // cos(theta_i) / pi.
 fn lambert_pdf(params: Lambert, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     return lambert_pdf_cosine(wi);

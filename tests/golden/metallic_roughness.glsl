@@ -46,10 +46,8 @@ vec3 metallic_roughness_f0(MetallicRoughness params) {
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float metallic_roughness_cos_half(vec3 wi, vec3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const float mu_min = 1.0e-18;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return min(0.5 * length(wi + vec3(wo.x, wo.y, wo.z + mu_min)), 1.0);
+    return 0.5 * length(wi + wo);
 }
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
@@ -71,10 +69,8 @@ float metallic_roughness_schlick_complement(float c) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 metallic_roughness_half_vector(vec3 wi, vec3 wo) {
-    const float mu_min = 1.0e-18;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + vec3(wo.x, wo.y, wo.z + mu_min));
+    vec3 h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -102,7 +98,7 @@ float metallic_roughness_V_smith_correlated_ggx(vec3 wi, vec3 wo, float alpha_x,
 // BRDF value in 1/sr, without the cosine.
 vec3 metallic_roughness_eval(MetallicRoughness params, vec3 wi, vec3 wo) {
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3(0.0);
     }
     float alpha = metallic_roughness_alpha(params);
@@ -230,13 +226,18 @@ float metallic_roughness_pdf_ggx_visible(vec3 wo, vec3 m, float alpha_x, float a
 
 // Density of `sample_ggx_lobe` in 1/sr.
 float metallic_roughness_pdf_ggx_lobe(vec3 wi, vec3 wo, float alpha_x, float alpha_y) {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
+    const float mu_min = 1.0e-18;
     float straight = metallic_roughness_pdf_ggx_visible(wo, metallic_roughness_half_vector(wi, wo),
         alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     vec3 image = vec3(wi.x, wi.y, exists ? -wi.z : wi.z);
-    float folded = metallic_roughness_pdf_ggx_visible(wo, metallic_roughness_half_vector(image, wo),
-        alpha_x, alpha_y);
+    // The least lift, for two that are equally high but for their last digits
+    vec3 higher = vec3(wo.x, wo.y, wo.z + mu_min);
+    float folded = metallic_roughness_pdf_ggx_visible(wo,
+        metallic_roughness_half_vector(image, higher), alpha_x, alpha_y);
     return straight + (exists ? folded : 0.0);
 }
 
@@ -248,7 +249,7 @@ float metallic_roughness_pdf_matte_gloss(vec3 wi, vec3 wo, float alpha, vec2 sha
 
 // Density of `sample` in 1/sr.
 float metallic_roughness_pdf(MetallicRoughness params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     return metallic_roughness_pdf_matte_gloss(wi, wo, metallic_roughness_alpha(params),
@@ -257,7 +258,7 @@ float metallic_roughness_pdf(MetallicRoughness params, vec3 wi, vec3 wo) {
 
 // Cosine-weighted or a visible GGX normal, by the estimated albedos.
 MetallicRoughnessSample metallic_roughness_sample(MetallicRoughness params, vec3 wo, vec2 u) {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return MetallicRoughnessSample(vec3(0.0, 0.0, 1.0), 0.0);
     }
     vec3 wi = metallic_roughness_sample_matte_gloss(wo, metallic_roughness_alpha(params),

@@ -116,10 +116,8 @@ inline Vec3 metallic_roughness_f0(const MetallicRoughness& params) {
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float metallic_roughness_cos_half(Vec3 wi, Vec3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    constexpr float mu_min = 1.0e-18f;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return fminf(0.5f * length(wi + Vec3{wo.x, wo.y, wo.z + mu_min}), 1.0f);
+    return 0.5f * length(wi + wo);
 }
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
@@ -141,10 +139,8 @@ inline float metallic_roughness_schlick_complement(float c) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 metallic_roughness_half_vector(Vec3 wi, Vec3 wo) {
-    constexpr float mu_min = 1.0e-18f;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + Vec3{wo.x, wo.y, wo.z + mu_min});
+    Vec3 h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -172,7 +168,7 @@ inline float metallic_roughness_V_smith_correlated_ggx(Vec3 wi, Vec3 wo, float a
 // BRDF value in 1/sr, without the cosine.
 inline Vec3 metallic_roughness_eval(const MetallicRoughness& params, Vec3 wi, Vec3 wo) {
     constexpr float inv_pi = 0.31830987f;
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return splat(0.0f);
     }
     float alpha = metallic_roughness_alpha(params);
@@ -303,13 +299,18 @@ inline float metallic_roughness_pdf_ggx_visible(Vec3 wo, Vec3 m, float alpha_x, 
 
 // Density of `sample_ggx_lobe` in 1/sr.
 inline float metallic_roughness_pdf_ggx_lobe(Vec3 wi, Vec3 wo, float alpha_x, float alpha_y) {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
+    constexpr float mu_min = 1.0e-18f;
     float straight = metallic_roughness_pdf_ggx_visible(wo, metallic_roughness_half_vector(wi, wo),
         alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
-    float folded = metallic_roughness_pdf_ggx_visible(wo, metallic_roughness_half_vector(image, wo),
-        alpha_x, alpha_y);
+    // The least lift, for two that are equally high but for their last digits
+    Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
+    float folded = metallic_roughness_pdf_ggx_visible(wo,
+        metallic_roughness_half_vector(image, higher), alpha_x, alpha_y);
     return straight + (exists ? folded : 0.0f);
 }
 
@@ -321,7 +322,7 @@ inline float metallic_roughness_pdf_matte_gloss(Vec3 wi, Vec3 wo, float alpha, V
 
 // Density of `sample` in 1/sr.
 inline float metallic_roughness_pdf(const MetallicRoughness& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return 0.0f;
     }
     return metallic_roughness_pdf_matte_gloss(wi, wo, metallic_roughness_alpha(params),
@@ -331,7 +332,7 @@ inline float metallic_roughness_pdf(const MetallicRoughness& params, Vec3 wi, Ve
 // Cosine-weighted or a visible GGX normal, by the estimated albedos.
 inline MetallicRoughnessSample metallic_roughness_sample(const MetallicRoughness& params,
     Vec3 wo, Vec2 u) {
-    if (wo.z <= 0.0f) {  // below the horizon
+    if (wo.z <= 1.0e-18f) {  // in the horizon or below
         return MetallicRoughnessSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     Vec3 wi = metallic_roughness_sample_matte_gloss(wo, metallic_roughness_alpha(params),

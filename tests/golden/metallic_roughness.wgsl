@@ -46,10 +46,8 @@ fn metallic_roughness_f0(params: MetallicRoughness) -> vec3f {
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn metallic_roughness_cos_half(wi: vec3f, wo: vec3f) -> f32 {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const mu_min = 1.0e-18;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return min(0.5 * length(wi + vec3f(wo.x, wo.y, wo.z + mu_min)), 1.0);
+    return 0.5 * length(wi + wo);
 }
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
@@ -71,10 +69,8 @@ fn metallic_roughness_schlick_complement(c: f32) -> f32 {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn metallic_roughness_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    const mu_min = 1.0e-18;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + vec3f(wo.x, wo.y, wo.z + mu_min));
+    let h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -102,7 +98,7 @@ fn metallic_roughness_V_smith_correlated_ggx(wi: vec3f, wo: vec3f, alpha_x: f32,
 // BRDF value in 1/sr, without the cosine.
 fn metallic_roughness_eval(params: MetallicRoughness, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3f(0.0);
     }
     let alpha = metallic_roughness_alpha(params);
@@ -234,13 +230,18 @@ fn metallic_roughness_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y
 
 // Density of `sample_ggx_lobe` in 1/sr.
 fn metallic_roughness_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
+    const mu_min = 1.0e-18;
     let straight = metallic_roughness_pdf_ggx_visible(wo, metallic_roughness_half_vector(wi, wo),
         alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     let exists = wo.z > wi.z;
     let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
-    let folded = metallic_roughness_pdf_ggx_visible(wo, metallic_roughness_half_vector(image, wo),
-        alpha_x, alpha_y);
+    // The least lift, for two that are equally high but for their last digits
+    let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
+    let folded = metallic_roughness_pdf_ggx_visible(wo,
+        metallic_roughness_half_vector(image, higher), alpha_x, alpha_y);
     return straight + select(0.0, folded, exists);
 }
 
@@ -252,7 +253,7 @@ fn metallic_roughness_pdf_matte_gloss(wi: vec3f, wo: vec3f, alpha: f32, shares: 
 
 // Density of `sample` in 1/sr.
 fn metallic_roughness_pdf(params: MetallicRoughness, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     return metallic_roughness_pdf_matte_gloss(wi, wo, metallic_roughness_alpha(params),
@@ -262,7 +263,7 @@ fn metallic_roughness_pdf(params: MetallicRoughness, wi: vec3f, wo: vec3f) -> f3
 // Cosine-weighted or a visible GGX normal, by the estimated albedos.
 fn metallic_roughness_sample(params: MetallicRoughness, wo: vec3f,
     u: vec2f) -> MetallicRoughnessSample {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return MetallicRoughnessSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let wi = metallic_roughness_sample_matte_gloss(wo, metallic_roughness_alpha(params),

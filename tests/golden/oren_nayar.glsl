@@ -36,8 +36,8 @@ struct OrenNayarCoefficients {
     float d;
 };
 
-// Twice the arc tangent, for v in [-1, 1].
-float oren_nayar_twice_atan(float v) {
+// 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
+float oren_nayar_twice_atan_over(float v) {
     const float ATAN_4 = 0.21281867;
     const float ATAN_5 = -0.15008585;
     const float ATAN_6 = 0.085383;
@@ -49,13 +49,14 @@ float oren_nayar_twice_atan(float v) {
     const float ATAN_3 = -0.28407288;
     float q = v * v;
     float p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
-    return v * (ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p))));
+    return ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p)));
 }
 
 // Arc sine of x limited to [-1, 1]: twice the angle whose tangent is x / (1 + cos).
 float oren_nayar_safe_asin(float x) {
     float c = sqrt(max((1.0 - x) * (1.0 + x), 0.0));
-    return oren_nayar_twice_atan(clamp(x / (1.0 + c), -1.0, 1.0));
+    float v = clamp(x / (1.0 + c), -1.0, 1.0);
+    return v * oren_nayar_twice_atan_over(v);
 }
 
 // s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
@@ -79,20 +80,22 @@ float oren_nayar_tangential_cross(vec3 wi, vec3 wo) {
 float oren_nayar_safe_acos(float x) {
     const float pi = 3.1415927;
     float a = min(abs(x), 1.0);
-    float angle = oren_nayar_twice_atan(sqrt(max((1.0 - a) * (1.0 + a), 0.0)) / (1.0 + a));
+    float v = sqrt(max((1.0 - a) * (1.0 + a), 0.0)) / (1.0 + a);
+    float angle = v * oren_nayar_twice_atan_over(v);
     return mix(angle, pi - angle, x < 0.0);
 }
 
 // Eq. 27 + 29: BRDF value in 1/sr, without the cosine.
 vec3 oren_nayar_eval(OrenNayar params, vec3 wi, vec3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     const float mu_min = 1.0e-18;
     const float pi = 3.1415927;
     // Smallest product of squared sines that is divided by. Directions nearer to the normal have no
     // azimuth that matters, and the reciprocal's derivative still fits into a float32.
     const float SIN4_MIN = 1.0e-20;
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3(0.0);
     }
     float s2 = params.sigma * params.sigma;
@@ -269,7 +272,7 @@ float oren_nayar_pdf_cltc_uniform(vec3 wi, vec3 wo, float r) {
 
 // Density of `sample` in 1/sr.
 float oren_nayar_pdf(OrenNayar params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     OrenNayarQualitativeCoefficients qualitative_coefficients_result = oren_nayar_qualitative_coefficients(params.sigma, 0.33);
@@ -280,7 +283,7 @@ float oren_nayar_pdf(OrenNayar params, vec3 wi, vec3 wo) {
 
 // EON's CLTC with a uniform lobe, at the roughness that fits the qualitative model.
 OrenNayarSample oren_nayar_sample(OrenNayar params, vec3 wo, vec2 u) {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return OrenNayarSample(vec3(0.0, 0.0, 1.0), 0.0);
     }
     OrenNayarQualitativeCoefficients qualitative_coefficients_result = oren_nayar_qualitative_coefficients(params.sigma, 0.33);

@@ -105,14 +105,15 @@ inline float oren_nayar_tangential_cross(Vec3 wi, Vec3 wo) {
 
 // Eq. 27 + 29: BRDF value in 1/sr, without the cosine.
 inline Vec3 oren_nayar_eval(const OrenNayar& params, Vec3 wi, Vec3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     constexpr float mu_min = 1.0e-18f;
     constexpr float pi = 3.1415927f;
     // Smallest product of squared sines that is divided by. Directions nearer to the normal have no
     // azimuth that matters, and the reciprocal's derivative still fits into a float32.
     constexpr float SIN4_MIN = 1.0e-20f;
     constexpr float inv_pi = 0.31830987f;
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return splat(0.0f);
     }
     float s2 = params.sigma * params.sigma;
@@ -292,7 +293,7 @@ inline float oren_nayar_pdf_cltc_uniform(Vec3 wi, Vec3 wo, float r) {
 
 // Density of `sample` in 1/sr.
 inline float oren_nayar_pdf(const OrenNayar& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return 0.0f;
     }
     OrenNayarQualitativeCoefficients qualitative_coefficients_result = oren_nayar_qualitative_coefficients(params.sigma, 0.33f);
@@ -303,7 +304,7 @@ inline float oren_nayar_pdf(const OrenNayar& params, Vec3 wi, Vec3 wo) {
 
 // EON's CLTC with a uniform lobe, at the roughness that fits the qualitative model.
 inline OrenNayarSample oren_nayar_sample(const OrenNayar& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 0.0f) {  // below the horizon
+    if (wo.z <= 1.0e-18f) {  // in the horizon or below
         return OrenNayarSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     OrenNayarQualitativeCoefficients qualitative_coefficients_result = oren_nayar_qualitative_coefficients(params.sigma, 0.33f);

@@ -36,8 +36,8 @@ struct OrenNayarCoefficients {
     d: f32,
 }
 
-// Twice the arc tangent, for v in [-1, 1].
-fn oren_nayar_twice_atan(v: f32) -> f32 {
+// 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
+fn oren_nayar_twice_atan_over(v: f32) -> f32 {
     const ATAN_4 = 0.21281867;
     const ATAN_5 = -0.15008585;
     const ATAN_6 = 0.085383;
@@ -49,13 +49,14 @@ fn oren_nayar_twice_atan(v: f32) -> f32 {
     const ATAN_3 = -0.28407288;
     let q = v * v;
     let p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
-    return v * (ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p))));
+    return ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p)));
 }
 
 // Arc sine of x limited to [-1, 1]: twice the angle whose tangent is x / (1 + cos).
 fn oren_nayar_safe_asin(x: f32) -> f32 {
     let c = sqrt(max((1.0 - x) * (1.0 + x), 0.0));
-    return oren_nayar_twice_atan(clamp(x / (1.0 + c), -1.0, 1.0));
+    let v = clamp(x / (1.0 + c), -1.0, 1.0);
+    return v * oren_nayar_twice_atan_over(v);
 }
 
 // s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
@@ -79,20 +80,22 @@ fn oren_nayar_tangential_cross(wi: vec3f, wo: vec3f) -> f32 {
 fn oren_nayar_safe_acos(x: f32) -> f32 {
     const pi = 3.1415927;
     let a = min(abs(x), 1.0);
-    let angle = oren_nayar_twice_atan(sqrt(max((1.0 - a) * (1.0 + a), 0.0)) / (1.0 + a));
+    let v = sqrt(max((1.0 - a) * (1.0 + a), 0.0)) / (1.0 + a);
+    let angle = v * oren_nayar_twice_atan_over(v);
     return select(angle, pi - angle, x < 0.0);
 }
 
 // Eq. 27 + 29: BRDF value in 1/sr, without the cosine.
 fn oren_nayar_eval(params: OrenNayar, wi: vec3f, wo: vec3f) -> vec3f {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     const mu_min = 1.0e-18;
     const pi = 3.1415927;
     // Smallest product of squared sines that is divided by. Directions nearer to the normal have no
     // azimuth that matters, and the reciprocal's derivative still fits into a float32.
     const SIN4_MIN = 1.0e-20;
     const inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3f(0.0);
     }
     let s2 = params.sigma * params.sigma;
@@ -269,7 +272,7 @@ fn oren_nayar_pdf_cltc_uniform(wi: vec3f, wo: vec3f, r: f32) -> f32 {
 
 // Density of `sample` in 1/sr.
 fn oren_nayar_pdf(params: OrenNayar, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     let qualitative_coefficients_result = oren_nayar_qualitative_coefficients(params.sigma, 0.33);
@@ -280,7 +283,7 @@ fn oren_nayar_pdf(params: OrenNayar, wi: vec3f, wo: vec3f) -> f32 {
 
 // EON's CLTC with a uniform lobe, at the roughness that fits the qualitative model.
 fn oren_nayar_sample(params: OrenNayar, wo: vec3f, u: vec2f) -> OrenNayarSample {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return OrenNayarSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let qualitative_coefficients_result = oren_nayar_qualitative_coefficients(params.sigma, 0.33);

@@ -69,10 +69,8 @@ float patina_metal_alpha(Patina params) {
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float patina_cos_half(vec3 wi, vec3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const float mu_min = 1.0e-18;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return min(0.5 * length(wi + vec3(wo.x, wo.y, wo.z + mu_min)), 1.0);
+    return 0.5 * length(wi + wo);
 }
 
 // Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
@@ -82,15 +80,16 @@ vec3 patina_F_conductor(float cos_theta, vec3 eta, vec3 k) {
     const float ROOT_MIN = 1.0e-16;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     float c = cos_theta;
+    // A trace of absorption keeps the roots below from 0
     vec3 contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
-    vec3 half_im = eta * k;
+    vec3 half_im = eta * k + ROOT_MIN;
     float c2 = c * c;
     float sin2 = 1.0 - c2;
     vec3 w_re = contrast_re + c2;
     vec3 im2 = 4.0 * half_im * half_im;
-    vec3 w_abs = sqrt(max(w_re * w_re + im2, vec3(ROOT_MIN * ROOT_MIN)));
+    vec3 w_abs = sqrt(w_re * w_re + im2);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    vec3 large = sqrt(0.5 * max(w_abs + abs(w_re), vec3(ROOT_MIN)));
+    vec3 large = sqrt(0.5 * (w_abs + abs(w_re)));
     vec3 g_re = mix(half_im / large, large, greaterThan(w_re, vec3(0.0)));
     // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
     vec3 cross = 2.0 * c * g_re;
@@ -112,10 +111,8 @@ vec3 patina_metal_F(Patina params, float cos_h) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 patina_half_vector(vec3 wi, vec3 wo) {
-    const float mu_min = 1.0e-18;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + vec3(wo.x, wo.y, wo.z + mu_min));
+    vec3 h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -161,11 +158,11 @@ vec3 patina_transmittance_conductor(float cos_theta, vec3 eta, vec3 k) {
     // 4 c Re(conj(g) eps) / |eps c + g|^2.
     float c = cos_theta;
     vec3 eps_re = (eta - k) * (eta + k);
-    vec3 eps_im = 2.0 * eta * k;
+    vec3 eps_im = 2.0 * (eta * k + ROOT_MIN);
     vec3 w_re = (eta - 1.0) * (eta + 1.0) - k * k + c * c;
-    vec3 w_abs = sqrt(max(w_re * w_re + eps_im * eps_im, vec3(ROOT_MIN * ROOT_MIN)));
+    vec3 w_abs = sqrt(w_re * w_re + eps_im * eps_im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    vec3 large = sqrt(0.5 * max(w_abs + abs(w_re), vec3(ROOT_MIN)));
+    vec3 large = sqrt(0.5 * (w_abs + abs(w_re)));
     vec3 small = 0.5 * eps_im / large;
     vec3 g_re = mix(small, large, greaterThan(w_re, vec3(0.0)));
     vec3 g_im = mix(large, small, greaterThan(w_re, vec3(0.0)));
@@ -190,9 +187,9 @@ float patina_refracted_cos2(float mu, float eta) {
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
-// The direction inside the layer that belongs to w outside; z = 0 where there is none.
+// The direction inside a layer with eta >= 1 that belongs to w outside.
 vec3 patina_refract(vec3 w, float eta) {
-    return vec3(w.x, w.y, sqrt(max(patina_refracted_cos2(w.z, eta), 0.0))) / eta;
+    return vec3(w.x, w.y, sqrt(patina_refracted_cos2(w.z, eta))) / eta;
 }
 
 // Absorption times thickness, for each channel.
@@ -208,8 +205,7 @@ vec3 patina_depth(Patina params) {
 //
 // wi, wo: refracted directions. depth: absorption times thickness.
 vec3 patina_absorbed(vec3 depth, vec3 wi, vec3 wo) {
-    const float mu_min = 1.0e-18;
-    return exp(-depth * (1.0 / max(wi.z, mu_min) + 1.0 / max(wo.z, mu_min)));
+    return exp(-depth * (1.0 / wi.z + 1.0 / wo.z));
 }
 
 // The metal's width under the patina, at least that of the patina itself (Figure 2).
@@ -237,7 +233,7 @@ vec3 patina_coated(Patina params, vec3 wi, vec3 wo) {
 
 // The bare and the coated metal, mixed: BRDF value in 1/sr, without the cosine.
 vec3 patina_eval(Patina params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3(0.0);
     }
     float grown = patina_grown(params);
@@ -341,9 +337,13 @@ float patina_critical_cosine(float eta) {
 
 // The outer direction for a direction inside: refracted, or spread out if it cannot leave.
 vec3 patina_leave(vec3 w, float eta) {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     const float mu_min = 1.0e-18;
     // Smallest squared sine whose root is divided by; the azimuth of smaller ones does not matter.
     const float SIN2_MIN = 1.0e-18;
+    // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
+    const float LEAVE_MIN = 1.0e-12;
     float k = patina_critical_cosine(eta);
     bool refracted = w.z > k;
     float spread = min(w.z / max(k, mu_min), 1.0);
@@ -352,7 +352,7 @@ vec3 patina_leave(vec3 w, float eta) {
     float sin2 = w.x * w.x + w.y * w.y;
     float scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
     // A sample above the horizon stays there, however flat.
-    z = mix(-1.0, max(z, mu_min), w.z > 0.0);
+    z = mix(-1.0, max(z, LEAVE_MIN), w.z > 0.0);
     return normalize(vec3(w.x * scale, w.y * scale, z));
 }
 
@@ -384,11 +384,9 @@ float patina_pdf_ggx_visible(vec3 wo, vec3 m, float alpha_x, float alpha_y) {
 
 // Density of `leave` at w, from the inner density at w_t = refract(w) and at gather(w).
 float patina_pdf_leave(float pdf_refracted, float pdf_gathered, vec3 w, vec3 w_t, float eta) {
-    const float mu_min = 1.0e-18;
     // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
     // k^2, and the cosines are k mu and mu.
-    float jacobian = mix(0.0, w.z / (eta * eta * max(w_t.z, mu_min)), w_t.z > 0.0);
-    return pdf_refracted * jacobian + pdf_gathered * patina_critical_cosine(eta);
+    return pdf_refracted * w.z / (eta * eta * w_t.z) + pdf_gathered * patina_critical_cosine(eta);
 }
 
 // Density of `sample_cosine` in 1/sr, for w above the horizon.
@@ -399,17 +397,20 @@ float patina_pdf_cosine(vec3 w) {
 
 // Density of `sample_ggx_lobe` in 1/sr.
 float patina_pdf_ggx_lobe(vec3 wi, vec3 wo, float alpha_x, float alpha_y) {
+    const float mu_min = 1.0e-18;
     float straight = patina_pdf_ggx_visible(wo, patina_half_vector(wi, wo), alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     vec3 image = vec3(wi.x, wi.y, exists ? -wi.z : wi.z);
-    float folded = patina_pdf_ggx_visible(wo, patina_half_vector(image, wo), alpha_x, alpha_y);
+    // The least lift, for two that are equally high but for their last digits
+    vec3 higher = vec3(wo.x, wo.y, wo.z + mu_min);
+    float folded = patina_pdf_ggx_visible(wo, patina_half_vector(image, higher), alpha_x, alpha_y);
     return straight + (exists ? folded : 0.0);
 }
 
 // Density of `sample` in 1/sr.
 float patina_pdf(Patina params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     PatinaShares shares_result = patina_shares(params, wo);
@@ -433,7 +434,7 @@ float patina_pdf(Patina params, vec3 wi, vec3 wo) {
 
 // One of the bare metal, the patina's surface, its diffuse part, and the metal below.
 PatinaSample patina_sample(Patina params, vec3 wo, vec2 u) {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return PatinaSample(vec3(0.0, 0.0, 1.0), 0.0);
     }
     PatinaShares shares_result = patina_shares(params, wo);

@@ -112,10 +112,6 @@ inline Bool3 operator>(Vec3 a, Vec3 b) {
     return Bool3{a.x > b.x, a.y > b.y, a.z > b.z};
 }
 
-inline Vec3 maximum(Vec3 a, Vec3 b) {
-    return Vec3{fmaxf(a.x, b.x), fmaxf(a.y, b.y), fmaxf(a.z, b.z)};
-}
-
 inline Vec3 lerp(Vec3 a, Vec3 b, Vec3 c) {
     return Vec3{lerp(a.x, b.x, c.x), lerp(a.y, b.y, c.y), lerp(a.z, b.z, c.z)};
 }
@@ -187,10 +183,8 @@ inline float patina_metal_alpha(const Patina& params) {
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float patina_cos_half(Vec3 wi, Vec3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    constexpr float mu_min = 1.0e-18f;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return fminf(0.5f * length(wi + Vec3{wo.x, wo.y, wo.z + mu_min}), 1.0f);
+    return 0.5f * length(wi + wo);
 }
 
 // Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
@@ -200,15 +194,16 @@ inline Vec3 patina_F_conductor(float cos_theta, Vec3 eta, Vec3 k) {
     constexpr float ROOT_MIN = 1.0e-16f;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     float c = cos_theta;
+    // A trace of absorption keeps the roots below from 0
     Vec3 contrast_re = (eta - 1.0f) * (eta + 1.0f) - k * k;
-    Vec3 half_im = eta * k;
+    Vec3 half_im = eta * k + ROOT_MIN;
     float c2 = c * c;
     float sin2 = 1.0f - c2;
     Vec3 w_re = contrast_re + c2;
     Vec3 im2 = 4.0f * half_im * half_im;
-    Vec3 w_abs = sqrt(maximum(w_re * w_re + im2, splat(ROOT_MIN * ROOT_MIN)));
+    Vec3 w_abs = sqrt(w_re * w_re + im2);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    Vec3 large = sqrt(0.5f * maximum(w_abs + absolute(w_re), splat(ROOT_MIN)));
+    Vec3 large = sqrt(0.5f * (w_abs + absolute(w_re)));
     Vec3 g_re = select(w_re > splat(0.0f), large, half_im / large);
     // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
     Vec3 cross = 2.0f * c * g_re;
@@ -230,10 +225,8 @@ inline Vec3 patina_metal_F(const Patina& params, float cos_h) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 patina_half_vector(Vec3 wi, Vec3 wo) {
-    constexpr float mu_min = 1.0e-18f;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + Vec3{wo.x, wo.y, wo.z + mu_min});
+    Vec3 h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -279,11 +272,11 @@ inline Vec3 patina_transmittance_conductor(float cos_theta, Vec3 eta, Vec3 k) {
     // 4 c Re(conj(g) eps) / |eps c + g|^2.
     float c = cos_theta;
     Vec3 eps_re = (eta - k) * (eta + k);
-    Vec3 eps_im = 2.0f * eta * k;
+    Vec3 eps_im = 2.0f * (eta * k + ROOT_MIN);
     Vec3 w_re = (eta - 1.0f) * (eta + 1.0f) - k * k + c * c;
-    Vec3 w_abs = sqrt(maximum(w_re * w_re + eps_im * eps_im, splat(ROOT_MIN * ROOT_MIN)));
+    Vec3 w_abs = sqrt(w_re * w_re + eps_im * eps_im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    Vec3 large = sqrt(0.5f * maximum(w_abs + absolute(w_re), splat(ROOT_MIN)));
+    Vec3 large = sqrt(0.5f * (w_abs + absolute(w_re)));
     Vec3 small = 0.5f * eps_im / large;
     Vec3 g_re = select(w_re > splat(0.0f), large, small);
     Vec3 g_im = select(w_re > splat(0.0f), small, large);
@@ -308,9 +301,9 @@ inline float patina_refracted_cos2(float mu, float eta) {
     return fmaf(mu, mu, (eta - 1.0f) * (eta + 1.0f));
 }
 
-// The direction inside the layer that belongs to w outside; z = 0 where there is none.
+// The direction inside a layer with eta >= 1 that belongs to w outside.
 inline Vec3 patina_refract(Vec3 w, float eta) {
-    return Vec3{w.x, w.y, sqrtf(fmaxf(patina_refracted_cos2(w.z, eta), 0.0f))} / eta;
+    return Vec3{w.x, w.y, sqrtf(patina_refracted_cos2(w.z, eta))} / eta;
 }
 
 // Absorption times thickness, for each channel.
@@ -326,8 +319,7 @@ inline Vec3 patina_depth(const Patina& params) {
 //
 // wi, wo: refracted directions. depth: absorption times thickness.
 inline Vec3 patina_absorbed(Vec3 depth, Vec3 wi, Vec3 wo) {
-    constexpr float mu_min = 1.0e-18f;
-    return exp(-depth * (1.0f / fmaxf(wi.z, mu_min) + 1.0f / fmaxf(wo.z, mu_min)));
+    return exp(-depth * (1.0f / wi.z + 1.0f / wo.z));
 }
 
 // The metal's width under the patina, at least that of the patina itself (Figure 2).
@@ -355,7 +347,7 @@ inline Vec3 patina_coated(const Patina& params, Vec3 wi, Vec3 wo) {
 
 // The bare and the coated metal, mixed: BRDF value in 1/sr, without the cosine.
 inline Vec3 patina_eval(const Patina& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return splat(0.0f);
     }
     float grown = patina_grown(params);
@@ -459,9 +451,13 @@ inline float patina_critical_cosine(float eta) {
 
 // The outer direction for a direction inside: refracted, or spread out if it cannot leave.
 inline Vec3 patina_leave(Vec3 w, float eta) {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     constexpr float mu_min = 1.0e-18f;
     // Smallest squared sine whose root is divided by; the azimuth of smaller ones does not matter.
     constexpr float SIN2_MIN = 1.0e-18f;
+    // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
+    constexpr float LEAVE_MIN = 1.0e-12f;
     float k = patina_critical_cosine(eta);
     bool refracted = w.z > k;
     float spread = fminf(w.z / fmaxf(k, mu_min), 1.0f);
@@ -470,7 +466,7 @@ inline Vec3 patina_leave(Vec3 w, float eta) {
     float sin2 = w.x * w.x + w.y * w.y;
     float scale = sqrtf(fmaxf(1.0f - z * z, 0.0f)) / sqrtf(fmaxf(sin2, SIN2_MIN));
     // A sample above the horizon stays there, however flat.
-    z = w.z > 0.0f ? fmaxf(z, mu_min) : -1.0f;
+    z = w.z > 0.0f ? fmaxf(z, LEAVE_MIN) : -1.0f;
     return normalize(Vec3{w.x * scale, w.y * scale, z});
 }
 
@@ -503,11 +499,9 @@ inline float patina_pdf_ggx_visible(Vec3 wo, Vec3 m, float alpha_x, float alpha_
 // Density of `leave` at w, from the inner density at w_t = refract(w) and at gather(w).
 inline float patina_pdf_leave(float pdf_refracted, float pdf_gathered, Vec3 w, Vec3 w_t,
     float eta) {
-    constexpr float mu_min = 1.0e-18f;
     // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
     // k^2, and the cosines are k mu and mu.
-    float jacobian = w_t.z > 0.0f ? w.z / (eta * eta * fmaxf(w_t.z, mu_min)) : 0.0f;
-    return pdf_refracted * jacobian + pdf_gathered * patina_critical_cosine(eta);
+    return pdf_refracted * w.z / (eta * eta * w_t.z) + pdf_gathered * patina_critical_cosine(eta);
 }
 
 // Density of `sample_cosine` in 1/sr, for w above the horizon.
@@ -518,17 +512,20 @@ inline float patina_pdf_cosine(Vec3 w) {
 
 // Density of `sample_ggx_lobe` in 1/sr.
 inline float patina_pdf_ggx_lobe(Vec3 wi, Vec3 wo, float alpha_x, float alpha_y) {
+    constexpr float mu_min = 1.0e-18f;
     float straight = patina_pdf_ggx_visible(wo, patina_half_vector(wi, wo), alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
-    float folded = patina_pdf_ggx_visible(wo, patina_half_vector(image, wo), alpha_x, alpha_y);
+    // The least lift, for two that are equally high but for their last digits
+    Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
+    float folded = patina_pdf_ggx_visible(wo, patina_half_vector(image, higher), alpha_x, alpha_y);
     return straight + (exists ? folded : 0.0f);
 }
 
 // Density of `sample` in 1/sr.
 inline float patina_pdf(const Patina& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return 0.0f;
     }
     PatinaShares shares_result = patina_shares(params, wo);
@@ -552,7 +549,7 @@ inline float patina_pdf(const Patina& params, Vec3 wi, Vec3 wo) {
 
 // One of the bare metal, the patina's surface, its diffuse part, and the metal below.
 inline PatinaSample patina_sample(const Patina& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 0.0f) {  // below the horizon
+    if (wo.z <= 1.0e-18f) {  // in the horizon or below
         return PatinaSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     PatinaShares shares_result = patina_shares(params, wo);

@@ -69,10 +69,8 @@ fn patina_metal_alpha(params: Patina) -> f32 {
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn patina_cos_half(wi: vec3f, wo: vec3f) -> f32 {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const mu_min = 1.0e-18;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return min(0.5 * length(wi + vec3f(wo.x, wo.y, wo.z + mu_min)), 1.0);
+    return 0.5 * length(wi + wo);
 }
 
 // Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
@@ -82,15 +80,16 @@ fn patina_F_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f {
     const ROOT_MIN = 1.0e-16;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     let c = cos_theta;
+    // A trace of absorption keeps the roots below from 0
     let contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
-    let half_im = eta * k;
+    let half_im = eta * k + ROOT_MIN;
     let c2 = c * c;
     let sin2 = 1.0 - c2;
     let w_re = contrast_re + c2;
     let im2 = 4.0 * half_im * half_im;
-    let w_abs = sqrt(max(w_re * w_re + im2, vec3f(ROOT_MIN * ROOT_MIN)));
+    let w_abs = sqrt(w_re * w_re + im2);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    let large = sqrt(0.5 * max(w_abs + abs(w_re), vec3f(ROOT_MIN)));
+    let large = sqrt(0.5 * (w_abs + abs(w_re)));
     let g_re = select(half_im / large, large, w_re > vec3f(0.0));
     // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
     let cross = 2.0 * c * g_re;
@@ -112,10 +111,8 @@ fn patina_metal_F(params: Patina, cos_h: f32) -> vec3f {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn patina_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    const mu_min = 1.0e-18;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + vec3f(wo.x, wo.y, wo.z + mu_min));
+    let h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -161,11 +158,11 @@ fn patina_transmittance_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f
     // 4 c Re(conj(g) eps) / |eps c + g|^2.
     let c = cos_theta;
     let eps_re = (eta - k) * (eta + k);
-    let eps_im = 2.0 * eta * k;
+    let eps_im = 2.0 * (eta * k + ROOT_MIN);
     let w_re = (eta - 1.0) * (eta + 1.0) - k * k + c * c;
-    let w_abs = sqrt(max(w_re * w_re + eps_im * eps_im, vec3f(ROOT_MIN * ROOT_MIN)));
+    let w_abs = sqrt(w_re * w_re + eps_im * eps_im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    let large = sqrt(0.5 * max(w_abs + abs(w_re), vec3f(ROOT_MIN)));
+    let large = sqrt(0.5 * (w_abs + abs(w_re)));
     let small = 0.5 * eps_im / large;
     let g_re = select(small, large, w_re > vec3f(0.0));
     let g_im = select(large, small, w_re > vec3f(0.0));
@@ -190,9 +187,9 @@ fn patina_refracted_cos2(mu: f32, eta: f32) -> f32 {
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
-// The direction inside the layer that belongs to w outside; z = 0 where there is none.
+// The direction inside a layer with eta >= 1 that belongs to w outside.
 fn patina_refract(w: vec3f, eta: f32) -> vec3f {
-    return vec3f(w.x, w.y, sqrt(max(patina_refracted_cos2(w.z, eta), 0.0))) / eta;
+    return vec3f(w.x, w.y, sqrt(patina_refracted_cos2(w.z, eta))) / eta;
 }
 
 // Absorption times thickness, for each channel.
@@ -208,8 +205,7 @@ fn patina_depth(params: Patina) -> vec3f {
 //
 // wi, wo: refracted directions. depth: absorption times thickness.
 fn patina_absorbed(depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
-    const mu_min = 1.0e-18;
-    return exp(-depth * (1.0 / max(wi.z, mu_min) + 1.0 / max(wo.z, mu_min)));
+    return exp(-depth * (1.0 / wi.z + 1.0 / wo.z));
 }
 
 // The metal's width under the patina, at least that of the patina itself (Figure 2).
@@ -236,7 +232,7 @@ fn patina_coated(params: Patina, wi: vec3f, wo: vec3f) -> vec3f {
 
 // The bare and the coated metal, mixed: BRDF value in 1/sr, without the cosine.
 fn patina_eval(params: Patina, wi: vec3f, wo: vec3f) -> vec3f {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3f(0.0);
     }
     let grown = patina_grown(params);
@@ -339,9 +335,13 @@ fn patina_critical_cosine(eta: f32) -> f32 {
 
 // The outer direction for a direction inside: refracted, or spread out if it cannot leave.
 fn patina_leave(w: vec3f, eta: f32) -> vec3f {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     const mu_min = 1.0e-18;
     // Smallest squared sine whose root is divided by; the azimuth of smaller ones does not matter.
     const SIN2_MIN = 1.0e-18;
+    // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
+    const LEAVE_MIN = 1.0e-12;
     let k = patina_critical_cosine(eta);
     let refracted = w.z > k;
     let spread = min(w.z / max(k, mu_min), 1.0);
@@ -350,7 +350,7 @@ fn patina_leave(w: vec3f, eta: f32) -> vec3f {
     let sin2 = w.x * w.x + w.y * w.y;
     let scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
     // A sample above the horizon stays there, however flat.
-    z = select(-1.0, max(z, mu_min), w.z > 0.0);
+    z = select(-1.0, max(z, LEAVE_MIN), w.z > 0.0);
     return normalize(vec3f(w.x * scale, w.y * scale, z));
 }
 
@@ -383,11 +383,9 @@ fn patina_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f3
 // Density of `leave` at w, from the inner density at w_t = refract(w) and at gather(w).
 fn patina_pdf_leave(pdf_refracted: f32, pdf_gathered: f32, w: vec3f, w_t: vec3f,
     eta: f32) -> f32 {
-    const mu_min = 1.0e-18;
     // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
     // k^2, and the cosines are k mu and mu.
-    let jacobian = select(0.0, w.z / (eta * eta * max(w_t.z, mu_min)), w_t.z > 0.0);
-    return pdf_refracted * jacobian + pdf_gathered * patina_critical_cosine(eta);
+    return pdf_refracted * w.z / (eta * eta * w_t.z) + pdf_gathered * patina_critical_cosine(eta);
 }
 
 // Density of `sample_cosine` in 1/sr, for w above the horizon.
@@ -398,17 +396,20 @@ fn patina_pdf_cosine(w: vec3f) -> f32 {
 
 // Density of `sample_ggx_lobe` in 1/sr.
 fn patina_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    const mu_min = 1.0e-18;
     let straight = patina_pdf_ggx_visible(wo, patina_half_vector(wi, wo), alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     let exists = wo.z > wi.z;
     let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
-    let folded = patina_pdf_ggx_visible(wo, patina_half_vector(image, wo), alpha_x, alpha_y);
+    // The least lift, for two that are equally high but for their last digits
+    let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
+    let folded = patina_pdf_ggx_visible(wo, patina_half_vector(image, higher), alpha_x, alpha_y);
     return straight + select(0.0, folded, exists);
 }
 
 // Density of `sample` in 1/sr.
 fn patina_pdf(params: Patina, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     let shares_result = patina_shares(params, wo);
@@ -432,7 +433,7 @@ fn patina_pdf(params: Patina, wi: vec3f, wo: vec3f) -> f32 {
 
 // One of the bare metal, the patina's surface, its diffuse part, and the metal below.
 fn patina_sample(params: Patina, wo: vec3f, u: vec2f) -> PatinaSample {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return PatinaSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let shares_result = patina_shares(params, wo);

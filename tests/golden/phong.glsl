@@ -90,7 +90,7 @@ float phong_lobe(vec3 wi, vec3 wo, float exponent) {
 vec3 phong_eval(Phong params, vec3 wi, vec3 wo) {
     const float inv_two_pi = 0.15915494;
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3(0.0);
     }
     float n = params.shininess;
@@ -214,7 +214,7 @@ float phong_pdf_lobe(vec3 wi, vec3 wo, float exponent) {
 
 // Density of `sample` in 1/sr.
 float phong_pdf(Phong params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     vec2 P = phong_shares(params, wo);
@@ -223,7 +223,7 @@ float phong_pdf(Phong params, vec3 wi, vec3 wo) {
 
 // Cosine-weighted, or around the mirror direction, by the estimated albedos.
 PhongSample phong_sample(Phong params, vec3 wo, vec2 u) {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return PhongSample(vec3(0.0, 0.0, 1.0), 0.0);
     }
     PhongChoose choose_result = phong_choose(phong_shares(params, wo).x, u);
@@ -242,7 +242,8 @@ vec3 phong_albedo(Phong params, vec3 wo) {
     // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
     const float ALBEDO_SAMPLES = 987.0;
     const float GOLDEN = 0.618034;
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     const float mu_min = 1.0e-18;
     if (wo.z < 0.0) {  // below the horizon
         return vec3(0.0);

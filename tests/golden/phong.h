@@ -132,7 +132,7 @@ inline float phong_lobe(Vec3 wi, Vec3 wo, float exponent) {
 inline Vec3 phong_eval(const Phong& params, Vec3 wi, Vec3 wo) {
     constexpr float inv_two_pi = 0.15915494f;
     constexpr float inv_pi = 0.31830987f;
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return splat(0.0f);
     }
     float n = params.shininess;
@@ -256,7 +256,7 @@ inline float phong_pdf_lobe(Vec3 wi, Vec3 wo, float exponent) {
 
 // Density of `sample` in 1/sr.
 inline float phong_pdf(const Phong& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return 0.0f;
     }
     Vec2 P = phong_shares(params, wo);
@@ -265,7 +265,7 @@ inline float phong_pdf(const Phong& params, Vec3 wi, Vec3 wo) {
 
 // Cosine-weighted, or around the mirror direction, by the estimated albedos.
 inline PhongSample phong_sample(const Phong& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 0.0f) {  // below the horizon
+    if (wo.z <= 1.0e-18f) {  // in the horizon or below
         return PhongSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     PhongChoose choose_result = phong_choose(phong_shares(params, wo).x, u);
@@ -284,7 +284,8 @@ inline Vec3 phong_albedo(const Phong& params, Vec3 wo) {
     // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
     constexpr float ALBEDO_SAMPLES = 987.0f;
     constexpr float GOLDEN = 0.618034f;
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     constexpr float mu_min = 1.0e-18f;
     if (wo.z < 0.0f) {  // below the horizon
         return splat(0.0f);

@@ -93,7 +93,7 @@ inline float phong_lobe(float3 wi, float3 wo, float exponent) {
 inline float3 phong_eval(Phong params, float3 wi, float3 wo) {
     const float inv_two_pi = 0.15915494;
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return float3(0.0);
     }
     float n = params.shininess;
@@ -217,7 +217,7 @@ inline float phong_pdf_lobe(float3 wi, float3 wo, float exponent) {
 
 // Density of `sample` in 1/sr.
 inline float phong_pdf(Phong params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     float2 P = phong_shares(params, wo);
@@ -226,7 +226,7 @@ inline float phong_pdf(Phong params, float3 wi, float3 wo) {
 
 // Cosine-weighted, or around the mirror direction, by the estimated albedos.
 inline PhongSample phong_sample(Phong params, float3 wo, float2 u) {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return PhongSample{float3(0.0, 0.0, 1.0), 0.0};
     }
     PhongChoose choose_result = phong_choose(phong_shares(params, wo).x, u);
@@ -245,7 +245,8 @@ inline float3 phong_albedo(Phong params, float3 wo) {
     // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
     const float ALBEDO_SAMPLES = 987.0;
     const float GOLDEN = 0.618034;
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     const float mu_min = 1.0e-18;
     if (wo.z < 0.0) {  // below the horizon
         return float3(0.0);

@@ -90,7 +90,7 @@ fn phong_lobe(wi: vec3f, wo: vec3f, exponent: f32) -> f32 {
 fn phong_eval(params: Phong, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_two_pi = 0.15915494;
     const inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3f(0.0);
     }
     let n = params.shininess;
@@ -212,7 +212,7 @@ fn phong_pdf_lobe(wi: vec3f, wo: vec3f, exponent: f32) -> f32 {
 
 // Density of `sample` in 1/sr.
 fn phong_pdf(params: Phong, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     let P = phong_shares(params, wo);
@@ -221,7 +221,7 @@ fn phong_pdf(params: Phong, wi: vec3f, wo: vec3f) -> f32 {
 
 // Cosine-weighted, or around the mirror direction, by the estimated albedos.
 fn phong_sample(params: Phong, wo: vec3f, u: vec2f) -> PhongSample {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return PhongSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let choose_result = phong_choose(phong_shares(params, wo).x, u);
@@ -240,7 +240,8 @@ fn phong_albedo(params: Phong, wo: vec3f) -> vec3f {
     // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
     const ALBEDO_SAMPLES = 987.0;
     const GOLDEN = 0.618034;
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     const mu_min = 1.0e-18;
     if (wo.z < 0.0) {  // below the horizon
         return vec3f(0.0);

@@ -49,11 +49,9 @@ float qon_tangential_dot(vec3 wi, vec3 wo) {
     return fma(wi.x, wo.x, q) + error;
 }
 
-// s / max(mu_i, mu_o), finite for two directions in the horizon.
+// s / max(mu_i, mu_o).
 float qon_s_over_max(float s, vec3 wi, vec3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const float mu_min = 1.0e-18;
-    return s / max(max(wi.z, wo.z), mu_min);
+    return s / max(wi.z, wo.z);
 }
 
 // s / t of Eq. 4: nothing for s <= 0.
@@ -64,7 +62,7 @@ float qon_s_over_t_qualitative(float s, vec3 wi, vec3 wo) {
 // Eq. 1: BRDF value in 1/sr, without the cosine.
 vec3 qon_eval(Qon params, vec3 wi, vec3 wo) {
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3(0.0);
     }
     QonQualitativeCoefficients qualitative_coefficients_result = qon_qualitative_coefficients(params.sigma, 0.33);
@@ -204,7 +202,7 @@ float qon_pdf_cltc_uniform(vec3 wi, vec3 wo, float r) {
 
 // Density of `sample` in 1/sr.
 float qon_pdf(Qon params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     QonQualitativeCoefficients qualitative_coefficients_result = qon_qualitative_coefficients(params.sigma, 0.33);
@@ -215,7 +213,7 @@ float qon_pdf(Qon params, vec3 wi, vec3 wo) {
 
 // EON's CLTC with a uniform lobe, at the roughness with the same weight of s/t.
 QonSample qon_sample(Qon params, vec3 wo, vec2 u) {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return QonSample(vec3(0.0, 0.0, 1.0), 0.0);
     }
     QonQualitativeCoefficients qualitative_coefficients_result = qon_qualitative_coefficients(params.sigma, 0.33);
@@ -225,8 +223,8 @@ QonSample qon_sample(Qon params, vec3 wo, vec2 u) {
     return QonSample(wi, qon_pdf(params, wi, wo));
 }
 
-// Twice the arc tangent, for v in [-1, 1].
-float qon_twice_atan(float v) {
+// 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
+float qon_twice_atan_over(float v) {
     const float ATAN_4 = 0.21281867;
     const float ATAN_5 = -0.15008585;
     const float ATAN_6 = 0.085383;
@@ -238,14 +236,15 @@ float qon_twice_atan(float v) {
     const float ATAN_3 = -0.28407288;
     float q = v * v;
     float p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
-    return v * (ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p))));
+    return ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p)));
 }
 
 // Arc cosine of x limited to [-1, 1]: twice the angle whose tangent is sin / (1 + x).
 float qon_safe_acos(float x) {
     const float pi = 3.1415927;
     float a = min(abs(x), 1.0);
-    float angle = qon_twice_atan(sqrt(max((1.0 - a) * (1.0 + a), 0.0)) / (1.0 + a));
+    float v = sqrt(max((1.0 - a) * (1.0 + a), 0.0)) / (1.0 + a);
+    float angle = v * qon_twice_atan_over(v);
     return mix(angle, pi - angle, x < 0.0);
 }
 

@@ -49,11 +49,9 @@ fn qon_tangential_dot(wi: vec3f, wo: vec3f) -> f32 {
     return fma(wi.x, wo.x, q) + error;
 }
 
-// s / max(mu_i, mu_o), finite for two directions in the horizon.
+// s / max(mu_i, mu_o).
 fn qon_s_over_max(s: f32, wi: vec3f, wo: vec3f) -> f32 {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const mu_min = 1.0e-18;
-    return s / max(max(wi.z, wo.z), mu_min);
+    return s / max(wi.z, wo.z);
 }
 
 // s / t of Eq. 4: nothing for s <= 0.
@@ -64,7 +62,7 @@ fn qon_s_over_t_qualitative(s: f32, wi: vec3f, wo: vec3f) -> f32 {
 // Eq. 1: BRDF value in 1/sr, without the cosine.
 fn qon_eval(params: Qon, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3f(0.0);
     }
     let qualitative_coefficients_result = qon_qualitative_coefficients(params.sigma, 0.33);
@@ -204,7 +202,7 @@ fn qon_pdf_cltc_uniform(wi: vec3f, wo: vec3f, r: f32) -> f32 {
 
 // Density of `sample` in 1/sr.
 fn qon_pdf(params: Qon, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     let qualitative_coefficients_result = qon_qualitative_coefficients(params.sigma, 0.33);
@@ -215,7 +213,7 @@ fn qon_pdf(params: Qon, wi: vec3f, wo: vec3f) -> f32 {
 
 // EON's CLTC with a uniform lobe, at the roughness with the same weight of s/t.
 fn qon_sample(params: Qon, wo: vec3f, u: vec2f) -> QonSample {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return QonSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let qualitative_coefficients_result = qon_qualitative_coefficients(params.sigma, 0.33);
@@ -225,8 +223,8 @@ fn qon_sample(params: Qon, wo: vec3f, u: vec2f) -> QonSample {
     return QonSample(wi, qon_pdf(params, wi, wo));
 }
 
-// Twice the arc tangent, for v in [-1, 1].
-fn qon_twice_atan(v: f32) -> f32 {
+// 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
+fn qon_twice_atan_over(v: f32) -> f32 {
     const ATAN_4 = 0.21281867;
     const ATAN_5 = -0.15008585;
     const ATAN_6 = 0.085383;
@@ -238,14 +236,15 @@ fn qon_twice_atan(v: f32) -> f32 {
     const ATAN_3 = -0.28407288;
     let q = v * v;
     let p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
-    return v * (ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p))));
+    return ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p)));
 }
 
 // Arc cosine of x limited to [-1, 1]: twice the angle whose tangent is sin / (1 + x).
 fn qon_safe_acos(x: f32) -> f32 {
     const pi = 3.1415927;
     let a = min(abs(x), 1.0);
-    let angle = qon_twice_atan(sqrt(max((1.0 - a) * (1.0 + a), 0.0)) / (1.0 + a));
+    let v = sqrt(max((1.0 - a) * (1.0 + a), 0.0)) / (1.0 + a);
+    let angle = v * qon_twice_atan_over(v);
     return select(angle, pi - angle, x < 0.0);
 }
 

@@ -86,11 +86,9 @@ inline float qon_footnote_tangential_dot(Vec3 wi, Vec3 wo) {
     return fmaf(wi.x, wo.x, q) + error;
 }
 
-// s / max(mu_i, mu_o), finite for two directions in the horizon.
+// s / max(mu_i, mu_o).
 inline float qon_footnote_s_over_max(float s, Vec3 wi, Vec3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    constexpr float mu_min = 1.0e-18f;
-    return s / fmaxf(fmaxf(wi.z, wo.z), mu_min);
+    return s / fmaxf(wi.z, wo.z);
 }
 
 // s / t of Eq. 4: nothing for s <= 0.
@@ -101,7 +99,7 @@ inline float qon_footnote_s_over_t_qualitative(float s, Vec3 wi, Vec3 wo) {
 // Eq. 1: BRDF value in 1/sr, without the cosine.
 inline Vec3 qon_footnote_eval(const QonFootnote& params, Vec3 wi, Vec3 wo) {
     constexpr float inv_pi = 0.31830987f;
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return splat(0.0f);
     }
     QonFootnoteQualitativeCoefficients qualitative_coefficients_result = qon_footnote_qualitative_coefficients(params.sigma, 0.57f);
@@ -243,7 +241,7 @@ inline float qon_footnote_pdf_cltc_uniform(Vec3 wi, Vec3 wo, float r) {
 
 // Density of `sample` in 1/sr.
 inline float qon_footnote_pdf(const QonFootnote& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return 0.0f;
     }
     QonFootnoteQualitativeCoefficients qualitative_coefficients_result = qon_footnote_qualitative_coefficients(params.sigma, 0.57f);
@@ -254,7 +252,7 @@ inline float qon_footnote_pdf(const QonFootnote& params, Vec3 wi, Vec3 wo) {
 
 // EON's CLTC with a uniform lobe, at the roughness with the same weight of s/t.
 inline QonFootnoteSample qon_footnote_sample(const QonFootnote& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 0.0f) {  // below the horizon
+    if (wo.z <= 1.0e-18f) {  // in the horizon or below
         return QonFootnoteSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     QonFootnoteQualitativeCoefficients qualitative_coefficients_result = qon_footnote_qualitative_coefficients(params.sigma, 0.57f);

@@ -52,11 +52,9 @@ fn qon_footnote_tangential_dot(wi: vec3f, wo: vec3f) -> f32 {
     return fma(wi.x, wo.x, q) + error;
 }
 
-// s / max(mu_i, mu_o), finite for two directions in the horizon.
+// s / max(mu_i, mu_o).
 fn qon_footnote_s_over_max(s: f32, wi: vec3f, wo: vec3f) -> f32 {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const mu_min = 1.0e-18;
-    return s / max(max(wi.z, wo.z), mu_min);
+    return s / max(wi.z, wo.z);
 }
 
 // s / t of Eq. 4: nothing for s <= 0.
@@ -67,7 +65,7 @@ fn qon_footnote_s_over_t_qualitative(s: f32, wi: vec3f, wo: vec3f) -> f32 {
 // Eq. 1: BRDF value in 1/sr, without the cosine.
 fn qon_footnote_eval(params: QonFootnote, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3f(0.0);
     }
     let qualitative_coefficients_result = qon_footnote_qualitative_coefficients(params.sigma, 0.57);
@@ -208,7 +206,7 @@ fn qon_footnote_pdf_cltc_uniform(wi: vec3f, wo: vec3f, r: f32) -> f32 {
 
 // Density of `sample` in 1/sr.
 fn qon_footnote_pdf(params: QonFootnote, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     let qualitative_coefficients_result = qon_footnote_qualitative_coefficients(params.sigma, 0.57);
@@ -219,7 +217,7 @@ fn qon_footnote_pdf(params: QonFootnote, wi: vec3f, wo: vec3f) -> f32 {
 
 // EON's CLTC with a uniform lobe, at the roughness with the same weight of s/t.
 fn qon_footnote_sample(params: QonFootnote, wo: vec3f, u: vec2f) -> QonFootnoteSample {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return QonFootnoteSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let qualitative_coefficients_result = qon_footnote_qualitative_coefficients(params.sigma, 0.57);
@@ -229,8 +227,8 @@ fn qon_footnote_sample(params: QonFootnote, wo: vec3f, u: vec2f) -> QonFootnoteS
     return QonFootnoteSample(wi, qon_footnote_pdf(params, wi, wo));
 }
 
-// Twice the arc tangent, for v in [-1, 1].
-fn qon_footnote_twice_atan(v: f32) -> f32 {
+// 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
+fn qon_footnote_twice_atan_over(v: f32) -> f32 {
     const ATAN_4 = 0.21281867;
     const ATAN_5 = -0.15008585;
     const ATAN_6 = 0.085383;
@@ -242,14 +240,15 @@ fn qon_footnote_twice_atan(v: f32) -> f32 {
     const ATAN_3 = -0.28407288;
     let q = v * v;
     let p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
-    return v * (ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p))));
+    return ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p)));
 }
 
 // Arc cosine of x limited to [-1, 1]: twice the angle whose tangent is sin / (1 + x).
 fn qon_footnote_safe_acos(x: f32) -> f32 {
     const pi = 3.1415927;
     let a = min(abs(x), 1.0);
-    let angle = qon_footnote_twice_atan(sqrt(max((1.0 - a) * (1.0 + a), 0.0)) / (1.0 + a));
+    let v = sqrt(max((1.0 - a) * (1.0 + a), 0.0)) / (1.0 + a);
+    let angle = v * qon_footnote_twice_atan_over(v);
     return select(angle, pi - angle, x < 0.0);
 }
 

@@ -113,11 +113,9 @@ inline Vec3 qon_fujii_A(const QonFujii& params) {
     return A + params.rho * (0.17f * s2 / (s2 + 0.13f));
 }
 
-// s / max(mu_i, mu_o), finite for two directions in the horizon.
+// s / max(mu_i, mu_o).
 inline float qon_fujii_s_over_max(float s, Vec3 wi, Vec3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    constexpr float mu_min = 1.0e-18f;
-    return s / fmaxf(fmaxf(wi.z, wo.z), mu_min);
+    return s / fmaxf(wi.z, wo.z);
 }
 
 // s / t of Eq. 11: s itself for s <= 0.
@@ -128,7 +126,7 @@ inline float qon_fujii_s_over_t_fujii(float s, Vec3 wi, Vec3 wo) {
 // BRDF value in 1/sr, without the cosine: A grows with the colour.
 inline Vec3 qon_fujii_eval(const QonFujii& params, Vec3 wi, Vec3 wo) {
     constexpr float inv_pi = 0.31830987f;
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return splat(0.0f);
     }
     QonFujiiQualitativeCoefficients coefficients_result = qon_fujii_coefficients(params);
@@ -269,7 +267,7 @@ inline float qon_fujii_pdf_cltc_uniform(Vec3 wi, Vec3 wo, float r) {
 
 // Density of `sample` in 1/sr; that of the colourless part.
 inline float qon_fujii_pdf(const QonFujii& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return 0.0f;
     }
     QonFujiiQualitativeCoefficients coefficients_result = qon_fujii_coefficients(params);
@@ -280,7 +278,7 @@ inline float qon_fujii_pdf(const QonFujii& params, Vec3 wi, Vec3 wo) {
 
 // EON's CLTC with a uniform lobe, at the roughness with the same weight of s/t.
 inline QonFujiiSample qon_fujii_sample(const QonFujii& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 0.0f) {  // below the horizon
+    if (wo.z <= 1.0e-18f) {  // in the horizon or below
         return QonFujiiSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     QonFujiiQualitativeCoefficients coefficients_result = qon_fujii_coefficients(params);

@@ -101,10 +101,6 @@ inline Bool3 operator>(Vec3 a, Vec3 b) {
     return Bool3{a.x > b.x, a.y > b.y, a.z > b.z};
 }
 
-inline Vec3 maximum(Vec3 a, Vec3 b) {
-    return Vec3{fmaxf(a.x, b.x), fmaxf(a.y, b.y), fmaxf(a.z, b.z)};
-}
-
 inline Vec3 absolute(Vec3 a) {
     return Vec3{fabsf(a.x), fabsf(a.y), fabsf(a.z)};
 }
@@ -138,18 +134,14 @@ struct TorranceSparrow {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 torrance_sparrow_half_vector(Vec3 wi, Vec3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    constexpr float mu_min = 1.0e-18f;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + Vec3{wo.x, wo.y, wo.z + mu_min});
+    Vec3 h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float torrance_sparrow_cos_half(Vec3 wi, Vec3 wo) {
-    constexpr float mu_min = 1.0e-18f;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return fminf(0.5f * length(wi + Vec3{wo.x, wo.y, wo.z + mu_min}), 1.0f);
+    return 0.5f * length(wi + wo);
 }
 
 // Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
@@ -159,15 +151,16 @@ inline Vec3 torrance_sparrow_F_conductor(float cos_theta, Vec3 eta, Vec3 k) {
     constexpr float ROOT_MIN = 1.0e-16f;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     float c = cos_theta;
+    // A trace of absorption keeps the roots below from 0
     Vec3 contrast_re = (eta - 1.0f) * (eta + 1.0f) - k * k;
-    Vec3 half_im = eta * k;
+    Vec3 half_im = eta * k + ROOT_MIN;
     float c2 = c * c;
     float sin2 = 1.0f - c2;
     Vec3 w_re = contrast_re + c2;
     Vec3 im2 = 4.0f * half_im * half_im;
-    Vec3 w_abs = sqrt(maximum(w_re * w_re + im2, splat(ROOT_MIN * ROOT_MIN)));
+    Vec3 w_abs = sqrt(w_re * w_re + im2);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    Vec3 large = sqrt(0.5f * maximum(w_abs + absolute(w_re), splat(ROOT_MIN)));
+    Vec3 large = sqrt(0.5f * (w_abs + absolute(w_re)));
     Vec3 g_re = select(w_re > splat(0.0f), large, half_im / large);
     // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
     Vec3 cross = 2.0f * c * g_re;
@@ -234,7 +227,7 @@ inline float torrance_sparrow_V(const TorranceSparrow& params, Vec3 wi, Vec3 wo,
 
 // BRDF value in 1/sr, without the cosine.
 inline Vec3 torrance_sparrow_eval(const TorranceSparrow& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return splat(0.0f);
     }
     Vec3 m = torrance_sparrow_half_vector(wi, wo);
@@ -288,7 +281,7 @@ inline float torrance_sparrow_pdf_m(const TorranceSparrow& params, Vec3 wo, Vec3
 
 // Density of `sample` in 1/sr.
 inline float torrance_sparrow_pdf(const TorranceSparrow& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return 0.0f;
     }
     Vec3 m = torrance_sparrow_half_vector(wi, wo);
@@ -300,7 +293,7 @@ inline float torrance_sparrow_pdf(const TorranceSparrow& params, Vec3 wi, Vec3 w
 // Visible normals where the masking has them, else normals; a cosine lobe for Kulla-Conty.
 inline TorranceSparrowSample torrance_sparrow_sample(const TorranceSparrow& params, Vec3 wo,
     Vec2 u) {
-    if (wo.z <= 0.0f) {  // below the horizon
+    if (wo.z <= 1.0e-18f) {  // in the horizon or below
         return TorranceSparrowSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     Vec3 wi = torrance_sparrow_mirror(wo, torrance_sparrow_sample_m(params, wo, u));
@@ -316,6 +309,8 @@ inline Vec3 torrance_sparrow_albedo(const TorranceSparrow& params, Vec3 wo) {
     // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
     constexpr float ALBEDO_SAMPLES = 987.0f;
     constexpr float GOLDEN = 0.618034f;
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     constexpr float mu_min = 1.0e-18f;
     if (wo.z < 0.0f) {  // below the horizon
         return splat(0.0f);

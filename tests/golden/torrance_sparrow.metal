@@ -44,18 +44,14 @@ struct TorranceSparrow {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline float3 torrance_sparrow_half_vector(float3 wi, float3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const float mu_min = 1.0e-18;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + float3(wo.x, wo.y, wo.z + mu_min));
+    float3 h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float torrance_sparrow_cos_half(float3 wi, float3 wo) {
-    const float mu_min = 1.0e-18;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return min(0.5 * length(wi + float3(wo.x, wo.y, wo.z + mu_min)), 1.0);
+    return 0.5 * length(wi + wo);
 }
 
 // Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
@@ -65,15 +61,16 @@ inline float3 torrance_sparrow_F_conductor(float cos_theta, float3 eta, float3 k
     const float ROOT_MIN = 1.0e-16;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     float c = cos_theta;
+    // A trace of absorption keeps the roots below from 0
     float3 contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
-    float3 half_im = eta * k;
+    float3 half_im = eta * k + ROOT_MIN;
     float c2 = c * c;
     float sin2 = 1.0 - c2;
     float3 w_re = contrast_re + c2;
     float3 im2 = 4.0 * half_im * half_im;
-    float3 w_abs = sqrt(max(w_re * w_re + im2, float3(ROOT_MIN * ROOT_MIN)));
+    float3 w_abs = sqrt(w_re * w_re + im2);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    float3 large = sqrt(0.5 * max(w_abs + abs(w_re), float3(ROOT_MIN)));
+    float3 large = sqrt(0.5 * (w_abs + abs(w_re)));
     float3 g_re = select(half_im / large, large, w_re > float3(0.0));
     // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
     float3 cross = 2.0 * c * g_re;
@@ -140,7 +137,7 @@ inline float torrance_sparrow_V(TorranceSparrow params, float3 wi, float3 wo, fl
 
 // BRDF value in 1/sr, without the cosine.
 inline float3 torrance_sparrow_eval(TorranceSparrow params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return float3(0.0);
     }
     float3 m = torrance_sparrow_half_vector(wi, wo);
@@ -195,7 +192,7 @@ inline float torrance_sparrow_pdf_m(TorranceSparrow params, float3 wo, float3 m,
 
 // Density of `sample` in 1/sr.
 inline float torrance_sparrow_pdf(TorranceSparrow params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     float3 m = torrance_sparrow_half_vector(wi, wo);
@@ -207,7 +204,7 @@ inline float torrance_sparrow_pdf(TorranceSparrow params, float3 wi, float3 wo) 
 // Visible normals where the masking has them, else normals; a cosine lobe for Kulla-Conty.
 inline TorranceSparrowSample torrance_sparrow_sample(TorranceSparrow params, float3 wo,
     float2 u) {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return TorranceSparrowSample{float3(0.0, 0.0, 1.0), 0.0};
     }
     float3 wi = torrance_sparrow_mirror(wo, torrance_sparrow_sample_m(params, wo, u));
@@ -223,6 +220,8 @@ inline float3 torrance_sparrow_albedo(TorranceSparrow params, float3 wo) {
     // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
     const float ALBEDO_SAMPLES = 987.0;
     const float GOLDEN = 0.618034;
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     const float mu_min = 1.0e-18;
     if (wo.z < 0.0) {  // below the horizon
         return float3(0.0);

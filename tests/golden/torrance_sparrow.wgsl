@@ -40,18 +40,14 @@ struct TorranceSparrow {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn torrance_sparrow_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const mu_min = 1.0e-18;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + vec3f(wo.x, wo.y, wo.z + mu_min));
+    let h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn torrance_sparrow_cos_half(wi: vec3f, wo: vec3f) -> f32 {
-    const mu_min = 1.0e-18;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return min(0.5 * length(wi + vec3f(wo.x, wo.y, wo.z + mu_min)), 1.0);
+    return 0.5 * length(wi + wo);
 }
 
 // Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
@@ -61,15 +57,16 @@ fn torrance_sparrow_F_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f {
     const ROOT_MIN = 1.0e-16;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     let c = cos_theta;
+    // A trace of absorption keeps the roots below from 0
     let contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
-    let half_im = eta * k;
+    let half_im = eta * k + ROOT_MIN;
     let c2 = c * c;
     let sin2 = 1.0 - c2;
     let w_re = contrast_re + c2;
     let im2 = 4.0 * half_im * half_im;
-    let w_abs = sqrt(max(w_re * w_re + im2, vec3f(ROOT_MIN * ROOT_MIN)));
+    let w_abs = sqrt(w_re * w_re + im2);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    let large = sqrt(0.5 * max(w_abs + abs(w_re), vec3f(ROOT_MIN)));
+    let large = sqrt(0.5 * (w_abs + abs(w_re)));
     let g_re = select(half_im / large, large, w_re > vec3f(0.0));
     // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
     let cross = 2.0 * c * g_re;
@@ -136,7 +133,7 @@ fn torrance_sparrow_V(params: TorranceSparrow, wi: vec3f, wo: vec3f, m: vec3f,
 
 // BRDF value in 1/sr, without the cosine.
 fn torrance_sparrow_eval(params: TorranceSparrow, wi: vec3f, wo: vec3f) -> vec3f {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3f(0.0);
     }
     let m = torrance_sparrow_half_vector(wi, wo);
@@ -190,7 +187,7 @@ fn torrance_sparrow_pdf_m(params: TorranceSparrow, wo: vec3f, m: vec3f, cos_h: f
 
 // Density of `sample` in 1/sr.
 fn torrance_sparrow_pdf(params: TorranceSparrow, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     let m = torrance_sparrow_half_vector(wi, wo);
@@ -202,7 +199,7 @@ fn torrance_sparrow_pdf(params: TorranceSparrow, wi: vec3f, wo: vec3f) -> f32 {
 // Visible normals where the masking has them, else normals; a cosine lobe for Kulla-Conty.
 fn torrance_sparrow_sample(params: TorranceSparrow, wo: vec3f,
     u: vec2f) -> TorranceSparrowSample {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return TorranceSparrowSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let wi = torrance_sparrow_mirror(wo, torrance_sparrow_sample_m(params, wo, u));
@@ -218,6 +215,8 @@ fn torrance_sparrow_albedo(params: TorranceSparrow, wo: vec3f) -> vec3f {
     // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
     const ALBEDO_SAMPLES = 987.0;
     const GOLDEN = 0.618034;
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     const mu_min = 1.0e-18;
     if (wo.z < 0.0) {  // below the horizon
         return vec3f(0.0);

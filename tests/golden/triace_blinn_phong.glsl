@@ -31,10 +31,8 @@ struct TriaceBlinnPhongChoose {
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float triace_blinn_phong_cos_half(vec3 wi, vec3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const float mu_min = 1.0e-18;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return min(0.5 * length(wi + vec3(wo.x, wo.y, wo.z + mu_min)), 1.0);
+    return 0.5 * length(wi + wo);
 }
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
@@ -49,10 +47,8 @@ float triace_blinn_phong_schlick_weight_half(vec3 wi, vec3 wo) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 triace_blinn_phong_half_vector(vec3 wi, vec3 wo) {
-    const float mu_min = 1.0e-18;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + vec3(wo.x, wo.y, wo.z + mu_min));
+    vec3 h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // log(1 + x) / x for x > -1; 1 at x = 0.
@@ -78,6 +74,8 @@ float triace_blinn_phong_log1p(float x) {
 
 // (N.m)^exponent, exact for sharp lobes.
 float triace_blinn_phong_cos_power(vec3 m, float exponent) {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     const float mu_min = 1.0e-18;
     // (N.m)^n = (1 + tan^2)^(-n / 2): a sharp lobe needs the digits of the tangent, not of the cosine
     float tan2 = (m.x * m.x + m.y * m.y) / max(m.z * m.z, 0.25);
@@ -89,15 +87,14 @@ float triace_blinn_phong_cos_power(vec3 m, float exponent) {
 float triace_blinn_phong_blinn_phong_highlight(vec3 wi, vec3 wo, float shininess) {
     const float NORM_SLOPE = 0.0397436;  // Eq. 1: the normalisation as a linear function of n.
     const float NORM_OFFSET = 0.0856832;
-    const float mu_min = 1.0e-18;
     float power = triace_blinn_phong_cos_power(triace_blinn_phong_half_vector(wi, wo), shininess);
-    return (NORM_SLOPE * shininess + NORM_OFFSET) * power / max(max(wi.z, wo.z), mu_min);
+    return (NORM_SLOPE * shininess + NORM_OFFSET) * power / max(wi.z, wo.z);
 }
 
 // Eq. 1 without the cosine and the factor pi: BRDF value in 1/sr.
 vec3 triace_blinn_phong_eval(TriaceBlinnPhong params, vec3 wi, vec3 wo) {
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3(0.0);
     }
     vec3 F = mix(params.f0, vec3(1.0), vec3(triace_blinn_phong_schlick_weight_half(wi, wo)));
@@ -237,13 +234,16 @@ float triace_blinn_phong_pdf_ggx_visible(vec3 wo, vec3 m, float alpha_x, float a
 
 // Density of `sample_ggx_lobe` in 1/sr.
 float triace_blinn_phong_pdf_ggx_lobe(vec3 wi, vec3 wo, float alpha_x, float alpha_y) {
+    const float mu_min = 1.0e-18;
     float straight = triace_blinn_phong_pdf_ggx_visible(wo, triace_blinn_phong_half_vector(wi, wo),
         alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     vec3 image = vec3(wi.x, wi.y, exists ? -wi.z : wi.z);
-    float folded = triace_blinn_phong_pdf_ggx_visible(wo, triace_blinn_phong_half_vector(image, wo),
-        alpha_x, alpha_y);
+    // The least lift, for two that are equally high but for their last digits
+    vec3 higher = vec3(wo.x, wo.y, wo.z + mu_min);
+    float folded = triace_blinn_phong_pdf_ggx_visible(wo,
+        triace_blinn_phong_half_vector(image, higher), alpha_x, alpha_y);
     return straight + (exists ? folded : 0.0);
 }
 
@@ -255,7 +255,7 @@ float triace_blinn_phong_pdf_matte_gloss(vec3 wi, vec3 wo, float alpha, vec2 sha
 
 // Density of `sample` in 1/sr.
 float triace_blinn_phong_pdf(TriaceBlinnPhong params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     float alpha = triace_blinn_phong_blinn_phong_alpha(params.shininess);
@@ -264,7 +264,7 @@ float triace_blinn_phong_pdf(TriaceBlinnPhong params, vec3 wi, vec3 wo) {
 
 // Cosine-weighted, or the GGX lobe of the same width, whose longer tail bounds the weights.
 TriaceBlinnPhongSample triace_blinn_phong_sample(TriaceBlinnPhong params, vec3 wo, vec2 u) {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return TriaceBlinnPhongSample(vec3(0.0, 0.0, 1.0), 0.0);
     }
     float alpha = triace_blinn_phong_blinn_phong_alpha(params.shininess);

@@ -101,10 +101,8 @@ struct TriaceBlinnPhongChoose {
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float triace_blinn_phong_cos_half(Vec3 wi, Vec3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    constexpr float mu_min = 1.0e-18f;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return fminf(0.5f * length(wi + Vec3{wo.x, wo.y, wo.z + mu_min}), 1.0f);
+    return 0.5f * length(wi + wo);
 }
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
@@ -119,10 +117,8 @@ inline float triace_blinn_phong_schlick_weight_half(Vec3 wi, Vec3 wo) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 triace_blinn_phong_half_vector(Vec3 wi, Vec3 wo) {
-    constexpr float mu_min = 1.0e-18f;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + Vec3{wo.x, wo.y, wo.z + mu_min});
+    Vec3 h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // log(1 + x) / x for x > -1; 1 at x = 0.
@@ -148,6 +144,8 @@ inline float triace_blinn_phong_log1p(float x) {
 
 // (N.m)^exponent, exact for sharp lobes.
 inline float triace_blinn_phong_cos_power(Vec3 m, float exponent) {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     constexpr float mu_min = 1.0e-18f;
     // (N.m)^n = (1 + tan^2)^(-n / 2): a sharp lobe needs the digits of the tangent, not of the cosine
     float tan2 = (m.x * m.x + m.y * m.y) / fmaxf(m.z * m.z, 0.25f);
@@ -159,15 +157,14 @@ inline float triace_blinn_phong_cos_power(Vec3 m, float exponent) {
 inline float triace_blinn_phong_blinn_phong_highlight(Vec3 wi, Vec3 wo, float shininess) {
     constexpr float NORM_SLOPE = 0.0397436f;  // Eq. 1: the normalisation as a linear function of n.
     constexpr float NORM_OFFSET = 0.0856832f;
-    constexpr float mu_min = 1.0e-18f;
     float power = triace_blinn_phong_cos_power(triace_blinn_phong_half_vector(wi, wo), shininess);
-    return (NORM_SLOPE * shininess + NORM_OFFSET) * power / fmaxf(fmaxf(wi.z, wo.z), mu_min);
+    return (NORM_SLOPE * shininess + NORM_OFFSET) * power / fmaxf(wi.z, wo.z);
 }
 
 // Eq. 1 without the cosine and the factor pi: BRDF value in 1/sr.
 inline Vec3 triace_blinn_phong_eval(const TriaceBlinnPhong& params, Vec3 wi, Vec3 wo) {
     constexpr float inv_pi = 0.31830987f;
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return splat(0.0f);
     }
     Vec3 F = lerp(params.f0, splat(1.0f), splat(triace_blinn_phong_schlick_weight_half(wi, wo)));
@@ -309,13 +306,16 @@ inline float triace_blinn_phong_pdf_ggx_visible(Vec3 wo, Vec3 m, float alpha_x, 
 
 // Density of `sample_ggx_lobe` in 1/sr.
 inline float triace_blinn_phong_pdf_ggx_lobe(Vec3 wi, Vec3 wo, float alpha_x, float alpha_y) {
+    constexpr float mu_min = 1.0e-18f;
     float straight = triace_blinn_phong_pdf_ggx_visible(wo, triace_blinn_phong_half_vector(wi, wo),
         alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
-    float folded = triace_blinn_phong_pdf_ggx_visible(wo, triace_blinn_phong_half_vector(image, wo),
-        alpha_x, alpha_y);
+    // The least lift, for two that are equally high but for their last digits
+    Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
+    float folded = triace_blinn_phong_pdf_ggx_visible(wo,
+        triace_blinn_phong_half_vector(image, higher), alpha_x, alpha_y);
     return straight + (exists ? folded : 0.0f);
 }
 
@@ -327,7 +327,7 @@ inline float triace_blinn_phong_pdf_matte_gloss(Vec3 wi, Vec3 wo, float alpha, V
 
 // Density of `sample` in 1/sr.
 inline float triace_blinn_phong_pdf(const TriaceBlinnPhong& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return 0.0f;
     }
     float alpha = triace_blinn_phong_blinn_phong_alpha(params.shininess);
@@ -337,7 +337,7 @@ inline float triace_blinn_phong_pdf(const TriaceBlinnPhong& params, Vec3 wi, Vec
 // Cosine-weighted, or the GGX lobe of the same width, whose longer tail bounds the weights.
 inline TriaceBlinnPhongSample triace_blinn_phong_sample(const TriaceBlinnPhong& params, Vec3 wo,
     Vec2 u) {
-    if (wo.z <= 0.0f) {  // below the horizon
+    if (wo.z <= 1.0e-18f) {  // in the horizon or below
         return TriaceBlinnPhongSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     float alpha = triace_blinn_phong_blinn_phong_alpha(params.shininess);

@@ -34,10 +34,8 @@ struct TriaceBlinnPhongChoose {
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float triace_blinn_phong_cos_half(float3 wi, float3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const float mu_min = 1.0e-18;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return min(0.5 * length(wi + float3(wo.x, wo.y, wo.z + mu_min)), 1.0);
+    return 0.5 * length(wi + wo);
 }
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
@@ -52,10 +50,8 @@ inline float triace_blinn_phong_schlick_weight_half(float3 wi, float3 wo) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline float3 triace_blinn_phong_half_vector(float3 wi, float3 wo) {
-    const float mu_min = 1.0e-18;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + float3(wo.x, wo.y, wo.z + mu_min));
+    float3 h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // log(1 + x) / x for x > -1; 1 at x = 0.
@@ -81,6 +77,8 @@ inline float triace_blinn_phong_log1p(float x) {
 
 // (N.m)^exponent, exact for sharp lobes.
 inline float triace_blinn_phong_cos_power(float3 m, float exponent) {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     const float mu_min = 1.0e-18;
     // (N.m)^n = (1 + tan^2)^(-n / 2): a sharp lobe needs the digits of the tangent, not of the cosine
     float tan2 = (m.x * m.x + m.y * m.y) / max(m.z * m.z, 0.25);
@@ -92,15 +90,14 @@ inline float triace_blinn_phong_cos_power(float3 m, float exponent) {
 inline float triace_blinn_phong_blinn_phong_highlight(float3 wi, float3 wo, float shininess) {
     const float NORM_SLOPE = 0.0397436;  // Eq. 1: the normalisation as a linear function of n.
     const float NORM_OFFSET = 0.0856832;
-    const float mu_min = 1.0e-18;
     float power = triace_blinn_phong_cos_power(triace_blinn_phong_half_vector(wi, wo), shininess);
-    return (NORM_SLOPE * shininess + NORM_OFFSET) * power / max(max(wi.z, wo.z), mu_min);
+    return (NORM_SLOPE * shininess + NORM_OFFSET) * power / max(wi.z, wo.z);
 }
 
 // Eq. 1 without the cosine and the factor pi: BRDF value in 1/sr.
 inline float3 triace_blinn_phong_eval(TriaceBlinnPhong params, float3 wi, float3 wo) {
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return float3(0.0);
     }
     float3 F = mix(params.f0, float3(1.0), float3(triace_blinn_phong_schlick_weight_half(wi, wo)));
@@ -246,13 +243,16 @@ inline float triace_blinn_phong_pdf_ggx_visible(float3 wo, float3 m, float alpha
 // Density of `sample_ggx_lobe` in 1/sr.
 inline float triace_blinn_phong_pdf_ggx_lobe(float3 wi, float3 wo, float alpha_x,
     float alpha_y) {
+    const float mu_min = 1.0e-18;
     float straight = triace_blinn_phong_pdf_ggx_visible(wo, triace_blinn_phong_half_vector(wi, wo),
         alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
-    float folded = triace_blinn_phong_pdf_ggx_visible(wo, triace_blinn_phong_half_vector(image, wo),
-        alpha_x, alpha_y);
+    // The least lift, for two that are equally high but for their last digits
+    float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
+    float folded = triace_blinn_phong_pdf_ggx_visible(wo,
+        triace_blinn_phong_half_vector(image, higher), alpha_x, alpha_y);
     return straight + (exists ? folded : 0.0);
 }
 
@@ -265,7 +265,7 @@ inline float triace_blinn_phong_pdf_matte_gloss(float3 wi, float3 wo, float alph
 
 // Density of `sample` in 1/sr.
 inline float triace_blinn_phong_pdf(TriaceBlinnPhong params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     float alpha = triace_blinn_phong_blinn_phong_alpha(params.shininess);
@@ -275,7 +275,7 @@ inline float triace_blinn_phong_pdf(TriaceBlinnPhong params, float3 wi, float3 w
 // Cosine-weighted, or the GGX lobe of the same width, whose longer tail bounds the weights.
 inline TriaceBlinnPhongSample triace_blinn_phong_sample(TriaceBlinnPhong params, float3 wo,
     float2 u) {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return TriaceBlinnPhongSample{float3(0.0, 0.0, 1.0), 0.0};
     }
     float alpha = triace_blinn_phong_blinn_phong_alpha(params.shininess);

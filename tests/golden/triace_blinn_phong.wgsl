@@ -31,10 +31,8 @@ struct TriaceBlinnPhongChoose {
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn triace_blinn_phong_cos_half(wi: vec3f, wo: vec3f) -> f32 {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const mu_min = 1.0e-18;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return min(0.5 * length(wi + vec3f(wo.x, wo.y, wo.z + mu_min)), 1.0);
+    return 0.5 * length(wi + wo);
 }
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
@@ -49,10 +47,8 @@ fn triace_blinn_phong_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn triace_blinn_phong_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    const mu_min = 1.0e-18;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + vec3f(wo.x, wo.y, wo.z + mu_min));
+    let h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // log(1 + x) / x for x > -1; 1 at x = 0.
@@ -78,6 +74,8 @@ fn triace_blinn_phong_log1p(x: f32) -> f32 {
 
 // (N.m)^exponent, exact for sharp lobes.
 fn triace_blinn_phong_cos_power(m: vec3f, exponent: f32) -> f32 {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     const mu_min = 1.0e-18;
     // (N.m)^n = (1 + tan^2)^(-n / 2): a sharp lobe needs the digits of the tangent, not of the cosine
     let tan2 = (m.x * m.x + m.y * m.y) / max(m.z * m.z, 0.25);
@@ -89,15 +87,14 @@ fn triace_blinn_phong_cos_power(m: vec3f, exponent: f32) -> f32 {
 fn triace_blinn_phong_blinn_phong_highlight(wi: vec3f, wo: vec3f, shininess: f32) -> f32 {
     const NORM_SLOPE = 0.0397436;  // Eq. 1: the normalisation as a linear function of n.
     const NORM_OFFSET = 0.0856832;
-    const mu_min = 1.0e-18;
     let power = triace_blinn_phong_cos_power(triace_blinn_phong_half_vector(wi, wo), shininess);
-    return (NORM_SLOPE * shininess + NORM_OFFSET) * power / max(max(wi.z, wo.z), mu_min);
+    return (NORM_SLOPE * shininess + NORM_OFFSET) * power / max(wi.z, wo.z);
 }
 
 // Eq. 1 without the cosine and the factor pi: BRDF value in 1/sr.
 fn triace_blinn_phong_eval(params: TriaceBlinnPhong, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3f(0.0);
     }
     let F = mix(params.f0, vec3f(1.0), vec3f(triace_blinn_phong_schlick_weight_half(wi, wo)));
@@ -240,13 +237,16 @@ fn triace_blinn_phong_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y
 
 // Density of `sample_ggx_lobe` in 1/sr.
 fn triace_blinn_phong_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    const mu_min = 1.0e-18;
     let straight = triace_blinn_phong_pdf_ggx_visible(wo, triace_blinn_phong_half_vector(wi, wo),
         alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     let exists = wo.z > wi.z;
     let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
-    let folded = triace_blinn_phong_pdf_ggx_visible(wo, triace_blinn_phong_half_vector(image, wo),
-        alpha_x, alpha_y);
+    // The least lift, for two that are equally high but for their last digits
+    let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
+    let folded = triace_blinn_phong_pdf_ggx_visible(wo,
+        triace_blinn_phong_half_vector(image, higher), alpha_x, alpha_y);
     return straight + select(0.0, folded, exists);
 }
 
@@ -258,7 +258,7 @@ fn triace_blinn_phong_pdf_matte_gloss(wi: vec3f, wo: vec3f, alpha: f32, shares: 
 
 // Density of `sample` in 1/sr.
 fn triace_blinn_phong_pdf(params: TriaceBlinnPhong, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     let alpha = triace_blinn_phong_blinn_phong_alpha(params.shininess);
@@ -268,7 +268,7 @@ fn triace_blinn_phong_pdf(params: TriaceBlinnPhong, wi: vec3f, wo: vec3f) -> f32
 // Cosine-weighted, or the GGX lobe of the same width, whose longer tail bounds the weights.
 fn triace_blinn_phong_sample(params: TriaceBlinnPhong, wo: vec3f,
     u: vec2f) -> TriaceBlinnPhongSample {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return TriaceBlinnPhongSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let alpha = triace_blinn_phong_blinn_phong_alpha(params.shininess);

@@ -136,10 +136,8 @@ struct TriaceLayeredAlphas {
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float triace_layered_cos_half(Vec3 wi, Vec3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    constexpr float mu_min = 1.0e-18f;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return fminf(0.5f * length(wi + Vec3{wo.x, wo.y, wo.z + mu_min}), 1.0f);
+    return 0.5f * length(wi + wo);
 }
 
 // Reflectance of a dielectric at normal incidence, ((eta - 1) / (eta + 1))^2.
@@ -160,10 +158,8 @@ inline float triace_layered_schlick_weight_half(Vec3 wi, Vec3 wo) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 triace_layered_half_vector(Vec3 wi, Vec3 wo) {
-    constexpr float mu_min = 1.0e-18f;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + Vec3{wo.x, wo.y, wo.z + mu_min});
+    Vec3 h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // log(1 + x) / x for x > -1; 1 at x = 0.
@@ -189,6 +185,8 @@ inline float triace_layered_log1p(float x) {
 
 // (N.m)^exponent, exact for sharp lobes.
 inline float triace_layered_cos_power(Vec3 m, float exponent) {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     constexpr float mu_min = 1.0e-18f;
     // (N.m)^n = (1 + tan^2)^(-n / 2): a sharp lobe needs the digits of the tangent, not of the cosine
     float tan2 = (m.x * m.x + m.y * m.y) / fmaxf(m.z * m.z, 0.25f);
@@ -200,9 +198,8 @@ inline float triace_layered_cos_power(Vec3 m, float exponent) {
 inline float triace_layered_blinn_phong_highlight(Vec3 wi, Vec3 wo, float shininess) {
     constexpr float NORM_SLOPE = 0.0397436f;  // Eq. 1: the normalisation as a linear function of n.
     constexpr float NORM_OFFSET = 0.0856832f;
-    constexpr float mu_min = 1.0e-18f;
     float power = triace_layered_cos_power(triace_layered_half_vector(wi, wo), shininess);
-    return (NORM_SLOPE * shininess + NORM_OFFSET) * power / fmaxf(fmaxf(wi.z, wo.z), mu_min);
+    return (NORM_SLOPE * shininess + NORM_OFFSET) * power / fmaxf(wi.z, wo.z);
 }
 
 // eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
@@ -212,20 +209,18 @@ inline float triace_layered_refracted_cos2(float mu, float eta) {
     return fmaf(mu, mu, (eta - 1.0f) * (eta + 1.0f));
 }
 
-// 1 - F of a smooth dielectric at a cosine mu outside; exact where it nearly vanishes.
-inline float triace_layered_transmittance(float mu, float eta) {
+// 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
+inline float triace_layered_transmittance_denser(float mu, float eta) {
     // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
     // It is reached at the edge of total internal reflection, where the true derivative is infinite.
     constexpr float ROOT_MIN = 1.0e-16f;
     // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
     // with q = c g + sin^2(theta)
-    float cos2 = triace_layered_refracted_cos2(mu, eta);
-    float g = sqrtf(fmaxf(cos2, ROOT_MIN));
+    float g = sqrtf(fmaxf(triace_layered_refracted_cos2(mu, eta), ROOT_MIN));
     float s = mu + g;
     float p = mu * g;
     float q = p + (1.0f - mu * mu);
-    float T = 2.0f * p * (q * q + eta * eta) / (s * s * (q * q));
-    return cos2 > ROOT_MIN ? T : 0.0f;
+    return 2.0f * p * (q * q + eta * eta) / (s * s * (q * q));
 }
 
 // Exact reflectance between two dielectrics, with the cosine on the side of n1.
@@ -247,12 +242,11 @@ inline float triace_layered_F_between(float cos_theta, float n1, float n2) {
 // Factors of the lower layer's glossy and matte reflection (Eq. 4 or 5, and Eq. 9).
 inline TriaceLayeredBottomFresnel triace_layered_bottom_fresnel(const TriaceLayered& params,
     float cos_h) {
-    constexpr float mu_min = 1.0e-18f;
     float n1 = params.top_eta;
     float n2 = params.bottom_eta;
     // Both crossings of the upper surface have the same F at angles that belong together.
-    float T = triace_layered_transmittance(cos_h, n1);
-    float cos_t = sqrtf(fmaxf(triace_layered_refracted_cos2(cos_h, n1), mu_min)) / n1;
+    float T = triace_layered_transmittance_denser(cos_h, n1);
+    float cos_t = sqrtf(triace_layered_refracted_cos2(cos_h, n1)) / n1;
     float inner = triace_layered_F_between(cos_t, n1, n2) * T;
     float glossy = T * inner;
     return TriaceLayeredBottomFresnel{glossy, T * (1.0f - inner)};
@@ -267,17 +261,16 @@ inline Vec3 triace_layered_depth(const TriaceLayered& params) {
     return params.sigma_a * Vec3{d, d, d};
 }
 
-// The direction inside the layer that belongs to w outside; z = 0 where there is none.
+// The direction inside a layer with eta >= 1 that belongs to w outside.
 inline Vec3 triace_layered_refract(Vec3 w, float eta) {
-    return Vec3{w.x, w.y, sqrtf(fmaxf(triace_layered_refracted_cos2(w.z, eta), 0.0f))} / eta;
+    return Vec3{w.x, w.y, sqrtf(triace_layered_refracted_cos2(w.z, eta))} / eta;
 }
 
 // exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
 // wi, wo: refracted directions. depth: absorption times thickness.
 inline Vec3 triace_layered_absorbed(Vec3 depth, Vec3 wi, Vec3 wo) {
-    constexpr float mu_min = 1.0e-18f;
-    return exp(-depth * (1.0f / fmaxf(wi.z, mu_min) + 1.0f / fmaxf(wo.z, mu_min)));
+    return exp(-depth * (1.0f / wi.z + 1.0f / wo.z));
 }
 
 // Eq. 2 or 3.
@@ -289,7 +282,7 @@ inline Vec3 triace_layered_absorption(const TriaceLayered& params, Vec3 wi, Vec3
 // Eq. 1 twice, with Eq. 2 to 5 between: BRDF value in 1/sr, without the cosine.
 inline Vec3 triace_layered_eval(const TriaceLayered& params, Vec3 wi, Vec3 wo) {
     constexpr float inv_pi = 0.31830987f;
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return splat(0.0f);
     }
     float cos_h = triace_layered_cos_half(wi, wo);
@@ -443,12 +436,15 @@ inline float triace_layered_pdf_ggx_visible(Vec3 wo, Vec3 m, float alpha_x, floa
 
 // Density of `sample_ggx_lobe` in 1/sr.
 inline float triace_layered_pdf_ggx_lobe(Vec3 wi, Vec3 wo, float alpha_x, float alpha_y) {
+    constexpr float mu_min = 1.0e-18f;
     float straight = triace_layered_pdf_ggx_visible(wo, triace_layered_half_vector(wi, wo), alpha_x,
         alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
-    float folded = triace_layered_pdf_ggx_visible(wo, triace_layered_half_vector(image, wo),
+    // The least lift, for two that are equally high but for their last digits
+    Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
+    float folded = triace_layered_pdf_ggx_visible(wo, triace_layered_half_vector(image, higher),
         alpha_x, alpha_y);
     return straight + (exists ? folded : 0.0f);
 }
@@ -461,7 +457,7 @@ inline float triace_layered_pdf_cosine(Vec3 w) {
 
 // Density of `sample` in 1/sr.
 inline float triace_layered_pdf(const TriaceLayered& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return 0.0f;
     }
     TriaceLayeredShares shares_result = triace_layered_shares(params, wo);
@@ -478,7 +474,7 @@ inline float triace_layered_pdf(const TriaceLayered& params, Vec3 wi, Vec3 wo) {
 
 // Diffuse, or the GGX lobe as wide as one of the highlights, chosen by what they reflect.
 inline TriaceLayeredSample triace_layered_sample(const TriaceLayered& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 0.0f) {  // below the horizon
+    if (wo.z <= 1.0e-18f) {  // in the horizon or below
         return TriaceLayeredSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     TriaceLayeredShares shares_result = triace_layered_shares(params, wo);

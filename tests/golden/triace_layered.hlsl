@@ -63,10 +63,8 @@ struct TriaceLayeredAlphas {
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float triace_layered_cos_half(float3 wi, float3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const float mu_min = 1.0e-18;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return min(0.5 * length(wi + float3(wo.x, wo.y, wo.z + mu_min)), 1.0);
+    return 0.5 * length(wi + wo);
 }
 
 // Reflectance of a dielectric at normal incidence, ((eta - 1) / (eta + 1))^2.
@@ -87,10 +85,8 @@ float triace_layered_schlick_weight_half(float3 wi, float3 wo) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 float3 triace_layered_half_vector(float3 wi, float3 wo) {
-    const float mu_min = 1.0e-18;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + float3(wo.x, wo.y, wo.z + mu_min));
+    float3 h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // log(1 + x) / x for x > -1; 1 at x = 0.
@@ -116,6 +112,8 @@ float triace_layered_log1p(float x) {
 
 // (N.m)^exponent, exact for sharp lobes.
 float triace_layered_cos_power(float3 m, float exponent) {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     const float mu_min = 1.0e-18;
     // (N.m)^n = (1 + tan^2)^(-n / 2): a sharp lobe needs the digits of the tangent, not of the cosine
     float tan2 = (m.x * m.x + m.y * m.y) / max(m.z * m.z, 0.25);
@@ -127,9 +125,8 @@ float triace_layered_cos_power(float3 m, float exponent) {
 float triace_layered_blinn_phong_highlight(float3 wi, float3 wo, float shininess) {
     const float NORM_SLOPE = 0.0397436;  // Eq. 1: the normalisation as a linear function of n.
     const float NORM_OFFSET = 0.0856832;
-    const float mu_min = 1.0e-18;
     float power = triace_layered_cos_power(triace_layered_half_vector(wi, wo), shininess);
-    return (NORM_SLOPE * shininess + NORM_OFFSET) * power / max(max(wi.z, wo.z), mu_min);
+    return (NORM_SLOPE * shininess + NORM_OFFSET) * power / max(wi.z, wo.z);
 }
 
 // eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
@@ -139,20 +136,18 @@ float triace_layered_refracted_cos2(float mu, float eta) {
     return mad(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
-// 1 - F of a smooth dielectric at a cosine mu outside; exact where it nearly vanishes.
-float triace_layered_transmittance(float mu, float eta) {
+// 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
+float triace_layered_transmittance_denser(float mu, float eta) {
     // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
     // It is reached at the edge of total internal reflection, where the true derivative is infinite.
     const float ROOT_MIN = 1.0e-16;
     // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
     // with q = c g + sin^2(theta)
-    float cos2 = triace_layered_refracted_cos2(mu, eta);
-    float g = sqrt(max(cos2, ROOT_MIN));
+    float g = sqrt(max(triace_layered_refracted_cos2(mu, eta), ROOT_MIN));
     float s = mu + g;
     float p = mu * g;
     float q = p + (1.0 - mu * mu);
-    float T = 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
-    return cos2 > ROOT_MIN ? T : 0.0;
+    return 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
 }
 
 // Exact reflectance between two dielectrics, with the cosine on the side of n1.
@@ -173,12 +168,11 @@ float triace_layered_F_between(float cos_theta, float n1, float n2) {
 
 // Factors of the lower layer's glossy and matte reflection (Eq. 4 or 5, and Eq. 9).
 TriaceLayeredBottomFresnel triace_layered_bottom_fresnel(TriaceLayered params, float cos_h) {
-    const float mu_min = 1.0e-18;
     float n1 = params.top_eta;
     float n2 = params.bottom_eta;
     // Both crossings of the upper surface have the same F at angles that belong together.
-    float T = triace_layered_transmittance(cos_h, n1);
-    float cos_t = sqrt(max(triace_layered_refracted_cos2(cos_h, n1), mu_min)) / n1;
+    float T = triace_layered_transmittance_denser(cos_h, n1);
+    float cos_t = sqrt(triace_layered_refracted_cos2(cos_h, n1)) / n1;
     float inner = triace_layered_F_between(cos_t, n1, n2) * T;
     float glossy = T * inner;
     TriaceLayeredBottomFresnel result;
@@ -196,17 +190,16 @@ float3 triace_layered_depth(TriaceLayered params) {
     return params.sigma_a * float3(d, d, d);
 }
 
-// The direction inside the layer that belongs to w outside; z = 0 where there is none.
+// The direction inside a layer with eta >= 1 that belongs to w outside.
 float3 triace_layered_refract(float3 w, float eta) {
-    return float3(w.x, w.y, sqrt(max(triace_layered_refracted_cos2(w.z, eta), 0.0))) / eta;
+    return float3(w.x, w.y, sqrt(triace_layered_refracted_cos2(w.z, eta))) / eta;
 }
 
 // exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
 // wi, wo: refracted directions. depth: absorption times thickness.
 float3 triace_layered_absorbed(float3 depth, float3 wi, float3 wo) {
-    const float mu_min = 1.0e-18;
-    return exp(-depth * (1.0 / max(wi.z, mu_min) + 1.0 / max(wo.z, mu_min)));
+    return exp(-depth * (1.0 / wi.z + 1.0 / wo.z));
 }
 
 // Eq. 2 or 3.
@@ -218,7 +211,7 @@ float3 triace_layered_absorption(TriaceLayered params, float3 wi, float3 wo) {
 // Eq. 1 twice, with Eq. 2 to 5 between: BRDF value in 1/sr, without the cosine.
 float3 triace_layered_eval(TriaceLayered params, float3 wi, float3 wo) {
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return (float3)(0.0);
     }
     float cos_h = triace_layered_cos_half(wi, wo);
@@ -379,12 +372,15 @@ float triace_layered_pdf_ggx_visible(float3 wo, float3 m, float alpha_x, float a
 
 // Density of `sample_ggx_lobe` in 1/sr.
 float triace_layered_pdf_ggx_lobe(float3 wi, float3 wo, float alpha_x, float alpha_y) {
+    const float mu_min = 1.0e-18;
     float straight = triace_layered_pdf_ggx_visible(wo, triace_layered_half_vector(wi, wo), alpha_x,
         alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
-    float folded = triace_layered_pdf_ggx_visible(wo, triace_layered_half_vector(image, wo),
+    // The least lift, for two that are equally high but for their last digits
+    float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
+    float folded = triace_layered_pdf_ggx_visible(wo, triace_layered_half_vector(image, higher),
         alpha_x, alpha_y);
     return straight + (exists ? folded : 0.0);
 }
@@ -397,7 +393,7 @@ float triace_layered_pdf_cosine(float3 w) {
 
 // Density of `sample` in 1/sr.
 float triace_layered_pdf(TriaceLayered params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     TriaceLayeredShares shares_result = triace_layered_shares(params, wo);
@@ -414,7 +410,7 @@ float triace_layered_pdf(TriaceLayered params, float3 wi, float3 wo) {
 
 // Diffuse, or the GGX lobe as wide as one of the highlights, chosen by what they reflect.
 TriaceLayeredSample triace_layered_sample(TriaceLayered params, float3 wo, float2 u) {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         TriaceLayeredSample result;
         result.wi = float3(0.0, 0.0, 1.0);
         result.pdf = 0.0;

@@ -63,10 +63,8 @@ struct TriaceLayeredAlphas {
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn triace_layered_cos_half(wi: vec3f, wo: vec3f) -> f32 {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const mu_min = 1.0e-18;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return min(0.5 * length(wi + vec3f(wo.x, wo.y, wo.z + mu_min)), 1.0);
+    return 0.5 * length(wi + wo);
 }
 
 // Reflectance of a dielectric at normal incidence, ((eta - 1) / (eta + 1))^2.
@@ -87,10 +85,8 @@ fn triace_layered_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn triace_layered_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    const mu_min = 1.0e-18;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + vec3f(wo.x, wo.y, wo.z + mu_min));
+    let h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // log(1 + x) / x for x > -1; 1 at x = 0.
@@ -116,6 +112,8 @@ fn triace_layered_log1p(x: f32) -> f32 {
 
 // (N.m)^exponent, exact for sharp lobes.
 fn triace_layered_cos_power(m: vec3f, exponent: f32) -> f32 {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     const mu_min = 1.0e-18;
     // (N.m)^n = (1 + tan^2)^(-n / 2): a sharp lobe needs the digits of the tangent, not of the cosine
     let tan2 = (m.x * m.x + m.y * m.y) / max(m.z * m.z, 0.25);
@@ -127,9 +125,8 @@ fn triace_layered_cos_power(m: vec3f, exponent: f32) -> f32 {
 fn triace_layered_blinn_phong_highlight(wi: vec3f, wo: vec3f, shininess: f32) -> f32 {
     const NORM_SLOPE = 0.0397436;  // Eq. 1: the normalisation as a linear function of n.
     const NORM_OFFSET = 0.0856832;
-    const mu_min = 1.0e-18;
     let power = triace_layered_cos_power(triace_layered_half_vector(wi, wo), shininess);
-    return (NORM_SLOPE * shininess + NORM_OFFSET) * power / max(max(wi.z, wo.z), mu_min);
+    return (NORM_SLOPE * shininess + NORM_OFFSET) * power / max(wi.z, wo.z);
 }
 
 // eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
@@ -139,20 +136,18 @@ fn triace_layered_refracted_cos2(mu: f32, eta: f32) -> f32 {
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
-// 1 - F of a smooth dielectric at a cosine mu outside; exact where it nearly vanishes.
-fn triace_layered_transmittance(mu: f32, eta: f32) -> f32 {
+// 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
+fn triace_layered_transmittance_denser(mu: f32, eta: f32) -> f32 {
     // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
     // It is reached at the edge of total internal reflection, where the true derivative is infinite.
     const ROOT_MIN = 1.0e-16;
     // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
     // with q = c g + sin^2(theta)
-    let cos2 = triace_layered_refracted_cos2(mu, eta);
-    let g = sqrt(max(cos2, ROOT_MIN));
+    let g = sqrt(max(triace_layered_refracted_cos2(mu, eta), ROOT_MIN));
     let s = mu + g;
     let p = mu * g;
     let q = p + (1.0 - mu * mu);
-    let T = 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
-    return select(0.0, T, cos2 > ROOT_MIN);
+    return 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
 }
 
 // Exact reflectance between two dielectrics, with the cosine on the side of n1.
@@ -174,12 +169,11 @@ fn triace_layered_F_between(cos_theta: f32, n1: f32, n2: f32) -> f32 {
 // Factors of the lower layer's glossy and matte reflection (Eq. 4 or 5, and Eq. 9).
 fn triace_layered_bottom_fresnel(params: TriaceLayered,
     cos_h: f32) -> TriaceLayeredBottomFresnel {
-    const mu_min = 1.0e-18;
     let n1 = params.top_eta;
     let n2 = params.bottom_eta;
     // Both crossings of the upper surface have the same F at angles that belong together.
-    let T = triace_layered_transmittance(cos_h, n1);
-    let cos_t = sqrt(max(triace_layered_refracted_cos2(cos_h, n1), mu_min)) / n1;
+    let T = triace_layered_transmittance_denser(cos_h, n1);
+    let cos_t = sqrt(triace_layered_refracted_cos2(cos_h, n1)) / n1;
     let inner = triace_layered_F_between(cos_t, n1, n2) * T;
     let glossy = T * inner;
     return TriaceLayeredBottomFresnel(glossy, T * (1.0 - inner));
@@ -194,17 +188,16 @@ fn triace_layered_depth(params: TriaceLayered) -> vec3f {
     return params.sigma_a * vec3f(d, d, d);
 }
 
-// The direction inside the layer that belongs to w outside; z = 0 where there is none.
+// The direction inside a layer with eta >= 1 that belongs to w outside.
 fn triace_layered_refract(w: vec3f, eta: f32) -> vec3f {
-    return vec3f(w.x, w.y, sqrt(max(triace_layered_refracted_cos2(w.z, eta), 0.0))) / eta;
+    return vec3f(w.x, w.y, sqrt(triace_layered_refracted_cos2(w.z, eta))) / eta;
 }
 
 // exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
 // wi, wo: refracted directions. depth: absorption times thickness.
 fn triace_layered_absorbed(depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
-    const mu_min = 1.0e-18;
-    return exp(-depth * (1.0 / max(wi.z, mu_min) + 1.0 / max(wo.z, mu_min)));
+    return exp(-depth * (1.0 / wi.z + 1.0 / wo.z));
 }
 
 // Eq. 2 or 3.
@@ -216,7 +209,7 @@ fn triace_layered_absorption(params: TriaceLayered, wi: vec3f, wo: vec3f) -> vec
 // Eq. 1 twice, with Eq. 2 to 5 between: BRDF value in 1/sr, without the cosine.
 fn triace_layered_eval(params: TriaceLayered, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3f(0.0);
     }
     let cos_h = triace_layered_cos_half(wi, wo);
@@ -369,13 +362,16 @@ fn triace_layered_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f3
 
 // Density of `sample_ggx_lobe` in 1/sr.
 fn triace_layered_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    const mu_min = 1.0e-18;
     let straight = triace_layered_pdf_ggx_visible(wo, triace_layered_half_vector(wi, wo), alpha_x,
         alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     let exists = wo.z > wi.z;
     let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
-    let folded = triace_layered_pdf_ggx_visible(wo, triace_layered_half_vector(image, wo), alpha_x,
-        alpha_y);
+    // The least lift, for two that are equally high but for their last digits
+    let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
+    let folded = triace_layered_pdf_ggx_visible(wo, triace_layered_half_vector(image, higher),
+        alpha_x, alpha_y);
     return straight + select(0.0, folded, exists);
 }
 
@@ -387,7 +383,7 @@ fn triace_layered_pdf_cosine(w: vec3f) -> f32 {
 
 // Density of `sample` in 1/sr.
 fn triace_layered_pdf(params: TriaceLayered, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     let shares_result = triace_layered_shares(params, wo);
@@ -404,7 +400,7 @@ fn triace_layered_pdf(params: TriaceLayered, wi: vec3f, wo: vec3f) -> f32 {
 
 // Diffuse, or the GGX lobe as wide as one of the highlights, chosen by what they reflect.
 fn triace_layered_sample(params: TriaceLayered, wo: vec3f, u: vec2f) -> TriaceLayeredSample {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return TriaceLayeredSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let shares_result = triace_layered_shares(params, wo);

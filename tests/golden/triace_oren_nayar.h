@@ -87,11 +87,9 @@ inline float triace_oren_nayar_tangential_dot(Vec3 wi, Vec3 wo) {
     return fmaf(wi.x, wo.x, q) + error;
 }
 
-// s / max(mu_i, mu_o), finite for two directions in the horizon.
+// s / max(mu_i, mu_o).
 inline float triace_oren_nayar_s_over_max(float s, Vec3 wi, Vec3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    constexpr float mu_min = 1.0e-18f;
-    return s / fmaxf(fmaxf(wi.z, wo.z), mu_min);
+    return s / fmaxf(wi.z, wo.z);
 }
 
 // s / t of Eq. 11: s itself for s <= 0.
@@ -102,7 +100,7 @@ inline float triace_oren_nayar_s_over_t_fujii(float s, Vec3 wi, Vec3 wo) {
 // Eq. 23, 24 or 25 without the cosine: BRDF value in 1/sr.
 inline Vec3 triace_oren_nayar_eval(const TriaceOrenNayar& params, Vec3 wi, Vec3 wo) {
     constexpr float inv_pi = 0.31830987f;
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return splat(0.0f);
     }
     TriaceOrenNayarCoefficients coefficients_result = triace_oren_nayar_coefficients(params);
@@ -245,7 +243,7 @@ inline float triace_oren_nayar_pdf_cltc_uniform(Vec3 wi, Vec3 wo, float r) {
 
 // Density of `sample` in 1/sr.
 inline float triace_oren_nayar_pdf(const TriaceOrenNayar& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return 0.0f;
     }
     TriaceOrenNayarCoefficients coefficients_result = triace_oren_nayar_coefficients(params);
@@ -257,7 +255,7 @@ inline float triace_oren_nayar_pdf(const TriaceOrenNayar& params, Vec3 wi, Vec3 
 // EON's CLTC with a uniform lobe, at the roughness with the same weight of s/t.
 inline TriaceOrenNayarSample triace_oren_nayar_sample(const TriaceOrenNayar& params, Vec3 wo,
     Vec2 u) {
-    if (wo.z <= 0.0f) {  // below the horizon
+    if (wo.z <= 1.0e-18f) {  // in the horizon or below
         return TriaceOrenNayarSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     TriaceOrenNayarCoefficients coefficients_result = triace_oren_nayar_coefficients(params);

@@ -56,11 +56,9 @@ float triace_oren_nayar_tangential_dot(float3 wi, float3 wo) {
     return mad(wi.x, wo.x, q) + error;
 }
 
-// s / max(mu_i, mu_o), finite for two directions in the horizon.
+// s / max(mu_i, mu_o).
 float triace_oren_nayar_s_over_max(float s, float3 wi, float3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const float mu_min = 1.0e-18;
-    return s / max(max(wi.z, wo.z), mu_min);
+    return s / max(wi.z, wo.z);
 }
 
 // s / t of Eq. 11: s itself for s <= 0.
@@ -71,7 +69,7 @@ float triace_oren_nayar_s_over_t_fujii(float s, float3 wi, float3 wo) {
 // Eq. 23, 24 or 25 without the cosine: BRDF value in 1/sr.
 float3 triace_oren_nayar_eval(TriaceOrenNayar params, float3 wi, float3 wo) {
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return (float3)(0.0);
     }
     TriaceOrenNayarCoefficients coefficients_result = triace_oren_nayar_coefficients(params);
@@ -218,7 +216,7 @@ float triace_oren_nayar_pdf_cltc_uniform(float3 wi, float3 wo, float r) {
 
 // Density of `sample` in 1/sr.
 float triace_oren_nayar_pdf(TriaceOrenNayar params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     TriaceOrenNayarCoefficients coefficients_result = triace_oren_nayar_coefficients(params);
@@ -229,7 +227,7 @@ float triace_oren_nayar_pdf(TriaceOrenNayar params, float3 wi, float3 wo) {
 
 // EON's CLTC with a uniform lobe, at the roughness with the same weight of s/t.
 TriaceOrenNayarSample triace_oren_nayar_sample(TriaceOrenNayar params, float3 wo, float2 u) {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         TriaceOrenNayarSample result;
         result.wi = float3(0.0, 0.0, 1.0);
         result.pdf = 0.0;
@@ -245,8 +243,8 @@ TriaceOrenNayarSample triace_oren_nayar_sample(TriaceOrenNayar params, float3 wo
     return result;
 }
 
-// Twice the arc tangent, for v in [-1, 1].
-float triace_oren_nayar_twice_atan(float v) {
+// 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
+float triace_oren_nayar_twice_atan_over(float v) {
     const float ATAN_4 = 0.21281867;
     const float ATAN_5 = -0.15008585;
     const float ATAN_6 = 0.085383;
@@ -258,14 +256,15 @@ float triace_oren_nayar_twice_atan(float v) {
     const float ATAN_3 = -0.28407288;
     float q = v * v;
     float p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
-    return v * (ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p))));
+    return ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p)));
 }
 
 // Arc cosine of x limited to [-1, 1]: twice the angle whose tangent is sin / (1 + x).
 float triace_oren_nayar_safe_acos(float x) {
     const float pi = 3.1415927;
     float a = min(abs(x), 1.0);
-    float angle = triace_oren_nayar_twice_atan(sqrt(max((1.0 - a) * (1.0 + a), 0.0)) / (1.0 + a));
+    float v = sqrt(max((1.0 - a) * (1.0 + a), 0.0)) / (1.0 + a);
+    float angle = v * triace_oren_nayar_twice_atan_over(v);
     return x < 0.0 ? pi - angle : angle;
 }
 

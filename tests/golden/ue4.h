@@ -111,10 +111,8 @@ inline Vec3 ue4_f0(const Ue4& params) {
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float ue4_cos_half(Vec3 wi, Vec3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    constexpr float mu_min = 1.0e-18f;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return fminf(0.5f * length(wi + Vec3{wo.x, wo.y, wo.z + mu_min}), 1.0f);
+    return 0.5f * length(wi + wo);
 }
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
@@ -129,10 +127,8 @@ inline float ue4_schlick_weight_half(Vec3 wi, Vec3 wo) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 ue4_half_vector(Vec3 wi, Vec3 wo) {
-    constexpr float mu_min = 1.0e-18f;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + Vec3{wo.x, wo.y, wo.z + mu_min});
+    Vec3 h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -157,6 +153,8 @@ inline float ue4_k(const Ue4& params) {
 
 // G = G1_schlick(mu_i) G1_schlick(mu_o).
 inline float ue4_V_schlick(Vec3 wi, Vec3 wo, float k) {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     constexpr float mu_min = 1.0e-18f;
     return 0.25f / (fmaxf(wi.z * (1.0f - k) + k, mu_min) * fmaxf(wo.z * (1.0f - k) + k, mu_min));
 }
@@ -164,7 +162,7 @@ inline float ue4_V_schlick(Vec3 wi, Vec3 wo, float k) {
 // BRDF value in 1/sr, without the cosine.
 inline Vec3 ue4_eval(const Ue4& params, Vec3 wi, Vec3 wo) {
     constexpr float inv_pi = 0.31830987f;
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return splat(0.0f);
     }
     float alpha = ue4_alpha(params);
@@ -289,11 +287,14 @@ inline float ue4_pdf_ggx_visible(Vec3 wo, Vec3 m, float alpha_x, float alpha_y) 
 
 // Density of `sample_ggx_lobe` in 1/sr.
 inline float ue4_pdf_ggx_lobe(Vec3 wi, Vec3 wo, float alpha_x, float alpha_y) {
+    constexpr float mu_min = 1.0e-18f;
     float straight = ue4_pdf_ggx_visible(wo, ue4_half_vector(wi, wo), alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
-    float folded = ue4_pdf_ggx_visible(wo, ue4_half_vector(image, wo), alpha_x, alpha_y);
+    // The least lift, for two that are equally high but for their last digits
+    Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
+    float folded = ue4_pdf_ggx_visible(wo, ue4_half_vector(image, higher), alpha_x, alpha_y);
     return straight + (exists ? folded : 0.0f);
 }
 
@@ -304,7 +305,7 @@ inline float ue4_pdf_matte_gloss(Vec3 wi, Vec3 wo, float alpha, Vec2 shares) {
 
 // Density of `sample` in 1/sr.
 inline float ue4_pdf(const Ue4& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return 0.0f;
     }
     return ue4_pdf_matte_gloss(wi, wo, ue4_alpha(params), ue4_shares(params, wo));
@@ -312,7 +313,7 @@ inline float ue4_pdf(const Ue4& params, Vec3 wi, Vec3 wo) {
 
 // Cosine-weighted or a visible GGX normal, by the estimated albedos.
 inline Ue4Sample ue4_sample(const Ue4& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 0.0f) {  // below the horizon
+    if (wo.z <= 1.0e-18f) {  // in the horizon or below
         return Ue4Sample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     Vec3 wi = ue4_sample_matte_gloss(wo, ue4_alpha(params), ue4_shares(params, wo), u);

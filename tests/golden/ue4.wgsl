@@ -49,10 +49,8 @@ fn ue4_f0(params: Ue4) -> vec3f {
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn ue4_cos_half(wi: vec3f, wo: vec3f) -> f32 {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const mu_min = 1.0e-18;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return min(0.5 * length(wi + vec3f(wo.x, wo.y, wo.z + mu_min)), 1.0);
+    return 0.5 * length(wi + wo);
 }
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
@@ -67,10 +65,8 @@ fn ue4_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn ue4_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    const mu_min = 1.0e-18;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + vec3f(wo.x, wo.y, wo.z + mu_min));
+    let h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -95,6 +91,8 @@ fn ue4_k(params: Ue4) -> f32 {
 
 // G = G1_schlick(mu_i) G1_schlick(mu_o).
 fn ue4_V_schlick(wi: vec3f, wo: vec3f, k: f32) -> f32 {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     const mu_min = 1.0e-18;
     return 0.25 / (max(wi.z * (1.0 - k) + k, mu_min) * max(wo.z * (1.0 - k) + k, mu_min));
 }
@@ -102,7 +100,7 @@ fn ue4_V_schlick(wi: vec3f, wo: vec3f, k: f32) -> f32 {
 // BRDF value in 1/sr, without the cosine.
 fn ue4_eval(params: Ue4, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3f(0.0);
     }
     let alpha = ue4_alpha(params);
@@ -226,11 +224,14 @@ fn ue4_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
 
 // Density of `sample_ggx_lobe` in 1/sr.
 fn ue4_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    const mu_min = 1.0e-18;
     let straight = ue4_pdf_ggx_visible(wo, ue4_half_vector(wi, wo), alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     let exists = wo.z > wi.z;
     let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
-    let folded = ue4_pdf_ggx_visible(wo, ue4_half_vector(image, wo), alpha_x, alpha_y);
+    // The least lift, for two that are equally high but for their last digits
+    let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
+    let folded = ue4_pdf_ggx_visible(wo, ue4_half_vector(image, higher), alpha_x, alpha_y);
     return straight + select(0.0, folded, exists);
 }
 
@@ -241,7 +242,7 @@ fn ue4_pdf_matte_gloss(wi: vec3f, wo: vec3f, alpha: f32, shares: vec2f) -> f32 {
 
 // Density of `sample` in 1/sr.
 fn ue4_pdf(params: Ue4, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     return ue4_pdf_matte_gloss(wi, wo, ue4_alpha(params), ue4_shares(params, wo));
@@ -249,7 +250,7 @@ fn ue4_pdf(params: Ue4, wi: vec3f, wo: vec3f) -> f32 {
 
 // Cosine-weighted or a visible GGX normal, by the estimated albedos.
 fn ue4_sample(params: Ue4, wo: vec3f, u: vec2f) -> Ue4Sample {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return Ue4Sample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let wi = ue4_sample_matte_gloss(wo, ue4_alpha(params), ue4_shares(params, wo), u);

@@ -97,18 +97,14 @@ struct UnityBrdf2Choose {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 unity_brdf2_half_vector(Vec3 wi, Vec3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    constexpr float mu_min = 1.0e-18f;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + Vec3{wo.x, wo.y, wo.z + mu_min});
+    Vec3 h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float unity_brdf2_cos_half(Vec3 wi, Vec3 wo) {
-    constexpr float mu_min = 1.0e-18f;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return fminf(0.5f * length(wi + Vec3{wo.x, wo.y, wo.z + mu_min}), 1.0f);
+    return 0.5f * length(wi + wo);
 }
 
 inline Vec3 unity_brdf2_diffuse(const UnityBrdf2& params) {
@@ -127,7 +123,7 @@ inline Vec3 unity_brdf2_eval(const UnityBrdf2& params, Vec3 wi, Vec3 wo) {
     // Unity's limits: of (wo.H)^2, and what its 1.00001 adds to the denominator of D.
     constexpr float COS2_UNITY = 0.1f;
     constexpr float inv_pi = 0.31830987f;
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return splat(0.0f);
     }
     float a = params.roughness * params.roughness;
@@ -268,12 +264,17 @@ inline float unity_brdf2_pdf_ggx_visible(Vec3 wo, Vec3 m, float alpha_x, float a
 
 // Density of `sample_ggx_lobe` in 1/sr.
 inline float unity_brdf2_pdf_ggx_lobe(Vec3 wi, Vec3 wo, float alpha_x, float alpha_y) {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
+    constexpr float mu_min = 1.0e-18f;
     float straight = unity_brdf2_pdf_ggx_visible(wo, unity_brdf2_half_vector(wi, wo), alpha_x,
         alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
-    float folded = unity_brdf2_pdf_ggx_visible(wo, unity_brdf2_half_vector(image, wo), alpha_x,
+    // The least lift, for two that are equally high but for their last digits
+    Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
+    float folded = unity_brdf2_pdf_ggx_visible(wo, unity_brdf2_half_vector(image, higher), alpha_x,
         alpha_y);
     return straight + (exists ? folded : 0.0f);
 }
@@ -286,7 +287,7 @@ inline float unity_brdf2_pdf_matte_gloss(Vec3 wi, Vec3 wo, float alpha, Vec2 sha
 
 // Density of `sample` in 1/sr.
 inline float unity_brdf2_pdf(const UnityBrdf2& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return 0.0f;
     }
     return unity_brdf2_pdf_matte_gloss(wi, wo, unity_brdf2_alpha(params),
@@ -295,7 +296,7 @@ inline float unity_brdf2_pdf(const UnityBrdf2& params, Vec3 wi, Vec3 wo) {
 
 // Cosine-weighted or a visible GGX normal, by the estimated albedos.
 inline UnityBrdf2Sample unity_brdf2_sample(const UnityBrdf2& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 0.0f) {  // below the horizon
+    if (wo.z <= 1.0e-18f) {  // in the horizon or below
         return UnityBrdf2Sample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     Vec3 wi = unity_brdf2_sample_matte_gloss(wo, unity_brdf2_alpha(params),

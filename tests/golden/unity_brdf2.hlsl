@@ -35,18 +35,14 @@ struct UnityBrdf2Choose {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 float3 unity_brdf2_half_vector(float3 wi, float3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const float mu_min = 1.0e-18;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + float3(wo.x, wo.y, wo.z + mu_min));
+    float3 h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float unity_brdf2_cos_half(float3 wi, float3 wo) {
-    const float mu_min = 1.0e-18;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return min(0.5 * length(wi + float3(wo.x, wo.y, wo.z + mu_min)), 1.0);
+    return 0.5 * length(wi + wo);
 }
 
 float3 unity_brdf2_diffuse(UnityBrdf2 params) {
@@ -65,7 +61,7 @@ float3 unity_brdf2_eval(UnityBrdf2 params, float3 wi, float3 wo) {
     // Unity's limits: of (wo.H)^2, and what its 1.00001 adds to the denominator of D.
     const float COS2_UNITY = 0.1;
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return (float3)(0.0);
     }
     float a = params.roughness * params.roughness;
@@ -208,12 +204,17 @@ float unity_brdf2_pdf_ggx_visible(float3 wo, float3 m, float alpha_x, float alph
 
 // Density of `sample_ggx_lobe` in 1/sr.
 float unity_brdf2_pdf_ggx_lobe(float3 wi, float3 wo, float alpha_x, float alpha_y) {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
+    const float mu_min = 1.0e-18;
     float straight = unity_brdf2_pdf_ggx_visible(wo, unity_brdf2_half_vector(wi, wo), alpha_x,
         alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
-    float folded = unity_brdf2_pdf_ggx_visible(wo, unity_brdf2_half_vector(image, wo), alpha_x,
+    // The least lift, for two that are equally high but for their last digits
+    float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
+    float folded = unity_brdf2_pdf_ggx_visible(wo, unity_brdf2_half_vector(image, higher), alpha_x,
         alpha_y);
     return straight + (exists ? folded : 0.0);
 }
@@ -226,7 +227,7 @@ float unity_brdf2_pdf_matte_gloss(float3 wi, float3 wo, float alpha, float2 shar
 
 // Density of `sample` in 1/sr.
 float unity_brdf2_pdf(UnityBrdf2 params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     return unity_brdf2_pdf_matte_gloss(wi, wo, unity_brdf2_alpha(params),
@@ -235,7 +236,7 @@ float unity_brdf2_pdf(UnityBrdf2 params, float3 wi, float3 wo) {
 
 // Cosine-weighted or a visible GGX normal, by the estimated albedos.
 UnityBrdf2Sample unity_brdf2_sample(UnityBrdf2 params, float3 wo, float2 u) {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         UnityBrdf2Sample result;
         result.wi = float3(0.0, 0.0, 1.0);
         result.pdf = 0.0;

@@ -35,18 +35,14 @@ struct UnityBrdf2Choose {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn unity_brdf2_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const mu_min = 1.0e-18;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + vec3f(wo.x, wo.y, wo.z + mu_min));
+    let h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn unity_brdf2_cos_half(wi: vec3f, wo: vec3f) -> f32 {
-    const mu_min = 1.0e-18;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return min(0.5 * length(wi + vec3f(wo.x, wo.y, wo.z + mu_min)), 1.0);
+    return 0.5 * length(wi + wo);
 }
 
 fn unity_brdf2_diffuse(params: UnityBrdf2) -> vec3f {
@@ -65,7 +61,7 @@ fn unity_brdf2_eval(params: UnityBrdf2, wi: vec3f, wo: vec3f) -> vec3f {
     // Unity's limits: of (wo.H)^2, and what its 1.00001 adds to the denominator of D.
     const COS2_UNITY = 0.1;
     const inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3f(0.0);
     }
     let a = params.roughness * params.roughness;
@@ -205,12 +201,17 @@ fn unity_brdf2_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) 
 
 // Density of `sample_ggx_lobe` in 1/sr.
 fn unity_brdf2_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
+    const mu_min = 1.0e-18;
     let straight = unity_brdf2_pdf_ggx_visible(wo, unity_brdf2_half_vector(wi, wo), alpha_x,
         alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     let exists = wo.z > wi.z;
     let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
-    let folded = unity_brdf2_pdf_ggx_visible(wo, unity_brdf2_half_vector(image, wo), alpha_x,
+    // The least lift, for two that are equally high but for their last digits
+    let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
+    let folded = unity_brdf2_pdf_ggx_visible(wo, unity_brdf2_half_vector(image, higher), alpha_x,
         alpha_y);
     return straight + select(0.0, folded, exists);
 }
@@ -223,7 +224,7 @@ fn unity_brdf2_pdf_matte_gloss(wi: vec3f, wo: vec3f, alpha: f32, shares: vec2f) 
 
 // Density of `sample` in 1/sr.
 fn unity_brdf2_pdf(params: UnityBrdf2, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     return unity_brdf2_pdf_matte_gloss(wi, wo, unity_brdf2_alpha(params),
@@ -232,7 +233,7 @@ fn unity_brdf2_pdf(params: UnityBrdf2, wi: vec3f, wo: vec3f) -> f32 {
 
 // Cosine-weighted or a visible GGX normal, by the estimated albedos.
 fn unity_brdf2_sample(params: UnityBrdf2, wo: vec3f, u: vec2f) -> UnityBrdf2Sample {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return UnityBrdf2Sample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let wi = unity_brdf2_sample_matte_gloss(wo, unity_brdf2_alpha(params),

@@ -111,11 +111,8 @@ inline float unity_standard_schlick_weight(float cos_theta) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 unity_standard_half_vector(Vec3 wi, Vec3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    constexpr float mu_min = 1.0e-18f;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + Vec3{wo.x, wo.y, wo.z + mu_min});
+    Vec3 h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -135,9 +132,8 @@ inline Vec3 unity_standard_f0(const UnityStandard& params) {
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float unity_standard_cos_half(Vec3 wi, Vec3 wo) {
-    constexpr float mu_min = 1.0e-18f;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return fminf(0.5f * length(wi + Vec3{wo.x, wo.y, wo.z + mu_min}), 1.0f);
+    return 0.5f * length(wi + wo);
 }
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
@@ -157,9 +153,8 @@ inline Vec3 unity_standard_diffuse(const UnityStandard& params) {
 
 // BRDF value in 1/sr, without the cosine.
 inline Vec3 unity_standard_eval(const UnityStandard& params, Vec3 wi, Vec3 wo) {
-    constexpr float mu_min = 1.0e-18f;
     constexpr float inv_pi = 0.31830987f;
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return splat(0.0f);
     }
     float r = params.roughness;
@@ -170,7 +165,7 @@ inline Vec3 unity_standard_eval(const UnityStandard& params, Vec3 wi, Vec3 wo) {
         * (1.0f + rise * unity_standard_schlick_weight(wo.z));
     float lambda_v = wi.z * lerp(alpha, 1.0f, wo.z);
     float lambda_l = wo.z * lerp(alpha, 1.0f, wi.z);
-    float V = 0.5f / fmaxf(lambda_v + lambda_l, mu_min);
+    float V = 0.5f / (lambda_v + lambda_l);
     float D = unity_standard_D_ggx(unity_standard_half_vector(wi, wo), alpha, alpha);
     Vec3 F = lerp(unity_standard_f0(params), splat(1.0f),
         splat(unity_standard_schlick_weight_half(wi, wo)));
@@ -289,12 +284,17 @@ inline float unity_standard_pdf_ggx_visible(Vec3 wo, Vec3 m, float alpha_x, floa
 
 // Density of `sample_ggx_lobe` in 1/sr.
 inline float unity_standard_pdf_ggx_lobe(Vec3 wi, Vec3 wo, float alpha_x, float alpha_y) {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
+    constexpr float mu_min = 1.0e-18f;
     float straight = unity_standard_pdf_ggx_visible(wo, unity_standard_half_vector(wi, wo), alpha_x,
         alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
-    float folded = unity_standard_pdf_ggx_visible(wo, unity_standard_half_vector(image, wo),
+    // The least lift, for two that are equally high but for their last digits
+    Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
+    float folded = unity_standard_pdf_ggx_visible(wo, unity_standard_half_vector(image, higher),
         alpha_x, alpha_y);
     return straight + (exists ? folded : 0.0f);
 }
@@ -307,7 +307,7 @@ inline float unity_standard_pdf_matte_gloss(Vec3 wi, Vec3 wo, float alpha, Vec2 
 
 // Density of `sample` in 1/sr.
 inline float unity_standard_pdf(const UnityStandard& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 0.0f) {  // below the horizon
+    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
         return 0.0f;
     }
     return unity_standard_pdf_matte_gloss(wi, wo, unity_standard_alpha(params),
@@ -316,7 +316,7 @@ inline float unity_standard_pdf(const UnityStandard& params, Vec3 wi, Vec3 wo) {
 
 // Cosine-weighted or a visible GGX normal, by the estimated albedos.
 inline UnityStandardSample unity_standard_sample(const UnityStandard& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 0.0f) {  // below the horizon
+    if (wo.z <= 1.0e-18f) {  // in the horizon or below
         return UnityStandardSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     Vec3 wi = unity_standard_sample_matte_gloss(wo, unity_standard_alpha(params),

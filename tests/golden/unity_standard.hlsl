@@ -49,11 +49,8 @@ float unity_standard_schlick_weight(float cos_theta) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 float3 unity_standard_half_vector(float3 wi, float3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const float mu_min = 1.0e-18;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + float3(wo.x, wo.y, wo.z + mu_min));
+    float3 h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -73,9 +70,8 @@ float3 unity_standard_f0(UnityStandard params) {
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float unity_standard_cos_half(float3 wi, float3 wo) {
-    const float mu_min = 1.0e-18;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return min(0.5 * length(wi + float3(wo.x, wo.y, wo.z + mu_min)), 1.0);
+    return 0.5 * length(wi + wo);
 }
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
@@ -95,9 +91,8 @@ float3 unity_standard_diffuse(UnityStandard params) {
 
 // BRDF value in 1/sr, without the cosine.
 float3 unity_standard_eval(UnityStandard params, float3 wi, float3 wo) {
-    const float mu_min = 1.0e-18;
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return (float3)(0.0);
     }
     float r = params.roughness;
@@ -108,7 +103,7 @@ float3 unity_standard_eval(UnityStandard params, float3 wi, float3 wo) {
         * (1.0 + rise * unity_standard_schlick_weight(wo.z));
     float lambda_v = wi.z * lerp(alpha, 1.0, wo.z);
     float lambda_l = wo.z * lerp(alpha, 1.0, wi.z);
-    float V = 0.5 / max(lambda_v + lambda_l, mu_min);
+    float V = 0.5 / (lambda_v + lambda_l);
     float D = unity_standard_D_ggx(unity_standard_half_vector(wi, wo), alpha, alpha);
     float3 F = lerp(unity_standard_f0(params), (float3)(1.0),
         (float3)(unity_standard_schlick_weight_half(wi, wo)));
@@ -230,12 +225,17 @@ float unity_standard_pdf_ggx_visible(float3 wo, float3 m, float alpha_x, float a
 
 // Density of `sample_ggx_lobe` in 1/sr.
 float unity_standard_pdf_ggx_lobe(float3 wi, float3 wo, float alpha_x, float alpha_y) {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
+    const float mu_min = 1.0e-18;
     float straight = unity_standard_pdf_ggx_visible(wo, unity_standard_half_vector(wi, wo), alpha_x,
         alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
-    float folded = unity_standard_pdf_ggx_visible(wo, unity_standard_half_vector(image, wo),
+    // The least lift, for two that are equally high but for their last digits
+    float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
+    float folded = unity_standard_pdf_ggx_visible(wo, unity_standard_half_vector(image, higher),
         alpha_x, alpha_y);
     return straight + (exists ? folded : 0.0);
 }
@@ -248,7 +248,7 @@ float unity_standard_pdf_matte_gloss(float3 wi, float3 wo, float alpha, float2 s
 
 // Density of `sample` in 1/sr.
 float unity_standard_pdf(UnityStandard params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     return unity_standard_pdf_matte_gloss(wi, wo, unity_standard_alpha(params),
@@ -257,7 +257,7 @@ float unity_standard_pdf(UnityStandard params, float3 wi, float3 wo) {
 
 // Cosine-weighted or a visible GGX normal, by the estimated albedos.
 UnityStandardSample unity_standard_sample(UnityStandard params, float3 wo, float2 u) {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         UnityStandardSample result;
         result.wi = float3(0.0, 0.0, 1.0);
         result.pdf = 0.0;

@@ -49,11 +49,8 @@ fn unity_standard_schlick_weight(cos_theta: f32) -> f32 {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn unity_standard_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const mu_min = 1.0e-18;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + vec3f(wo.x, wo.y, wo.z + mu_min));
+    let h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -73,9 +70,8 @@ fn unity_standard_f0(params: UnityStandard) -> vec3f {
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn unity_standard_cos_half(wi: vec3f, wo: vec3f) -> f32 {
-    const mu_min = 1.0e-18;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return min(0.5 * length(wi + vec3f(wo.x, wo.y, wo.z + mu_min)), 1.0);
+    return 0.5 * length(wi + wo);
 }
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
@@ -95,9 +91,8 @@ fn unity_standard_diffuse(params: UnityStandard) -> vec3f {
 
 // BRDF value in 1/sr, without the cosine.
 fn unity_standard_eval(params: UnityStandard, wi: vec3f, wo: vec3f) -> vec3f {
-    const mu_min = 1.0e-18;
     const inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3f(0.0);
     }
     let r = params.roughness;
@@ -108,7 +103,7 @@ fn unity_standard_eval(params: UnityStandard, wi: vec3f, wo: vec3f) -> vec3f {
         * (1.0 + rise * unity_standard_schlick_weight(wo.z));
     let lambda_v = wi.z * mix(alpha, 1.0, wo.z);
     let lambda_l = wo.z * mix(alpha, 1.0, wi.z);
-    let V = 0.5 / max(lambda_v + lambda_l, mu_min);
+    let V = 0.5 / (lambda_v + lambda_l);
     let D = unity_standard_D_ggx(unity_standard_half_vector(wi, wo), alpha, alpha);
     let F = mix(unity_standard_f0(params), vec3f(1.0),
         vec3f(unity_standard_schlick_weight_half(wi, wo)));
@@ -225,13 +220,18 @@ fn unity_standard_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f3
 
 // Density of `sample_ggx_lobe` in 1/sr.
 fn unity_standard_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
+    const mu_min = 1.0e-18;
     let straight = unity_standard_pdf_ggx_visible(wo, unity_standard_half_vector(wi, wo), alpha_x,
         alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     let exists = wo.z > wi.z;
     let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
-    let folded = unity_standard_pdf_ggx_visible(wo, unity_standard_half_vector(image, wo), alpha_x,
-        alpha_y);
+    // The least lift, for two that are equally high but for their last digits
+    let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
+    let folded = unity_standard_pdf_ggx_visible(wo, unity_standard_half_vector(image, higher),
+        alpha_x, alpha_y);
     return straight + select(0.0, folded, exists);
 }
 
@@ -243,7 +243,7 @@ fn unity_standard_pdf_matte_gloss(wi: vec3f, wo: vec3f, alpha: f32, shares: vec2
 
 // Density of `sample` in 1/sr.
 fn unity_standard_pdf(params: UnityStandard, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     return unity_standard_pdf_matte_gloss(wi, wo, unity_standard_alpha(params),
@@ -252,7 +252,7 @@ fn unity_standard_pdf(params: UnityStandard, wi: vec3f, wo: vec3f) -> f32 {
 
 // Cosine-weighted or a visible GGX normal, by the estimated albedos.
 fn unity_standard_sample(params: UnityStandard, wo: vec3f, u: vec2f) -> UnityStandardSample {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return UnityStandardSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let wi = unity_standard_sample_matte_gloss(wo, unity_standard_alpha(params),

@@ -53,9 +53,9 @@ float weidlich_wilkie_refracted_cos2(float mu, float eta) {
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
-// The direction inside the layer that belongs to w outside; z = 0 where there is none.
+// The direction inside a layer with eta >= 1 that belongs to w outside.
 vec3 weidlich_wilkie_refract(vec3 w, float eta) {
-    return vec3(w.x, w.y, sqrt(max(weidlich_wilkie_refracted_cos2(w.z, eta), 0.0))) / eta;
+    return vec3(w.x, w.y, sqrt(weidlich_wilkie_refracted_cos2(w.z, eta))) / eta;
 }
 
 // Optical depth of the coat along its normal (Eq. 3).
@@ -66,60 +66,73 @@ vec3 weidlich_wilkie_depth(WeidlichWilkie params) {
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float weidlich_wilkie_cos_half(vec3 wi, vec3 wo) {
-    // Smallest cosine that is divided by: s / MU_MIN and its derivative s / MU_MIN^2 still fit in a float32.
-    const float mu_min = 1.0e-18;
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return min(0.5 * length(wi + vec3(wo.x, wo.y, wo.z + mu_min)), 1.0);
+    return 0.5 * length(wi + wo);
 }
 
-// 1 - F of a smooth dielectric at a cosine mu outside; exact where it nearly vanishes.
-float weidlich_wilkie_transmittance(float mu, float eta) {
+// 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
+float weidlich_wilkie_transmittance_denser(float mu, float eta) {
     // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
     // It is reached at the edge of total internal reflection, where the true derivative is infinite.
     const float ROOT_MIN = 1.0e-16;
     // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
     // with q = c g + sin^2(theta)
-    float cos2 = weidlich_wilkie_refracted_cos2(mu, eta);
-    float g = sqrt(max(cos2, ROOT_MIN));
+    float g = sqrt(max(weidlich_wilkie_refracted_cos2(mu, eta), ROOT_MIN));
     float s = mu + g;
     float p = mu * g;
     float q = p + (1.0 - mu * mu);
-    float T = 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
-    return cos2 > ROOT_MIN ? T : 0.0;
+    return 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
 }
 
 // 1 - F.
 float weidlich_wilkie_T(WeidlichWilkie params, float cos_theta) {
-    return weidlich_wilkie_transmittance(cos_theta, params.eta);
+    return weidlich_wilkie_transmittance_denser(cos_theta, params.eta);
 }
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 weidlich_wilkie_half_vector(vec3 wi, vec3 wo) {
-    const float mu_min = 1.0e-18;
-    // MU_MIN is too small to change a sum, but leaves something to divide by for two opposite
-    // directions in the horizon.
-    return normalize(wi + vec3(wo.x, wo.y, wo.z + mu_min));
+    vec3 h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
 }
 
-// G = min(1, 2 cos_m mu_o / cos_h, 2 cos_m mu_i / cos_h) of V-grooves; cos_m = m.z, cos_h = wo . m.
-float weidlich_wilkie_V_cook_torrance(vec3 wi, vec3 wo, float cos_m, float cos_h) {
-    const float mu_min = 1.0e-18;
-    float high = max(max(wi.z, wo.z), mu_min);
-    float low = max(min(wi.z, wo.z), mu_min);
-    return min(0.25 / low, 0.5 * cos_m / cos_h) / high;
+// Of V-grooves: min(1, 2 cos_m mu_o / cos_h, 2 cos_m mu_i / cos_h) with cos_m = m.z, cos_h = wo . m.
+float weidlich_wilkie_G_cook_torrance(vec3 wi, vec3 wo, float cos_m, float cos_h) {
+    return min(2.0 * cos_m * min(wi.z, wo.z) / cos_h, 1.0);
 }
 
-// G / (4 mu_i mu_o).
-float weidlich_wilkie_V(WeidlichWilkie params, vec3 wi, vec3 wo) {
-    return weidlich_wilkie_V_cook_torrance(wi, wo, weidlich_wilkie_half_vector(wi, wo).z,
+float weidlich_wilkie_G(WeidlichWilkie params, vec3 wi, vec3 wo) {
+    return weidlich_wilkie_G_cook_torrance(wi, wo, weidlich_wilkie_half_vector(wi, wo).z,
         weidlich_wilkie_cos_half(wi, wo));
+}
+
+// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
+float weidlich_wilkie_F_denser(float cos_theta, float eta) {
+    const float ROOT_MIN = 1.0e-16;
+    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
+    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2),
+    // so that the mean of both squares is a product.
+    float c = cos_theta;
+    float contrast = (eta - 1.0) * (eta + 1.0);
+    float sin2 = 1.0 - c * c;
+    // c^2 with its rounding error: at grazing angles, and at the critical one, little else is left
+    float g = sqrt(max(fma(c, c, contrast), ROOT_MIN));
+    float s = c + g;
+    float p = c * g;
+    float r_s = contrast / (s * s);
+    float q = p + sin2;
+    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
+}
+
+float weidlich_wilkie_F(WeidlichWilkie params, float cos_h) {
+    return weidlich_wilkie_F_denser(cos_h, params.eta);
 }
 
 // T12 t: what the surface lets in and out again.
 float weidlich_wilkie_transmitted(WeidlichWilkie params, vec3 wi, vec3 wo) {
-    float T = weidlich_wilkie_T(params, weidlich_wilkie_cos_half(wi, wo));
-    float G = 4.0 * wi.z * wo.z * weidlich_wilkie_V(params, wi, wo);
-    return T * (1.0 - G + T * G);
+    float cos_h = weidlich_wilkie_cos_half(wi, wo);
+    float T = weidlich_wilkie_T(params, cos_h);
+    // Eq. 4: t = (1 - G) + T21 G, and T21 = T12 = 1 - F at the half vector
+    return T * (1.0 - weidlich_wilkie_G(params, wi, wo) * weidlich_wilkie_F(params, cos_h));
 }
 
 float weidlich_wilkie_compression(WeidlichWilkie params) {
@@ -141,11 +154,8 @@ WeidlichWilkieBase weidlich_wilkie_below(WeidlichWilkie params) {
 }
 
 // rho / pi.
-vec3 weidlich_wilkie_base_eval(WeidlichWilkieBase params, vec3 wi, vec3 wo) {
+vec3 weidlich_wilkie_base_eval_above(WeidlichWilkieBase params, vec3 wi, vec3 wo) {
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
-        return vec3(0.0);
-    }
     return params.rho * inv_pi;
 }
 
@@ -153,32 +163,7 @@ vec3 weidlich_wilkie_base_eval(WeidlichWilkieBase params, vec3 wi, vec3 wo) {
 //
 // wi, wo: refracted directions. depth: absorption times thickness.
 vec3 weidlich_wilkie_absorbed(vec3 depth, vec3 wi, vec3 wo) {
-    const float mu_min = 1.0e-18;
-    return exp(-depth * (1.0 / max(wi.z, mu_min) + 1.0 / max(wo.z, mu_min)));
-}
-
-// Exact reflectance of a dielectric. Below eta = 1 all light is reflected past the critical angle.
-float weidlich_wilkie_F_dielectric(float cos_theta, float eta) {
-    const float ROOT_MIN = 1.0e-16;
-    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
-    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2),
-    // so that the mean of both squares is a product.
-    float c = cos_theta;
-    float contrast = (eta - 1.0) * (eta + 1.0);
-    float sin2 = 1.0 - c * c;
-    // c^2 with its rounding error: at the critical angle little else is left
-    float g2 = fma(c, c, contrast);
-    float g = sqrt(max(g2, ROOT_MIN));
-    float s = c + g;
-    float p = c * g;
-    float r_s = contrast / (s * s);
-    float q = p + sin2;
-    float F = r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
-    return g2 > ROOT_MIN ? F : 1.0;
-}
-
-float weidlich_wilkie_F(WeidlichWilkie params, float cos_h) {
-    return weidlich_wilkie_F_dielectric(cos_h, params.eta);
+    return exp(-depth * (1.0 / wi.z + 1.0 / wo.z));
 }
 
 // Square of the slope in units of the widths, times m.z^2.
@@ -203,9 +188,21 @@ float weidlich_wilkie_D(WeidlichWilkie params, vec3 m) {
     return weidlich_wilkie_D_beckmann(m, params.alpha, params.alpha);
 }
 
+// The same over 4 mu_i mu_o.
+float weidlich_wilkie_V_cook_torrance(vec3 wi, vec3 wo, float cos_m, float cos_h) {
+    // One quotient after the other: the derivative by the product of two small cosines would be infinite
+    return 0.25 * weidlich_wilkie_G_cook_torrance(wi, wo, cos_m, cos_h) / wi.z / wo.z;
+}
+
+// G / (4 mu_i mu_o).
+float weidlich_wilkie_V(WeidlichWilkie params, vec3 wi, vec3 wo) {
+    return weidlich_wilkie_V_cook_torrance(wi, wo, weidlich_wilkie_half_vector(wi, wo).z,
+        weidlich_wilkie_cos_half(wi, wo));
+}
+
 // Eq. 2: BRDF value in 1/sr, without the cosine.
 vec3 weidlich_wilkie_eval(WeidlichWilkie params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return vec3(0.0);
     }
     vec3 wi_t = weidlich_wilkie_refract(wi, params.eta);
@@ -213,7 +210,7 @@ vec3 weidlich_wilkie_eval(WeidlichWilkie params, vec3 wi, vec3 wo) {
     vec3 depth = weidlich_wilkie_depth(params);
     float through = weidlich_wilkie_transmitted(params, wi, wo)
         * weidlich_wilkie_compression(params);
-    vec3 below = weidlich_wilkie_base_eval(weidlich_wilkie_below(params), wi_t, wo_t)
+    vec3 below = weidlich_wilkie_base_eval_above(weidlich_wilkie_below(params), wi_t, wo_t)
         * (weidlich_wilkie_absorbed(depth, wi_t, wo_t) * through);
     float cos_h = weidlich_wilkie_cos_half(wi, wo);
     float coat = weidlich_wilkie_F(params, cos_h)
@@ -259,9 +256,8 @@ vec2 weidlich_wilkie_shares(WeidlichWilkie params, vec3 wo, vec3 wo_t) {
     vec3 up = vec3(0.0, 0.0, 1.0);
     float mu = wo.z;
     mu = 0.5 + 0.5 * wo.z;  // nearer to wo.H of a diffuse base
-    float kept = weidlich_wilkie_T(params, mu)
+    float through = weidlich_wilkie_T(params, mu)
         * weidlich_wilkie_average(weidlich_wilkie_absorbed(weidlich_wilkie_depth(params), up, wo_t));
-    float through = wo_t.z > 0.0 ? kept : 0.0;
     float reflected = max(weidlich_wilkie_F(params, wo.z), COAT_SHARE_MIN * through + LOBE_MIN);
     return weidlich_wilkie_lobes_shares(reflected, through);
 }
@@ -294,11 +290,11 @@ float weidlich_wilkie_pdf_cosine(vec3 w) {
 
 // Cosine-weighted, which is exact here.
 WeidlichWilkieSample weidlich_wilkie_base_sample(WeidlichWilkieBase params, vec3 wo, vec2 u) {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return WeidlichWilkieSample(vec3(0.0, 0.0, 1.0), 0.0);
     }
     vec3 wi = weidlich_wilkie_sample_cosine(u);
-    return WeidlichWilkieSample(wi, mix(0.0, weidlich_wilkie_pdf_cosine(wi), wi.z > 0.0));
+    return WeidlichWilkieSample(wi, mix(0.0, weidlich_wilkie_pdf_cosine(wi), wi.z > 1.0e-18));
 }
 
 // Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
@@ -308,9 +304,13 @@ float weidlich_wilkie_critical_cosine(float eta) {
 
 // The outer direction for a direction inside: refracted, or spread out if it cannot leave.
 vec3 weidlich_wilkie_leave(vec3 w, float eta) {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     const float mu_min = 1.0e-18;
     // Smallest squared sine whose root is divided by; the azimuth of smaller ones does not matter.
     const float SIN2_MIN = 1.0e-18;
+    // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
+    const float LEAVE_MIN = 1.0e-12;
     float k = weidlich_wilkie_critical_cosine(eta);
     bool refracted = w.z > k;
     float spread = min(w.z / max(k, mu_min), 1.0);
@@ -319,7 +319,7 @@ vec3 weidlich_wilkie_leave(vec3 w, float eta) {
     float sin2 = w.x * w.x + w.y * w.y;
     float scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
     // A sample above the horizon stays there, however flat.
-    z = mix(-1.0, max(z, mu_min), w.z > 0.0);
+    z = mix(-1.0, max(z, LEAVE_MIN), w.z > 0.0);
     return normalize(vec3(w.x * scale, w.y * scale, z));
 }
 
@@ -349,7 +349,7 @@ vec3 weidlich_wilkie_sample_coat(WeidlichWilkie params, vec3 wo, vec2 u) {
 
 // cos(theta_i) / pi.
 float weidlich_wilkie_base_pdf(WeidlichWilkieBase params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     return weidlich_wilkie_pdf_cosine(wi);
@@ -370,18 +370,16 @@ vec3 weidlich_wilkie_gather(vec3 w, float eta) {
 // Density of `leave` at w, from the inner density at w_t = refract(w) and at gather(w).
 float weidlich_wilkie_pdf_leave(float pdf_refracted, float pdf_gathered, vec3 w, vec3 w_t,
     float eta) {
-    const float mu_min = 1.0e-18;
     // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
     // k^2, and the cosines are k mu and mu.
-    float jacobian = mix(0.0, w.z / (eta * eta * max(w_t.z, mu_min)), w_t.z > 0.0);
-    return pdf_refracted * jacobian + pdf_gathered * weidlich_wilkie_critical_cosine(eta);
+    return pdf_refracted * w.z / (eta * eta * w_t.z)
+        + pdf_gathered * weidlich_wilkie_critical_cosine(eta);
 }
 
 // Density of `mirror` in 1/sr, if m has the given density and cos_h = wo . m.
 float weidlich_wilkie_pdf_mirror(float density, float cos_h) {
-    const float mu_min = 1.0e-18;
     // Walter et al., Eq. 14
-    return density / (4.0 * max(cos_h, mu_min));
+    return 0.25 * density / cos_h;
 }
 
 float weidlich_wilkie_pdf_coat(WeidlichWilkie params, vec3 wi, vec3 wo) {
@@ -392,7 +390,7 @@ float weidlich_wilkie_pdf_coat(WeidlichWilkie params, vec3 wi, vec3 wo) {
 
 // Density of `sample` in 1/sr.
 float weidlich_wilkie_pdf(WeidlichWilkie params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 0.0) {  // below the horizon
+    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
         return 0.0;
     }
     vec3 wi_t = weidlich_wilkie_refract(wi, params.eta);
@@ -407,7 +405,7 @@ float weidlich_wilkie_pdf(WeidlichWilkie params, vec3 wi, vec3 wo) {
 
 // The coat by visible normals or the base below, chosen by what the coat reflects and absorbs.
 WeidlichWilkieSample weidlich_wilkie_sample(WeidlichWilkie params, vec3 wo, vec2 u) {
-    if (wo.z <= 0.0) {  // below the horizon
+    if (wo.z <= 1.0e-18) {  // in the horizon or below
         return WeidlichWilkieSample(vec3(0.0, 0.0, 1.0), 0.0);
     }
     vec3 wo_t = weidlich_wilkie_refract(wo, params.eta);
