@@ -26,6 +26,7 @@ from gonio.model import Parameter
 FIXTURES = Path(__file__).parent / "export_fixtures"
 FILES = {
     "glsl": "eon.glsl",
+    "spirv": "eon.glsl",
     "essl": "eon.glsl",
     "hlsl": "eon.hlsl",
     "wgsl": "eon.wgsl",

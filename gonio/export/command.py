@@ -178,8 +178,8 @@ def prove(
         ProofError: a compiler or runtime is not installed.
         ExportError: what cannot be exported.
     """
+    from gonio.export.prove import each_way, table
     from gonio.export.prove import prove as compare
-    from gonio.export.prove import table
 
     runnable = [language for language in to if language != materialx.NAME]
     if not runnable:
@@ -187,9 +187,10 @@ def prove(
             "MaterialX's documents are not run by --prove; prove essl, which has the same formulas."
         )
     pairs = [
-        (model, export({name: model}, language, only=only)[0])
+        (model, way)
         for name, model in models.items()
         for language in runnable
+        for way in each_way(export({name: model}, language, only=only)[0])
     ]
     proofs = compare(pairs, rows, progress=progress)
     return Proven(table(proofs).splitlines(), not all(p.holds for p in proofs))

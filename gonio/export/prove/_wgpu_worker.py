@@ -1,8 +1,8 @@
 """Runs compute shaders through wgpu: `python -P _wgpu_worker.py FOLDER`, a process of its own.
 
 It does not import gonio: a Vulkan driver on the processor brings an LLVM that must not meet Dr.Jit's.
-Job k is the shader k.wgsl with the rows k.npy, as listed in jobs.json. Results go to k.out.npy, the
-compiler's complaints to k.error, and the name of the device to device.
+Job k is the shader k.wgsl or k.spv with the rows k.npy, as listed in jobs.json. Results go to k.out.npy,
+the compiler's complaints to k.error, and the name of the device to device.
 """
 
 import json
@@ -39,7 +39,10 @@ def main(folder: Path) -> None:
 
 def compute(device: Any, path: Path, rows: Rows, columns: int) -> Rows:
     """Run one shader on all rows."""
-    module = device.create_shader_module(code=path.read_text(encoding="utf-8"))
+    words = path.read_bytes()
+    module = device.create_shader_module(
+        code=words if path.suffix == ".spv" else words.decode("utf-8")
+    )
     pipeline = device.create_compute_pipeline(
         layout="auto", compute={"module": module, "entry_point": "main"}
     )

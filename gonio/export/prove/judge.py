@@ -84,6 +84,7 @@ CYCLES = Device(
 
 DEVICES = {
     "glsl": LLVMPIPE,
+    "spirv": LLVMPIPE,
     "essl": LLVMPIPE,
     "wgsl": LLVMPIPE,
     "osl": CYCLES,

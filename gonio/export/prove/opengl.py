@@ -1,7 +1,7 @@
-"""GLSL exports, compiled by glslangValidator and by the driver, run through OpenGL without a window.
+"""GLSL exports, compiled by the driver and run through OpenGL without a window.
 
-GLSL 4.5 runs as a compute shader. GLSL ES 3.00 runs as a fragment shader that gets its rows from a texture,
-because it has no compute shaders: as on a web page.
+GLSL 4.5 runs as a compute shader, here and a second time in gonio.export.prove.vulkan. GLSL ES 3.00 runs as
+a fragment shader that gets its rows from a texture, because it has no compute shaders: as on a web page.
 """
 
 from __future__ import annotations
@@ -27,10 +27,8 @@ ESSL = Dialect(
     vec2=GLSL.vec2, vec3=GLSL.vec3, read="texel{texel}.{component}", write="made[{0}] = {1};"
 )
 
-_HEADS = {
-    "glsl": "#version 450\n",
-    "essl": "#version 300 es\nprecision highp float;\nprecision highp int;\n",
-}
+HEAD = "#version 450\n"
+HEAD_ES = "#version 300 es\nprecision highp float;\nprecision highp int;\n"
 
 # Mesa writes 0:12(3): error; other drivers 0(12) : error or ERROR: 0:12:
 LINE = r"\b0[:(](\d+)"
@@ -38,29 +36,35 @@ LINE = r"\b0[:(](\d+)"
 
 def run_glsl(exports: Sequence[Export], rows: Sequence[Rows]) -> Results:
     """Compile each export of GLSL 4.5 twice and run it as a compute shader."""
-    return _run(exports, rows, ".comp")
+    return _run(exports, rows, ".comp", ["-V", "-o", "export.spv"])
 
 
 def run_essl(exports: Sequence[Export], rows: Sequence[Rows]) -> Results:
     """Compile each export of GLSL ES 3.00 twice and run it as a fragment shader."""
-    return _run(exports, rows, ".frag")
+    return _run(exports, rows, ".frag", [])  # GLSL ES has no SPIR-V before 3.10
 
 
-def _run(exports: Sequence[Export], rows: Sequence[Rows], suffix: str) -> Results:
+def compile_glsl(
+    export: Export, text: str, head: str, suffix: str, options: Sequence[str], folder: Path
+) -> None:
+    """Let glslangValidator compile a shader in a folder, or raise a ProofError that quotes a line."""
     validator = tools.program("glslangValidator", "compiles GLSL")
+    (folder / f"export{suffix}").write_text(text, encoding="utf-8")
+    command = [validator, *options, f"export{suffix}"]
+    tools.compile_with(command, folder, export, export.source, r":(\d+):", head.count("\n"))
+
+
+def _run(
+    exports: Sequence[Export], rows: Sequence[Rows], suffix: str, options: Sequence[str]
+) -> Results:
+    tools.program("glslangValidator", "compiles GLSL")
     tools.program("moderngl", "runs GLSL")
-    text_of = compute_text if suffix == ".comp" else fragment_text
+    text_of, head = (compute_text, HEAD) if suffix == ".comp" else (fragment_text, HEAD_ES)
 
     def check(export: Export, inputs: Rows) -> Rows:
-        text = text_of(export, len(inputs))
         with tempfile.TemporaryDirectory(prefix="gonio-") as name:
-            folder = Path(name)
-            (folder / f"export{suffix}").write_text(text, encoding="utf-8")
-            # GLSL ES has no SPIR-V before 3.10
-            to_spirv = ["-V", "-o", "export.spv"] if suffix == ".comp" else []
-            command = [validator, *to_spirv, f"export{suffix}"]
-            offset = _HEADS[export.language].count("\n")
-            tools.compile_with(command, folder, export, export.source, r":(\d+):", offset)
+            text = text_of(export, len(inputs))
+            compile_glsl(export, text, head, suffix, options, Path(name))
         return inputs
 
     checked = tools.side_by_side(check, exports, rows)
@@ -86,10 +90,10 @@ def compute_text(export: Export, count: int) -> str:
     """The source with a compute shader that calls every function for each row."""
     entry = export.entry
     return (
-        f"{_HEADS[export.language]}{export.source}\n"
+        f"{HEAD}{export.source}\n"
         "layout(local_size_x = 64) in;\n"
         "layout(std430, binding = 0) readonly buffer Given { float x[]; };\n"
-        "layout(std430, binding = 1) writeonly buffer Made { float y[]; };\n\n"
+        "layout(std430, binding = 1) buffer Made { float y[]; };\n\n"
         "void main() {\n"
         "    int row = int(gl_GlobalInvocationID.x);\n"
         f"    if (row >= {count}) {{\n        return;\n    }}\n"
@@ -120,6 +124,6 @@ def fragment_text(export: Export, count: int) -> str:
         *written,
     ]
     return (
-        f"{_HEADS[export.language]}{export.source}\n"
+        f"{HEAD_ES}{export.source}\n"
         f"uniform highp sampler2D rows;\n{targets}\nvoid main() {{\n{indented(lines)}\n}}\n"
     )

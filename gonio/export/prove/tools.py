@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -139,12 +139,15 @@ def refused(
     )
 
 
+Made = TypeVar("Made")
+
+
 def side_by_side(
-    work: Callable[[Export, Rows], Rows], exports: Sequence[Export], rows: Sequence[Rows]
-) -> list[Rows | ProofError]:
+    work: Callable[[Export, Rows], Made], exports: Sequence[Export], rows: Sequence[Rows]
+) -> list[Made | ProofError]:
     """Apply `work`, which waits for processes, to all exports, two at a time; keep refusals."""
 
-    def attempt(export: Export, inputs: Rows) -> Rows | ProofError:
+    def attempt(export: Export, inputs: Rows) -> Made | ProofError:
         try:
             return work(export, inputs)
         except ProofError as error:
@@ -159,7 +162,7 @@ class Job:
     """A finished shader for a worker, with the rows it runs on."""
 
     export: Export
-    text: str
+    text: str | bytes
     rows: Rows
     columns: int
     """Of the outputs."""
@@ -191,8 +194,9 @@ def run_worker(
             folder = Path(folder_name)
             listing = []
             for number in numbers:
-                file = f"{number}{suffix}"
-                (folder / file).write_text(jobs[number].text, encoding="utf-8")
+                file, text = f"{number}{suffix}", jobs[number].text
+                words = text if isinstance(text, bytes) else text.encode("utf-8")
+                (folder / file).write_bytes(words)
                 np.save(
                     folder / f"{number}.npy", np.ascontiguousarray(jobs[number].rows, np.float32)
                 )
@@ -213,7 +217,8 @@ def run_worker(
                 job = jobs[number]
                 if complaint.exists():
                     message = complaint.read_text(encoding="utf-8")
-                    outputs[number] = refused(job.export, compiler, message, job.text, job.line)
+                    text = job.text if isinstance(job.text, str) else ""
+                    outputs[number] = refused(job.export, compiler, message, text, job.line)
                 else:
                     outputs[number] = np.load(folder / f"{number}.out.npy")
 
