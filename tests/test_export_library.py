@@ -6,11 +6,13 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+import drjit as dr
 import mpmath
 import numpy as np
 import pytest
 
 import gonio
+from gonio import lang
 from gonio.export import library
 
 mpmath.mp.dps = 40
@@ -36,6 +38,38 @@ def test_arc_sine_and_arc_cosine_limit_their_argument(x: float) -> None:
     limited = min(max(x, -1), 1)
     assert library.safe_asin(x) == pytest.approx(math.asin(limited), rel=2e-8)
     assert library.safe_acos(x) == pytest.approx(math.acos(limited), rel=2e-8, abs=1e-12)
+
+
+def twice_atan_over(v: Any) -> Any:
+    return 2 * mpmath.atan(v) / v if v else mpmath.mpf(2)
+
+
+@pytest.mark.parametrize(
+    ("ours", "limit"),
+    [
+        (library.twice_atan_over, 2e-8),
+        (lang.twice_atan_over, 1e-15),
+        (lambda v: lang.twice_atan_over(dr.llvm.Float(v))[0], 3e-7),
+        (lambda v: lang.twice_atan_over(dr.llvm.Float64(v))[0], 1e-15),
+    ],
+)
+def test_the_angle_of_a_half_tangent_is_exact(ours: Callable[[float], Any], limit: float) -> None:
+    # float32 rounds the argument, too: to itself where it is a multiple of 2^-12
+    places = np.round(INSIDE[::4] * 4096) / 4096
+    assert worst(ours, twice_atan_over, [*places, 0.0, 1.0, -1.0]) < limit
+
+
+@pytest.mark.parametrize("Float", [dr.llvm.ad.Float, dr.llvm.ad.Float64])
+def test_its_derivative_is_that_of_the_quotient(Float: Any) -> None:
+    places = [-1.0, -0.5, -0.25, 0.0, 0.125, 0.5, 1.0]
+    v = Float(places)
+    dr.enable_grad(v)
+    dr.set_grad(v, 1)
+    value = lang.twice_atan_over(v)
+    dr.forward_to(value)
+    slopes = [float(mpmath.diff(twice_atan_over, x)) if x else 0.0 for x in places]
+    # Of a polynomial that is fitted to the value
+    np.testing.assert_allclose(dr.grad(value).numpy(), slopes, rtol=2e-5, atol=1e-7)
 
 
 def test_the_error_function_is_exact_to_3e_8() -> None:

@@ -20,6 +20,7 @@ from gonio.lang import (
     safe_sqrt,
     select,
     sqrt,
+    twice_atan_fit,
     vec2,
     vec3,
 )
@@ -33,9 +34,7 @@ GOLDEN = 0.6180339887498949
 HORIZON = 1e-6
 
 # 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
-ATAN_0, ATAN_1, ATAN_2 = 1.99999997, -0.6666614668, 0.3998523874
-ATAN_3, ATAN_4, ATAN_5 = -0.284072885, 0.2128186638, -0.1500858548
-ATAN_6, ATAN_7, ATAN_8 = 0.08538299588, -0.03213723158, 0.005699772642
+ATAN_0, ATAN_1, ATAN_2, ATAN_3, ATAN_4, ATAN_5, ATAN_6, ATAN_7, ATAN_8 = twice_atan_fit
 
 # erf(x) / x in x^2 below ERF_NEAR, relative error 1.2e-8; above, erfc(x) exp(x^2) in t = 1 / (1 + ERF_P x),
 # absolute error of erf 3e-10. Fitted.

@@ -112,12 +112,12 @@ inline float eon_fujii_shape(Vec3 wi, Vec3 wo, float r) {
 
 // 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
 inline float eon_twice_atan_over(float v) {
+    // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
     constexpr float ATAN_4 = 0.21281867f;
     constexpr float ATAN_5 = -0.15008585f;
     constexpr float ATAN_6 = 0.085383f;
     constexpr float ATAN_7 = -0.03213723f;
     constexpr float ATAN_8 = 0.005699773f;
-    // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
     constexpr float ATAN_0 = 2.0f;
     constexpr float ATAN_1 = -0.66666144f;
     constexpr float ATAN_2 = 0.3998524f;

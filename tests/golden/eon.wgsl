@@ -58,12 +58,13 @@ fn eon_fujii_shape(wi: vec3f, wo: vec3f, r: f32) -> f32 {
 
 // 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
 fn eon_twice_atan_over(v: f32) -> f32 {
+    // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
     const ATAN_4 = 0.21281867;
     const ATAN_5 = -0.15008585;
     const ATAN_6 = 0.085383;
     const ATAN_7 = -0.03213723;
     const ATAN_8 = 0.005699773;
-    const ATAN_0 = 2.0;  // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const ATAN_0 = 2.0;
     const ATAN_1 = -0.66666144;
     const ATAN_2 = 0.3998524;
     const ATAN_3 = -0.28407288;

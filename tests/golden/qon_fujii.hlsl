@@ -251,12 +251,13 @@ QonFujiiSample qon_fujii_sample(QonFujii params, float3 wo, float2 u) {
 
 // 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
 float qon_fujii_twice_atan_over(float v) {
+    // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
     const float ATAN_4 = 0.21281867;
     const float ATAN_5 = -0.15008585;
     const float ATAN_6 = 0.085383;
     const float ATAN_7 = -0.03213723;
     const float ATAN_8 = 0.005699773;
-    const float ATAN_0 = 2.0;  // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const float ATAN_0 = 2.0;
     const float ATAN_1 = -0.66666144;
     const float ATAN_2 = 0.3998524;
     const float ATAN_3 = -0.28407288;
