@@ -102,7 +102,7 @@ class Disney(Model):
     claims = Claims(
         energy=(known(3, masking="anisotropic"), known(3.82)),
         wasted=known(0.16),
-        numeric_albedo=known(2e-4, masking="anisotropic"),
+        numeric_albedo=known(4e-4, masking="anisotropic"),
     )
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:

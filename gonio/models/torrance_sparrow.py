@@ -110,8 +110,8 @@ class TorranceSparrow(Model):
         "Reflects more than it receives with maskings that do not belong to the distribution, up to: "
         "schlick_ggx 2.99, schlick_beckmann 1.83, neumann 1.58; with Beckmann's masking for other facets, "
         "blinn_phong 1.78, gaussian 1.08.",
-        "The compensations do not know of the stretch: anisotropic facets gain up to 5 % (kulla_conty) "
-        "and 7 % (turquin).",
+        "The compensations do not know of the stretch: anisotropic facets gain up to 8 % (kulla_conty) "
+        "and 9 % (turquin).",
     )
     claims = Claims(
         energy=(
@@ -120,8 +120,8 @@ class TorranceSparrow(Model):
             known(1.582, masking="neumann"),
             known(2.995, masking="schlick_ggx"),
             known(1.829, masking="schlick_beckmann"),
-            known(1.05, compensation="kulla_conty"),
-            known(1.07, compensation="turquin"),
+            known(1.08, compensation="kulla_conty"),
+            known(1.09, compensation="turquin"),
         ),
         reciprocity=known(0.7, compensation="turquin"),
         float32=known(2e-5, fresnel="dielectric"),
