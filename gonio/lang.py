@@ -83,8 +83,8 @@ def select(condition: Mask, yes: Any, no: Any) -> Any:
 
     Of two Python numbers the result has single precision.
     """
-    # Two whole numbers would become integers, which have no sine
-    yes, no = (float(value) if isinstance(value, int) else value for value in (yes, no))
+    if type(yes) is int and type(no) is int:  # they would become integers, which have no sine
+        return dr.select(condition, float(yes), float(no))
     return dr.select(condition, yes, no)
 
 

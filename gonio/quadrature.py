@@ -91,6 +91,7 @@ def directional_albedo(model: Model, wo: Vec3) -> Color:
 
 def _by_angles(model: Model, wo: Vec3) -> Color:
     Float: Any = type(wo.z)
+    wo = vec3(wo.x, wo.y, dr.maximum(wo.z, HORIZON))
     theta_o = safe_acos(wo.z)
     axis = azimuth(wo)
     cos_o, sin_o = axis.x, axis.y

@@ -55,6 +55,15 @@ def test_numeric_albedo_is_the_closed_form_at_the_normal_as_well(name: str) -> N
     np.testing.assert_allclose(Numeric().albedo(up), cls().albedo(up), atol=1e-5)
 
 
+@pytest.mark.parametrize("name", gonio.models())
+def test_the_albedo_in_the_horizon_is_its_limit(name: str) -> None:
+    model = gonio.models()[name]()
+    near = model.albedo(np.array([[1.0, 0.0, 1e-6], [0.0, -1.0, 1e-6]]))
+    assert (near > 0).all()
+    there = model.albedo(np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]))
+    np.testing.assert_allclose(there, near, rtol=1e-3)
+
+
 # --- sampling ------------------------------------------------------------------------------------
 
 

@@ -167,7 +167,10 @@ class CarPaint(Model):
 
     def _shares(self, wo: Vec3, wo_t: Vec3) -> Vec2:
         """Probabilities of the coat and of the flake."""
-        below = transmittance_denser(wo.z, self.eta) * average(absorbed_least(self._depth(), wo_t))
+        mu = wo.z
+        if self.transmission == "half_vector":
+            mu = 0.5 + 0.5 * wo.z  # tilted facets let more in at grazing angles
+        below = transmittance_denser(mu, self.eta) * average(absorbed_least(self._depth(), wo_t))
         tilted = to_tilted(wo_t, self._normal())
         lit = select(tilted.z > 0, below, 0)
         coat = maximum(F_denser(wo.z, self.eta), COAT_SHARE_MIN * below + LOBE_MIN)

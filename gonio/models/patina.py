@@ -83,11 +83,11 @@ class Patina(Model):
         "Wastes the samples that the metal below the patina mirrors sideways: about 1 % by default, up to "
         "half of them where it is roughest.",
         "The patina's diffuse part is added without being taken from what passes through it: a thin white "
-        "patina over a mirror reflects up to 1.38, and up to 2.75 with every index free. The default stays "
-        "below 0.81.",
+        "patina over a mirror reflects up to 1.38, and up to 2.75 with every index free; up to 10 with "
+        "solid_angle='none'. The default stays below 0.81.",
     )
     claims = Claims(
-        energy=(known(4.7, solid_angle="none"), known(2.75)),
+        energy=(known(10.1, solid_angle="none"), known(2.75)),
         wasted=known(0.51),
         float32=known(1e-3),
         numeric_albedo=known(1e-3),
@@ -178,7 +178,8 @@ class Patina(Model):
         grown = self._grown()
         wo_t = refract(wo, average(self.coat_eta))
         F = F_conductor(wo.z, self.coat_eta, self.coat_k)
-        T = transmittance_conductor(wo.z, self.coat_eta, self.coat_k)
+        # Light enters through tilted facets, more of it than the mean surface lets in at grazing angles
+        T = transmittance_conductor(0.5 + 0.5 * wo.z, self.coat_eta, self.coat_k)
         F_metal = self._metal_F(wo.z)
         bare = (1 - grown) * average(F_metal)
         coat = grown * average(F)

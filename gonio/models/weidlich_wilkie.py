@@ -13,7 +13,7 @@ from gonio.lang import Color, Float, Sample, Vec2, Vec3, maximum, select, vec3
 from gonio.model import Model, child, option, param
 from gonio.parts.distribution import (
     ALPHA_MIN,
-    D_beckmann,
+    D_beckmann_round,
     D_ggx,
     cos_half,
     half_vector,
@@ -198,7 +198,7 @@ class WeidlichWilkie(Model):
 
     def _D(self, m: Vec3) -> Float:
         if self.distribution == "beckmann":
-            return D_beckmann(m, self.alpha, self.alpha)
+            return D_beckmann_round(m, self.alpha)
         return D_ggx(m, self.alpha, self.alpha)
 
     def _G(self, wi: Vec3, wo: Vec3) -> Float:
@@ -223,12 +223,11 @@ class WeidlichWilkie(Model):
         """T12 t: what the surface lets in and out again."""
         if self.transmission == "both_ways":
             return self._T(wi.z) * self._T(wo.z)
-        cos_h = cos_half(wi, wo)
-        T = self._T(cos_h)
+        T = self._T(cos_half(wi, wo))
         if self.interface == "smooth":
             return T * T
-        # Eq. 4: t = (1 - G) + T21 G, and T21 = T12 = 1 - F at the half vector
-        return T * (1 - self._G(wi, wo) * self._F(cos_h))
+        G = self._G(wi, wo)
+        return T * ((1 - G) + T * G)  # Eq. 4; 1 - G F would lose the digits of a small T
 
     def _compression(self) -> Float:
         if self.solid_angle == "compressed":

@@ -179,6 +179,14 @@ def D_beckmann(m: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
     return INV_PI / (alpha_x * alpha_y) * inv_cos2 * inv_cos2 * exp(-slope2)
 
 
+def D_beckmann_round(m: Vec3, alpha: Float) -> Float:
+    """`D_beckmann` for facets of the same width in all directions."""
+    inv_cos2 = 1 / maximum(m.z * m.z, COS2_MIN)
+    tan2 = (m.x * m.x + m.y * m.y) * inv_cos2
+    a2 = alpha * alpha
+    return INV_PI / a2 * inv_cos2 * inv_cos2 * exp(-tan2 / a2)
+
+
 def sample_beckmann(alpha_x: Float, alpha_y: Float, u: Vec2) -> Vec3:
     """A normal with density D_beckmann m.z. Walter et al., Eq. 28 and 29."""
     r = safe_sqrt(-log(maximum(1 - u.x, RANDOM_MARGIN)))

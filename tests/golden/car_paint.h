@@ -383,7 +383,8 @@ inline Vec2 car_paint_shares(const CarPaint& params, Vec3 wo, Vec3 wo_t) {
     constexpr float COAT_SHARE_MIN = 0.1f;
     // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
     constexpr float LOBE_MIN = 1.0e-12f;
-    float below = car_paint_transmittance_denser(wo.z, params.eta)
+    float mu = wo.z;
+    float below = car_paint_transmittance_denser(mu, params.eta)
         * car_paint_average(car_paint_absorbed_least(car_paint_depth(params), wo_t));
     Vec3 tilted = car_paint_to_tilted(wo_t, car_paint_normal(params));
     float lit = tilted.z > 0.0f ? below : 0.0f;

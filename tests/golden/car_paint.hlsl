@@ -285,7 +285,8 @@ float2 car_paint_shares(CarPaint params, float3 wo, float3 wo_t) {
     const float COAT_SHARE_MIN = 0.1;
     // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
     const float LOBE_MIN = 1.0e-12;
-    float below = car_paint_transmittance_denser(wo.z, params.eta)
+    float mu = wo.z;
+    float below = car_paint_transmittance_denser(mu, params.eta)
         * car_paint_average(car_paint_absorbed_least(car_paint_depth(params), wo_t));
     float3 tilted = car_paint_to_tilted(wo_t, car_paint_normal(params));
     float lit = tilted.z > 0.0 ? below : 0.0;

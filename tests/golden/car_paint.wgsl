@@ -282,7 +282,8 @@ fn car_paint_shares(params: CarPaint, wo: vec3f, wo_t: vec3f) -> vec2f {
     const COAT_SHARE_MIN = 0.1;
     // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
     const LOBE_MIN = 1.0e-12;
-    let below = car_paint_transmittance_denser(wo.z, params.eta)
+    let mu = wo.z;
+    let below = car_paint_transmittance_denser(mu, params.eta)
         * car_paint_average(car_paint_absorbed_least(car_paint_depth(params), wo_t));
     let tilted = car_paint_to_tilted(wo_t, car_paint_normal(params));
     let lit = select(0.0, below, tilted.z > 0.0);

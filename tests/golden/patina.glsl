@@ -277,7 +277,8 @@ PatinaShares patina_shares(Patina params, vec3 wo) {
     float grown = patina_grown(params);
     vec3 wo_t = patina_refract(wo, patina_average(params.coat_eta));
     vec3 F = patina_F_conductor(wo.z, params.coat_eta, params.coat_k);
-    vec3 T = patina_transmittance_conductor(wo.z, params.coat_eta, params.coat_k);
+    // Light enters through tilted facets, more of it than the mean surface lets in at grazing angles
+    vec3 T = patina_transmittance_conductor(0.5 + 0.5 * wo.z, params.coat_eta, params.coat_k);
     vec3 F_metal = patina_metal_F(params, wo.z);
     float bare = (1.0 - grown) * patina_average(F_metal);
     float coat = grown * patina_average(F);

@@ -391,7 +391,8 @@ inline PatinaShares patina_shares(const Patina& params, Vec3 wo) {
     float grown = patina_grown(params);
     Vec3 wo_t = patina_refract(wo, patina_average(params.coat_eta));
     Vec3 F = patina_F_conductor(wo.z, params.coat_eta, params.coat_k);
-    Vec3 T = patina_transmittance_conductor(wo.z, params.coat_eta, params.coat_k);
+    // Light enters through tilted facets, more of it than the mean surface lets in at grazing angles
+    Vec3 T = patina_transmittance_conductor(0.5f + 0.5f * wo.z, params.coat_eta, params.coat_k);
     Vec3 F_metal = patina_metal_F(params, wo.z);
     float bare = (1.0f - grown) * patina_average(F_metal);
     float coat = grown * patina_average(F);

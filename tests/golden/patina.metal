@@ -280,7 +280,8 @@ inline PatinaShares patina_shares(Patina params, float3 wo) {
     float grown = patina_grown(params);
     float3 wo_t = patina_refract(wo, patina_average(params.coat_eta));
     float3 F = patina_F_conductor(wo.z, params.coat_eta, params.coat_k);
-    float3 T = patina_transmittance_conductor(wo.z, params.coat_eta, params.coat_k);
+    // Light enters through tilted facets, more of it than the mean surface lets in at grazing angles
+    float3 T = patina_transmittance_conductor(0.5 + 0.5 * wo.z, params.coat_eta, params.coat_k);
     float3 F_metal = patina_metal_F(params, wo.z);
     float bare = (1.0 - grown) * patina_average(F_metal);
     float coat = grown * patina_average(F);

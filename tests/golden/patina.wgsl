@@ -276,7 +276,8 @@ fn patina_shares(params: Patina, wo: vec3f) -> PatinaShares {
     let grown = patina_grown(params);
     let wo_t = patina_refract(wo, patina_average(params.coat_eta));
     let F = patina_F_conductor(wo.z, params.coat_eta, params.coat_k);
-    let T = patina_transmittance_conductor(wo.z, params.coat_eta, params.coat_k);
+    // Light enters through tilted facets, more of it than the mean surface lets in at grazing angles
+    let T = patina_transmittance_conductor(0.5 + 0.5 * wo.z, params.coat_eta, params.coat_k);
     let F_metal = patina_metal_F(params, wo.z);
     let bare = (1.0 - grown) * patina_average(F_metal);
     let coat = grown * patina_average(F);

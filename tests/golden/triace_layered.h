@@ -337,7 +337,9 @@ inline TriaceLayeredShares triace_layered_shares(const TriaceLayered& params, Ve
     constexpr float LOBE_MIN = 1.0e-12f;
     // Smallest share of the samples that a highlight gets: it bounds their weights.
     constexpr float LOBE_SHARE_MIN = 0.1f;
-    TriaceLayeredBottomFresnel bottom_fresnel_result = triace_layered_bottom_fresnel(params, wo.z);
+    // Light enters through tilted facets, more of it than the mean surface lets in at grazing angles
+    TriaceLayeredBottomFresnel bottom_fresnel_result = triace_layered_bottom_fresnel(params, 0.5f
+        + 0.5f * wo.z);
     float glossy = bottom_fresnel_result.first;
     float matte = bottom_fresnel_result.second;
     // The shortest way in, the light's, bounds what the absorption can leave.

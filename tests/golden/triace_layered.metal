@@ -267,7 +267,9 @@ inline TriaceLayeredShares triace_layered_shares(TriaceLayered params, float3 wo
     const float LOBE_MIN = 1.0e-12;
     // Smallest share of the samples that a highlight gets: it bounds their weights.
     const float LOBE_SHARE_MIN = 0.1;
-    TriaceLayeredBottomFresnel bottom_fresnel_result = triace_layered_bottom_fresnel(params, wo.z);
+    // Light enters through tilted facets, more of it than the mean surface lets in at grazing angles
+    TriaceLayeredBottomFresnel bottom_fresnel_result = triace_layered_bottom_fresnel(params, 0.5
+        + 0.5 * wo.z);
     float glossy = bottom_fresnel_result.first;
     float matte = bottom_fresnel_result.second;
     // The shortest way in, the light's, bounds what the absorption can leave.

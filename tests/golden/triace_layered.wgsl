@@ -264,7 +264,8 @@ fn triace_layered_shares(params: TriaceLayered, wo: vec3f) -> TriaceLayeredShare
     const LOBE_MIN = 1.0e-12;
     // Smallest share of the samples that a highlight gets: it bounds their weights.
     const LOBE_SHARE_MIN = 0.1;
-    let bottom_fresnel_result = triace_layered_bottom_fresnel(params, wo.z);
+    // Light enters through tilted facets, more of it than the mean surface lets in at grazing angles
+    let bottom_fresnel_result = triace_layered_bottom_fresnel(params, 0.5 + 0.5 * wo.z);
     let glossy = bottom_fresnel_result.first;
     let matte = bottom_fresnel_result.second;
     // The shortest way in, the light's, bounds what the absorption can leave.

@@ -105,34 +105,11 @@ float weidlich_wilkie_G(WeidlichWilkie params, vec3 wi, vec3 wo) {
         weidlich_wilkie_cos_half(wi, wo));
 }
 
-// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
-float weidlich_wilkie_F_denser(float cos_theta, float eta) {
-    const float ROOT_MIN = 1.0e-16;
-    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
-    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2),
-    // so that the mean of both squares is a product.
-    float c = cos_theta;
-    float contrast = (eta - 1.0) * (eta + 1.0);
-    float sin2 = 1.0 - c * c;
-    // c^2 with its rounding error: at grazing angles, and at the critical one, little else is left
-    float g = sqrt(max(fma(c, c, contrast), ROOT_MIN));
-    float s = c + g;
-    float p = c * g;
-    float r_s = contrast / (s * s);
-    float q = p + sin2;
-    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
-}
-
-float weidlich_wilkie_F(WeidlichWilkie params, float cos_h) {
-    return weidlich_wilkie_F_denser(cos_h, params.eta);
-}
-
 // T12 t: what the surface lets in and out again.
 float weidlich_wilkie_transmitted(WeidlichWilkie params, vec3 wi, vec3 wo) {
-    float cos_h = weidlich_wilkie_cos_half(wi, wo);
-    float T = weidlich_wilkie_T(params, cos_h);
-    // Eq. 4: t = (1 - G) + T21 G, and T21 = T12 = 1 - F at the half vector
-    return T * (1.0 - weidlich_wilkie_G(params, wi, wo) * weidlich_wilkie_F(params, cos_h));
+    float T = weidlich_wilkie_T(params, weidlich_wilkie_cos_half(wi, wo));
+    float G = weidlich_wilkie_G(params, wi, wo);
+    return T * (1.0 - G + T * G);  // Eq. 4; 1 - G F would lose the digits of a small T
 }
 
 float weidlich_wilkie_compression(WeidlichWilkie params) {
@@ -166,26 +143,41 @@ vec3 weidlich_wilkie_absorbed(vec3 depth, vec3 wi, vec3 wo) {
     return exp(-depth * (1.0 / wi.z + 1.0 / wo.z));
 }
 
-// Square of the slope in units of the widths, times m.z^2.
-float weidlich_wilkie_slope2(vec3 m, float alpha_x, float alpha_y) {
-    float x = m.x / alpha_x;
-    float y = m.y / alpha_y;
-    return x * x + y * y;
+// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
+float weidlich_wilkie_F_denser(float cos_theta, float eta) {
+    const float ROOT_MIN = 1.0e-16;
+    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
+    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2),
+    // so that the mean of both squares is a product.
+    float c = cos_theta;
+    float contrast = (eta - 1.0) * (eta + 1.0);
+    float sin2 = 1.0 - c * c;
+    // c^2 with its rounding error: at grazing angles, and at the critical one, little else is left
+    float g = sqrt(max(fma(c, c, contrast), ROOT_MIN));
+    float s = c + g;
+    float p = c * g;
+    float r_s = contrast / (s * s);
+    float q = p + sin2;
+    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
 }
 
-// Beckmann: slopes with a normal distribution of variance alpha^2 / 2. Walter et al., Eq. 25.
-float weidlich_wilkie_D_beckmann(vec3 m, float alpha_x, float alpha_y) {
+float weidlich_wilkie_F(WeidlichWilkie params, float cos_h) {
+    return weidlich_wilkie_F_denser(cos_h, params.eta);
+}
+
+// `D_beckmann` for facets of the same width in all directions.
+float weidlich_wilkie_D_beckmann_round(vec3 m, float alpha) {
     // Square of the cosine below which exp(-tan^2 / alpha^2) is 0 in any precision, for alpha up to 3.2.
     const float COS2_MIN = 1.0e-6;
     const float inv_pi = 0.31830987;
     float inv_cos2 = 1.0 / max(m.z * m.z, COS2_MIN);
-    float slope2 = weidlich_wilkie_slope2(m, alpha_x, alpha_y) * inv_cos2;
-    // Separate quotients: the square of their common denominator would leave a float32's range
-    return inv_pi / (alpha_x * alpha_y) * inv_cos2 * inv_cos2 * exp(-slope2);
+    float tan2 = (m.x * m.x + m.y * m.y) * inv_cos2;
+    float a2 = alpha * alpha;
+    return inv_pi / a2 * inv_cos2 * inv_cos2 * exp(-tan2 / a2);
 }
 
 float weidlich_wilkie_D(WeidlichWilkie params, vec3 m) {
-    return weidlich_wilkie_D_beckmann(m, params.alpha, params.alpha);
+    return weidlich_wilkie_D_beckmann_round(m, params.alpha);
 }
 
 // The same over 4 mu_i mu_o.

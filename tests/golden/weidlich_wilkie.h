@@ -175,34 +175,11 @@ inline float weidlich_wilkie_G(const WeidlichWilkie& params, Vec3 wi, Vec3 wo) {
         weidlich_wilkie_cos_half(wi, wo));
 }
 
-// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
-inline float weidlich_wilkie_F_denser(float cos_theta, float eta) {
-    constexpr float ROOT_MIN = 1.0e-16f;
-    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
-    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2),
-    // so that the mean of both squares is a product.
-    float c = cos_theta;
-    float contrast = (eta - 1.0f) * (eta + 1.0f);
-    float sin2 = 1.0f - c * c;
-    // c^2 with its rounding error: at grazing angles, and at the critical one, little else is left
-    float g = sqrtf(fmaxf(fmaf(c, c, contrast), ROOT_MIN));
-    float s = c + g;
-    float p = c * g;
-    float r_s = contrast / (s * s);
-    float q = p + sin2;
-    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
-}
-
-inline float weidlich_wilkie_F(const WeidlichWilkie& params, float cos_h) {
-    return weidlich_wilkie_F_denser(cos_h, params.eta);
-}
-
 // T12 t: what the surface lets in and out again.
 inline float weidlich_wilkie_transmitted(const WeidlichWilkie& params, Vec3 wi, Vec3 wo) {
-    float cos_h = weidlich_wilkie_cos_half(wi, wo);
-    float T = weidlich_wilkie_T(params, cos_h);
-    // Eq. 4: t = (1 - G) + T21 G, and T21 = T12 = 1 - F at the half vector
-    return T * (1.0f - weidlich_wilkie_G(params, wi, wo) * weidlich_wilkie_F(params, cos_h));
+    float T = weidlich_wilkie_T(params, weidlich_wilkie_cos_half(wi, wo));
+    float G = weidlich_wilkie_G(params, wi, wo);
+    return T * (1.0f - G + T * G);  // Eq. 4; 1 - G F would lose the digits of a small T
 }
 
 inline float weidlich_wilkie_compression(const WeidlichWilkie& params) {
@@ -236,26 +213,41 @@ inline Vec3 weidlich_wilkie_absorbed(Vec3 depth, Vec3 wi, Vec3 wo) {
     return exp(-depth * (1.0f / wi.z + 1.0f / wo.z));
 }
 
-// Square of the slope in units of the widths, times m.z^2.
-inline float weidlich_wilkie_slope2(Vec3 m, float alpha_x, float alpha_y) {
-    float x = m.x / alpha_x;
-    float y = m.y / alpha_y;
-    return x * x + y * y;
+// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
+inline float weidlich_wilkie_F_denser(float cos_theta, float eta) {
+    constexpr float ROOT_MIN = 1.0e-16f;
+    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
+    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2),
+    // so that the mean of both squares is a product.
+    float c = cos_theta;
+    float contrast = (eta - 1.0f) * (eta + 1.0f);
+    float sin2 = 1.0f - c * c;
+    // c^2 with its rounding error: at grazing angles, and at the critical one, little else is left
+    float g = sqrtf(fmaxf(fmaf(c, c, contrast), ROOT_MIN));
+    float s = c + g;
+    float p = c * g;
+    float r_s = contrast / (s * s);
+    float q = p + sin2;
+    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
 }
 
-// Beckmann: slopes with a normal distribution of variance alpha^2 / 2. Walter et al., Eq. 25.
-inline float weidlich_wilkie_D_beckmann(Vec3 m, float alpha_x, float alpha_y) {
+inline float weidlich_wilkie_F(const WeidlichWilkie& params, float cos_h) {
+    return weidlich_wilkie_F_denser(cos_h, params.eta);
+}
+
+// `D_beckmann` for facets of the same width in all directions.
+inline float weidlich_wilkie_D_beckmann_round(Vec3 m, float alpha) {
     // Square of the cosine below which exp(-tan^2 / alpha^2) is 0 in any precision, for alpha up to 3.2.
     constexpr float COS2_MIN = 1.0e-6f;
     constexpr float inv_pi = 0.31830987f;
     float inv_cos2 = 1.0f / fmaxf(m.z * m.z, COS2_MIN);
-    float slope2 = weidlich_wilkie_slope2(m, alpha_x, alpha_y) * inv_cos2;
-    // Separate quotients: the square of their common denominator would leave a float32's range
-    return inv_pi / (alpha_x * alpha_y) * inv_cos2 * inv_cos2 * expf(-slope2);
+    float tan2 = (m.x * m.x + m.y * m.y) * inv_cos2;
+    float a2 = alpha * alpha;
+    return inv_pi / a2 * inv_cos2 * inv_cos2 * expf(-tan2 / a2);
 }
 
 inline float weidlich_wilkie_D(const WeidlichWilkie& params, Vec3 m) {
-    return weidlich_wilkie_D_beckmann(m, params.alpha, params.alpha);
+    return weidlich_wilkie_D_beckmann_round(m, params.alpha);
 }
 
 // The same over 4 mu_i mu_o.

@@ -105,34 +105,11 @@ fn weidlich_wilkie_G(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> f32 {
         weidlich_wilkie_cos_half(wi, wo));
 }
 
-// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
-fn weidlich_wilkie_F_denser(cos_theta: f32, eta: f32) -> f32 {
-    const ROOT_MIN = 1.0e-16;
-    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
-    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2),
-    // so that the mean of both squares is a product.
-    let c = cos_theta;
-    let contrast = (eta - 1.0) * (eta + 1.0);
-    let sin2 = 1.0 - c * c;
-    // c^2 with its rounding error: at grazing angles, and at the critical one, little else is left
-    let g = sqrt(max(fma(c, c, contrast), ROOT_MIN));
-    let s = c + g;
-    let p = c * g;
-    let r_s = contrast / (s * s);
-    let q = p + sin2;
-    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
-}
-
-fn weidlich_wilkie_F(params: WeidlichWilkie, cos_h: f32) -> f32 {
-    return weidlich_wilkie_F_denser(cos_h, params.eta);
-}
-
 // T12 t: what the surface lets in and out again.
 fn weidlich_wilkie_transmitted(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> f32 {
-    let cos_h = weidlich_wilkie_cos_half(wi, wo);
-    let T = weidlich_wilkie_T(params, cos_h);
-    // Eq. 4: t = (1 - G) + T21 G, and T21 = T12 = 1 - F at the half vector
-    return T * (1.0 - weidlich_wilkie_G(params, wi, wo) * weidlich_wilkie_F(params, cos_h));
+    let T = weidlich_wilkie_T(params, weidlich_wilkie_cos_half(wi, wo));
+    let G = weidlich_wilkie_G(params, wi, wo);
+    return T * (1.0 - G + T * G);  // Eq. 4; 1 - G F would lose the digits of a small T
 }
 
 fn weidlich_wilkie_compression(params: WeidlichWilkie) -> f32 {
@@ -166,26 +143,41 @@ fn weidlich_wilkie_absorbed(depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
     return exp(-depth * (1.0 / wi.z + 1.0 / wo.z));
 }
 
-// Square of the slope in units of the widths, times m.z^2.
-fn weidlich_wilkie_slope2(m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    let x = m.x / alpha_x;
-    let y = m.y / alpha_y;
-    return x * x + y * y;
+// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
+fn weidlich_wilkie_F_denser(cos_theta: f32, eta: f32) -> f32 {
+    const ROOT_MIN = 1.0e-16;
+    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
+    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2),
+    // so that the mean of both squares is a product.
+    let c = cos_theta;
+    let contrast = (eta - 1.0) * (eta + 1.0);
+    let sin2 = 1.0 - c * c;
+    // c^2 with its rounding error: at grazing angles, and at the critical one, little else is left
+    let g = sqrt(max(fma(c, c, contrast), ROOT_MIN));
+    let s = c + g;
+    let p = c * g;
+    let r_s = contrast / (s * s);
+    let q = p + sin2;
+    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
 }
 
-// Beckmann: slopes with a normal distribution of variance alpha^2 / 2. Walter et al., Eq. 25.
-fn weidlich_wilkie_D_beckmann(m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+fn weidlich_wilkie_F(params: WeidlichWilkie, cos_h: f32) -> f32 {
+    return weidlich_wilkie_F_denser(cos_h, params.eta);
+}
+
+// `D_beckmann` for facets of the same width in all directions.
+fn weidlich_wilkie_D_beckmann_round(m: vec3f, alpha: f32) -> f32 {
     // Square of the cosine below which exp(-tan^2 / alpha^2) is 0 in any precision, for alpha up to 3.2.
     const COS2_MIN = 1.0e-6;
     const inv_pi = 0.31830987;
     let inv_cos2 = 1.0 / max(m.z * m.z, COS2_MIN);
-    let slope2 = weidlich_wilkie_slope2(m, alpha_x, alpha_y) * inv_cos2;
-    // Separate quotients: the square of their common denominator would leave a float32's range
-    return inv_pi / (alpha_x * alpha_y) * inv_cos2 * inv_cos2 * exp(-slope2);
+    let tan2 = (m.x * m.x + m.y * m.y) * inv_cos2;
+    let a2 = alpha * alpha;
+    return inv_pi / a2 * inv_cos2 * inv_cos2 * exp(-tan2 / a2);
 }
 
 fn weidlich_wilkie_D(params: WeidlichWilkie, m: vec3f) -> f32 {
-    return weidlich_wilkie_D_beckmann(m, params.alpha, params.alpha);
+    return weidlich_wilkie_D_beckmann_round(m, params.alpha);
 }
 
 // The same over 4 mu_i mu_o.
