@@ -328,6 +328,7 @@ _PROVERS = {
     "wgpu": "WGSL",
     "moderngl": "GLSL",
     "bpy": "OSL",
+    "nvrtc": "CUDA",
     "spirv-opt": "counting instructions",
 }
 

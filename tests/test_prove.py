@@ -16,8 +16,8 @@ import pytest
 from support.directions import RANDOM, adversarial_pairs
 
 import gonio
-from gonio.export import Entry, Export, Member
-from gonio.export.prove import ProofError, describe, judge, prove, table
+from gonio.export import Entry, Export, Member, export
+from gonio.export.prove import ProofError, describe, judge, prove, table, tools
 from gonio.export.prove.harness import input_columns, split
 from gonio.export.prove.rows import rows_for
 from gonio.export.prove.runners import RUNNERS
@@ -400,6 +400,54 @@ def test_a_driver_that_does_not_work_is_named_with_what_to_install(monkeypatch):
         ProofError, match=r"^moderngl does not work here \(.*\); .*libegl1"
     ) as raised:
         prove([(MODEL, by_hand("glsl"))], 100)
+    assert "\n" not in str(raised.value)
+
+
+def as_cuda(name, source=lambda text: text):
+    (made,) = export({name: gonio.model(name)}, "cuda")
+    return replace(made, source=source(made.source))
+
+
+def test_the_cuda_compiler_refuses_what_cannot_run_on_a_gpu():
+    """g++ knows nothing of __device__ and sees no mistake in either."""
+    host = as_cuda("eon", lambda text: text.replace("__host__ __device__ ", "", 1))
+    library = as_cuda(
+        "lambert", lambda text: text.replace("<math.h>", "<cmath>\n#include <vector>")
+    )
+    right = as_cuda("fon")
+    results = RUNNERS["cuda"](
+        [host, library, right],
+        [rows_for(MODEL, e.entry.members, 64) for e in (host, library, right)],
+    )
+    for output, export_, words in zip(
+        results.outputs, (host, library), ("line .*: ", "could not open source"), strict=False
+    ):
+        assert isinstance(output, ProofError)
+        assert re.search(
+            rf"^{export_.entry.prefix} in cuda: NVRTC says: .*{words}", str(output), re.S
+        )
+    assert isinstance(results.outputs[2], np.ndarray)
+    assert "NVRTC" in results.device
+
+
+def test_a_missing_cuda_compiler_is_named_with_what_to_install(monkeypatch):
+    locate = tools.locate
+    monkeypatch.setattr(tools, "locate", lambda name: None if name == "nvrtc" else locate(name))
+    with pytest.raises(
+        ProofError, match=r"^nvrtc is not installed, .*; pip install nvidia-cuda-nvrtc"
+    ):
+        prove([(gonio.model("lambert"), as_cuda("lambert"))], 100)
+
+
+def test_a_cuda_compiler_that_does_not_work_is_named(monkeypatch, tmp_path):
+    (tmp_path / "libnvrtc.so").write_bytes(b"no library")
+    locate = tools.locate
+    broken = str(tmp_path / "libnvrtc.so")
+    monkeypatch.setattr(tools, "locate", lambda name: broken if name == "nvrtc" else locate(name))
+    with pytest.raises(
+        ProofError, match=r"^nvrtc does not work here \(.*\); pip install"
+    ) as raised:
+        prove([(gonio.model("lambert"), as_cuda("lambert"))], 100)
     assert "\n" not in str(raised.value)
 
 

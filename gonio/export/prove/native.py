@@ -65,7 +65,7 @@ def _run(exports: Sequence[Export], rows: Sequence[Rows], purpose: str, device: 
 def main_text(export: Export) -> str:
     """The loop over all rows, around the source."""
     entry = export.entry
-    dialect = METAL_DIALECT if export.language == "msl" else _cpp(entry.namespace + "::")
+    dialect = METAL_DIALECT if export.language == "msl" else cpp_dialect(entry.namespace + "::")
     return (
         '#include "export.h"\n\n'
         'extern "C" void run(const float* x, float* y, int rows) {\n'
@@ -75,7 +75,8 @@ def main_text(export: Export) -> str:
     )
 
 
-def _cpp(scope: str) -> Dialect:
+def cpp_dialect(scope: str) -> Dialect:
+    """C++ and CUDA; `scope` is the namespace of the export."""
     return Dialect(
         vec2=f"{scope}Vec2{{{{{{0}}, {{1}}}}}}",
         vec3=f"{scope}Vec3{{{{{{0}}, {{1}}, {{2}}}}}}",

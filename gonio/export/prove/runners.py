@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from gonio.export.entry import Export
+from gonio.export.prove.cuda import run_cuda
 from gonio.export.prove.harness import Runner
 from gonio.export.prove.native import run_cpp, run_msl
 from gonio.export.prove.opengl import run_essl, run_glsl
@@ -26,7 +27,7 @@ RUNNERS: dict[str, Runner] = {
     "slang": run_slang,
     "osl": run_osl,
     "cpp": run_cpp,
-    "cuda": run_cpp,
+    "cuda": run_cuda,
 }
 
 

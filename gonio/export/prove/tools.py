@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes.util
 import importlib.util
 import json
 import re
@@ -44,6 +45,7 @@ INSTALL = {
     "slangc": "pip install --no-deps slangtorch",
     "wgpu": "pip install wgpu, and without a GPU also apt-get install mesa-vulkan-drivers",
     "moderngl": "pip install moderngl, and apt-get install libegl1 libgl1",
+    "nvrtc": "pip install nvidia-cuda-nvrtc-cu12, or NVIDIA's CUDA toolkit (no GPU needed)",
     "bpy": "pip install --no-deps bpy==5.0.1 with Python 3.11 (Blender, GPL-3)",
 }
 
@@ -54,6 +56,8 @@ def locate(tool: str) -> str | None:
     """Where a program or Python package is that INSTALL names; None if it is not installed."""
     if tool == "slangc":
         return slang_compiler()
+    if tool == "nvrtc":
+        return cuda_compiler()
     if tool in PACKAGES:
         found = importlib.util.find_spec(tool)
         return None if found is None else str(found.origin)
@@ -80,6 +84,16 @@ def slang_compiler() -> str | None:
                 candidate.chmod(candidate.stat().st_mode | 0o111)
             return str(candidate)
     return None
+
+
+def cuda_compiler() -> str | None:
+    """NVIDIA's runtime compiler: the library of its package, or of an installed CUDA toolkit."""
+    found = importlib.util.find_spec("nvidia")
+    for place in (found.submodule_search_locations or ()) if found is not None else ():
+        for file in sorted(Path(place).glob("cuda_nvrtc/*/*nvrtc*")):
+            if re.match(r"(lib)?nvrtc(\.so\.\d+|64_\d+_0\.dll)$", file.name):
+                return str(file)
+    return ctypes.util.find_library("nvrtc")
 
 
 def run(
