@@ -67,7 +67,7 @@ class OrenNayar(Model):
         sin_beta = sqrt(maximum(minimum(sin2_i, sin2_o), MU_MIN))
         beta_complement = safe_asin(cos_beta)
         beta = PI / 2 - beta_complement
-        tan_beta = sin_beta / maximum(cos_beta, MU_MIN)
+        tan_beta = sin_beta / cos_beta
 
         # c = cos(phi_i - phi_o), and 1 - |c| from the sine of that angle, which keeps its digits
         s = tangential_dot(wi, wo)
@@ -84,7 +84,7 @@ class OrenNayar(Model):
         C2 = 0.45 * s2 / (s2 + 0.09) * select(s >= 0, sin_alpha, dip)
         four_alpha_beta = 4 * INV_PI * INV_PI * safe_acos(cos_alpha) * beta
         C3 = 0.125 * s2 / (s2 + 0.09) * four_alpha_beta * four_alpha_beta
-        tan_half = (sin_alpha + sin_beta) / maximum(cos_alpha + cos_beta, MU_MIN)
+        tan_half = (sin_alpha + sin_beta) / (cos_alpha + cos_beta)
         L1 = C1 + c * C2 * tan_beta + one_minus_c * C3 * tan_half
 
         two_beta = 2 * INV_PI * beta

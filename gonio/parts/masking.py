@@ -90,7 +90,7 @@ def V_smith_correlated_ggx(wi: Vec3, wo: Vec3, alpha_x: Float, alpha_y: Float) -
 
 def G1_beckmann(w: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
     """Smith's masking 1 / (1 + Lambda), exact."""
-    return w.z / maximum(w.z + beckmann_lambda_mu(w, alpha_x, alpha_y), MU_MIN)
+    return w.z / (w.z + beckmann_lambda_mu(w, alpha_x, alpha_y))
 
 
 def V_smith_beckmann(wi: Vec3, wo: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
@@ -147,9 +147,9 @@ def schlick_k_ue4(roughness: Float) -> Float:
 
 def G1_schlick(mu: Float, k: Float) -> Float:
     """Schlick's masking mu / (mu (1 - k) + k)."""
-    return mu / maximum(mu * (1 - k) + k, MU_MIN)
+    return mu / (mu * (1 - k) + k)
 
 
 def V_schlick(wi: Vec3, wo: Vec3, k: Float) -> Float:
     """G = G1_schlick(mu_i) G1_schlick(mu_o)."""
-    return 0.25 / (maximum(wi.z * (1 - k) + k, MU_MIN) * maximum(wo.z * (1 - k) + k, MU_MIN))
+    return 0.25 / ((wi.z * (1 - k) + k) * (wo.z * (1 - k) + k))

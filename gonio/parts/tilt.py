@@ -1,6 +1,6 @@
 """The frame of a tilted normal, for a surface whose normal alone is perturbed."""
 
-from gonio.lang import MU_MIN, Float, Vec3, dot, maximum, minimum, normalize, vec3
+from gonio.lang import Float, Vec3, dot, maximum, minimum, normalize, vec3
 
 
 def flake_normal(slope_x: Float, slope_y: Float, distance: Float) -> Vec3:
@@ -32,4 +32,4 @@ def from_tilted(w: Vec3, n: Vec3) -> Vec3:
 
 def seen(cos_tilted: Float, mu: Float) -> Float:
     """How much of a tilted facet a direction sees, at most as much as of the flat surface."""
-    return minimum(maximum(cos_tilted, 0) / maximum(mu, MU_MIN), 1)
+    return minimum(maximum(cos_tilted, 0) / mu, 1)

@@ -309,8 +309,7 @@ inline Vec3 car_paint_F_conductor(float cos_theta, Vec3 eta, Vec3 k) {
 
 // How much of a tilted facet a direction sees, at most as much as of the flat surface.
 inline float car_paint_seen(float cos_tilted, float mu) {
-    constexpr float mu_min = 1.0e-18f;
-    return fminf(fmaxf(cos_tilted, 0.0f) / fmaxf(mu, mu_min), 1.0f);
+    return fminf(fmaxf(cos_tilted, 0.0f) / mu, 1.0f);
 }
 
 // The metal's BRDF in the flake's frame.

@@ -211,8 +211,7 @@ inline float3 car_paint_F_conductor(float cos_theta, float3 eta, float3 k) {
 
 // How much of a tilted facet a direction sees, at most as much as of the flat surface.
 inline float car_paint_seen(float cos_tilted, float mu) {
-    const float mu_min = 1.0e-18;
-    return min(max(cos_tilted, 0.0) / max(mu, mu_min), 1.0);
+    return min(max(cos_tilted, 0.0) / mu, 1.0);
 }
 
 // The metal's BRDF in the flake's frame.

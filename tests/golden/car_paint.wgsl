@@ -207,8 +207,7 @@ fn car_paint_F_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f {
 
 // How much of a tilted facet a direction sees, at most as much as of the flat surface.
 fn car_paint_seen(cos_tilted: f32, mu: f32) -> f32 {
-    const mu_min = 1.0e-18;
-    return min(max(cos_tilted, 0.0) / max(mu, mu_min), 1.0);
+    return min(max(cos_tilted, 0.0) / mu, 1.0);
 }
 
 // The metal's BRDF in the flake's frame.

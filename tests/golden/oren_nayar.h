@@ -126,7 +126,7 @@ inline Vec3 oren_nayar_eval(const OrenNayar& params, Vec3 wi, Vec3 wo) {
     float sin_beta = sqrtf(fmaxf(fminf(sin2_i, sin2_o), mu_min));
     float beta_complement = asinf(fminf(fmaxf(cos_beta, -1.0f), 1.0f));
     float beta = pi / 2.0f - beta_complement;
-    float tan_beta = sin_beta / fmaxf(cos_beta, mu_min);
+    float tan_beta = sin_beta / cos_beta;
 
     // c = cos(phi_i - phi_o), and 1 - |c| from the sine of that angle, which keeps its digits
     float s = oren_nayar_tangential_dot(wi, wo);
@@ -145,7 +145,7 @@ inline Vec3 oren_nayar_eval(const OrenNayar& params, Vec3 wi, Vec3 wo) {
     float four_alpha_beta = 4.0f * inv_pi * inv_pi * acosf(fminf(fmaxf(cos_alpha, -1.0f), 1.0f))
         * beta;
     float C3 = 0.125f * s2 / (s2 + 0.09f) * four_alpha_beta * four_alpha_beta;
-    float tan_half = (sin_alpha + sin_beta) / fmaxf(cos_alpha + cos_beta, mu_min);
+    float tan_half = (sin_alpha + sin_beta) / (cos_alpha + cos_beta);
     float L1 = C1 + c * C2 * tan_beta + one_minus_c * C3 * tan_half;
 
     float two_beta = 2.0f * inv_pi * beta;

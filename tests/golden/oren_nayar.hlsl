@@ -109,7 +109,7 @@ float3 oren_nayar_eval(OrenNayar params, float3 wi, float3 wo) {
     float sin_beta = sqrt(max(min(sin2_i, sin2_o), mu_min));
     float beta_complement = oren_nayar_safe_asin(cos_beta);
     float beta = pi / 2.0 - beta_complement;
-    float tan_beta = sin_beta / max(cos_beta, mu_min);
+    float tan_beta = sin_beta / cos_beta;
 
     // c = cos(phi_i - phi_o), and 1 - |c| from the sine of that angle, which keeps its digits
     float s = oren_nayar_tangential_dot(wi, wo);
@@ -126,7 +126,7 @@ float3 oren_nayar_eval(OrenNayar params, float3 wi, float3 wo) {
     float C2 = 0.45 * s2 / (s2 + 0.09) * (s >= 0.0 ? sin_alpha : dip);
     float four_alpha_beta = 4.0 * inv_pi * inv_pi * oren_nayar_safe_acos(cos_alpha) * beta;
     float C3 = 0.125 * s2 / (s2 + 0.09) * four_alpha_beta * four_alpha_beta;
-    float tan_half = (sin_alpha + sin_beta) / max(cos_alpha + cos_beta, mu_min);
+    float tan_half = (sin_alpha + sin_beta) / (cos_alpha + cos_beta);
     float L1 = C1 + c * C2 * tan_beta + one_minus_c * C3 * tan_half;
 
     float two_beta = 2.0 * inv_pi * beta;

@@ -109,7 +109,7 @@ fn oren_nayar_eval(params: OrenNayar, wi: vec3f, wo: vec3f) -> vec3f {
     let sin_beta = sqrt(max(min(sin2_i, sin2_o), mu_min));
     let beta_complement = oren_nayar_safe_asin(cos_beta);
     let beta = pi / 2.0 - beta_complement;
-    let tan_beta = sin_beta / max(cos_beta, mu_min);
+    let tan_beta = sin_beta / cos_beta;
 
     // c = cos(phi_i - phi_o), and 1 - |c| from the sine of that angle, which keeps its digits
     let s = oren_nayar_tangential_dot(wi, wo);
@@ -126,7 +126,7 @@ fn oren_nayar_eval(params: OrenNayar, wi: vec3f, wo: vec3f) -> vec3f {
     let C2 = 0.45 * s2 / (s2 + 0.09) * select(dip, sin_alpha, s >= 0.0);
     let four_alpha_beta = 4.0 * inv_pi * inv_pi * oren_nayar_safe_acos(cos_alpha) * beta;
     let C3 = 0.125 * s2 / (s2 + 0.09) * four_alpha_beta * four_alpha_beta;
-    let tan_half = (sin_alpha + sin_beta) / max(cos_alpha + cos_beta, mu_min);
+    let tan_half = (sin_alpha + sin_beta) / (cos_alpha + cos_beta);
     let L1 = C1 + c * C2 * tan_beta + one_minus_c * C3 * tan_half;
 
     let two_beta = 2.0 * inv_pi * beta;

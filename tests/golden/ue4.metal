@@ -94,10 +94,7 @@ inline float ue4_k(Ue4 params) {
 
 // G = G1_schlick(mu_i) G1_schlick(mu_o).
 inline float ue4_V_schlick(float3 wi, float3 wo, float k) {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const float mu_min = 1.0e-18;
-    return 0.25 / (max(wi.z * (1.0 - k) + k, mu_min) * max(wo.z * (1.0 - k) + k, mu_min));
+    return 0.25 / ((wi.z * (1.0 - k) + k) * (wo.z * (1.0 - k) + k));
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -228,6 +225,8 @@ inline float ue4_pdf_ggx_visible(float3 wo, float3 m, float alpha_x, float alpha
 
 // Density of `sample_ggx_lobe` in 1/sr.
 inline float ue4_pdf_ggx_lobe(float3 wi, float3 wo, float alpha_x, float alpha_y) {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     const float mu_min = 1.0e-18;
     float straight = ue4_pdf_ggx_visible(wo, ue4_half_vector(wi, wo), alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.

@@ -91,10 +91,7 @@ fn ue4_k(params: Ue4) -> f32 {
 
 // G = G1_schlick(mu_i) G1_schlick(mu_o).
 fn ue4_V_schlick(wi: vec3f, wo: vec3f, k: f32) -> f32 {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const mu_min = 1.0e-18;
-    return 0.25 / (max(wi.z * (1.0 - k) + k, mu_min) * max(wo.z * (1.0 - k) + k, mu_min));
+    return 0.25 / ((wi.z * (1.0 - k) + k) * (wo.z * (1.0 - k) + k));
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -224,6 +221,8 @@ fn ue4_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
 
 // Density of `sample_ggx_lobe` in 1/sr.
 fn ue4_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
+    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     const mu_min = 1.0e-18;
     let straight = ue4_pdf_ggx_visible(wo, ue4_half_vector(wi, wo), alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
