@@ -182,6 +182,22 @@ def test_adaptive_integration_is_exact_for_lobes_of_any_width(mu: float, shinine
     assert result.total[0, hemisphere.PDF] == pytest.approx(1, abs=1e-5)
 
 
+def test_adaptive_integration_sees_kinks_at_the_edges_of_cells(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """White EON seen at this angle has kinks where the samples cut the cells; Gauss's nodes miss them."""
+    eon = gonio.model("eon", rho=1, roughness=0.849201125427347)
+    subject = ModelSubject(eon, frozenset({"rho", "roughness"}))
+    wo = directions(np.array([0.07202438879744805]), np.zeros(1))
+    assert abs(energy.precise(subject, np.zeros((1, 0)), wo, 1e-8) - 1).max() < 1e-6
+    x, w = np.polynomial.legendre.leggauss(5)  # of the same degree as Lobatto's six
+    monkeypatch.setattr(hemisphere, "NODES", 5)
+    monkeypatch.setattr(hemisphere, "_NODE_U", np.repeat((x + 1) / 2, 5))
+    monkeypatch.setattr(hemisphere, "_NODE_V", np.tile((x + 1) / 2, 5))
+    monkeypatch.setattr(hemisphere, "_NODE_W", np.outer(w / 2, w / 2).ravel())
+    assert abs(energy.precise(subject, np.zeros((1, 0)), wo, 1e-8) - 1).max() > 1e-5
+
+
 def test_adaptive_integration_finds_a_lobe_that_only_the_sampler_knows() -> None:
     """A flake of width 1e-4, tilted by 45 degrees: far from the mirror direction of the surface."""
     flake = gonio.model(

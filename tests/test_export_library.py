@@ -72,6 +72,16 @@ def test_its_derivative_is_that_of_the_quotient(Float: Any) -> None:
     np.testing.assert_allclose(dr.grad(value).numpy(), slopes, rtol=2e-5, atol=1e-7)
 
 
+def test_a_choice_of_two_whole_numbers_is_a_real_number() -> None:
+    mask = dr.llvm.Float([0.0, 1.0]) > 0.5
+    np.testing.assert_allclose(
+        lang.sin(lang.select(mask, 1, 0)).numpy(), [0, math.sin(1)], rtol=1e-6
+    )
+    assert lang.select(True, 1, 0) / 2 == 0.5
+    # Integers among the arrays stay what they are
+    assert type(lang.select(mask, dr.llvm.UInt(3), 0)) is dr.llvm.UInt
+
+
 def test_the_error_function_is_exact_to_3e_8() -> None:
     assert worst(library.erf, mpmath.erf, np.linspace(-6, 6, 241)) < 3e-8
     assert library.erf(1e30) == pytest.approx(1)

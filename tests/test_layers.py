@@ -21,6 +21,7 @@ from gonio.models.patina import Patina
 from gonio.models.triace_layered import TriAceLayered
 from gonio.models.weidlich_wilkie import WeidlichWilkie
 from gonio.parts import interface, tilt
+from gonio.parts.distribution import cos_half
 
 ANGLES = [0, 30, 60, 80, 89]
 EXACT = {
@@ -623,3 +624,53 @@ class GrowsBackwards(Patina, register=False):
 def test_patina_that_grows_where_the_map_is_light_is_caught() -> None:
     dark, light = (GrowsBackwards(extent=0.3, growth=g).albedo([0, 0, 1]) for g in (0.1, 0.9))
     assert dark[1] / dark[0] < light[1] / light[0]
+
+
+# --- weights of samples at grazing angles --------------------------------------------------------
+
+
+def largest_weight(model: Model, mu: float) -> float:
+    """Of 20,000 samples, over their mean, for a viewer at cosine mu."""
+    n = 20_000
+    wo = np.repeat([[math.sqrt(1 - mu * mu), 0, mu]], n, 0)
+    wi, pdf = model.sample(wo, np.random.default_rng(0).random((n, 2)))
+    f = model.eval(wi, wo).mean(-1)
+    weight = np.where(pdf > 0, f * wi[:, 2] / np.where(pdf > 0, pdf, 1), 0)
+    return float(weight.max() / weight.mean())
+
+
+def test_no_sample_weighs_much_where_light_enters_through_tilted_facets() -> None:
+    patina = Patina(
+        growth=0.171, extent=2.0, transition=0.8589, thickness=2.54, sigma_a=(0.49, 0.49, 0),
+        alpha=1.7e-4, bare_alpha=0.2736, grown_alpha=0.1145, metal_eta=(19.95, 6.97, 16.67),
+        metal_k=(5.57, 7.75, 0.385), coat_eta=(5, 1.247, 3.827), coat_k=(2.85, 2.63, 2.93),
+        tarnish=0.426,
+    )  # fmt: skip
+    layered = TriAceLayered(
+        top_eta=2.4964, top_shininess=70053, bottom_eta=2.7696, bottom_shininess=0.0077,
+        rho=(0.15, 0.42, 0.65), sigma_a=(0, 3.3, 0.194), thickness=0.0698,
+    )  # fmt: skip
+    for mu in (1e-6, 1e-3, 0.05):
+        assert largest_weight(patina, mu) < 3
+        assert largest_weight(layered, mu) < 10
+        assert largest_weight(TriAceLayered(), mu) < 5
+
+
+def test_a_coat_keeps_the_digits_of_what_little_it_lets_in() -> None:
+    """Nearly opposite directions in the horizon, where T is small and the facets hide nothing."""
+    wi = np.array([-0.999999463558197, 0.00019265348964836448, 0.0010000000474974513])
+    wo = np.array([0.9999995231628418, 0.0, 0.0010000000474974513])
+    coat = WeidlichWilkie(eta=1.75, alpha=1e-4, base=gonio.model("lambert"))
+    single = wi.astype(np.float32), wo.astype(np.float32)
+    np.testing.assert_allclose(coat.eval(*single), coat.eval(wi, wo), rtol=5e-6)
+
+    class Cancelling(WeidlichWilkie, register=False):
+        """t of Eq. 4 in fewer terms."""
+
+        def _transmitted(self, wi: Vec3, wo: Vec3) -> Float:
+            cos_h = cos_half(wi, wo)
+            return self._T(cos_h) * (1 - self._G(wi, wo) * self._F(cos_h))
+
+    wrong = Cancelling(eta=1.75, alpha=1e-4, base=gonio.model("lambert"))
+    np.testing.assert_allclose(wrong.eval(wi, wo), coat.eval(wi, wo), rtol=1e-9)
+    assert np.abs(wrong.eval(*single) / wrong.eval(wi, wo) - 1).max() > 2e-5
