@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from gonio.lang import MU_MIN
 from gonio.model import Model
 
 
@@ -139,7 +140,7 @@ def lines(result: Evaluation) -> Iterator[str]:
     width = max(len(value) for _, value, _ in digits)
     for name, value, meaning in digits:
         yield f"  {name:<12} {value:<{width}}   {meaning}"
-    below = [n for n, w in (("wi", result.wi), ("wo", result.wo)) if w[2] <= 0]
+    below = [n for n, w in (("wi", result.wi), ("wo", result.wo)) if w[2] <= MU_MIN]
     if below:
         yield f"  {' and '.join(below)} not above the horizon: BRDF and pdf are 0 there."
 

@@ -25,6 +25,7 @@ from gonio.lang import (
 )
 from gonio.model import Model, option, param
 from gonio.parts import cltc
+from gonio.parts.coat import optical_depth
 from gonio.parts.distribution import blinn_phong_alpha, cos_half
 from gonio.parts.fresnel import f0_from_eta, schlick_weight
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
@@ -164,8 +165,7 @@ class TriAceLayered(Model):
         return glossy, 1 - glossy
 
     def _depth(self) -> Color:
-        d = self.thickness
-        return self.sigma_a * vec3(d, d, d)
+        return optical_depth(self.sigma_a, self.thickness)
 
     def _absorption(self, wi: Vec3, wo: Vec3) -> Color:
         """Eq. 2 or 3."""

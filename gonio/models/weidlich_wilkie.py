@@ -9,8 +9,9 @@ both crossings, the compression of solid angles, and the light that bounces betw
 """
 
 from gonio.claims import Claims, kink, known
-from gonio.lang import Color, Float, Sample, Vec2, Vec3, maximum, select, vec3
+from gonio.lang import Color, Float, Sample, Vec2, Vec3, maximum, select
 from gonio.model import Model, child, option, param
+from gonio.parts.coat import absorbed_least, optical_depth
 from gonio.parts.distribution import (
     ALPHA_MIN,
     D_beckmann_round,
@@ -176,8 +177,7 @@ class WeidlichWilkie(Model):
 
     def _depth(self) -> Color:
         """Optical depth of the coat along its normal (Eq. 3)."""
-        d = self.thickness
-        return self.sigma_a * vec3(d, d, d)
+        return optical_depth(self.sigma_a, self.thickness)
 
     def _below(self) -> Model:
         """The base with the roughness that the coat leaves it."""
@@ -236,11 +236,9 @@ class WeidlichWilkie(Model):
 
     def _shares(self, wo: Vec3, wo_t: Vec3) -> Vec2:
         """Probabilities of the coat and of the base: their parts of the light, if the base were white."""
-        # The shortest way in, the light's, bounds what the absorption can leave of the base.
-        up = vec3(0 * wo.z, 0 * wo.z, 0 * wo.z + 1)
         mu = wo.z
         if self.transmission == "half_vector":
             mu = 0.5 + 0.5 * wo.z  # nearer to wo.H of a diffuse base
-        through = self._T(mu) * average(absorbed(self._depth(), up, wo_t))
+        through = self._T(mu) * average(absorbed_least(self._depth(), wo_t))
         reflected = maximum(self._F(wo.z), COAT_SHARE_MIN * through + LOBE_MIN)
         return shares(reflected, through)

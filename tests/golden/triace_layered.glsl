@@ -181,9 +181,13 @@ float triace_layered_diffuse_shape(TriaceLayered params, vec3 wi, vec3 wo) {
     return 1.0;
 }
 
+// Absorption times thickness, for each channel.
+vec3 triace_layered_optical_depth(vec3 sigma_a, float thickness) {
+    return sigma_a * vec3(thickness, thickness, thickness);
+}
+
 vec3 triace_layered_depth(TriaceLayered params) {
-    float d = params.thickness;
-    return params.sigma_a * vec3(d, d, d);
+    return triace_layered_optical_depth(params.sigma_a, params.thickness);
 }
 
 // The direction inside a layer with eta >= 1 that belongs to w outside.

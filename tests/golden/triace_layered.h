@@ -256,9 +256,13 @@ inline float triace_layered_diffuse_shape(const TriaceLayered& params, Vec3 wi, 
     return 1.0f;
 }
 
+// Absorption times thickness, for each channel.
+inline Vec3 triace_layered_optical_depth(Vec3 sigma_a, float thickness) {
+    return sigma_a * Vec3{thickness, thickness, thickness};
+}
+
 inline Vec3 triace_layered_depth(const TriaceLayered& params) {
-    float d = params.thickness;
-    return params.sigma_a * Vec3{d, d, d};
+    return triace_layered_optical_depth(params.sigma_a, params.thickness);
 }
 
 // The direction inside a layer with eta >= 1 that belongs to w outside.

@@ -186,9 +186,13 @@ inline float triace_layered_diffuse_shape(TriaceLayered params, float3 wi, float
     return 1.0;
 }
 
+// Absorption times thickness, for each channel.
+inline float3 triace_layered_optical_depth(float3 sigma_a, float thickness) {
+    return sigma_a * float3(thickness, thickness, thickness);
+}
+
 inline float3 triace_layered_depth(TriaceLayered params) {
-    float d = params.thickness;
-    return params.sigma_a * float3(d, d, d);
+    return triace_layered_optical_depth(params.sigma_a, params.thickness);
 }
 
 // The direction inside a layer with eta >= 1 that belongs to w outside.

@@ -183,9 +183,13 @@ fn triace_layered_diffuse_shape(params: TriaceLayered, wi: vec3f, wo: vec3f) -> 
     return 1.0;
 }
 
+// Absorption times thickness, for each channel.
+fn triace_layered_optical_depth(sigma_a: vec3f, thickness: f32) -> vec3f {
+    return sigma_a * vec3f(thickness, thickness, thickness);
+}
+
 fn triace_layered_depth(params: TriaceLayered) -> vec3f {
-    let d = params.thickness;
-    return params.sigma_a * vec3f(d, d, d);
+    return triace_layered_optical_depth(params.sigma_a, params.thickness);
 }
 
 // The direction inside a layer with eta >= 1 that belongs to w outside.

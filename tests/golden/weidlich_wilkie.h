@@ -128,10 +128,14 @@ inline Vec3 weidlich_wilkie_refract(Vec3 w, float eta) {
     return Vec3{w.x, w.y, sqrtf(weidlich_wilkie_refracted_cos2(w.z, eta))} / eta;
 }
 
+// Absorption times thickness, for each channel.
+inline Vec3 weidlich_wilkie_optical_depth(Vec3 sigma_a, float thickness) {
+    return sigma_a * Vec3{thickness, thickness, thickness};
+}
+
 // Optical depth of the coat along its normal (Eq. 3).
 inline Vec3 weidlich_wilkie_depth(const WeidlichWilkie& params) {
-    float d = params.thickness;
-    return params.sigma_a * Vec3{d, d, d};
+    return weidlich_wilkie_optical_depth(params.sigma_a, params.thickness);
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
@@ -281,6 +285,12 @@ inline Vec3 weidlich_wilkie_eval(const WeidlichWilkie& params, Vec3 wi, Vec3 wo)
     return below + coat;
 }
 
+// The most that `absorbed` leaves of light that goes out along wo: it came in along the normal.
+inline Vec3 weidlich_wilkie_absorbed_least(Vec3 depth, Vec3 wo) {
+    Vec3 up = Vec3{0.0f, 0.0f, 1.0f};
+    return weidlich_wilkie_absorbed(depth, up, wo);
+}
+
 // Mean of the three channels, by which lobes are weighed against each other.
 inline float weidlich_wilkie_average(Vec3 color) {
     return (color.x + color.y + color.z) / 3.0f;
@@ -314,12 +324,10 @@ inline Vec2 weidlich_wilkie_shares(const WeidlichWilkie& params, Vec3 wo, Vec3 w
     constexpr float COAT_SHARE_MIN = 0.1f;
     // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
     constexpr float LOBE_MIN = 1.0e-12f;
-    // The shortest way in, the light's, bounds what the absorption can leave of the base.
-    Vec3 up = Vec3{0.0f, 0.0f, 1.0f};
     float mu = wo.z;
     mu = 0.5f + 0.5f * wo.z;  // nearer to wo.H of a diffuse base
     float through = weidlich_wilkie_T(params, mu)
-        * weidlich_wilkie_average(weidlich_wilkie_absorbed(weidlich_wilkie_depth(params), up, wo_t));
+        * weidlich_wilkie_average(weidlich_wilkie_absorbed_least(weidlich_wilkie_depth(params), wo_t));
     float reflected = fmaxf(weidlich_wilkie_F(params, wo.z), COAT_SHARE_MIN * through + LOBE_MIN);
     return weidlich_wilkie_lobes_shares(reflected, through);
 }

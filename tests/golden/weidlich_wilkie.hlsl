@@ -58,10 +58,14 @@ float3 weidlich_wilkie_refract(float3 w, float eta) {
     return float3(w.x, w.y, sqrt(weidlich_wilkie_refracted_cos2(w.z, eta))) / eta;
 }
 
+// Absorption times thickness, for each channel.
+float3 weidlich_wilkie_optical_depth(float3 sigma_a, float thickness) {
+    return sigma_a * float3(thickness, thickness, thickness);
+}
+
 // Optical depth of the coat along its normal (Eq. 3).
 float3 weidlich_wilkie_depth(WeidlichWilkie params) {
-    float d = params.thickness;
-    return params.sigma_a * float3(d, d, d);
+    return weidlich_wilkie_optical_depth(params.sigma_a, params.thickness);
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
@@ -211,6 +215,12 @@ float3 weidlich_wilkie_eval(WeidlichWilkie params, float3 wi, float3 wo) {
     return below + coat;
 }
 
+// The most that `absorbed` leaves of light that goes out along wo: it came in along the normal.
+float3 weidlich_wilkie_absorbed_least(float3 depth, float3 wo) {
+    float3 up = float3(0.0, 0.0, 1.0);
+    return weidlich_wilkie_absorbed(depth, up, wo);
+}
+
 // Mean of the three channels, by which lobes are weighed against each other.
 float weidlich_wilkie_average(float3 color) {
     return (color.x + color.y + color.z) / 3.0;
@@ -244,12 +254,10 @@ float2 weidlich_wilkie_shares(WeidlichWilkie params, float3 wo, float3 wo_t) {
     const float COAT_SHARE_MIN = 0.1;
     // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
     const float LOBE_MIN = 1.0e-12;
-    // The shortest way in, the light's, bounds what the absorption can leave of the base.
-    float3 up = float3(0.0, 0.0, 1.0);
     float mu = wo.z;
     mu = 0.5 + 0.5 * wo.z;  // nearer to wo.H of a diffuse base
     float through = weidlich_wilkie_T(params, mu)
-        * weidlich_wilkie_average(weidlich_wilkie_absorbed(weidlich_wilkie_depth(params), up, wo_t));
+        * weidlich_wilkie_average(weidlich_wilkie_absorbed_least(weidlich_wilkie_depth(params), wo_t));
     float reflected = max(weidlich_wilkie_F(params, wo.z), COAT_SHARE_MIN * through + LOBE_MIN);
     return weidlich_wilkie_lobes_shares(reflected, through);
 }

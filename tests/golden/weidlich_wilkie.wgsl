@@ -58,10 +58,14 @@ fn weidlich_wilkie_refract(w: vec3f, eta: f32) -> vec3f {
     return vec3f(w.x, w.y, sqrt(weidlich_wilkie_refracted_cos2(w.z, eta))) / eta;
 }
 
+// Absorption times thickness, for each channel.
+fn weidlich_wilkie_optical_depth(sigma_a: vec3f, thickness: f32) -> vec3f {
+    return sigma_a * vec3f(thickness, thickness, thickness);
+}
+
 // Optical depth of the coat along its normal (Eq. 3).
 fn weidlich_wilkie_depth(params: WeidlichWilkie) -> vec3f {
-    let d = params.thickness;
-    return params.sigma_a * vec3f(d, d, d);
+    return weidlich_wilkie_optical_depth(params.sigma_a, params.thickness);
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
@@ -210,6 +214,12 @@ fn weidlich_wilkie_eval(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> vec3f {
     return below + coat;
 }
 
+// The most that `absorbed` leaves of light that goes out along wo: it came in along the normal.
+fn weidlich_wilkie_absorbed_least(depth: vec3f, wo: vec3f) -> vec3f {
+    let up = vec3f(0.0, 0.0, 1.0);
+    return weidlich_wilkie_absorbed(depth, up, wo);
+}
+
 // Mean of the three channels, by which lobes are weighed against each other.
 fn weidlich_wilkie_average(color: vec3f) -> f32 {
     return (color.x + color.y + color.z) / 3.0;
@@ -243,12 +253,10 @@ fn weidlich_wilkie_shares(params: WeidlichWilkie, wo: vec3f, wo_t: vec3f) -> vec
     const COAT_SHARE_MIN = 0.1;
     // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
     const LOBE_MIN = 1.0e-12;
-    // The shortest way in, the light's, bounds what the absorption can leave of the base.
-    let up = vec3f(0.0, 0.0, 1.0);
     var mu = wo.z;
     mu = 0.5 + 0.5 * wo.z;  // nearer to wo.H of a diffuse base
     let through = weidlich_wilkie_T(params, mu)
-        * weidlich_wilkie_average(weidlich_wilkie_absorbed(weidlich_wilkie_depth(params), up, wo_t));
+        * weidlich_wilkie_average(weidlich_wilkie_absorbed_least(weidlich_wilkie_depth(params), wo_t));
     let reflected = max(weidlich_wilkie_F(params, wo.z), COAT_SHARE_MIN * through + LOBE_MIN);
     return weidlich_wilkie_lobes_shares(reflected, through);
 }
