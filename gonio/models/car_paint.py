@@ -14,7 +14,13 @@ from gonio.claims import Claims, kink, known
 from gonio.lang import MU_MIN, Color, Float, Sample, Vec2, Vec3, maximum, select, vec3
 from gonio.metals import metal
 from gonio.model import Model, option, param
-from gonio.parts.coat import absorbed_least, ggx_facets, optical_depth, through_facets
+from gonio.parts.coat import (
+    absorbed_least,
+    ggx_facets,
+    optical_depth,
+    through_facets,
+    usual_cos_half,
+)
 from gonio.parts.distribution import (
     ALPHA_MIN,
     cos_half,
@@ -169,7 +175,7 @@ class CarPaint(Model):
         """Probabilities of the coat and of the flake."""
         mu = wo.z
         if self.transmission == "half_vector":
-            mu = 0.5 + 0.5 * wo.z  # tilted facets let more in at grazing angles
+            mu = usual_cos_half(wo)
         below = transmittance_denser(mu, self.eta) * average(absorbed_least(self._depth(), wo_t))
         tilted = to_tilted(wo_t, self._normal())
         lit = select(tilted.z > 0, below, 0)

@@ -23,7 +23,13 @@ from gonio.lang import (
 )
 from gonio.metals import metal
 from gonio.model import Model, option, param
-from gonio.parts.coat import absorbed_least, ggx_facets, optical_depth, through_facets
+from gonio.parts.coat import (
+    absorbed_least,
+    ggx_facets,
+    optical_depth,
+    through_facets,
+    usual_cos_half,
+)
 from gonio.parts.distribution import (
     ALPHA_MIN,
     cos_half,
@@ -178,8 +184,7 @@ class Patina(Model):
         grown = self._grown()
         wo_t = refract(wo, average(self.coat_eta))
         F = F_conductor(wo.z, self.coat_eta, self.coat_k)
-        # Light enters through tilted facets, more of it than the mean surface lets in at grazing angles
-        T = transmittance_conductor(0.5 + 0.5 * wo.z, self.coat_eta, self.coat_k)
+        T = transmittance_conductor(usual_cos_half(wo), self.coat_eta, self.coat_k)
         F_metal = self._metal_F(wo.z)
         bare = (1 - grown) * average(F_metal)
         coat = grown * average(F)

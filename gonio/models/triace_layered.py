@@ -25,7 +25,7 @@ from gonio.lang import (
 )
 from gonio.model import Model, option, param
 from gonio.parts import cltc
-from gonio.parts.coat import optical_depth
+from gonio.parts.coat import optical_depth, usual_cos_half
 from gonio.parts.distribution import blinn_phong_alpha, cos_half
 from gonio.parts.fresnel import f0_from_eta, schlick_weight
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
@@ -190,8 +190,7 @@ class TriAceLayered(Model):
 
     def _shares(self, wo: Vec3) -> tuple[Vec2, Vec2]:
         """Probabilities: upper highlight or lower layer; of that, its highlight or its diffuse part."""
-        # Light enters through tilted facets, more of it than the mean surface lets in at grazing angles
-        glossy, matte = self._bottom_fresnel(0.5 + 0.5 * wo.z)
+        glossy, matte = self._bottom_fresnel(usual_cos_half(wo))
         # The shortest way in, the light's, bounds what the absorption can leave.
         up = vec3(0 * wo.z, 0 * wo.z, 0 * wo.z + 1)
         kept = self._absorption(up, wo)

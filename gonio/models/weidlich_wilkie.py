@@ -11,7 +11,7 @@ both crossings, the compression of solid angles, and the light that bounces betw
 from gonio.claims import Claims, kink, known
 from gonio.lang import Color, Float, Sample, Vec2, Vec3, maximum, select
 from gonio.model import Model, child, option, param
-from gonio.parts.coat import absorbed_least, optical_depth
+from gonio.parts.coat import absorbed_least, optical_depth, usual_cos_half
 from gonio.parts.distribution import (
     ALPHA_MIN,
     D_beckmann_round,
@@ -238,7 +238,7 @@ class WeidlichWilkie(Model):
         """Probabilities of the coat and of the base: their parts of the light, if the base were white."""
         mu = wo.z
         if self.transmission == "half_vector":
-            mu = 0.5 + 0.5 * wo.z  # nearer to wo.H of a diffuse base
+            mu = usual_cos_half(wo)
         through = self._T(mu) * average(absorbed_least(self._depth(), wo_t))
         reflected = maximum(self._F(wo.z), COAT_SHARE_MIN * through + LOBE_MIN)
         return shares(reflected, through)

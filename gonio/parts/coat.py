@@ -30,3 +30,12 @@ def absorbed_least(depth: Color, wo: Vec3) -> Color:
     """The most that `absorbed` leaves of light that goes out along wo: it came in along the normal."""
     up = vec3(0 * wo.z, 0 * wo.z, 0 * wo.z + 1)
     return absorbed(depth, up, wo)
+
+
+def usual_cos_half(wo: Vec3) -> Float:
+    """A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
+
+    Halfway between wo.z (the mirror direction) and 1 (wi = wo): at grazing angles tilted facets let in more
+    than the mean surface, whose transmittance is nearly 0 there.
+    """
+    return 0.5 + 0.5 * wo.z

@@ -243,6 +243,14 @@ vec3 patina_eval(Patina params, vec3 wi, vec3 wo) {
     return (1.0 - grown) * bare + grown * patina_coated(params, wi, wo);
 }
 
+// A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
+//
+// Halfway between wo.z (the mirror direction) and 1 (wi = wo): at grazing angles tilted facets let in more
+// than the mean surface, whose transmittance is nearly 0 there.
+float patina_usual_cos_half(vec3 wo) {
+    return 0.5 + 0.5 * wo.z;
+}
+
 // The most that `absorbed` leaves of light that goes out along wo: it came in along the normal.
 vec3 patina_absorbed_least(vec3 depth, vec3 wo) {
     vec3 up = vec3(0.0, 0.0, 1.0);
@@ -277,8 +285,8 @@ PatinaShares patina_shares(Patina params, vec3 wo) {
     float grown = patina_grown(params);
     vec3 wo_t = patina_refract(wo, patina_average(params.coat_eta));
     vec3 F = patina_F_conductor(wo.z, params.coat_eta, params.coat_k);
-    // Light enters through tilted facets, more of it than the mean surface lets in at grazing angles
-    vec3 T = patina_transmittance_conductor(0.5 + 0.5 * wo.z, params.coat_eta, params.coat_k);
+    vec3 T = patina_transmittance_conductor(patina_usual_cos_half(wo), params.coat_eta,
+        params.coat_k);
     vec3 F_metal = patina_metal_F(params, wo.z);
     float bare = (1.0 - grown) * patina_average(F_metal);
     float coat = grown * patina_average(F);

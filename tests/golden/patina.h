@@ -357,6 +357,14 @@ inline Vec3 patina_eval(const Patina& params, Vec3 wi, Vec3 wo) {
     return (1.0f - grown) * bare + grown * patina_coated(params, wi, wo);
 }
 
+// A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
+//
+// Halfway between wo.z (the mirror direction) and 1 (wi = wo): at grazing angles tilted facets let in more
+// than the mean surface, whose transmittance is nearly 0 there.
+inline float patina_usual_cos_half(Vec3 wo) {
+    return 0.5f + 0.5f * wo.z;
+}
+
 // The most that `absorbed` leaves of light that goes out along wo: it came in along the normal.
 inline Vec3 patina_absorbed_least(Vec3 depth, Vec3 wo) {
     Vec3 up = Vec3{0.0f, 0.0f, 1.0f};
@@ -391,8 +399,8 @@ inline PatinaShares patina_shares(const Patina& params, Vec3 wo) {
     float grown = patina_grown(params);
     Vec3 wo_t = patina_refract(wo, patina_average(params.coat_eta));
     Vec3 F = patina_F_conductor(wo.z, params.coat_eta, params.coat_k);
-    // Light enters through tilted facets, more of it than the mean surface lets in at grazing angles
-    Vec3 T = patina_transmittance_conductor(0.5f + 0.5f * wo.z, params.coat_eta, params.coat_k);
+    Vec3 T = patina_transmittance_conductor(patina_usual_cos_half(wo), params.coat_eta,
+        params.coat_k);
     Vec3 F_metal = patina_metal_F(params, wo.z);
     float bare = (1.0f - grown) * patina_average(F_metal);
     float coat = grown * patina_average(F);

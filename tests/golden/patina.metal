@@ -246,6 +246,14 @@ inline float3 patina_eval(Patina params, float3 wi, float3 wo) {
     return (1.0 - grown) * bare + grown * patina_coated(params, wi, wo);
 }
 
+// A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
+//
+// Halfway between wo.z (the mirror direction) and 1 (wi = wo): at grazing angles tilted facets let in more
+// than the mean surface, whose transmittance is nearly 0 there.
+inline float patina_usual_cos_half(float3 wo) {
+    return 0.5 + 0.5 * wo.z;
+}
+
 // The most that `absorbed` leaves of light that goes out along wo: it came in along the normal.
 inline float3 patina_absorbed_least(float3 depth, float3 wo) {
     float3 up = float3(0.0, 0.0, 1.0);
@@ -280,8 +288,8 @@ inline PatinaShares patina_shares(Patina params, float3 wo) {
     float grown = patina_grown(params);
     float3 wo_t = patina_refract(wo, patina_average(params.coat_eta));
     float3 F = patina_F_conductor(wo.z, params.coat_eta, params.coat_k);
-    // Light enters through tilted facets, more of it than the mean surface lets in at grazing angles
-    float3 T = patina_transmittance_conductor(0.5 + 0.5 * wo.z, params.coat_eta, params.coat_k);
+    float3 T = patina_transmittance_conductor(patina_usual_cos_half(wo), params.coat_eta,
+        params.coat_k);
     float3 F_metal = patina_metal_F(params, wo.z);
     float bare = (1.0 - grown) * patina_average(F_metal);
     float coat = grown * patina_average(F);

@@ -242,6 +242,14 @@ fn patina_eval(params: Patina, wi: vec3f, wo: vec3f) -> vec3f {
     return (1.0 - grown) * bare + grown * patina_coated(params, wi, wo);
 }
 
+// A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
+//
+// Halfway between wo.z (the mirror direction) and 1 (wi = wo): at grazing angles tilted facets let in more
+// than the mean surface, whose transmittance is nearly 0 there.
+fn patina_usual_cos_half(wo: vec3f) -> f32 {
+    return 0.5 + 0.5 * wo.z;
+}
+
 // The most that `absorbed` leaves of light that goes out along wo: it came in along the normal.
 fn patina_absorbed_least(depth: vec3f, wo: vec3f) -> vec3f {
     let up = vec3f(0.0, 0.0, 1.0);
@@ -276,8 +284,8 @@ fn patina_shares(params: Patina, wo: vec3f) -> PatinaShares {
     let grown = patina_grown(params);
     let wo_t = patina_refract(wo, patina_average(params.coat_eta));
     let F = patina_F_conductor(wo.z, params.coat_eta, params.coat_k);
-    // Light enters through tilted facets, more of it than the mean surface lets in at grazing angles
-    let T = patina_transmittance_conductor(0.5 + 0.5 * wo.z, params.coat_eta, params.coat_k);
+    let T = patina_transmittance_conductor(patina_usual_cos_half(wo), params.coat_eta,
+        params.coat_k);
     let F_metal = patina_metal_F(params, wo.z);
     let bare = (1.0 - grown) * patina_average(F_metal);
     let coat = grown * patina_average(F);

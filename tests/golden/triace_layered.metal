@@ -232,6 +232,14 @@ inline float3 triace_layered_eval(TriaceLayered params, float3 wi, float3 wo) {
     return top + below * triace_layered_absorption(params, wi, wo);
 }
 
+// A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
+//
+// Halfway between wo.z (the mirror direction) and 1 (wi = wo): at grazing angles tilted facets let in more
+// than the mean surface, whose transmittance is nearly 0 there.
+inline float triace_layered_usual_cos_half(float3 wo) {
+    return 0.5 + 0.5 * wo.z;
+}
+
 // (1 - cos_theta)^5 of Schlick's approximation.
 inline float triace_layered_schlick_weight(float cos_theta) {
     float k = 1.0 - cos_theta;
@@ -271,9 +279,8 @@ inline TriaceLayeredShares triace_layered_shares(TriaceLayered params, float3 wo
     const float LOBE_MIN = 1.0e-12;
     // Smallest share of the samples that a highlight gets: it bounds their weights.
     const float LOBE_SHARE_MIN = 0.1;
-    // Light enters through tilted facets, more of it than the mean surface lets in at grazing angles
-    TriaceLayeredBottomFresnel bottom_fresnel_result = triace_layered_bottom_fresnel(params, 0.5
-        + 0.5 * wo.z);
+    TriaceLayeredBottomFresnel bottom_fresnel_result = triace_layered_bottom_fresnel(params,
+        triace_layered_usual_cos_half(wo));
     float glossy = bottom_fresnel_result.first;
     float matte = bottom_fresnel_result.second;
     // The shortest way in, the light's, bounds what the absorption can leave.

@@ -229,6 +229,14 @@ fn triace_layered_eval(params: TriaceLayered, wi: vec3f, wo: vec3f) -> vec3f {
     return top + below * triace_layered_absorption(params, wi, wo);
 }
 
+// A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
+//
+// Halfway between wo.z (the mirror direction) and 1 (wi = wo): at grazing angles tilted facets let in more
+// than the mean surface, whose transmittance is nearly 0 there.
+fn triace_layered_usual_cos_half(wo: vec3f) -> f32 {
+    return 0.5 + 0.5 * wo.z;
+}
+
 // (1 - cos_theta)^5 of Schlick's approximation.
 fn triace_layered_schlick_weight(cos_theta: f32) -> f32 {
     let k = 1.0 - cos_theta;
@@ -268,8 +276,8 @@ fn triace_layered_shares(params: TriaceLayered, wo: vec3f) -> TriaceLayeredShare
     const LOBE_MIN = 1.0e-12;
     // Smallest share of the samples that a highlight gets: it bounds their weights.
     const LOBE_SHARE_MIN = 0.1;
-    // Light enters through tilted facets, more of it than the mean surface lets in at grazing angles
-    let bottom_fresnel_result = triace_layered_bottom_fresnel(params, 0.5 + 0.5 * wo.z);
+    let bottom_fresnel_result = triace_layered_bottom_fresnel(params,
+        triace_layered_usual_cos_half(wo));
     let glossy = bottom_fresnel_result.first;
     let matte = bottom_fresnel_result.second;
     // The shortest way in, the light's, bounds what the absorption can leave.

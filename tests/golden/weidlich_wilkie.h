@@ -285,6 +285,14 @@ inline Vec3 weidlich_wilkie_eval(const WeidlichWilkie& params, Vec3 wi, Vec3 wo)
     return below + coat;
 }
 
+// A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
+//
+// Halfway between wo.z (the mirror direction) and 1 (wi = wo): at grazing angles tilted facets let in more
+// than the mean surface, whose transmittance is nearly 0 there.
+inline float weidlich_wilkie_usual_cos_half(Vec3 wo) {
+    return 0.5f + 0.5f * wo.z;
+}
+
 // The most that `absorbed` leaves of light that goes out along wo: it came in along the normal.
 inline Vec3 weidlich_wilkie_absorbed_least(Vec3 depth, Vec3 wo) {
     Vec3 up = Vec3{0.0f, 0.0f, 1.0f};
@@ -325,7 +333,7 @@ inline Vec2 weidlich_wilkie_shares(const WeidlichWilkie& params, Vec3 wo, Vec3 w
     // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
     constexpr float LOBE_MIN = 1.0e-12f;
     float mu = wo.z;
-    mu = 0.5f + 0.5f * wo.z;  // nearer to wo.H of a diffuse base
+    mu = weidlich_wilkie_usual_cos_half(wo);
     float through = weidlich_wilkie_T(params, mu)
         * weidlich_wilkie_average(weidlich_wilkie_absorbed_least(weidlich_wilkie_depth(params), wo_t));
     float reflected = fmaxf(weidlich_wilkie_F(params, wo.z), COAT_SHARE_MIN * through + LOBE_MIN);

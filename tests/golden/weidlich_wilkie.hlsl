@@ -215,6 +215,14 @@ float3 weidlich_wilkie_eval(WeidlichWilkie params, float3 wi, float3 wo) {
     return below + coat;
 }
 
+// A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
+//
+// Halfway between wo.z (the mirror direction) and 1 (wi = wo): at grazing angles tilted facets let in more
+// than the mean surface, whose transmittance is nearly 0 there.
+float weidlich_wilkie_usual_cos_half(float3 wo) {
+    return 0.5 + 0.5 * wo.z;
+}
+
 // The most that `absorbed` leaves of light that goes out along wo: it came in along the normal.
 float3 weidlich_wilkie_absorbed_least(float3 depth, float3 wo) {
     float3 up = float3(0.0, 0.0, 1.0);
@@ -255,7 +263,7 @@ float2 weidlich_wilkie_shares(WeidlichWilkie params, float3 wo, float3 wo_t) {
     // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
     const float LOBE_MIN = 1.0e-12;
     float mu = wo.z;
-    mu = 0.5 + 0.5 * wo.z;  // nearer to wo.H of a diffuse base
+    mu = weidlich_wilkie_usual_cos_half(wo);
     float through = weidlich_wilkie_T(params, mu)
         * weidlich_wilkie_average(weidlich_wilkie_absorbed_least(weidlich_wilkie_depth(params), wo_t));
     float reflected = max(weidlich_wilkie_F(params, wo.z), COAT_SHARE_MIN * through + LOBE_MIN);

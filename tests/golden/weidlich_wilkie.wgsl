@@ -214,6 +214,14 @@ fn weidlich_wilkie_eval(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> vec3f {
     return below + coat;
 }
 
+// A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
+//
+// Halfway between wo.z (the mirror direction) and 1 (wi = wo): at grazing angles tilted facets let in more
+// than the mean surface, whose transmittance is nearly 0 there.
+fn weidlich_wilkie_usual_cos_half(wo: vec3f) -> f32 {
+    return 0.5 + 0.5 * wo.z;
+}
+
 // The most that `absorbed` leaves of light that goes out along wo: it came in along the normal.
 fn weidlich_wilkie_absorbed_least(depth: vec3f, wo: vec3f) -> vec3f {
     let up = vec3f(0.0, 0.0, 1.0);
@@ -254,7 +262,7 @@ fn weidlich_wilkie_shares(params: WeidlichWilkie, wo: vec3f, wo_t: vec3f) -> vec
     // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
     const LOBE_MIN = 1.0e-12;
     var mu = wo.z;
-    mu = 0.5 + 0.5 * wo.z;  // nearer to wo.H of a diffuse base
+    mu = weidlich_wilkie_usual_cos_half(wo);
     let through = weidlich_wilkie_T(params, mu)
         * weidlich_wilkie_average(weidlich_wilkie_absorbed_least(weidlich_wilkie_depth(params), wo_t));
     let reflected = max(weidlich_wilkie_F(params, wo.z), COAT_SHARE_MIN * through + LOBE_MIN);
