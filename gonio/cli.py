@@ -973,7 +973,7 @@ def export_command(
       gonio export eon --to wgsl --to glsl --prove
       gonio export my_model.py --to slang
     """
-    from gonio.export import FUNCTIONS, command
+    from gonio.export import FUNCTIONS, command, files
 
     selection = command.choose(models, [*params, *options], everything, materials)
     to = command.languages(languages)
@@ -984,7 +984,7 @@ def export_command(
         if results.failed:
             sys.exit(1)
         return
-    files = command.texts(
+    texts = files.texts(
         selection.models,
         to,
         together=not (everything or materials),
@@ -992,10 +992,10 @@ def export_command(
         prefix=prefix,
         embed=embed,
     )
-    if output is None and len(files) == 1:
-        click.echo(next(iter(files.values())), nl=False)
+    if output is None and len(texts) == 1:
+        click.echo(next(iter(texts.values())), nl=False)
     else:
-        for path in command.write(files, output):
+        for path in files.write(texts, output):
             click.echo(path)
     for note in selection.notes:
         click.echo(f"note: {note}", err=True)

@@ -16,7 +16,7 @@ from click.testing import CliRunner
 import gonio
 from gonio import lang
 from gonio.cli import main
-from gonio.export import ExportError, command, export
+from gonio.export import ExportError, command, export, files
 from gonio.export import targets as target_tables
 from gonio.export.printer import number
 from gonio.export.source import source
@@ -68,7 +68,7 @@ def written(tmp_path: Path, body: str, fields: str = "", head: str = "") -> Mode
 @pytest.mark.parametrize("name", gonio.models())
 def test_golden_exports_are_what_the_command_makes(name: str) -> None:
     # cuda differs from cpp by its qualifiers only, which another test compares.
-    made = command.texts({name: gonio.model(name)}, [t for t in LANGUAGES if t != "cuda"])
+    made = files.texts({name: gonio.model(name)}, [t for t in LANGUAGES if t != "cuda"])
     for file, expected in made.items():
         found = (GOLDEN / file).read_text(encoding="utf-8")
         assert found == expected, f"tests/golden/{file} is not up to date; 'make golden' makes it"

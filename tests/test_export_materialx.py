@@ -21,7 +21,7 @@ from support.materialx import FIS, PREFILTER, Job, Rows, generate, load, points,
 import gonio
 from gonio.check.variants import place
 from gonio.cli import main
-from gonio.export import ExportError, command, materialx
+from gonio.export import ExportError, files, materialx
 from gonio.export.entry import Member
 from gonio.export.prove import tools
 from gonio.export.prove.rows import rows_for, with_parameters
@@ -132,7 +132,7 @@ def test_each_model_gets_files_of_its_own_that_no_other_language_writes() -> Non
         "lambert.mtlx",
         "gonio_lambert_bsdf.glsl",
     }
-    assert not set(mine) & set(command.texts(models, ["glsl", "essl"], together=False))
+    assert not set(mine) & set(files.texts(models, ["glsl", "essl"], together=False))
     assert all(text.isascii() for text in mine.values())
 
 

@@ -18,10 +18,9 @@ from xml.sax.saxutils import quoteattr
 from gonio.description import summary
 from gonio.export.entry import Export
 from gonio.export.printer import INDENT, Printer, fold, number, plain_text
-from gonio.export.read import SELF
 from gonio.export.targets import ESSL, GLSL_WORDS, HLSL_WORDS, MSL_WORDS, SLANG_WORDS
 from gonio.export.text import export, nested
-from gonio.export.tree import ExportError
+from gonio.export.tree import SELF, ExportError
 from gonio.model import Model, Parameter
 from gonio.version import __version__
 

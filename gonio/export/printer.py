@@ -16,9 +16,9 @@ from dataclasses import replace
 import numpy as np
 
 from gonio import lang
-from gonio.export.read import SELF
 from gonio.export.targets import Target
 from gonio.export.tree import (
+    SELF,
     Access,
     Assign,
     Builtin,

@@ -13,9 +13,9 @@ from typing import Any
 from gonio.export import library
 from gonio.export.entry import Entry, Export, Member
 from gonio.export.printer import INDENT, WIDTH, Printer, comment, number, plain_text
-from gonio.export.read import SELF, Reader, camel
+from gonio.export.read import Reader, camel
 from gonio.export.targets import TARGETS, Target
-from gonio.export.tree import ExportError, Function, Struct, walk
+from gonio.export.tree import SELF, ExportError, Function, Struct, walk
 from gonio.model import Child, Model, Parameter
 from gonio.version import __version__
 

@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING, Literal
 if TYPE_CHECKING:
     from gonio.model import Model
 
+# Name of the struct of parameters where a function gets it.
+SELF = "params"
+
 
 class ExportError(ValueError):
     """Something that cannot be exported, with its place in the Python file and what to write instead."""
