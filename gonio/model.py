@@ -42,6 +42,8 @@ class Parameter:
     """1 for a Float, 3 for a Color."""
     rougher: Callable[[Any, Any], Any] | None = None
     """For widths of highlights: the value that is at least as rough as facets of a given alpha."""
+    kind: str = ""
+    """What the number is, where its name does not say so; see `gonio.export.manifest.kind`."""
 
     @property
     def lowest(self) -> float:
@@ -150,13 +152,15 @@ def param(
     doc: str,
     *,
     rougher: Callable[[Any, Any], Any] | None = None,
+    kind: str = "",
 ) -> Any:
     """Declare a number or colour: default, range and meaning. The annotation says which of the two.
 
     A parameter that is the width of a highlight says by a function of `gonio.parts.roughness` on which
-    scale, so that a rough coat can widen it.
+    scale, so that a rough coat can widen it. `kind` says what a number is where its name does not, such as
+    "index" (see `gonio.export.manifest.kind`): it decides how hosts show it.
     """
-    return Parameter(default, low, high, doc, rougher=rougher)
+    return Parameter(default, low, high, doc, rougher=rougher, kind=kind)
 
 
 def option(*values: str, doc: str) -> Any:

@@ -1,0 +1,419 @@
+"""What a host of an export has to know about it: names, parameters, choices; as JSON can hold it.
+
+`manifest` describes the text that `export` writes for a model. `loader` writes one more function for that
+text, which fills the struct of parameters from an array of four-component vectors, one for each
+parameter: the layout that all graphics interfaces agree on.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import itertools
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from gonio.arrays import is_array
+from gonio.description import module_notes, summary
+from gonio.export.entry import Entry, Export
+from gonio.export.printer import INDENT, Printer
+from gonio.export.read import Reader
+from gonio.export.targets import TARGETS, Target
+from gonio.export.text import FUNCTIONS, export
+from gonio.export.tree import Access, ExportError, Struct, walk
+from gonio.material import Material
+from gonio.model import Child, Model, ModelError, Option, Parameter
+from gonio.version import __version__
+
+# Bytes of a four-component vector of floats, which each parameter has for itself.
+STRIDE = 16
+
+# How the loader takes its array, by language: OSL and MaterialX have their parameters as inputs.
+ARRAYS: Mapping[str, str] = {
+    "glsl": "vec4 {name}[{count}]",
+    "essl": "vec4 {name}[{count}]",
+    "hlsl": "float4 {name}[{count}]",
+    "slang": "float4 {name}[{count}]",
+    "wgsl": "{name}: array<vec4f, {count}>",
+    "msl": "constant float4* {name}",
+    "cpp": "const float (*{name})[4]",
+    "cuda": "const float4* {name}",
+}
+
+
+def manifest(
+    what: Model | Material,
+    name: str | None = None,
+    *,
+    only: Sequence[str] = FUNCTIONS,
+    refusals: bool = True,
+) -> dict[str, Any]:
+    """All that a host has to know about the export of a model, as plain dicts and lists.
+
+    Args:
+        what: the model with its options and values, or a material, which adds its hooks.
+        name: of the export; the model's own by default.
+        only: the functions that are exported.
+        refusals: find out which values of options are refused; takes a second for three layers of models.
+
+    Returns:
+        Names of struct and functions; under "parameters" path, width, kind, value, default, range, soft
+        range, scale and byte offset of each; under "options" each value with the reason why it is refused,
+        if it is, and with the changes that would allow it; under "models" what lies inside; under "hooks"
+        what a host gives per point. docs/embedding.md explains every entry.
+
+    Raises:
+        ExportError: what cannot be exported.
+    """
+    model = what.model if isinstance(what, Material) else what
+    entry = export({name or model.name: model}, "wgsl", only=only)[0].entry
+    module = inspect.getmodule(type(model))
+    return {
+        "gonio": __version__,
+        "name": name or model.name,
+        "model": model.name,
+        "title": module_notes(inspect.getdoc(module) or "")["title"],
+        "description": what.description if isinstance(what, Material) else summary(type(model)),
+        "prefix": entry.prefix,
+        "struct": entry.struct,
+        "sample_struct": entry.sample_struct,
+        "functions": {f: f"{entry.prefix}_{f}" for f in entry.functions},
+        "isotropic": model.isotropic,
+        "stride": STRIDE,
+        "parameters": list(_parameters(model, entry)),
+        "options": list(options(model, only, refusals=refusals)),
+        "models": list(_models(model)),
+        "hooks": _hooks(what) if isinstance(what, Material) else [],
+    }
+
+
+def manifest_text(manifest: Mapping[str, Any]) -> str:
+    """A manifest as the text of a JSON file."""
+    return json.dumps(manifest, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+# --- parameters ----------------------------------------------------------------------------------------
+
+
+def _parameters(model: Model, entry: Entry) -> Iterator[dict[str, Any]]:
+    read = used(model, entry.functions)
+    places = {member.path: index for index, member in enumerate(entry.members)}
+    for path, declared, value in model.parameters():
+        if is_array(value):
+            raise ExportError(f"{path} is an array; a manifest has one value for it.")
+        low, high = soft_range(declared)
+        row: dict[str, Any] = {
+            "path": path,
+            "width": declared.width,
+            "kind": kind(declared),
+            "value": _numbers(declared, value),
+            "default": _numbers(declared, declared.default),
+            "low": declared.low,
+            "high": _finite(declared.high),
+            "soft_low": low,
+            "soft_high": high,
+            "scale": scale(declared),
+            "doc": declared.doc,
+            "used": path in read,
+            "offset": places[path] * STRIDE if path in places else None,
+        }
+        if path not in read:
+            row["unused_because"] = _unused_because(model, path, entry.functions)
+        yield row
+
+
+def _numbers(declared: Parameter, value: Any) -> list[float]:
+    return [float(v) for v in (value if isinstance(value, tuple) else (value,) * declared.width)]
+
+
+def _finite(number: float) -> float | None:
+    return number if math.isfinite(number) else None
+
+
+def kind(declared: Parameter) -> str:
+    """What a number is, which decides how it is shown and changed.
+
+    "reflectance" (the only one for which a colour picker is right), "index" and "extinction" (of
+    refraction), "absorption", "slope" (of facets), "exponent" (of a highlight), "angle" (radians),
+    "length", "factor" (0 to 1) or "number". What a declaration does not say follows from the field's terms.
+    """
+    if declared.kind:
+        return declared.kind
+    name = declared.name
+    last = name.rpartition("_")[2]
+    if "radians" in declared.doc:
+        return "angle"
+    if last in ("eta", "ior"):
+        return "index"
+    if last == "k":
+        return "extinction"
+    if name.endswith("sigma_a"):
+        return "absorption"
+    if last == "alpha" or declared.doc.startswith("slope"):
+        return "slope"
+    if last in ("shininess", "exponent"):
+        return "exponent"
+    if last in ("thickness", "distance"):
+        return "length"
+    if (declared.low, declared.high) == (0, 1):
+        return "reflectance" if declared.width == 3 else "factor"
+    return "number"
+
+
+def scale(declared: Parameter) -> str:
+    """ "log" where equal steps of a slider should be equal ratios, else "linear"."""
+    what = kind(declared)
+    if what in ("exponent", "length"):
+        return "log"
+    return "log" if what == "slope" and declared.low > 0 else "linear"
+
+
+# The ends of a slider, where the range is wider than what materials have.
+SOFT: Mapping[str, tuple[float, float]] = {
+    "index": (0.05, 5),
+    "extinction": (0, 10),
+    "absorption": (0, 5),
+    "exponent": (1, 1e4),
+    "length": (1e-2, 100),
+}
+
+
+def soft_range(declared: Parameter) -> tuple[float, float]:
+    """The range of a slider: values beyond it are allowed, and rare."""
+    low, high = SOFT.get(kind(declared), (declared.low, declared.high))
+    return max(low, declared.low), min(high, declared.high)
+
+
+# --- what the chosen options read ----------------------------------------------------------------------
+
+
+def used(model: Model, functions: Sequence[str] = FUNCTIONS) -> frozenset[str]:
+    """Paths of the parameters that some functions read, with the model's options."""
+    return _used(_Choice(model), tuple(functions))
+
+
+class _Choice:
+    """A model by its classes and options alone: what is read does not depend on values."""
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        self.key = tuple(_classes_and_options(model))
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Choice) and other.key == self.key
+
+
+def _classes_and_options(model: Model) -> Iterator[Any]:
+    yield type(model)
+    for name, declared in model.fields.items():
+        if isinstance(declared, Option):
+            yield getattr(model, name)
+        elif isinstance(declared, Child):
+            yield from _classes_and_options(getattr(model, name))
+
+
+@functools.lru_cache(maxsize=4096)
+def _used(choice: _Choice, functions: tuple[str, ...]) -> frozenset[str]:
+    reader = Reader("x", TARGETS["wgsl"].library)
+    root = reader.model(choice.model, "x", title="x")
+    for name in functions:
+        reader.method(root, name)
+    read: set[tuple[Struct, str]] = set()
+    for function in reader.functions:
+        for expr in walk(function.body):
+            if isinstance(expr, Access) and isinstance(expr.value.type, Struct):
+                read.add((expr.value.type, expr.name))
+    return frozenset(_paths(root, read, ""))
+
+
+def _paths(struct: Struct, read: set[tuple[Struct, str]], prefix: str) -> Iterator[str]:
+    for member in struct.members:
+        if isinstance(member.type, Struct):
+            yield from _paths(member.type, read, f"{prefix}{member.name}.")
+        elif (struct, member.name) in read:
+            yield prefix + member.name
+
+
+def _unused_because(model: Model, path: str, functions: Sequence[str]) -> str:
+    """The options that would use a parameter, in words."""
+    wanted = [
+        f"{name}={value}"
+        for name, option, chosen in _option_paths(model)
+        for value in option.values
+        if value != chosen and path in _used_with(model, {name: value}, functions)
+    ]
+    return f"only with {' or '.join(wanted)}" if wanted else "no function reads it here"
+
+
+def _used_with(
+    model: Model, changes: Mapping[str, str], functions: Sequence[str]
+) -> frozenset[str]:
+    try:
+        return used(model.replace(**changes), functions)
+    except (ModelError, ExportError):
+        return frozenset()
+
+
+# --- options -------------------------------------------------------------------------------------------
+
+
+def _option_paths(model: Model, prefix: str = "") -> Iterator[tuple[str, Option, str]]:
+    """Path, declaration and value of every option, those of inner models included."""
+    for name, declared in model.fields.items():
+        value = getattr(model, name)
+        if isinstance(declared, Option):
+            yield prefix + name, declared, value
+        elif isinstance(declared, Child):
+            yield from _option_paths(value, f"{prefix}{name}.")
+
+
+def options(
+    model: Model, functions: Sequence[str] = FUNCTIONS, *, refusals: bool = True
+) -> Iterator[dict[str, Any]]:
+    """Every option with its values, and with why and how to help it where one is refused."""
+    for path, declared, chosen in _option_paths(model):
+        choices = []
+        for value in declared.values:
+            row: dict[str, Any] = {"value": value, "allowed": True}
+            if refusals and value != chosen:
+                reason = refusal(model, {path: value}, functions)
+                if reason:
+                    help_ = remedy(model, path, value, functions)
+                    row |= {"allowed": False, "reason": reason, "remedy": help_}
+            choices.append(row)
+        yield {
+            "path": path,
+            "value": chosen,
+            "default": declared.default,
+            "values": choices,
+            "doc": declared.doc,
+        }
+
+
+def refusal(model: Model, changes: Mapping[str, Any], functions: Sequence[str] = FUNCTIONS) -> str:
+    """Why a model cannot be changed so, in the model's own words; empty if it can."""
+    try:
+        used(model.replace(**changes), functions)
+    except (ModelError, ExportError) as error:
+        return str(error).partition("\n")[0]
+    return ""
+
+
+def remedy(
+    model: Model, path: str, value: str, functions: Sequence[str] = FUNCTIONS
+) -> dict[str, str]:
+    """The fewest other options whose change would allow a refused one; empty if two do not suffice."""
+    others = [
+        (name, other)
+        for name, option, chosen in _option_paths(model)
+        for other in option.values
+        if name != path and other != chosen
+    ]
+    for count in (1, 2):
+        for changes in itertools.combinations(others, count):
+            wanted = dict(changes)
+            if len(wanted) < count:
+                continue
+            try:
+                model.replace(**{path: value, **wanted})
+            except ModelError:
+                continue
+            # What a model allows can still be something that shading code cannot do.
+            return wanted if not refusal(model, {path: value, **wanted}, functions) else {}
+    return {}
+
+
+# --- inner models and hooks ----------------------------------------------------------------------------
+
+
+def _models(model: Model, prefix: str = "") -> Iterator[dict[str, Any]]:
+    for name, declared in model.fields.items():
+        if isinstance(declared, Child):
+            inner = getattr(model, name)
+            yield {
+                "path": prefix + name,
+                "value": inner.name,
+                "default": declared.default,
+                "doc": declared.doc,
+            }
+            yield from _models(inner, f"{prefix}{name}.")
+
+
+def _hooks(material: Material) -> list[dict[str, Any]]:
+    """What a host gives for each point, in place of a value of the struct."""
+    widths = {path: declared.width for path, declared, _ in material.model.parameters()}
+    hooks: list[dict[str, Any]] = [
+        {
+            "path": path,
+            "source": "texture",
+            "file": str(picture),
+            # Numbers are stored as they are, colours in sRGB.
+            "encoding": "linear" if widths[path] == 1 else "srgb",
+        }
+        for path, picture in material.textures.items()
+    ]
+    if material.flakes:
+        for channel, path in enumerate(("flake_x", "flake_y")):
+            hooks.append({"path": path, "source": "flakes", "channel": channel, **material.flakes})
+    if material.grows:
+        hooks.append({"path": "growth", "source": "mesh"})
+    return hooks
+
+
+# --- the loader ----------------------------------------------------------------------------------------
+
+
+def loader(made: Export) -> str:
+    """A function for the end of an export: the struct of parameters from an array of vectors.
+
+    Vector i belongs to the i-th member of the export; its offset in bytes is in the manifest. Colours are
+    in x, y, z and numbers in x. The array always has at least one vector.
+
+    Raises:
+        ExportError: a language whose parameters are inputs of a shader already.
+    """
+    if made.language not in ARRAYS:
+        raise ExportError(
+            f"{made.language} has its parameters as inputs of the shader; there is nothing to load. "
+            f"--load is for {', '.join(ARRAYS)}."
+        )
+    target, entry = TARGETS[made.language], made.entry
+    outside = f"{entry.namespace}::" if target.foot else ""
+    struct, array, result = outside + entry.struct, "values", "loaded"
+    count = max(len(entry.members), 1)
+    given = ARRAYS[made.language].format(name=array, count=count)
+    name = f"{entry.prefix}_load"
+    lines = [
+        f"// The parameters of {entry.prefix} from {count} vectors: "
+        f"{', '.join(m.path for m in entry.members) or 'none is read'}.",
+        target.function.format(result=struct, name=name, parameters=given),
+        INDENT + target.uninitialized.format(type=struct, name=result),
+        *(INDENT + line for line in _assignments(made, target, array, result, outside)),
+        f"{INDENT}return {result};",
+        "}",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _assignments(
+    made: Export, target: Target, array: str, result: str, outside: str
+) -> Iterator[str]:
+    printer = Printer(target, made.entry.prefix)
+    for index, member in enumerate(made.entry.members):
+        place = f"{result}.{'.'.join(printer.name(part) for part in member.path.split('.'))}"
+        item = f"{array}[{index}]"
+        if made.language == "cpp":
+            x, y, z = (f"{item}[{c}]" for c in range(3))
+        else:
+            x, y, z = (f"{item}.{c}" for c in "xyz")
+        if member.width == 1:
+            yield f"{place} = {x};"
+        elif target.foot:  # C++: its own vectors
+            yield f"{place} = {outside}Vec3{{{x}, {y}, {z}}};"
+        else:
+            yield f"{place} = {item}.xyz;"
