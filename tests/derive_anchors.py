@@ -22,8 +22,12 @@ import pathlib
 from mpmath import acos, atan2, beta, cos, hypot, mp, mpf, nstr, pi, quad, sin, sqrt, tan
 
 mp.dps = 40
-DERIVED = "derived: mpmath 40 digits, "
+HERE = "tests/derive_anchors.py"
 AGREEMENT = "1e-10"  # closed form against quadrature
+BY_FORMULA = "derived: mpmath, 40 digits"
+BY_CLOSED_FORM = f"{BY_FORMULA}, closed form, quadrature agrees to {AGREEMENT}"
+BY_QUADRATURE = f"{BY_FORMULA}, by quadrature"
+BY_ROUNDING = "rounded to {} decimals: " + BY_QUADRATURE
 HALF = mpf(1) / 2
 UNIT_TO = mpf("1e-15")  # the directions are unit vectors only to double precision
 
@@ -561,43 +565,43 @@ SIGMAS = [0.6, math.pi / 2, 0.2, math.pi / 4, 0.0, 1.1, 0.05]
 ROUGHNESSES = [0.5, 1.0, 0.0, 0.25, 0.85, 0.02, 0.65]
 SHININESSES = [10.0, 2.0, 37.5, 200.0, 1.0, 5.0, 22.0]
 
-# model: (eval, closed albedo, closed mean albedo, list of parameter sets per variant, source)
+# model: (eval, closed albedo, closed mean albedo, list of parameter sets per variant, publications)
 MODELS = {
     "lambert": (
         lambert,
         lambert_albedo,
         lambert_mean_albedo,
         [[{"rho": c} for c in (CLAY, WHITE, LEAF)]],
-        "rho/pi",
+        ["lambert1760 as rho / pi"],
     ),
-    "oren_nayar": (oren_nayar, None, None, [sets("sigma", SIGMAS)], "Oren & Nayar 1994, Eq. 27-29"),
+    "oren_nayar": (oren_nayar, None, None, [sets("sigma", SIGMAS)], ["oren1994 Eq. 27 to 29"]),
     "qon": (
         qon,
         qon_albedo,
         qon_mean_albedo,
         [sets("sigma", SIGMAS)],
-        "Oren & Nayar 1994, Eq. 30; EON paper (arXiv:2410.18026), Eq. 1-9",
+        ["oren1994 Eq. 30", "portsmouth2025 Eq. 1 to 9"],
     ),
     "qon_footnote": (
         qon_footnote,
         qon_footnote_albedo,
         qon_footnote_mean_albedo,
         [sets("sigma", SIGMAS)],
-        "Oren & Nayar 1994, Eq. 30 with the footnote's 0.57",
+        ["oren1994 Eq. 30 with the footnote's 0.57"],
     ),
     "qon_fujii": (
         qon_fujii,
         qon_fujii_albedo,
         qon_fujii_mean_albedo,
         [sets("sigma", SIGMAS)],
-        "Fujii, A tiny improvement of Oren-Nayar reflectance model, first formula",
+        ["fujii2013 first formula"],
     ),
     "fon": (
         fon,
         fon_albedo,
         fon_mean_albedo,
         [sets("roughness", ROUGHNESSES)],
-        "EON paper (arXiv:2410.18026), Eq. 10-15",
+        ["portsmouth2025 Eq. 10 to 15"],
     ),
     "eon": (
         eon,
@@ -608,7 +612,7 @@ MODELS = {
             sets("roughness", ROUGHNESSES, color_shift="none"),
             sets("roughness", ROUGHNESSES, albedo_form="fitted"),
         ],
-        "EON paper (arXiv:2410.18026), Eq. 10-20",
+        ["portsmouth2025 Eq. 10 to 20"],
     ),
     "triace_oren_nayar": (
         triace_oren_nayar,
@@ -619,14 +623,14 @@ MODELS = {
             sets("shininess", SHININESSES, variant="eq24"),
             sets("shininess", SHININESSES, variant="eq23"),
         ],
-        "Gotanda 2012 (tri-Ace), Eq. 20-25",
+        ["gotanda2012 Eq. 20 to 25"],
     ),
     "burley_diffuse": (
         burley_diffuse,
         burley_diffuse_albedo,
         burley_diffuse_mean_albedo,
         [sets("roughness", ROUGHNESSES)],
-        "Burley 2012, Physically-based shading at Disney, section 5.3",
+        ["burley2012 section 5.3"],
     ),
 }
 
@@ -647,15 +651,14 @@ PDF_CASES = [
 ]
 
 # Directional albedo of the full Oren-Nayar at rho = 1, at these angles in degrees, and of QON at
-# the worst sigma, from the project's formula list. None: printed .958 and .721 there, but the
-# values are .95747 and .72047.
-PUBLISHED_VIEWS = [0, 60, 85, 89]
-PUBLISHED_OREN_NAYAR = {
+# the worst sigma, rounded. None: .95747 and .72047, too near to the middle of two roundings.
+ROUNDED_VIEWS = [0, 60, 85, 89]
+ROUNDED_OREN_NAYAR = {
     math.pi / 8: ["0.933", "0.959", "1.017", "1.036"],
     math.pi / 4: ["0.815", "0.851", "0.931", None],
     math.pi / 2: [None, "0.761", "0.849", "0.878"],
 }
-PUBLISHED_QON_MAXIMUM = (0.1986, EDGE, "1.0152")
+ROUNDED_QON_MAXIMUM = (0.1986, EDGE, "1.0152")
 HALF_OF_LAST_DIGIT = {3: mpf("5e-4"), 4: mpf("5e-5")}
 PUBLISHED_LTC = {
     (0.0, 1.0): ("1.027126", "0.705879689", "1.20013", "-0.503445965"),
@@ -671,6 +674,11 @@ def exact(value):
     if isinstance(value, list | tuple):
         return [exact(v) for v in value]
     return mpf(value) if isinstance(value, float) else value
+
+
+def source(how, publications, file, function):
+    """How a value was found, the publications by their keys in the bibliography, and what derives it."""
+    return "; ".join((how, *publications, f"{file} {function}"))
 
 
 def number(x):
@@ -701,7 +709,8 @@ def compare(found, expected, tolerance, what):
 
 def eval_rows(name):
     """Each pair of directions with two parameter sets of each variant."""
-    model, _, _, variants, source = MODELS[name]
+    model, _, _, variants, publications = MODELS[name]
+    found_by = source(BY_FORMULA, publications, HERE, name)
     for parameter_sets in variants:
         for k, (wi, wo) in enumerate(PAIRS):
             for p in (
@@ -717,12 +726,13 @@ def eval_rows(name):
                     UNIT_TO,
                     f"reciprocity of {name}",
                 )
-                yield row(name, p, wi, wo, "eval", value, DERIVED + source)
+                yield row(name, p, wi, wo, "eval", value, found_by)
 
 
 def albedo_rows(name):
     """Closed forms, checked by quadrature; without one, a quadrature checked by another."""
-    model, closed, closed_mean, variants, source = MODELS[name]
+    model, closed, closed_mean, variants, publications = MODELS[name]
+    found_by = source(BY_CLOSED_FORM if closed else BY_QUADRATURE, publications, HERE, name)
     for parameter_sets in variants:
         if parameter_sets[0].get("albedo_form") == "fitted":
             continue
@@ -733,12 +743,7 @@ def albedo_rows(name):
             compare(
                 integral, check, mpf(AGREEMENT) if closed else mpf("1e-18"), f"albedo of {name}"
             )
-            how = (
-                f", closed form, quadrature agrees to {AGREEMENT}" if closed else ", by quadrature"
-            )
-            yield row(
-                name, p, None, wo, "albedo", check if closed else integral, DERIVED + source + how
-            )
+            yield row(name, p, None, wo, "albedo", check if closed else integral, found_by)
         for p in parameter_sets[:2]:
             integral = mean_albedo_by_quadrature(model, exact(p))
             if closed_mean:
@@ -754,7 +759,7 @@ def albedo_rows(name):
                 None,
                 "mean_albedo",
                 check if closed_mean else integral,
-                DERIVED + source + how,
+                found_by,
             )
 
 
@@ -769,7 +774,7 @@ def pdf_rows():
             wo,
             "pdf",
             lambert_pdf(exact(p), exact(wi), exact(wo)),
-            DERIVED + "cosine/pi",
+            source(BY_FORMULA, [], HERE, "lambert_pdf"),
         )
     for sampler in SAMPLERS:
         for r, wo, wi in PDF_CASES:
@@ -777,33 +782,33 @@ def pdf_rows():
             if sampler != "cltc_uniform":
                 p["sampler"] = sampler
             value = eon_pdf(exact(p), exact(wi), exact(wo))
-            source = DERIVED + "EON paper (arXiv:2410.18026), Eq. 21-28, Listings 2-4"
-            yield row("eon", p, wi, wo, "pdf", value, source)
+            publications = ["portsmouth2025 Eq. 21 to 28 and Listings 2 to 4"]
+            found_by = source(BY_FORMULA, publications, HERE, "eon_pdf")
+            yield row("eon", p, wi, wo, "pdf", value, found_by)
 
 
-def published_rows():
-    """Numbers from the formula list, as printed there, each compared with this derivation."""
-    views = [at(angle, 0) for angle in PUBLISHED_VIEWS]
-    source = (
-        "published, 3 decimals: formulas.md section 1, albedo of the full Oren-Nayar at rho = 1"
-    )
-    for sigma, values in PUBLISHED_OREN_NAYAR.items():
+def rounded_rows():
+    """Numbers as docs/formulas.md prints them, each compared with this derivation."""
+    views = [at(angle, 0) for angle in ROUNDED_VIEWS]
+    publications = MODELS["oren_nayar"][-1]
+    for sigma, values in ROUNDED_OREN_NAYAR.items():
         for wo, printed in zip(views, values, strict=True):
             p = {"rho": WHITE, "sigma": sigma}
             derived = albedo_by_quadrature(oren_nayar, exact(p), mpf(wo[2]))
             if printed is None:
-                how = DERIVED + MODELS["oren_nayar"][-1] + ", by quadrature"
-                yield row("oren_nayar", p, None, wo, "albedo", derived, how)
+                found_by = source(BY_QUADRATURE, publications, HERE, "oren_nayar")
+                yield row("oren_nayar", p, None, wo, "albedo", derived, found_by)
                 continue
             compare(derived, [mpf(printed)] * 3, HALF_OF_LAST_DIGIT[3], f"albedo at {sigma}")
             value = f"[{printed}, {printed}, {printed}]"
-            yield row("oren_nayar", p, None, wo, "albedo", value, source)
-    source = "published, 4 decimals: formulas.md section 1, highest albedo of QON (at grazing)"
-    sigma, wo, printed = PUBLISHED_QON_MAXIMUM
+            found_by = source(BY_ROUNDING.format(3), publications, HERE, "oren_nayar")
+            yield row("oren_nayar", p, None, wo, "albedo", value, found_by)
+    sigma, wo, printed = ROUNDED_QON_MAXIMUM
     p = {"rho": WHITE, "sigma": sigma}
     derived = qon_albedo(exact(p), mpf(wo[2]))
     compare(derived, [mpf(printed)] * 3, HALF_OF_LAST_DIGIT[4], "highest albedo of QON")
-    yield row("qon", p, None, wo, "albedo", f"[{printed}, {printed}, {printed}]", source)
+    found_by = source(BY_ROUNDING.format(4), MODELS["qon"][-1], HERE, "qon")
+    yield row("qon", p, None, wo, "albedo", f"[{printed}, {printed}, {printed}]", found_by)
 
 
 def check_sampling():
@@ -824,7 +829,7 @@ def check_sampling():
 def main():
     """Rewrite anchors.csv next to this file."""
     check_sampling()
-    rows = list(published_rows())
+    rows = list(rounded_rows())
     for name in MODELS:
         rows += [*eval_rows(name), *albedo_rows(name)]
     rows += pdf_rows()

@@ -18,7 +18,8 @@ import pathlib
 from mpmath import exp, log, mp, mpc, mpf, nstr, pi, quad, sqrt
 
 mp.dps = 40
-DERIVED = "derived: mpmath 40 digits, "
+HERE = "tests/derive_layer_anchors.py"
+BY_FORMULA = "derived: mpmath, 40 digits"
 
 
 def dot(a, b):
@@ -381,13 +382,14 @@ def row(model, parameters, wi, wo, quantity, value, source):
     ]
 
 
-def evaluations(name, brdf, sets, source):
+def evaluations(name, brdf, sets, publication):
     """Values of a BRDF for every set of parameters and every pair of directions."""
+    found_by = f"{BY_FORMULA}; {publication}; {HERE} {name}"
     for parameters in sets:
         p = {k: numbers(v) for k, v in parameters.items()}
         for wi, wo in PAIRS:
             value = brdf(p, tuple(map(mpf, wi)), tuple(map(mpf, wo)))
-            yield row(name, parameters, wi, wo, "eval", value, DERIVED + source)
+            yield row(name, parameters, wi, wo, "eval", value, found_by)
 
 
 def albedos():
@@ -408,7 +410,7 @@ def albedos():
                 ),
                 (white | EXACT, T, "1 - F(wo): all that enters leaves again"),
             ]
-            for parameters, value, source in cases:
+            for parameters, value, formula in cases:
                 yield row(
                     "weidlich_wilkie",
                     parameters | {"eta": n},
@@ -416,7 +418,7 @@ def albedos():
                     wo,
                     "albedo",
                     [value] * 3,
-                    DERIVED + source,
+                    f"{BY_FORMULA}, {formula}; walsh1926 for Fdr_ext; {HERE} albedos",
                 )
 
 
@@ -435,11 +437,11 @@ def check_walsh():
 def main():
     """Write the table."""
     check_walsh()
-    elek = "Elek 2010, "
+    elek = "elek2010 "
     rows = [
         *evaluations("weidlich_wilkie", weidlich_wilkie, WEIDLICH_WILKIE, elek + "Eq. 2 to 4"),
         *albedos(),
-        *evaluations("triace_layered", triace_layered, TRIACE_LAYERED, "Gotanda 2012, Eq. 1 to 5"),
+        *evaluations("triace_layered", triace_layered, TRIACE_LAYERED, "gotanda2012 Eq. 1 to 5"),
         *evaluations("car_paint", car_paint, CAR_PAINT, elek + "section 4.1"),
         *evaluations("patina", patina, PATINA, elek + "section 4.2"),
     ]

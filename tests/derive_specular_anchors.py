@@ -20,7 +20,7 @@ import pathlib
 
 import numpy as np
 from derive_anchors import (
-    DERIVED,
+    BY_FORMULA,
     GRAZING,
     NORMAL,
     RETRO,
@@ -30,11 +30,15 @@ from derive_anchors import (
     exact,
     gauss_legendre,
     row,
+    source,
     unit,
 )
 from mpmath import mp, mpf  # 40 digits, set by derive_anchors
 
+HERE = "tests/derive_specular_anchors.py"
 AGREEMENT = 1e-9  # of two quadratures
+BY_QUADRATURE = f"derived: two quadratures in double precision agree to {AGREEMENT}"
+BY_ROUNDING = "rounded to {} decimals: " + BY_QUADRATURE
 UNIT_TO = mpf("1e-12")  # directions are unit to 1e-16; grazing divides that by wo.H = 1e-3, twice
 
 
@@ -610,17 +614,57 @@ DISNEY_CHANGES = [
     },
 ]
 
-UNITY_SOURCE = "UnityStandardBRDF.cginc 2018.2 (linear space, GGX) over pi; formulas.md section 4"
-# model: (function, parameter sets, pairs of directions per set, source)
+# Where D, G and F stand, by the options that choose them. Exact Fresnel reflectance is in every textbook.
+D_SOURCES = {
+    "ggx": "walter2007 Eq. 33",
+    "beckmann": "walter2007 Eq. 25",
+    "blinn_phong": "walter2007 Eq. 30",
+    "gaussian": "cook1982 as exp(-(theta / m)^2) normalised",
+}
+G_SOURCES = {
+    "smith_correlated": "heitz2014 Eq. 99",
+    "smith": "walter2007 Eq. 23",
+    "smith_walter": "walter2007 fit below Eq. 27",
+    "cook_torrance": "cook1982 as G of V-grooves",
+    "kelemen": "kelemen2001 as G / (mu_i mu_o) = 1 / (wo.m)^2",
+    "neumann": "neumann1999 as 1 / max(mu_i, mu_o)",
+    "implicit": "pbrtheory2019 section 4.2.3",
+    "schlick_ggx": "karis2013 section Specular G for image-based light",
+    "schlick_beckmann": "schlick1994 as G with k = alpha sqrt(2 / pi)",
+}
+F_SOURCES = {"schlick": ["schlick1994 Eq. 15"], "lazanyi": ["lazanyi2005 Eq. 4"]}
+
+
+def facet_sources(p):
+    """The publications of one choice of D, G and F."""
+    stretched = ["burley2012 Eq. 13 for anisotropic D"] if p.get("anisotropy") else []
+    return [
+        "walter2007 Eq. 20",
+        D_SOURCES[p["distribution"]],
+        *stretched,
+        G_SOURCES[p["masking"]],
+        *F_SOURCES.get(p["fresnel"], []),
+    ]
+
+
+# model: (function, parameter sets, pairs of directions per set, publications or a function that tells them)
 MODELS = {
     "torrance_sparrow": (
         torrance_sparrow,
         list(torrance_sparrow_sets()),
         1,
-        "F D G/(4 mu_i mu_o): Walter et al. 2007, Heitz 2014, Karis 2013, formulas.md section 3",
+        facet_sources,
     ),
-    "phong": (phong, PHONG_SETS, 5, "Phong 1975; normalized: Lafortune & Willems 1994"),
-    "triace_blinn_phong": (triace_blinn_phong, TRIACE_SETS, 6, "Gotanda 2012 (tri-Ace), Eq. 1"),
+    "phong": (
+        phong,
+        PHONG_SETS,
+        5,
+        [
+            "phong1975 as cos^n of the angle to the mirror direction",
+            "lafortune1994 as (n + 2) / (2 pi) cos^n",
+        ],
+    ),
+    "triace_blinn_phong": (triace_blinn_phong, TRIACE_SETS, 6, ["gotanda2012 Eq. 1"]),
     "metallic_roughness": (
         metallic_roughness,
         [
@@ -630,7 +674,7 @@ MODELS = {
             )
         ],
         4,
-        "formulas.md section 4: k_d = 1 - F, F0 = lerp(0.04, base colour, metallic), GGX",
+        ["pbrtheory2019 section 4 as k_d = 1 - F and F0 = lerp(0.04, base colour, metallic)"],
     ),
     "ue4": (
         ue4,
@@ -643,15 +687,28 @@ MODELS = {
             )
         ],
         4,
-        "Karis 2013, Real shading in Unreal Engine 4, with Schlick's (1 - wo.H)^5",
+        ["karis2013 sections Diffuse BRDF and Specular D, G, F", "schlick1994 Eq. 15"],
     ),
-    "unity_standard": (unity_standard, SURFACES, 6, "BRDF1 of " + UNITY_SOURCE),
-    "unity_brdf2": (unity_brdf2, SURFACES, 6, "BRDF2 of " + UNITY_SOURCE),
+    "unity_standard": (
+        unity_standard,
+        SURFACES,
+        6,
+        ["unity2018 BRDF1_Unity_PBS in linear space with GGX, over pi"],
+    ),
+    "unity_brdf2": (
+        unity_brdf2,
+        SURFACES,
+        6,
+        ["unity2018 BRDF2_Unity_PBS in linear space with GGX, over pi"],
+    ),
     "disney": (
         disney,
         [{**DISNEY_BASE, **change} for change in DISNEY_CHANGES],
         4,
-        "Burley 2012 and disney.brdf, base colour linear, G with alpha_g = (0.5 + roughness/2)^2",
+        [
+            "burley2012 section 5 and appendix B with alpha_g = (0.5 + roughness / 2)^2",
+            "brdfexplorer disney.brdf with a linear base colour",
+        ],
     ),
 }
 # Roughnesses below the models' own lower limits (alpha 0.002 and 0.001; BRDF2 has none, and loses its
@@ -664,9 +721,15 @@ CLAMPED = {
 NOT_RECIPROCAL = {"form": "classical"}  # Phong's radiance has no cosine to divide out
 
 
+def sources_of(name, p):
+    """The publications of a model with certain parameters."""
+    publications = MODELS[name][3]
+    return publications(p) if callable(publications) else publications
+
+
 def eval_rows(name):
     """Each parameter set with a few pairs of directions, taken in turn."""
-    model, parameter_sets, count, source = MODELS[name]
+    model, parameter_sets, count, _ = MODELS[name]
     pairs = itertools.cycle(PAIRS)
     for p in parameter_sets:
         chosen = []
@@ -683,10 +746,12 @@ def eval_rows(name):
             arrays = model(Doubles, doubles(p), [np.array([x]) for x in wi], wo)
             ratio = [float(a[0] / v) if v else 1.0 for a, v in zip(arrays, value, strict=True)]
             compare(ratio, [1.0] * 3, 1e-10, f"double precision of {name} {p}")
-            yield row(name, p, wi, wo, "eval", value, DERIVED + source)
+            found_by = source(BY_FORMULA, sources_of(name, p), HERE, name)
+            yield row(name, p, wi, wo, "eval", value, found_by)
     for p in CLAMPED.get(name, []):
         value = model(Exact, exact(p), exact(NORMAL), exact(NORMAL))
-        yield row(name, p, NORMAL, NORMAL, "eval", value, DERIVED + source)
+        found_by = source(BY_FORMULA, sources_of(name, p), HERE, name)
+        yield row(name, p, NORMAL, NORMAL, "eval", value, found_by)
 
 
 def kinks_of(name, p):
@@ -717,19 +782,19 @@ def albedo_sets(name):
 
 def albedo_rows(name):
     """Quadratures."""
-    model, _, _, source = MODELS[name]
-    how = f"derived: two quadratures in double precision agree to {AGREEMENT}, "
+    model = MODELS[name][0]
     for p, wo in albedo_sets(name):
         value = albedo(model, p, wo, kinks_of(name, p))
-        yield row(name, p, None, wo, "albedo", value, how + source)
+        found_by = source(BY_QUADRATURE, sources_of(name, p), HERE, name)
+        yield row(name, p, None, wo, "albedo", value, found_by)
 
 
 def pdf_rows():
     """Visible normals for GGX and Beckmann, all normals for Blinn-Phong; Gaussian's has no inverse."""
     sources = {
-        "ggx": "visible normals: G1(wo) D/(4 mu_o), Heitz 2014, Eq. 72",
-        "beckmann": "visible normals: G1(wo) D/(4 mu_o), exact Lambda of Heitz 2014, Eq. 66",
-        "blinn_phong": "normals by D: D (m.z)/(4 wo.m)",
+        "ggx": ("visible normals, G1(wo) D / (4 mu_o)", "heitz2014 Eq. 16 and 72"),
+        "beckmann": ("visible normals, G1(wo) D / (4 mu_o)", "heitz2014 Eq. 16 and 66"),
+        "blinn_phong": ("normals by D, D (m.z) / (4 wo.m)", "walter2007 Eq. 14"),
     }
     pairs = itertools.cycle(PAIRS)
     cases = [
@@ -748,39 +813,35 @@ def pdf_rows():
             value = torrance_sparrow_pdf(exact(p), exact(wi), exact(wo))
             if value > VISIBLE:
                 count += 1
-                yield row(
-                    "torrance_sparrow",
-                    p,
-                    wi,
-                    wo,
-                    "pdf",
-                    value,
-                    DERIVED + sources[p["distribution"]],
+                drawn, publication = sources[p["distribution"]]
+                publications = [publication, D_SOURCES[p["distribution"]]]
+                found_by = source(
+                    f"{BY_FORMULA}, {drawn}", publications, HERE, "torrance_sparrow_pdf"
                 )
+                yield row("torrance_sparrow", p, wi, wo, "pdf", value, found_by)
 
 
-PUBLISHED_TRIACE = {1.0: "0.36", 10.0: "0.73", 50.0: "0.93", 100.0: "0.96"}
-PUBLISHED_BECKMANN = "0.996"
+ROUNDED_TRIACE = {1.0: "0.36", 10.0: "0.73", 50.0: "0.93", 100.0: "0.96"}
+ROUNDED_BECKMANN = "0.996"
 
 
-def published_rows():
-    """Numbers from the formula list, each compared with this derivation."""
+def rounded_rows():
+    """Numbers as docs/formulas.md prints them, each compared with this derivation."""
     options = {"distribution": "beckmann", "masking": "cook_torrance", "fresnel": "white"}
     p = {"alpha": 0.3, **options}
     found = albedo(torrance_sparrow, p, NORMAL, "cook_torrance")
-    compare(found, [float(PUBLISHED_BECKMANN)] * 3, 5e-4, "published albedo of Beckmann")
-    source = (
-        "published, 3 decimals: formulas.md section 3, white Beckmann, Cook-Torrance G, m = 0.3"
-    )
-    value = "[" + ", ".join([PUBLISHED_BECKMANN] * 3) + "]"
-    yield row("torrance_sparrow", p, None, NORMAL, "albedo", value, source)
-    source = "published, 2 decimals: formulas.md section 4, tri-Ace Blinn-Phong with F = 1"
-    for n, printed in PUBLISHED_TRIACE.items():
+    compare(found, [float(ROUNDED_BECKMANN)] * 3, 5e-4, "rounded albedo of Beckmann")
+    found_by = source(BY_ROUNDING.format(3), facet_sources(p), HERE, "torrance_sparrow")
+    value = "[" + ", ".join([ROUNDED_BECKMANN] * 3) + "]"
+    yield row("torrance_sparrow", p, None, NORMAL, "albedo", value, found_by)
+    publications = MODELS["triace_blinn_phong"][3]
+    found_by = source(BY_ROUNDING.format(2), publications, HERE, "triace_blinn_phong")
+    for n, printed in ROUNDED_TRIACE.items():
         p = {"rho": BLACK, "f0": WHITE, "shininess": n}
         found = albedo(triace_blinn_phong, p, NORMAL, None)
-        compare(found, [float(printed)] * 3, 5e-3, f"published albedo at n = {n}")
+        compare(found, [float(printed)] * 3, 5e-3, f"rounded albedo at n = {n}")
         value = "[" + ", ".join([printed] * 3) + "]"
-        yield row("triace_blinn_phong", p, None, NORMAL, "albedo", value, source)
+        yield row("triace_blinn_phong", p, None, NORMAL, "albedo", value, found_by)
 
 
 def check_parts():
@@ -822,7 +883,7 @@ def check_parts():
 def main():
     """Rewrite anchors_specular.csv next to this file."""
     check_parts()
-    rows = list(published_rows())
+    rows = list(rounded_rows())
     for name in MODELS:
         rows += [*eval_rows(name), *albedo_rows(name)]
     rows += pdf_rows()

@@ -1,4 +1,4 @@
-"""Values from outside: publications, and derivations in mpmath that know nothing of gonio."""
+"""Values from outside: derived in mpmath, straight from publications, knowing nothing of gonio."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ import pytest
 from support.kinks import kink_error
 
 import gonio
+from gonio import citations
 from gonio.parts.oren_nayar import qualitative_coefficients
 
 ROWS = [
@@ -23,6 +24,7 @@ ROWS = [
     for row in csv.DictReader(file.read_text(encoding="utf-8").splitlines())
 ]
 MINIMUM_PER_MODEL = 5
+ROOT = Path(__file__).parent.parent
 
 # Derived values have 17 digits. The directions are unit only to 1e-16, and two forms of the same
 # formula (1 + s as a sum of squares) differ by that, which the absolute part allows for.
@@ -49,7 +51,7 @@ def compute(row: dict[str, str]) -> Any:
 def check(row: dict[str, str]) -> None:
     value = compute(row)
     expected = np.array(json.loads(row["value"]))
-    if decimals := re.match(r"published, (\d+) decimals", row["source"]):
+    if decimals := re.match(r"rounded to (\d+) decimals: ", row["source"]):
         np.testing.assert_allclose(value, expected, atol=0.51 * 10 ** -int(decimals[1]), rtol=0)
         return
     rtol = DERIVED_RTOL
@@ -75,6 +77,49 @@ def test_every_model_has_anchors() -> None:
     assert not few
 
 
+def complaint(source: str) -> str:
+    """What keeps a reader from finding an anchor's source; "" if nothing does.
+
+    A source says how the value was found, then for each publication its key in the bibliography and where
+    in it, and last the file that derives the value with its function.
+    """
+    how, *places = source.split("; ")
+    if not re.match(r"(derived|rounded to \d+ decimals): \S", how):
+        return f"{how!r} does not say how the value was found"
+    if not places:
+        return "no place is named"
+    for place in places:
+        name, _, where = place.partition(" ")
+        if name not in citations.bibliography() and not (ROOT / name).is_file():
+            return f"{name!r} is neither in the bibliography nor a file"
+        if not where:
+            return f"{name}: no equation, section or function is named"
+    file, _, function = places[-1].partition(" ")
+    if f"def {function}(" not in (ROOT / file).read_text(encoding="utf-8"):
+        return f"{file} has no function {function!r}"
+    return ""
+
+
+@pytest.mark.parametrize("source", sorted({row["source"] for row in ROWS}))
+def test_every_anchor_names_a_source_that_a_reader_can_find(source: str) -> None:
+    assert complaint(source) == ""
+
+
+@pytest.mark.parametrize(
+    ("source", "reason"),
+    [
+        ("derived: mpmath, 40 digits; formulas.md section 1", "neither"),
+        ("derived: mpmath, 40 digits; oren1995 Eq. 30; tests/derive_anchors.py qon", "neither"),
+        ("derived: mpmath, 40 digits; oren1994; tests/derive_anchors.py qon", "no equation"),
+        ("derived: mpmath, 40 digits; oren1994 Eq. 30; tests/derive_anchors.py gon", "no function"),
+        ("derived: mpmath, 40 digits", "no place"),
+        ("Oren and Nayar, Eq. 30; tests/derive_anchors.py qon", "how the value was found"),
+    ],
+)
+def test_a_source_that_nobody_can_find_is_refused(source: str, reason: str) -> None:
+    assert reason in complaint(source)
+
+
 def test_a_wrong_constant_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
     """0.34 in place of 0.33 in QON's A moves values by 1 % at most; no anchor may let it pass."""
     monkeypatch.setattr(
@@ -87,7 +132,7 @@ def test_a_wrong_constant_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
         for row in ROWS
         if row["model"] == "qon"
         and json.loads(row["parameters"])["sigma"] > 0
-        and row["source"].startswith("derived")
+        and row["source"].startswith("derived: ")
     ]
     assert len(rough) >= MINIMUM_PER_MODEL
     for row in rough:
