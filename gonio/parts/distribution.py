@@ -195,7 +195,7 @@ def sample_beckmann(alpha_x: Float, alpha_y: Float, u: Vec2) -> Vec3:
 
 
 def beckmann_lambda_mu(w: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
-    """mu Lambda(w) of Smith's masking, finite in the horizon. Heitz 2014, Eq. 72."""
+    """mu Lambda(w) of Smith's masking, finite in the horizon. Heitz 2014, Eq. 66."""
     sigma = stretched_sine(w, alpha_x, alpha_y)
     a = w.z / sigma
     # Lambda is smaller than 1e-22 from there on, and the limit keeps a^2 in range
