@@ -14,7 +14,7 @@ PROVE_PACKAGES := glslangValidator=glslang-tools spirv-opt=spirv-tools libEGL.so
     libGL.so.1=libgl1 libvulkan.so.1=libvulkan1 libvulkan_lvp.so=mesa-vulkan-drivers libSM.so.6=libsm6 \
     libXi.so.6=libxi6 libXfixes.so.3=libxfixes3 libXrender.so.1=libxrender1 libxkbcommon.so.0=libxkbcommon0
 
-.PHONY: help demo test format bench golden clean
+.PHONY: help demo test format bench golden layers clean
 
 help:
 	@sed -n '2,4s/^# *//p' Makefile
@@ -37,6 +37,9 @@ bench: $(VENV)/.installed
 
 golden: $(VENV)/.installed
 	$(BIN)/python tools/make_golden.py
+
+layers: $(VENV)/.installed
+	$(BIN)/python tools/make_layers_page.py
 
 $(VENV)/bin/python:
 	PYTHON=$(PYTHON) sh .ci/system-packages

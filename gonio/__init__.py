@@ -15,15 +15,16 @@ backend.prepare()  # before anything imports Dr.Jit
 
 import gonio.models  # noqa: E402, F401  fills the registry
 from gonio.backend import BackendError, use  # noqa: E402
+from gonio.fields import ModelError  # noqa: E402
 from gonio.lang import Sample  # noqa: E402
 
 # `gonio.model` and `gonio.models` are functions for the user and modules for the import system. The
 # functions win as attributes because they are bound after both modules have been imported.
-from gonio.model import Model, ModelError, child, model, models, option, param  # noqa: E402
+from gonio.model import Model, child, model, models, option, param  # noqa: E402
 from gonio.version import __version__  # noqa: E402
 
 if TYPE_CHECKING:
-    from gonio.rendering import render as render
+    from gonio.render import render as render
 
 __all__ = [
     "BackendError",
@@ -44,7 +45,7 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     """Model classes by name (`gonio.EON`), and functions whose modules load only when used."""
     if name == "render":
-        from gonio.rendering import render
+        from gonio.render import render
 
         return render
     for cls in models().values():

@@ -9,8 +9,9 @@ import textwrap
 from collections.abc import Iterator
 from typing import Any
 
-from gonio.model import Child, Model, Option, Parameter
-from gonio.model_file import model_class
+from gonio.fields import Option, Parameter
+from gonio.materials.model_file import model_class
+from gonio.model import Child, Model
 
 
 def describe(name: str) -> dict[str, Any]:

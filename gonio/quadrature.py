@@ -19,16 +19,34 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any, ClassVar, Protocol, Self
 
 import drjit as dr
 import numpy as np
 
 from gonio.lang import Color, Vec2, Vec3, cos, safe_acos, sin, sqrt, vec2, vec3
-from gonio.parts.cltc import azimuth
+from gonio.parts.frame import azimuth
 
-if TYPE_CHECKING:
-    from gonio.model import Model
+
+class Reflecting(Protocol):
+    """What the rules ask of a model bound to Dr.Jit values; `gonio.model.Model` has it."""
+
+    albedo_rule: ClassVar[str]
+    isotropic: ClassVar[bool]
+    float_type: Any
+
+    def eval(self, wi: Vec3, wo: Vec3) -> Color:
+        """BRDF value in 1/sr."""
+
+    def albedo(self, wo: Vec3) -> Color:
+        """Directional albedo."""
+
+    def slope_widths(self) -> Vec2:
+        """Widths of the highlight's slopes along x and y, up to a factor."""
+
+    def bind(self, Float: Any, convert: Callable[[str, Any, Any], Any]) -> Self:
+        """A copy whose parameters are converted."""
+
 
 # Nodes on each smooth piece; tests/test_albedo.py holds the result against closed forms at 1e-5.
 # Fewer leave more than float32 rounding.
@@ -80,7 +98,7 @@ def _take(column: Any, index: Any) -> Any:
     return column[index] if isinstance(column, list) else dr.gather(type(column), column, index)
 
 
-def directional_albedo(model: Model, wo: Vec3) -> Color:
+def directional_albedo(model: Reflecting, wo: Vec3) -> Color:
     """∫ f μi dωi over the upper hemisphere, for a model that is already bound to Dr.Jit values."""
     if model.albedo_rule == "half_vectors":
         return _by_half_vectors(model, wo)
@@ -89,7 +107,7 @@ def directional_albedo(model: Model, wo: Vec3) -> Color:
     return _by_angles(model, wo)
 
 
-def _by_angles(model: Model, wo: Vec3) -> Color:
+def _by_angles(model: Reflecting, wo: Vec3) -> Color:
     Float: Any = type(wo.z)
     wo = vec3(wo.x, wo.y, dr.maximum(wo.z, HORIZON))
     theta_o = safe_acos(wo.z)
@@ -145,7 +163,7 @@ def _double(value: Any) -> Any:
     return dr.float64_array_t(value)(value) if dr.is_array_v(value) else float(value)
 
 
-def _by_half_vectors(model: Model, wo: Vec3) -> Color:
+def _by_half_vectors(model: Reflecting, wo: Vec3) -> Color:
     single = type(model.eval(wo, wo))
     wo = _double(wo)
     wo = vec3(wo.x, wo.y, dr.maximum(wo.z, HORIZON))
@@ -215,7 +233,7 @@ def _mirror_table(Float: Any) -> tuple[Any, ...]:
     return tuple(c.tolist() if Float is float else Float(c) for c in columns)
 
 
-def _around_mirror(model: Model, wo: Vec3) -> Color:
+def _around_mirror(model: Reflecting, wo: Vec3) -> Color:
     single = type(model.eval(wo, wo))
     wo = _double(wo)
     wo = vec3(wo.x, wo.y, dr.maximum(wo.z, HORIZON))
@@ -264,7 +282,7 @@ def _around_mirror(model: Model, wo: Vec3) -> Color:
     return single(total)
 
 
-def mean_albedo(model: Model) -> Color:
+def mean_albedo(model: Reflecting) -> Color:
     """(1/π) ∫ albedo(wo) μo dωo of a model that is already bound to Dr.Jit values."""
     Float = model.float_type
     x, w = np.polynomial.legendre.leggauss(ELEVATION_NODES)

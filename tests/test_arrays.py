@@ -15,8 +15,9 @@ from support.directions import random_directions
 
 import gonio
 from gonio.check.variants import sweep
+from gonio.fields import ModelError
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3
-from gonio.model import Model, ModelError, child, param
+from gonio.model import Model, child, param
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""`gonio bake` and `gonio render --series` on the command line."""
+"""`gonio bake` and `gonio series` on the command line."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from gonio import tables
+from gonio.bake import tables
+from gonio.bake.environment import Environment
 from gonio.cli import main
-from gonio.environment import Environment
-from gonio.metals import metal
+from gonio.parts.metals import metal
 
 
 def run(*arguments: str) -> Any:
@@ -57,7 +57,7 @@ def test_environments_are_blurred_and_projected() -> None:
 
 
 def test_a_series_is_one_strip_of_all_steps() -> None:
-    result = run("render", "--series", "patina", "--size", "24", "--spp", "1")
+    result = run("series", "patina", "--size", "24", "--spp", "1")
     assert result.stdout == "patina.png\n"
     from PIL import Image
 
@@ -78,10 +78,10 @@ def test_a_series_is_one_strip_of_all_steps() -> None:
         (("bake", "blur", "studio", "--alpha", "1", "-o", "x.png"), "must be .exr or .hdr"),
         (("bake", "harmonics", "none.hdr"), "none.hdr"),
         (("bake", "shadows"), "No such command 'shadows'"),
-        (("render", "--series", "patena"), "no series of materials 'patena'; known are patina"),
-        (("render", "eon", "--series", "patina"), "it goes with no other"),
-        (("render", "--sheet", "--series", "patina"), "it goes with no other"),
-        (("render", "--scene", "x.xml", "--diffusion", "0.1"), "not with a MODEL, --mesh or"),
+        (("series", "patena"), "no series of materials 'patena'; known are patina"),
+        (("series",), "Missing argument 'NAME'"),
+        (("sheet", "patina"), "unexpected extra argument (patina)"),
+        (("scene", "x.xml", "--diffusion", "0.1"), "--diffusion"),
         (("render", "gold", "--diffusion", "0.1"), "gold has no diffuse colour rho"),
     ],
 )

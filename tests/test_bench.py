@@ -11,7 +11,7 @@ import gonio
 from gonio.bench import BenchError, bench, command, kernels, native, pairs, pictures, startup
 from gonio.bench.report import GENERATED, Column, Report, Section, goal_text, milliseconds
 from gonio.bench.timing import alternate, stopwatch
-from gonio.model import Parameter
+from gonio.fields import Parameter
 
 needs_llvm = pytest.mark.skipif(
     not gonio.backend.available("llvm"), reason="gonio bench measures the LLVM backend"

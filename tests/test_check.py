@@ -14,14 +14,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import gonio
-from gonio import check, model_file
+from gonio import check
 from gonio.check import continuity, energy, hemisphere, sampling, statistics
 from gonio.check.report import EFFORTS, FAIL, Finding, Report, judge, junit, table
 from gonio.check.search import maximise
 from gonio.check.subject import ModelSubject, cosine_at, directions, evaluate
 from gonio.check.variants import place, place_of
 from gonio.claims import PROMISES, UNBOUNDED, Claims, as_tuple, known
-from gonio.model import Model, Option, Parameter
+from gonio.fields import Option, Parameter
+from gonio.materials import model_file
+from gonio.model import Model
 
 BROKEN = Path(__file__).parent / "broken"
 QUICK = EFFORTS["quick"]
@@ -91,9 +93,9 @@ def test_every_check_catches_something_and_every_broken_model_is_listed() -> Non
 
 def test_failures_can_be_replayed() -> None:
     """The line that is printed for a failure is one that the command takes, and shows the failure."""
-    from gonio.evaluation import directions as given_directions
-    from gonio.evaluation import evaluate as evaluate_once
-    from gonio.notation import parse_model
+    from gonio.cli.eval import directions as given_directions
+    from gonio.cli.eval import evaluate as evaluate_once
+    from gonio.materials.notation import parse_model
 
     cls = model_file.load(BROKEN / "non_reciprocal.py")
     subject = check.subjects(cls, label=str(BROKEN / "non_reciprocal.py"))[0]

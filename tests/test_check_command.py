@@ -14,10 +14,10 @@ from click.testing import CliRunner, Result
 from PIL import Image
 
 import gonio
-from gonio import model_file
-from gonio.check import command
 from gonio.cli import main
-from gonio.model_file import ModelFileError
+from gonio.cli.check import subjects_of
+from gonio.materials import model_file
+from gonio.materials.model_file import ModelFileError
 
 BROKEN = Path(__file__).parent / "broken"
 
@@ -125,30 +125,30 @@ def test_help_teaches_with_examples() -> None:
 
 
 def test_parameters_that_are_given_stay_fixed() -> None:
-    (subject,) = command.subjects_of("qon:sigma=0.2", ["rho=0.5"])
+    (subject,) = subjects_of("qon:sigma=0.2", ["rho=0.5"])
     assert subject.columns == ()
     assert not subject.whole
-    (subject,) = command.subjects_of("eon:sampler=cosine")
+    (subject,) = subjects_of("eon:sampler=cosine")
     assert [c.path for c in subject.columns] == ["rho", "rho", "rho", "roughness"]
     assert subject.chosen["sampler"] == "cosine"
 
 
 def test_a_model_alone_is_checked_with_every_option() -> None:
-    tags = [s.tag() for s in command.subjects_of("phong")]
+    tags = [s.tag() for s in subjects_of("phong")]
     assert tags == ["", "form=classical"]
 
 
 def test_a_material_is_checked_as_it_is() -> None:
-    (subject,) = command.subjects_of("gold")
+    (subject,) = subjects_of("gold")
     assert subject.columns == ()
     assert subject.name == "gold"
 
 
 def test_a_material_whose_flakes_a_map_drives_keeps_their_range() -> None:
-    from gonio.material import library, load_material
+    from gonio.materials import library, load_material
 
     name = next(n for n in library() if load_material(n).flakes)
-    (subject,) = command.subjects_of(name)
+    (subject,) = subjects_of(name)
     assert [c.path for c in subject.columns] == ["flake_x", "flake_y"]
 
 

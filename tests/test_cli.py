@@ -12,10 +12,11 @@ import pytest
 from click.testing import CliRunner
 
 import gonio
-from gonio import cli, doctor
+from gonio import cli
+from gonio.cli import doctor
+from gonio.cli.eval import directions, evaluate
 from gonio.description import describe
-from gonio.evaluation import directions, evaluate
-from gonio.notation import parse_model
+from gonio.materials.notation import parse_model
 
 PROGRAM = Path(sys.executable).with_name("gonio")
 

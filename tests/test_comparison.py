@@ -6,18 +6,19 @@ import json
 from pathlib import Path
 from typing import Any
 
+import make_layers_page as document
 import numpy as np
 import pytest
 from click.testing import CliRunner
 from support.directions import polar
 
 import gonio
-from gonio import comparison
+from gonio import compare as comparison
 from gonio.cli import main
-from gonio.comparison import ANGLES_I, ANGLES_O, compare, measure
-from gonio.model import ModelError, Parameter
-from gonio.notation import parse_model
-from gonio.reference import Stack, document
+from gonio.compare import ANGLES_I, ANGLES_O, compare, drawing, measure
+from gonio.fields import ModelError, Parameter
+from gonio.materials.notation import model_text, parse_model
+from gonio.reference import Stack
 
 WALSH_OUTSIDE, WALSH_INSIDE = 0.09178, 0.59635
 """Published diffuse reflectances of an index of 1.5."""
@@ -165,8 +166,6 @@ def test_json_has_the_numbers_and_writes_nothing(tmp_path: Path, monkeypatch: An
         (["compare", "eon", "--truth"], "stands for no layers"),
         (["compare", "weidlich_wilkie", "--truth", "-o", "x.jpg"], "the suffix must be .png"),
         (["compare", "patina_3", "lambert"], "has textures"),
-        (["compare", "eon", "--docs", "x.md"], "goes with --walks alone"),
-        (["compare", "--docs", "x.txt"], "the suffix must be .md"),
     ],
 )
 def test_mistakes_are_one_line(args: list[str], message: str) -> None:
@@ -180,11 +179,11 @@ def test_mistakes_are_one_line(args: list[str], message: str) -> None:
 def test_nothing_half_written_stays_behind(tmp_path: Path) -> None:
     found = compare([gonio.Lambert(rho=0.4), gonio.Lambert(rho=0.8)], pictures=False)
     with pytest.raises(FileNotFoundError, match="create it first"):
-        comparison.write(tmp_path / "no" / "x.png", found)
+        drawing.write(tmp_path / "no" / "x.png", found)
     assert not list(tmp_path.iterdir())
-    comparison.write(tmp_path / "x.png", found)
+    drawing.write(tmp_path / "x.png", found)
     first = (tmp_path / "x.png").read_bytes()
-    comparison.write(tmp_path / "x.png", found)
+    drawing.write(tmp_path / "x.png", found)
     assert (tmp_path / "x.png").read_bytes() == first
 
 
@@ -214,7 +213,7 @@ def test_commands_on_the_page_make_the_models_that_were_measured() -> None:
     for situation in document.situations():
         for _, settings in situation.rows:
             made = situation.make(settings)
-            again = parse_model(document.text(made), [])
+            again = parse_model(model_text(made), [])
             # Numbers are printed with 9 digits.
             numbers = [np.ravel(v) for m in (made, again) for _, _, v in m.parameters()]
             half = len(numbers) // 2

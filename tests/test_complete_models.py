@@ -17,7 +17,8 @@ from gonio.check.variants import options, random_parameters, sweep
 from gonio.lang import Color, Float, Sample, Vec2, Vec3
 from gonio.model import Model
 from gonio.parts import lobes
-from gonio.parts.distribution import mirror, pdf_ggx_visible, sample_ggx_visible
+from gonio.parts.distribution import pdf_ggx_visible, sample_ggx_visible
+from gonio.parts.frame import mirror
 
 # Away from the horizon and in double precision the formulas as they are printed keep ten digits.
 PRINTED = 1e-9

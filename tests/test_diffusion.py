@@ -11,9 +11,9 @@ import pytest
 
 import gonio
 import gonio.mitsuba
-from gonio import diffusion
-from gonio.diffusion import diffuse_on_screen, skin_profile
-from gonio.material import load_material
+from gonio.materials import load_material
+from gonio.render import diffusion
+from gonio.render.diffusion import diffuse_on_screen, skin_profile
 
 SPACING = 0.2  # millimetres from pixel to pixel
 

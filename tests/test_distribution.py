@@ -12,7 +12,7 @@ import pytest
 from support.directions import from_cosine, polar
 
 from gonio.lang import MU_MIN, vec2, vec3
-from gonio.parts import distribution, masking, special
+from gonio.parts import distribution, frame, masking, special
 
 Float, Float64 = dr.llvm.ad.Float, dr.llvm.ad.Float64
 ALPHAS = np.concatenate([10 ** np.linspace(-4, 0, 17), [0.89, 0.9, 0.99, 0.9999999]])
@@ -297,13 +297,13 @@ def test_density_of_the_mirrored_direction_follows_from_that_of_the_normal(name:
 def test_half_vectors_are_exact_for_a_mirror_and_finite_for_opposite_directions() -> None:
     wo = vector(polar([0.3, 1.2]).astype(np.float32), Float)
     wi = vec3(-wo.x, -wo.y, wo.z)
-    m = numbers(distribution.half_vector(wi, wo))
+    m = numbers(frame.half_vector(wi, wo))
     np.testing.assert_array_equal(m[:, :2], 0)
     # The lowest directions that models see
     low = np.nextafter(np.float32(MU_MIN), np.float32(1))
     wi, wo = (vector(np.array([[x, 0, low]]), Float) for x in (1.0, -1.0))
-    np.testing.assert_allclose(numbers(distribution.half_vector(wi, wo)), [[0, 0, 1]], rtol=1e-6)
-    np.testing.assert_allclose(numbers(distribution.cos_half(wi, wo)), low, rtol=1e-6)
+    np.testing.assert_allclose(numbers(frame.half_vector(wi, wo)), [[0, 0, 1]], rtol=1e-6)
+    np.testing.assert_allclose(numbers(frame.cos_half(wi, wo)), low, rtol=1e-6)
 
 
 def test_exponent_and_width_of_blinn_phong_convert_both_ways() -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from gonio import doctor
+from gonio.cli import doctor
 
 
 def by_name(findings):

@@ -7,7 +7,7 @@ import pytest
 
 import gonio
 from gonio import backend
-from gonio.elementwise import elementwise
+from gonio.arrays.elementwise import elementwise
 from gonio.parts.fresnel import F_schlick, schlick_weight
 
 

@@ -12,10 +12,9 @@ from support.directions import random_directions
 
 import gonio
 import gonio.mitsuba
-from gonio import environment
-from gonio.elementwise import elementwise
-from gonio.environment import Environment, coat_reflection, irradiance, reflected
-from gonio.parts import image_light
+from gonio.arrays.elementwise import elementwise
+from gonio.bake import environment, image_light
+from gonio.bake.environment import Environment, coat_reflection, irradiance, reflected
 
 RADIANCE = np.array([0.9, 0.5, 0.2])
 UP = np.array([0.0, 1.0, 0.0])

@@ -16,15 +16,18 @@ from click.testing import CliRunner
 import gonio
 from gonio import lang
 from gonio.cli import main
-from gonio.export import ExportError, command, export, files
+from gonio.cli.export import choose
+from gonio.export import ExportError, export
 from gonio.export import targets as target_tables
+from gonio.export.files import texts
 from gonio.export.printer import number
 from gonio.export.source import source
 from gonio.export.targets import TARGETS
 from gonio.export.vocabulary import RULES
-from gonio.material import library, load_material
-from gonio.model import Model, ModelError
-from gonio.model_file import load
+from gonio.fields import ModelError
+from gonio.materials import library, load_material
+from gonio.materials.model_file import load
+from gonio.model import Model
 
 GOLDEN = Path(__file__).parent / "golden"
 LANGUAGES = list(TARGETS)
@@ -68,7 +71,7 @@ def written(tmp_path: Path, body: str, fields: str = "", head: str = "") -> Mode
 @pytest.mark.parametrize("name", gonio.models())
 def test_golden_exports_are_what_the_command_makes(name: str) -> None:
     # cuda differs from cpp by its qualifiers only, which another test compares.
-    made = files.texts({name: gonio.model(name)}, [t for t in LANGUAGES if t != "cuda"])
+    made = texts({name: gonio.model(name)}, [t for t in LANGUAGES if t != "cuda"])
     for file, expected in made.items():
         found = (GOLDEN / file).read_text(encoding="utf-8")
         assert found == expected, f"tests/golden/{file} is not up to date; 'make golden' makes it"
@@ -244,7 +247,7 @@ def test_a_function_for_numbers_and_colours_is_exported_for_both(tmp_path: Path)
 
 
 def test_embedding_writes_the_parameters_of_a_material() -> None:
-    chosen = command.choose(["orange_lacquer"])
+    chosen = choose(["orange_lacquer"])
     found = export(chosen.models, "hlsl", embed=True)[0].source
     assert "OrangeLacquer orange_lacquer_material() {" in found
     model = chosen.models["orange_lacquer"]
@@ -297,7 +300,7 @@ def test_methods_of_the_class_above_stand_beside_those_that_replace_them(tmp_pat
         "        return 2 * super()._loss(mu)\n",
         encoding="utf-8",
     )
-    model = command.choose([str(path)]).models["dimmed"]
+    model = choose([str(path)]).models["dimmed"]
     for language, call in (
         ("glsl", "dimmed_eon_eval(params, wi, wo)"),
         ("slang", "this.eon_eval(wi, wo)"),
@@ -585,7 +588,7 @@ def test_a_material_tells_what_the_host_has_to_feed() -> None:
 def test_every_material_can_be_exported() -> None:
     # Each in one language: all languages have the models themselves above
     for name, language in zip(library(), itertools.cycle(LANGUAGES), strict=False):
-        exported = export(command.choose([name]).models, language)[0]
+        exported = export(choose([name]).models, language)[0]
         assert len(exported.entry.members) == len(list(load_material(name).model.parameters()))
         assert all(
             member.path.split(".")[-1] in exported.source for member in exported.entry.members
@@ -594,7 +597,7 @@ def test_every_material_can_be_exported() -> None:
 
 def test_unknown_models_are_refused() -> None:
     with pytest.raises(ModelError):
-        command.choose(["no_such_model"])
+        choose(["no_such_model"])
 
 
 def test_helpers_are_printed_only_where_they_are_used() -> None:

@@ -22,8 +22,8 @@ from gonio.export.printer import Printer
 from gonio.export.prove.runners import RUNNERS
 from gonio.export.targets import TARGETS
 from gonio.export.tree import Builtin, Expr, Operation
+from gonio.materials.model_file import load
 from gonio.model import Model
-from gonio.model_file import load
 
 ROWS = 200
 

@@ -14,7 +14,7 @@ import gonio
 from gonio.export import ExportError, export, targets
 from gonio.export.manifest import ARRAYS, loader, manifest, manifest_text, refusal, remedy, used
 from gonio.export.prove import tools
-from gonio.material import load_material
+from gonio.materials import load_material
 from gonio.model import models
 
 
@@ -102,7 +102,7 @@ def test_a_declaration_can_say_what_its_number_is(tmp_path: Path) -> None:
         "    def pdf(self, wi: Vec3, wo: Vec3) -> Float:\n"
         "        return pdf_cosine(wi)\n"
     )
-    from gonio.notation import parse_model
+    from gonio.materials.notation import parse_model
 
     assert manifest(parse_model(str(path)))["parameters"][0]["kind"] == "index"
 

@@ -21,11 +21,12 @@ from support.materialx import FIS, PREFILTER, Job, Rows, generate, load, points,
 import gonio
 from gonio.check.variants import place
 from gonio.cli import main
-from gonio.export import ExportError, files, materialx
+from gonio.export import ExportError, materialx
 from gonio.export.entry import Member
+from gonio.export.files import texts
 from gonio.export.prove import tools
 from gonio.export.prove.rows import rows_for, with_parameters
-from gonio.material import library, load_material
+from gonio.materials import library, load_material
 from gonio.model import Model
 
 MODELS = list(gonio.models())
@@ -132,7 +133,7 @@ def test_each_model_gets_files_of_its_own_that_no_other_language_writes() -> Non
         "lambert.mtlx",
         "gonio_lambert_bsdf.glsl",
     }
-    assert not set(mine) & set(files.texts(models, ["glsl", "essl"], together=False))
+    assert not set(mine) & set(texts(models, ["glsl", "essl"], together=False))
     assert all(text.isascii() for text in mine.values())
 
 

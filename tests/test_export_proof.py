@@ -18,8 +18,9 @@ from gonio.export import export, printer
 from gonio.export.prove import ROWS, each_way, prove, table
 from gonio.export.prove.proof import Known
 from gonio.export.prove.runners import RUNNERS
-from gonio.material import library, load_material
-from gonio.model import Model, Option
+from gonio.fields import Option
+from gonio.materials import library, load_material
+from gonio.model import Model
 
 # Blender's Python package, which has the compiler of OSL, exists for one version of Python.
 LANGUAGES = [name for name in RUNNERS if name != "osl" or sys.version_info[:2] == (3, 11)]

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 import gonio.mitsuba  # noqa: F401  before Mitsuba, so that a usable LLVM is found
-from gonio import metals
-from gonio.parts import fresnel
+from gonio.parts import fresnel, metals
 
 Float, Float64 = dr.llvm.ad.Float, dr.llvm.ad.Float64
 

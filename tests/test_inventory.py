@@ -11,8 +11,8 @@ import pytest
 from click.testing import CliRunner
 
 import gonio
-from gonio import inventory
 from gonio import parts as parts_package
+from gonio.cli import list as inventory
 from gonio.cli import main
 
 FOLDER = Path(parts_package.__file__).parent
@@ -20,7 +20,7 @@ FOLDER = Path(parts_package.__file__).parent
 
 @pytest.fixture(scope="module")
 def listed() -> set[str]:
-    return {f"{part.module.rpartition('.')[2]}.{part.name}" for part in inventory.parts()}
+    return {f"{part.module.rpartition('.')[2]}.{part.name}" for part in inventory.found_parts()}
 
 
 def run(*arguments: str) -> Any:
@@ -35,9 +35,11 @@ def test_every_public_function_of_every_part_is_listed() -> None:
         for node in ast.parse(path.read_text(encoding="utf-8")).body
         if isinstance(node, ast.FunctionDef) and not node.name.startswith("_")
     }
-    listed = {(p.module, p.name) for p in inventory.parts() if p.module.startswith("gonio.parts.")}
+    listed = {
+        (p.module, p.name) for p in inventory.found_parts() if p.module.startswith("gonio.parts.")
+    }
     assert listed == written
-    assert all(part.summary for part in inventory.parts())
+    assert all(part.summary for part in inventory.found_parts())
 
 
 def test_a_new_part_lists_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -45,7 +47,7 @@ def test_a_new_part_lists_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     (tmp_path / "doubt.py").write_text(text.replace("\\n", "\n"), encoding="utf-8")
     monkeypatch.setattr(parts_package, "__path__", [*parts_package.__path__, str(tmp_path)])
     expected = inventory.Part("F_doubt", "gonio.parts.doubt", "No light.", "Doubts.", "Thomas, 33.")
-    assert expected in inventory.parts()
+    assert expected in inventory.found_parts()
 
 
 # What the specular, complete and layered models are made of, and where each can be found: a function of
@@ -99,7 +101,7 @@ ROWS = {
     "layers: refraction": "interface.refract",
     "layers: absorption": "interface.absorbed",
     "layers: T12 t": "coat.through_facets",
-    "layers: roughness clamp": "interface.at_least_as_rough",
+    "layers: roughness clamp": "roughness.at_least_alpha",
     "layers: Fresnel both ways": "model weidlich_wilkie transmission both_ways",
     "layers: solid angle": "model weidlich_wilkie solid_angle compressed",
     "layers: internal reflections": "model weidlich_wilkie bounces diffuse",
@@ -148,7 +150,7 @@ def test_the_command_lists_parts_with_their_sources() -> None:
     assert "Source: Portsmouth, Kutz, Hill" in result.stdout
     rows = json.loads(run("list", "--parts", "--json").stdout)
     assert {"name", "module", "summary", "group", "source"} == set(rows[0])
-    assert len(rows) == len(inventory.parts())
+    assert len(rows) == len(inventory.found_parts())
 
 
 def test_the_plain_list_mentions_the_others_outside_of_its_output() -> None:

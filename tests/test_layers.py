@@ -21,7 +21,7 @@ from gonio.models.patina import Patina
 from gonio.models.triace_layered import TriAceLayered
 from gonio.models.weidlich_wilkie import WeidlichWilkie
 from gonio.parts import interface, tilt
-from gonio.parts.distribution import cos_half
+from gonio.parts.frame import cos_half
 
 ANGLES = [0, 30, 60, 80, 89]
 EXACT = {

@@ -11,7 +11,7 @@ import pytest
 from support.directions import polar, random_directions
 
 from gonio.lang import vec3
-from gonio.parts import distribution, masking
+from gonio.parts import distribution, frame, masking
 
 Float, Float64 = dr.llvm.ad.Float, dr.llvm.ad.Float64
 
@@ -203,7 +203,7 @@ NAMES = [
 
 
 def visibility(name: str, wi: Any, wo: Any, alpha: Any) -> Any:
-    m, cos_h = distribution.half_vector(wi, wo), distribution.cos_half(wi, wo)
+    m, cos_h = frame.half_vector(wi, wo), frame.cos_half(wi, wo)
     return {
         "implicit": lambda: masking.V_implicit() + 0 * wi.z,
         "neumann": lambda: masking.V_neumann(wi, wo),

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 import gonio
-from gonio.material import MaterialError, find, library, load_material
-from gonio.metals import metal
-from gonio.model import ModelError
-from gonio.rendering import render, render_scene, write_sheet
+from gonio.fields import ModelError
+from gonio.materials import MaterialError, find, library, load_material
+from gonio.mitsuba.nodes import node
+from gonio.parts.metals import metal
+from gonio.render import render, render_scene, write_sheet
 
 # What the library has to offer: a kind, and how many of it there are at least.
 KINDS = {
@@ -60,7 +61,7 @@ def test_every_material_of_the_library_reflects_and_loads(name: str) -> None:
     assert np.isfinite(f).all()
     assert (f >= 0).all()
     assert (material.model.albedo(tilted) < 1.0001).all()
-    assert mi.load_dict(material.bsdf()) is not None
+    assert mi.load_dict(node(material)) is not None
 
 
 def test_nested_files_and_metals_are_read(tmp_path: Path) -> None:

@@ -22,8 +22,9 @@ from support.directions import RANDOM, Array, adversarial_pairs, polar, random_d
 import gonio.mitsuba
 from gonio import backend
 from gonio.check.variants import options, place
+from gonio.fields import Parameter
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, select, vec2, vec3
-from gonio.model import Model, Parameter, child
+from gonio.model import Model, child
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
 
 MODELS = sorted(gonio.models().items())
@@ -206,7 +207,7 @@ def test_plugin_agrees_with_arrays(cls: type[Model], variant: str) -> None:
         cases += [cls(**given, **choice) for choice in options(cls)[1:]]
     for model in cases:
         error = disagreement(
-            mi.load_dict(gonio.mitsuba.plugin(model)),
+            mi.load_dict(gonio.mitsuba.node(model)),
             model,
             24 if variant.startswith("llvm") else 6,
         )
@@ -225,7 +226,7 @@ def test_diffuse_reflectance_in_each_variant(variant: str) -> None:
 
 def check_diffuse_reflectance(model: Model) -> None:
     wo = polar([0.5, 2.0]).astype(np.float32)
-    found = reflectance(mi.load_dict(gonio.mitsuba.plugin(model)), wo)
+    found = reflectance(mi.load_dict(gonio.mitsuba.node(model)), wo)
     expected = model.albedo(wo)
     if found.shape != expected.shape:
         expected = expected[:, :1]  # other channels than RGB: the model is grey
@@ -593,7 +594,7 @@ def test_inner_models_are_inner_bsdfs(variant: str) -> None:
         ({"base": nested}, Tinted(base=Tinted(base=qon, tint=0.5))),
     ]:
         assert disagreement(load(Tinted, **given), model, 6) < FLOAT32, given
-        assert disagreement(mi.load_dict(gonio.mitsuba.plugin(model)), model, 6) < FLOAT32
+        assert disagreement(mi.load_dict(gonio.mitsuba.node(model)), model, 6) < FLOAT32
     keys = mi.traverse(load(Tinted, base=nested)).keys()
     assert set(keys) == {
         "tint.value",
@@ -1182,7 +1183,7 @@ def test_a_plate_under_a_white_sky_shows_the_albedo(cls: type[Model]) -> None:
     """The numbers come from outside: up to three of each model's in anchors.csv."""
     rows = [row for row in ANCHORS if row["model"] == cls.name]
     for row in rows[:: max(len(rows) // 3, 1)][:3]:
-        bsdf = gonio.mitsuba.plugin(cls(**anchored_parameters(row)))
+        bsdf = gonio.mitsuba.node(cls(**anchored_parameters(row)))
         found, error = plate(bsdf, json.loads(row["wo"]))
         expected = float(np.mean(json.loads(row["value"])))
         digits = 6e-4 if row["source"].startswith("published") else 1e-5
@@ -1204,9 +1205,9 @@ def test_a_plate_shows_an_error_of_half_a_percent() -> None:
     wo = polar(np.radians(60))
     right = gonio.QON(rho=1, sigma=1)
     expected = float(right.albedo(wo)[0])
-    found, error = plate(gonio.mitsuba.plugin(right), wo)
+    found, error = plate(gonio.mitsuba.node(right), wo)
     assert found == pytest.approx(expected, abs=4 * error)
-    found, error = plate(gonio.mitsuba.plugin(Brighter(rho=1, sigma=1)), wo)
+    found, error = plate(gonio.mitsuba.node(Brighter(rho=1, sigma=1)), wo)
     assert found > expected + 5 * error
 
 

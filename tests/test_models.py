@@ -14,8 +14,9 @@ from support.directions import polar
 
 import gonio
 from gonio.check.variants import chosen, options, place
+from gonio.fields import Parameter
 from gonio.lang import Color, Vec3
-from gonio.model import Model, Parameter
+from gonio.model import Model
 
 # --- energy --------------------------------------------------------------------------------------
 

@@ -21,7 +21,7 @@ from gonio.export.prove import ProofError, describe, judge, prove, table, tools
 from gonio.export.prove.harness import input_columns, split
 from gonio.export.prove.rows import rows_for
 from gonio.export.prove.runners import RUNNERS
-from gonio.model import Parameter
+from gonio.fields import Parameter
 
 FIXTURES = Path(__file__).parent / "export_fixtures"
 FILES = {

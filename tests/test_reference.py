@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from support.directions import adversarial_pairs, from_cosine, polar, random_directions
 
 import gonio
-from gonio.model import ModelError
+from gonio.fields import ModelError
 from gonio.reference import Layer, Stack, document, speed, stack, walk
 
 Array = NDArray[np.float64]

@@ -13,10 +13,11 @@ from support.directions import polar
 
 import gonio
 import gonio.mitsuba
-from gonio.model import ModelError
+from gonio.fields import ModelError
 from gonio.reference import Layer, Stack
 
 import mitsuba as mi  # isort: skip  (after gonio, which finds an LLVM)
+from gonio.mitsuba.nodes import node
 
 LIMIT = 4.5
 """Standard errors that one number may be off."""
@@ -63,7 +64,7 @@ def numbers(count: int, seed: int) -> tuple[Any, Any]:
 @pytest.mark.parametrize("name", STACKS)
 def test_the_plugin_agrees_with_arrays(name: str) -> None:
     count, stack = 100_000, STACKS[name]
-    bsdf = mi.load_dict(stack.plugin(walks=2))
+    bsdf = mi.load_dict(node(stack) | {"walks": 2})
     wi, wo = polar(0.9, 2.0), polar(0.6)
     si, ctx = interactions(wo, count), mi.BSDFContext()
     value, pdf = bsdf.eval_pdf(ctx, si, mi.Vector3f(*map(float, wi)))
@@ -84,7 +85,7 @@ def test_the_plugin_agrees_with_arrays(name: str) -> None:
 
 
 def test_the_same_question_has_the_same_answer() -> None:
-    bsdf = mi.load_dict(STACKS["rough"].plugin())
+    bsdf = mi.load_dict(node(STACKS["rough"]))
     si, ctx, wi = interactions(polar(0.6), 100), mi.BSDFContext(), mi.Vector3f(0.6, 0, 0.8)
     first, again = (bsdf.eval_pdf(ctx, si, wi) for _ in range(2))
     np.testing.assert_array_equal(np.array(first[0]), np.array(again[0]))
@@ -126,7 +127,7 @@ def test_a_picture_is_that_of_mitsubas_plastic() -> None:
         "ext_ior": 1.0,
         "diffuse_reflectance": {"type": "rgb", "value": 0.7},
     }
-    ours = picture(Stack([Layer(1.5)], gonio.Lambert(rho=0.7)).plugin())
+    ours = picture(node(Stack([Layer(1.5)], gonio.Lambert(rho=0.7))))
     theirs = picture(plastic)
     assert ours.mean() == pytest.approx(theirs.mean(), rel=2e-3)
     assert np.quantile(np.abs(ours - theirs) / theirs, 0.95) < 0.06
@@ -137,7 +138,7 @@ def test_a_picture_is_that_of_mitsubas_plastic() -> None:
 
 def test_multiple_importance_sampling_does_not_change_the_picture() -> None:
     # Both kinds of samples, those of the BSDF alone, and those of the lights alone
-    bsdf = STACKS["rough"].plugin()
+    bsdf = node(STACKS["rough"])
     both = picture(bsdf).mean()
     assert both == pytest.approx(picture(bsdf, emitter_samples=0, bsdf_samples=1).mean(), rel=5e-3)
     assert both == pytest.approx(picture(bsdf, emitter_samples=1, bsdf_samples=0).mean(), rel=5e-3)
@@ -145,13 +146,13 @@ def test_multiple_importance_sampling_does_not_change_the_picture() -> None:
 
 def test_scalar_and_mono_variants() -> None:
     wi, wo = [float(x) for x in polar(0.9, 2.0)], [float(x) for x in polar(0.6)]
-    node = Stack([Layer(1.5, 0.3)], gonio.Lambert(rho=0.8)).plugin(walks=400)
+    coated = node(Stack([Layer(1.5, 0.3)], gonio.Lambert(rho=0.8))) | {"walks": 400}
     expected = Stack([Layer(1.5, 0.3)], gonio.Lambert(rho=0.8)).eval(wi, wo, walks=100_000)
     for variant in ("scalar_rgb", "llvm_ad_mono"):
         mi.set_variant(variant)
         si = dr.zeros(mi.SurfaceInteraction3f)
         si.wi = mi.Vector3f(*wo)
-        bsdf = mi.load_dict(node)
+        bsdf = mi.load_dict(coated)
         value = np.ravel(np.array(bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(*wi))))[0] / wi[2]
         # 400 walks scatter by about 3 %
         assert value == pytest.approx(float(expected.value[0]), rel=0.15)
@@ -196,7 +197,7 @@ def test_each_wavelength_has_its_own_absorption(variant: str) -> None:
 
 
 def test_types_and_components_switch_parts_off() -> None:
-    bsdf = mi.load_dict(STACKS["smooth"].plugin())
+    bsdf = mi.load_dict(node(STACKS["smooth"]))
     assert bsdf.component_count() == 2
     wo = polar(0.6)
     si, u = interactions(wo, 20_000), numbers(20_000, 1)
@@ -231,7 +232,7 @@ def test_mistakes_say_what_is_right(given: dict[str, Any], message: str) -> None
 
 
 def test_parameters_are_listed_and_can_change() -> None:
-    bsdf = mi.load_dict(STACKS["two"].plugin())
+    bsdf = mi.load_dict(node(STACKS["two"]))
     found = mi.traverse(bsdf)
     assert "eta.value" in found
     assert "base.thickness.value" in found

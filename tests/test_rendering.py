@@ -13,9 +13,9 @@ import pytest
 
 import gonio
 from gonio.files import replacing
-from gonio.material import load_material, load_series
-from gonio.notation import parse_model
-from gonio.rendering import (
+from gonio.materials import load_material, load_series
+from gonio.materials.notation import parse_model
+from gonio.render import (
     _passes,
     captions,
     compare,

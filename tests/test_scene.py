@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from gonio import scene
+from gonio.render import ball, light, stage, user_mesh
 
 WHITE = {"type": "diffuse", "reflectance": {"type": "rgb", "value": [1.0, 1.0, 1.0]}}
 ORANGE = {"type": "diffuse", "reflectance": {"type": "rgb", "value": [0.8, 0.3, 0.1]}}
 
-PARTS = {"core": lambda: scene.sphere(0.7), "shell": scene.shell, "pedestal": scene.pedestal}
+PARTS = {"core": lambda: ball.sphere(0.7), "shell": ball.shell, "pedestal": ball.pedestal}
 
 TRIANGLE_OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 PLY_HEADER = (
@@ -75,16 +75,16 @@ def test_normals_are_unit_and_agree_with_the_triangles(part):
 def test_outside_is_outside():
     analytic = 4 / 3 * np.pi * 0.7**3
     # An inscribed mesh loses volume as the square of its step, here pi / 128.
-    assert scene.sphere(0.7).volume() == pytest.approx(analytic, rel=5e-4)
-    whole = 4 / 3 * np.pi * (1 - scene.SHELL_INSIDE**3)
-    assert 0.7 * whole < scene.shell().volume() < 0.9 * whole
-    assert scene.pedestal().volume() > 0
+    assert ball.sphere(0.7).volume() == pytest.approx(analytic, rel=5e-4)
+    whole = 4 / 3 * np.pi * (1 - ball.SHELL_INSIDE**3)
+    assert 0.7 * whole < ball.shell().volume() < 0.9 * whole
+    assert ball.pedestal().volume() > 0
 
 
 def test_pedestal_stands_on_the_ground_and_touches_the_ball():
-    positions = scene.pedestal().positions
+    positions = ball.pedestal().positions
     assert abs(positions[:, 1].min()) < 1e-12
-    gap = np.linalg.norm(positions - [0, scene.BALL_CENTRE, 0], axis=1).min() - 1
+    gap = np.linalg.norm(positions - [0, ball.BALL_CENTRE, 0], axis=1).min() - 1
     assert -0.02 < gap < 0.01
 
 
@@ -111,21 +111,23 @@ def torus_file(request, tmp_path):
 
 
 def test_user_mesh_is_scaled_centred_and_put_on_the_ground(torus_file):
-    mesh = scene.with_normals(scene.on_stage(scene.load_mesh(torus_file), up="z", turn=30))
+    mesh = user_mesh.with_normals(
+        user_mesh.on_stage(user_mesh.load_mesh(torus_file), up="z", turn=30)
+    )
     low, high = mesh.positions.min(axis=0), mesh.positions.max(axis=0)
     assert low[1] == pytest.approx(0, abs=1e-6)
     np.testing.assert_allclose((low + high)[[0, 2]], 0, atol=1e-4)
     middle = (low + high) / 2
     radius = np.linalg.norm(mesh.positions - middle, axis=1).max()
-    assert radius == pytest.approx(scene.MESH_RADIUS, rel=1e-5)
+    assert radius == pytest.approx(user_mesh.MESH_RADIUS, rel=1e-5)
     # A torus lying flat: its height is 0.4 / 1.4 of its width.
-    assert high[1] == pytest.approx(2 * scene.MESH_RADIUS * 0.4 / 1.4, rel=0.01)
+    assert high[1] == pytest.approx(2 * user_mesh.MESH_RADIUS * 0.4 / 1.4, rel=0.01)
     assert mesh.volume() > 0
     np.testing.assert_allclose(np.linalg.norm(mesh.normals, axis=1), 1, atol=1e-6)
 
 
 def test_user_mesh_is_in_the_picture(torus_file):
-    description = scene.shader_ball(ORANGE, mesh=torus_file, up="z", size=(48, 48))
+    description = stage.shader_ball(ORANGE, mesh=torus_file, up="z", size=(48, 48))
     picture = render(description)
     assert np.isfinite(picture).all()
     red, _, blue = np.moveaxis(picture, -1, 0)
@@ -141,7 +143,7 @@ def test_glb_keeps_every_geometry_with_its_transform_and_uv(tmp_path):
     both.add_geometry(box, node_name="one")
     both.add_geometry(box, node_name="two", transform=mirror)
     (tmp_path / "two.glb").write_bytes(both.export(file_type="glb"))
-    mesh = scene.load_mesh(tmp_path / "two.glb")
+    mesh = user_mesh.load_mesh(tmp_path / "two.glb")
     assert len(mesh.faces) == 24
     np.testing.assert_allclose(mesh.positions.max(axis=0), [1, 5.5, 0.5])
     assert mesh.volume() == pytest.approx(3)  # 1 + 2; the mirrored one not inside out
@@ -152,33 +154,33 @@ def test_glb_keeps_every_geometry_with_its_transform_and_uv(tmp_path):
 def test_normals_of_the_file_are_kept_and_missing_ones_are_smooth_unless_edges_are_meant(tmp_path):
     tilted = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0.6 0.8\nf 1//1 2//1 3//1\n"
     (tmp_path / "tilted.obj").write_text(tilted)
-    mesh = scene.load_mesh(tmp_path / "tilted.obj")
-    np.testing.assert_allclose(scene.with_normals(mesh).normals, [[0, 0.6, 0.8]] * 3, atol=1e-6)
+    mesh = user_mesh.load_mesh(tmp_path / "tilted.obj")
+    np.testing.assert_allclose(user_mesh.with_normals(mesh).normals, [[0, 0.6, 0.8]] * 3, atol=1e-6)
 
     ball = trimesh.creation.icosphere(subdivisions=2)
     (tmp_path / "ball.ply").write_bytes(ply(ball.vertices, ball.faces))
-    mesh = scene.load_mesh(tmp_path / "ball.ply")
+    mesh = user_mesh.load_mesh(tmp_path / "ball.ply")
     assert mesh.normals is None
-    np.testing.assert_allclose(scene.with_normals(mesh).normals, mesh.positions, atol=0.03)
+    np.testing.assert_allclose(user_mesh.with_normals(mesh).normals, mesh.positions, atol=0.03)
 
     box = trimesh.creation.box()
     (tmp_path / "box.ply").write_bytes(ply(box.vertices, box.faces))
-    assert scene.with_normals(scene.load_mesh(tmp_path / "box.ply")).normals is None
+    assert user_mesh.with_normals(user_mesh.load_mesh(tmp_path / "box.ply")).normals is None
 
 
 def test_normals_missing_at_some_vertices_are_filled_in(tmp_path):
     text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\nf 2 4 3\n"
     (tmp_path / "some.obj").write_text(text)
-    mesh = scene.with_normals(scene.load_mesh(tmp_path / "some.obj"))
+    mesh = user_mesh.with_normals(user_mesh.load_mesh(tmp_path / "some.obj"))
     np.testing.assert_allclose(mesh.normals, [[0, 0, 1]] * len(mesh.normals), atol=1e-6)
 
 
 def test_quads_and_relative_indices_are_read(tmp_path):
     square = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
     (tmp_path / "quad.ply").write_bytes(ply(square, [[0, 1, 2, 3]]))
-    assert len(scene.load_mesh(tmp_path / "quad.ply").faces) == 2
+    assert len(user_mesh.load_mesh(tmp_path / "quad.ply").faces) == 2
     (tmp_path / "back.obj").write_text(TRIANGLE_OBJ.replace("f 1 2 3", "f -3 -2 -1"))
-    assert scene.load_mesh(tmp_path / "back.obj").faces.tolist() == [[0, 1, 2]]
+    assert user_mesh.load_mesh(tmp_path / "back.obj").faces.tolist() == [[0, 1, 2]]
 
 
 POINTS = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
@@ -213,7 +215,7 @@ def test_damaged_mesh_is_one_clear_line(tmp_path, name):
     data, reason = DAMAGED[name]
     (tmp_path / name).write_bytes(data)
     with pytest.raises(ValueError, match=reason) as error:
-        scene.shader_ball(ORANGE, mesh=tmp_path / name)
+        stage.shader_ball(ORANGE, mesh=tmp_path / name)
     assert name in str(error.value)
     assert "\n" not in str(error.value)
 
@@ -224,29 +226,29 @@ def test_glb_with_nan_is_an_error(tmp_path):
     data = data.replace(struct.pack("<3f", *box.vertices[0]), struct.pack("<3f", np.nan, 0, 0))
     (tmp_path / "nan.glb").write_bytes(data)
     with pytest.raises(ValueError, match=r"NaN|cannot read"):
-        scene.load_mesh(tmp_path / "nan.glb")
+        user_mesh.load_mesh(tmp_path / "nan.glb")
 
 
 def test_mesh_that_is_not_there_or_not_a_mesh_says_what_to_do(tmp_path):
     with pytest.raises(FileNotFoundError, match=r"no mesh file .*none\.obj"):
-        scene.load_mesh(tmp_path / "none.obj")
+        user_mesh.load_mesh(tmp_path / "none.obj")
     with pytest.raises(ValueError, match=r"must end in \.obj, \.ply, \.glb"):
-        scene.load_mesh(tmp_path / "scan.fbx")
+        user_mesh.load_mesh(tmp_path / "scan.fbx")
     (tmp_path / "folder.obj").mkdir()
     with pytest.raises(ValueError, match="is not a file"):
-        scene.load_mesh(tmp_path / "folder.obj")
+        user_mesh.load_mesh(tmp_path / "folder.obj")
     (tmp_path / "good.obj").write_text(TRIANGLE_OBJ)
     with pytest.raises(ValueError, match="no up axis 'x'; use one of y, z"):
-        scene.shader_ball(ORANGE, mesh=tmp_path / "good.obj", up="x")
+        stage.shader_ball(ORANGE, mesh=tmp_path / "good.obj", up="x")
 
 
 # ------------------------------------------------------------------------------------------ light
 
 
-@pytest.mark.parametrize("environment", scene.ENVIRONMENTS)
+@pytest.mark.parametrize("environment", light.ENVIRONMENTS)
 def test_white_is_bright_but_not_blown_out(environment):
     grey = {"type": "diffuse", "reflectance": {"type": "rgb", "value": [0.8, 0.8, 0.8]}}
-    description = scene.shader_ball(grey, environment=environment, size=(32, 32))
+    description = stage.shader_ball(grey, environment=environment, size=(32, 32))
     picture = render(description, spp=64)
     assert np.isfinite(picture).all()
     ball = picture[7:25, 7:26]
@@ -261,9 +263,9 @@ def test_picture_lights_the_scene_and_its_middle_is_behind_the_object(tmp_path, 
     pixels[:, 12:20] = (0.1, 0.9, 0.1)
     path = tmp_path / f"sky{suffix}"
     mi.Bitmap(pixels).write(str(path))
-    corner = render(scene.shader_ball(ORANGE, environment=path, size=(32, 32)))[0, 16]
+    corner = render(stage.shader_ball(ORANGE, environment=path, size=(32, 32)))[0, 16]
     np.testing.assert_allclose(corner, [0.1, 0.9, 0.1], atol=0.02)  # .hdr keeps 8 bits
-    description = scene.shader_ball(ORANGE, environment=path, size=(32, 32), environment_turn=180)
+    description = stage.shader_ball(ORANGE, environment=path, size=(32, 32), environment_turn=180)
     np.testing.assert_allclose(render(description)[0, 16], 0.5, atol=0.02)
 
 
@@ -294,34 +296,34 @@ def test_unusable_environment_is_one_clear_line(tmp_path, name, reason):
         data = exr(path, np.nan if name == "nan.exr" else 0.0)
     path.write_bytes(data)
     with pytest.raises(ValueError, match=reason) as error:
-        scene.environment_nodes(path)
+        light.environment_nodes(path)
     assert "\n" not in str(error.value)
 
 
 def test_overflowed_sun_pixel_is_light_not_an_error(tmp_path):
     exr(tmp_path / "sun.exr", np.inf)
-    nodes = scene.environment_nodes(tmp_path / "sun.exr")
-    assert np.array(nodes["sky"]["bitmap"]).max() == scene.HALF_MAX
+    nodes = light.environment_nodes(tmp_path / "sun.exr")
+    assert np.array(nodes["sky"]["bitmap"]).max() == light.HALF_MAX
 
 
 def test_unknown_environment_names_the_known_ones():
     with pytest.raises(ValueError, match=r"did you mean 'studio'\? Known: studio, sun, front"):
-        scene.environment_nodes("studo")
+        light.environment_nodes("studo")
     with pytest.raises(FileNotFoundError, match="no environment file"):
-        scene.environment_nodes("none.exr")
+        light.environment_nodes("none.exr")
 
 
 @pytest.mark.parametrize("size", [(0, 10), (10, -1), (10, 10**6), (10,), "big"])
 def test_impossible_size_is_an_error(size):
     with pytest.raises(ValueError, match="size must be"):
-        scene.shader_ball(ORANGE, size=size)
+        stage.shader_ball(ORANGE, size=size)
 
 
 # ---------------------------------------------------------------------------------------- furnace
 
 
 def test_white_furnace_hides_a_white_ball():
-    picture = render(scene.shader_ball(WHITE, furnace=True, size=(64, 64)), spp=64)
+    picture = render(stage.shader_ball(WHITE, furnace=True, size=(64, 64)), spp=64)
     # Blocks of 4 x 4 pixels; what is missing left through the gap between a mesh and its smooth
     # normals, in the cavity, where paths are longest.
     blocks = picture.reshape(16, 4, 16, 4, 3).mean(axis=(1, 3, 4))
@@ -330,7 +332,7 @@ def test_white_furnace_hides_a_white_ball():
 
 
 def test_furnace_shows_a_material_that_loses_light():
-    picture = render(scene.shader_ball(ORANGE, furnace=True, size=(64, 64)))
+    picture = render(stage.shader_ball(ORANGE, furnace=True, size=(64, 64)))
     np.testing.assert_allclose(picture[0, 0], 1, atol=1e-5)
     np.testing.assert_allclose(picture[32, 46], [0.8, 0.3, 0.1], atol=1e-3)  # convex: one bounce
 
@@ -341,7 +343,7 @@ def test_other_variants_show_the_same(variant):
 
     def mean(name):
         mi.set_variant(name)
-        return render(scene.shader_ball(grey, size=(24, 24)), spp=64).mean()
+        return render(stage.shader_ball(grey, size=(24, 24)), spp=64).mean()
 
     # 2 %: 64 random paths a pixel, and the lamps' tints weigh differently in one grey channel
     assert mean(variant) == pytest.approx(mean("llvm_ad_rgb"), rel=0.02)
@@ -350,13 +352,13 @@ def test_other_variants_show_the_same(variant):
 def test_sunsky_without_colour_is_an_error():
     mi.set_variant("llvm_ad_mono")
     with pytest.raises(ValueError, match="needs colour"):
-        scene.shader_ball(ORANGE, environment="sunsky")
+        stage.shader_ball(ORANGE, environment="sunsky")
 
 
 def test_material_on_a_mesh_is_made_two_sided_unless_it_lets_light_through(tmp_path):
     # One triangle, wound so that the camera sees its back.
     (tmp_path / "back.obj").write_text(TRIANGLE_OBJ.replace("f 1 2 3", "f 3 2 1"))
-    picture = render(scene.shader_ball(ORANGE, mesh=tmp_path / "back.obj", size=(32, 32)))
+    picture = render(stage.shader_ball(ORANGE, mesh=tmp_path / "back.obj", size=(32, 32)))
     assert picture[20, 12, 0] > 2 * picture[20, 12, 2] > 0
     glass = {"type": "thindielectric"}
-    assert scene.shader_ball(glass, mesh=tmp_path / "back.obj")["mesh"].bsdf() is not None
+    assert stage.shader_ball(glass, mesh=tmp_path / "back.obj")["mesh"].bsdf() is not None

@@ -10,8 +10,8 @@ import mitsuba as mi
 import numpy as np
 import pytest
 
-from gonio import tables
-from gonio.metals import metal
+from gonio.bake import tables
+from gonio.parts.metals import metal
 
 COPPER: Any = metal("Cu")
 

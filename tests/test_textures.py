@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gonio import textures
-from gonio.material import load_material
+from gonio.materials import load_material
+from gonio.mitsuba import textures
+from gonio.mitsuba.nodes import node
 
 mi = pytest.importorskip("mitsuba")
 
@@ -189,11 +190,11 @@ def test_sparkle_fades_with_the_viewers_distance() -> None:
 def test_a_material_file_says_where_its_flakes_fade(tmp_path: Path) -> None:
     file = tmp_path / "paint.toml"
     file.write_text('model = "car_paint"\n[flakes]\nsize = 8\nfade = 12.5\n', encoding="utf-8")
-    node = load_material(file).bsdf()
-    assert node["distance"] == {"type": "gonio_viewer_distance", "unit": 12.5}
-    assert mi.load_dict(node) is not None
+    made = node(load_material(file))
+    assert made["distance"] == {"type": "gonio_viewer_distance", "unit": 12.5}
+    assert mi.load_dict(made) is not None
     file.write_text('model = "car_paint"\n[flakes]\nsize = 8\n', encoding="utf-8")
-    assert load_material(file).bsdf()["distance"] == 1.0
+    assert node(load_material(file))["distance"] == 1.0
 
 
 def test_viewer_distance_is_the_rays_length() -> None:

@@ -17,8 +17,8 @@ from support.kinks import ACROSS_A_KINK
 import gonio
 import gonio.mitsuba
 from gonio.lang import Color, Vec3
-from gonio.metals import metal
 from gonio.parts import ggx_loss
+from gonio.parts.metals import metal
 
 TorranceSparrow = gonio.models()["torrance_sparrow"]
 TOOLS = Path(__file__).resolve().parent.parent / "tools"
@@ -281,7 +281,7 @@ def test_the_table_of_metals_is_up_to_date() -> None:
         mi.set_variant(before or "scalar_rgb")
     fresh: dict[str, Any] = {}
     exec(compile(text, "metal_table", "exec"), fresh)
-    from gonio import metal_table
+    from gonio.parts import metal_table
 
     assert metal_table.RGB.keys() == fresh["RGB"].keys()
     for symbol, value in metal_table.RGB.items():

@@ -9,7 +9,7 @@ import re
 from pathlib import Path
 
 import gonio
-from gonio.export import files
+from gonio.export.files import texts
 from gonio.export.targets import TARGETS
 
 ROOT = Path(__file__).parents[1]
@@ -23,7 +23,7 @@ LANGUAGES = [name for name in TARGETS if name != "cuda"]
 def exports() -> dict[str, str]:
     """The text of every model in every language, by file name."""
     models = {name: gonio.model(name) for name in gonio.models()}
-    return files.texts(models, LANGUAGES, together=False)
+    return texts(models, LANGUAGES, together=False)
 
 
 def with_export(page: str, text: str) -> str:

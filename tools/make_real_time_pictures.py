@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 import gonio
-from gonio import environment, rendering
-from gonio.elementwise import elementwise
-from gonio.parts import image_light
+from gonio.arrays.elementwise import elementwise
+from gonio.bake import environment, image_light
+from gonio.render.picture import write_picture
 
 FOLDER = Path(__file__).parent.parent / "docs" / "images"
 SIZE = 240
@@ -89,7 +89,7 @@ def write_light(path: Path) -> None:
             picture[inside] = scale * values
             row.append(picture)
     pixels = np.concatenate([np.concatenate(row, axis=1) for row in rows])
-    rendering.write_picture(
+    write_picture(
         path,
         np.asarray(pixels, np.float32),
         labels=list(columns),

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import drjit as dr
 
-from gonio.model import Model, Parameter
+from gonio.fields import Parameter
+from gonio.model import Model
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,8 @@ from gonio.bench.report import (
     ratio,
 )
 from gonio.bench.timing import SHORT_CALLS, Side, alternate, stopwatch
-from gonio.model import Model, Option
+from gonio.fields import Option
+from gonio.model import Model
 
 Progress = Callable[[str], None]
 

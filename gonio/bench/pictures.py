@@ -13,7 +13,7 @@ import gonio
 from gonio.bench.kernels import another_value, needed_again
 from gonio.bench.report import BenchError, Column, Section, Value, goal_text, milliseconds, ratio
 from gonio.bench.timing import alternate, stopwatch
-from gonio.model import Parameter
+from gonio.fields import Parameter
 
 VARIANT = "llvm_ad_rgb"
 
@@ -59,18 +59,18 @@ def cornell_box(mi: Any, material: Mapping[str, Any], colour: str | None, size: 
 
 def _materials() -> dict[str, tuple[dict[str, Any], str | None]]:
     """Plug-ins by name, with the name of their albedo; the metal is gold for both."""
-    from gonio.mitsuba import plugin
+    from gonio.mitsuba import node
 
     # Mitsuba's masking is the separable one.
     gold = gonio.model("torrance_sparrow", masking="smith")
-    node = plugin(gold)
-    own = {"distribution": "ggx", "alpha": node["alpha"], "eta": node["eta"], "k": node["k"]}
+    conductor = node(gold)
+    own = {"distribution": "ggx"} | {name: conductor[name] for name in ("alpha", "eta", "k")}
     return {
         "diffuse": ({"type": "diffuse"}, "reflectance"),
         "gonio_lambert": ({"type": "gonio_lambert"}, "rho"),
         "gonio_eon": ({"type": "gonio_eon"}, "rho"),
         "roughconductor": ({"type": "roughconductor", **own}, None),
-        "gonio_torrance_sparrow": (node, None),
+        "gonio_torrance_sparrow": (conductor, None),
     }
 
 

@@ -6,8 +6,8 @@ import json
 import sys
 import tempfile
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -19,14 +19,24 @@ from gonio.export.prove.rows import rows_for
 from gonio.export.prove.tools import ProofError
 from gonio.model import Model
 
-if TYPE_CHECKING:
-    from gonio.bench.shaders import Arc
-
 PAIRS = 1 << 18
 """Pairs of directions per run."""
 
 CALLS = 256
 """Calls of an arc function per number: they, not the memory, take the time."""
+
+
+@dataclass(frozen=True)
+class Arc:
+    """One way to compute one function in GLSL."""
+
+    name: str
+    way: str
+    body: str
+    """GLSL in terms of x."""
+    library: str
+    """GLSL that the body calls."""
+
 
 Values = npt.NDArray[np.float32]
 

@@ -18,6 +18,7 @@ import numpy.typing as npt
 import gonio
 from gonio.bench import shader_times
 from gonio.bench.report import Column, Section, Value
+from gonio.bench.shader_times import Arc
 from gonio.export import export
 from gonio.export.entry import Export
 from gonio.export.prove import judge, tools
@@ -223,18 +224,6 @@ def accuracy(
 
 
 # --- arc functions ---------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Arc:
-    """One way to compute one function in GLSL."""
-
-    name: str
-    way: str
-    body: str
-    """GLSL in terms of x."""
-    library: str
-    """GLSL that the body calls."""
 
 
 def arcs() -> list[Arc]:

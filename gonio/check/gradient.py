@@ -8,7 +8,8 @@ from typing import Any
 import drjit as dr
 import numpy as np
 
-from gonio import arrays, backend
+from gonio import backend
+from gonio.arrays.kernel import opaque
 from gonio.check.adversarial import hard_numbers, hard_pairs, places
 from gonio.check.report import FAIL, PASS, Effort, Finding, Report
 from gonio.check.subject import (
@@ -21,8 +22,8 @@ from gonio.check.subject import (
     stored,
     vectors,
 )
+from gonio.fields import Parameter
 from gonio.lang import MU_MIN
-from gonio.model import Parameter
 
 # Steps of the differences, relative to the parameter or to its range.
 STEP = 1e-6
@@ -54,7 +55,7 @@ def bound(subject: ModelSubject, values: dict[str, Any], Float: Any) -> Any:
     """The model with Dr.Jit values for its free parameters."""
 
     def convert(path: str, declared: Parameter, value: Any) -> Any:
-        return values[path] if path in values else arrays.opaque(Float, declared.width, value)
+        return values[path] if path in values else opaque(Float, declared.width, value)
 
     return subject.model.bind(Float, convert)
 

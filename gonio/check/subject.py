@@ -17,10 +17,12 @@ import drjit as dr
 import numpy as np
 from numpy.typing import NDArray
 
-from gonio import arrays, backend
+from gonio import backend
+from gonio.arrays.kernel import opaque
 from gonio.check.variants import place, place_of, single
 from gonio.claims import Claims, as_tuple
-from gonio.model import Child, Model, Option, Parameter
+from gonio.fields import Option, Parameter
+from gonio.model import Child, Model
 
 Array = NDArray[np.float64]
 
@@ -131,7 +133,7 @@ class ModelSubject:
 
         def convert(path: str, declared: Parameter, value: Any) -> Any:
             if path not in values:
-                return arrays.opaque(Float, declared.width, value)
+                return opaque(Float, declared.width, value)
             if declared.width == 1:
                 return dr.gather(Float, stored(Float, values[path]), index)
             channels = (dr.gather(Float, stored(Float, c), index) for c in values[path].T)

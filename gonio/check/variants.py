@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gonio.model import Model, Option, Parameter
+from gonio.fields import Option, Parameter
+from gonio.model import Model
 
 # Places in a parameter's range: the ends, just inside them, and between.
 PLACES = (0.0, 1e-7, 1e-3, 0.1, 0.5, 0.9, 1.0)

@@ -37,7 +37,8 @@ from gonio.export.tree import (
     Variable,
 )
 from gonio.export.vocabulary import RULES, VECTORS, widest
-from gonio.model import Model, Parameter
+from gonio.fields import Parameter
+from gonio.model import Model
 
 # `eval` without the test for the horizon.
 UNTESTED = "eval_above"

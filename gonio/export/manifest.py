@@ -15,7 +15,6 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from gonio.arrays import is_array
 from gonio.description import module_notes, summary
 from gonio.export.entry import Entry, Export
 from gonio.export.printer import INDENT, Printer
@@ -23,8 +22,9 @@ from gonio.export.read import Reader
 from gonio.export.targets import TARGETS, Target
 from gonio.export.text import FUNCTIONS, export
 from gonio.export.tree import Access, ExportError, Struct, walk
-from gonio.material import Material
-from gonio.model import Child, Model, ModelError, Option, Parameter
+from gonio.fields import ModelError, Option, Parameter, is_array
+from gonio.materials import Material
+from gonio.model import Child, Model
 from gonio.version import __version__
 
 # Bytes of a four-component vector of floats, which each parameter has for itself.

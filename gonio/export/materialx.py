@@ -21,7 +21,8 @@ from gonio.export.printer import INDENT, Printer, fold, number, plain_text
 from gonio.export.targets import ESSL, GLSL_WORDS, HLSL_WORDS, MSL_WORDS, SLANG_WORDS
 from gonio.export.text import export, nested
 from gonio.export.tree import SELF, ExportError
-from gonio.model import Model, Parameter
+from gonio.fields import Parameter
+from gonio.model import Model
 from gonio.version import __version__
 
 NAME = "mtlx"

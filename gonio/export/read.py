@@ -17,7 +17,8 @@ from typing import Any
 from gonio.export.expressions import SIGNATURES, UNTESTED, Static, method_of
 from gonio.export.statements import Body
 from gonio.export.tree import ExportError, Function, Member, Struct, Type
-from gonio.model import Child, Model, Option, Parameter
+from gonio.fields import Option, Parameter
+from gonio.model import Child, Model
 
 
 def snake(name: str) -> str:

@@ -16,7 +16,8 @@ from gonio.export.printer import INDENT, WIDTH, Printer, comment, number, plain_
 from gonio.export.read import Reader, camel
 from gonio.export.targets import TARGETS, Target
 from gonio.export.tree import SELF, ExportError, Function, Struct, walk
-from gonio.model import Child, Model, Parameter
+from gonio.fields import Parameter
+from gonio.model import Child, Model
 from gonio.version import __version__
 
 FUNCTIONS = ("eval", "sample", "pdf", "albedo")

@@ -2,8 +2,8 @@
 
 Source: Elek, "Layered materials in real-time rendering", CESCG 2010, section 4.1: the layered model of
 `weidlich_wilkie` over a metal whose normal alone is perturbed by a map of flakes, tiled and unfiltered.
-`gonio.textures.flake_map` makes such maps. Spatial variation is the host's business: flake_x and flake_y
-are numbers here, and a texture gives each point its own.
+`gonio.mitsuba.textures.flake_map` makes such maps. Spatial variation is the host's business: flake_x and
+flake_y are numbers here, and a texture gives each point its own.
 Deviations: by default light that leaves the coat spreads by 1 / eta^2, without which the metal is eta^2
 times too bright; both crossings of the surface count at the mean normal, because 1 - F(wo.H) lets too much
 of a tilted flake's light through; and a flake counts as much as both light and viewer see of it, so that
@@ -12,7 +12,6 @@ the model stays reciprocal. Options restore all three. The metal's index is take
 
 from gonio.claims import Claims, kink, known
 from gonio.lang import MU_MIN, Color, Float, Sample, Vec2, Vec3, maximum, select, vec3
-from gonio.metals import metal
 from gonio.model import Model, option, param
 from gonio.parts.coat import (
     absorbed_least,
@@ -21,25 +20,12 @@ from gonio.parts.coat import (
     through_facets,
     usual_cos_half,
 )
-from gonio.parts.distribution import (
-    ALPHA_MIN,
-    cos_half,
-    half_vector,
-    mirror,
-    pdf_ggx_visible,
-    sample_ggx_visible,
-)
-from gonio.parts.fresnel import F_conductor, F_denser
-from gonio.parts.interface import (
-    LOBE_MIN,
-    absorbed,
-    gather,
-    leave,
-    pdf_leave,
-    refract,
-    transmittance_denser,
-)
+from gonio.parts.distribution import ALPHA_MIN, pdf_ggx_visible, sample_ggx_visible
+from gonio.parts.frame import cos_half, half_vector, mirror
+from gonio.parts.fresnel import F_conductor, F_denser, transmittance_denser
+from gonio.parts.interface import LOBE_MIN, absorbed, gather, leave, pdf_leave, refract
 from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, shares
+from gonio.parts.metals import metal
 from gonio.parts.roughness import at_least_alpha
 from gonio.parts.tilt import flake_normal, from_tilted, seen, to_tilted
 

@@ -24,26 +24,11 @@ from gonio.lang import (
     vec3,
 )
 from gonio.model import Model, option, param
-from gonio.parts.distribution import (
-    D_ggx,
-    D_gtr1_narrow,
-    cos_half,
-    half_vector,
-    mirror,
-    pdf_mirror,
-    sample_gtr1,
-)
-from gonio.parts.fresnel import schlick_weight
+from gonio.parts.distribution import D_ggx, D_gtr1_narrow, sample_gtr1
+from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
+from gonio.parts.fresnel import schlick_complement, schlick_weight, schlick_weight_half
 from gonio.parts.hemisphere import pdf_cosine, pdf_uniform, sample_cosine, sample_uniform
-from gonio.parts.lobes import (
-    average,
-    choose,
-    pdf_ggx_lobe,
-    sample_ggx_lobe,
-    schlick_complement,
-    schlick_weight_half,
-    shares,
-)
+from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, shares
 from gonio.parts.masking import V_smith_ggx, V_smith_ggx_round
 from gonio.parts.roughness import at_least_perceptual
 

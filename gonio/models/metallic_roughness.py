@@ -9,9 +9,10 @@ Deviation: alpha = roughness^2 is at least ALPHA_MIN, where the highlight still 
 from gonio.claims import Claims, known
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, lerp, maximum
 from gonio.model import Model, option, param
-from gonio.parts.distribution import ALPHA_MIN, D_ggx, cos_half, half_vector
-from gonio.parts.fresnel import schlick_weight
-from gonio.parts.lobes import average, schlick_complement, schlick_weight_half, shares
+from gonio.parts.distribution import ALPHA_MIN, D_ggx
+from gonio.parts.frame import cos_half, half_vector
+from gonio.parts.fresnel import schlick_complement, schlick_weight, schlick_weight_half
+from gonio.parts.lobes import average, shares
 from gonio.parts.masking import V_smith_correlated_ggx, V_smith_ggx
 from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
 from gonio.parts.roughness import at_least_perceptual

@@ -1,9 +1,9 @@
 """Patina: copper that turns green, from bare metal to a closed layer.
 
 Source: Elek, "Layered materials in real-time rendering", CESCG 2010, section 4.2: the layered model of
-`weidlich_wilkie` with a coat of cuprite that also scatters, faded in by a map. `gonio.textures.growth_map`
-makes such maps. Spatial variation is the host's business: growth is a number here, and a texture gives each
-point its own.
+`weidlich_wilkie` with a coat of cuprite that also scatters, faded in by a map, which
+`gonio.mitsuba.textures.growth_map` makes. Spatial variation is the host's business: growth is a number
+here, and a texture gives each point its own.
 Deviations: by default light that leaves the coat spreads by 1 / eta^2, without which the metal below is
 eta^2 = 9.5 times too bright; an option restores the original.
 """
@@ -21,7 +21,6 @@ from gonio.lang import (
     maximum,
     select,
 )
-from gonio.metals import metal
 from gonio.model import Model, option, param
 from gonio.parts.coat import (
     absorbed_least,
@@ -30,26 +29,13 @@ from gonio.parts.coat import (
     through_facets,
     usual_cos_half,
 )
-from gonio.parts.distribution import (
-    ALPHA_MIN,
-    cos_half,
-    half_vector,
-    mirror,
-    pdf_ggx_visible,
-    sample_ggx_visible,
-)
-from gonio.parts.fresnel import F_conductor
+from gonio.parts.distribution import ALPHA_MIN, pdf_ggx_visible, sample_ggx_visible
+from gonio.parts.frame import cos_half, half_vector, mirror
+from gonio.parts.fresnel import F_conductor, transmittance_conductor
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
-from gonio.parts.interface import (
-    LOBE_MIN,
-    absorbed,
-    gather,
-    leave,
-    pdf_leave,
-    refract,
-    transmittance_conductor,
-)
+from gonio.parts.interface import LOBE_MIN, absorbed, gather, leave, pdf_leave, refract
 from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, shares
+from gonio.parts.metals import metal
 from gonio.parts.roughness import at_least_alpha
 
 COPPER, CUPRITE = metal("Cu"), metal("Cu2O", neutral=True)

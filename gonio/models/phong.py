@@ -33,7 +33,7 @@ from gonio.lang import (
     vec3,
 )
 from gonio.model import Model, option, param
-from gonio.parts.cltc import azimuth
+from gonio.parts.frame import azimuth
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
 from gonio.parts.lobes import average, choose, shares
 from gonio.parts.roughness import at_most_phong

@@ -14,6 +14,7 @@ Those of D, G and F are named in gonio.parts.distribution, masking and fresnel.
 from typing import Any
 
 from gonio.claims import Claims, kink, known, white
+from gonio.fields import ModelError
 from gonio.lang import (
     INV_PI,
     Color,
@@ -25,11 +26,11 @@ from gonio.lang import (
     select,
     vec2,
 )
-from gonio.metals import metal
-from gonio.model import Model, ModelError, option, param
-from gonio.parts import distribution, fresnel, ggx_loss, masking
+from gonio.model import Model, option, param
+from gonio.parts import distribution, frame, fresnel, ggx_loss, masking
 from gonio.parts.distribution import ALPHA_MIN
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
+from gonio.parts.metals import metal
 from gonio.parts.roughness import at_least_alpha
 
 GOLD = metal("Au")
@@ -159,8 +160,8 @@ class TorranceSparrow(Model):
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """BRDF value in 1/sr, without the cosine."""
-        m = distribution.half_vector(wi, wo)
-        cos_h = distribution.cos_half(wi, wo)
+        m = frame.half_vector(wi, wo)
+        cos_h = frame.cos_half(wi, wo)
         single = self._F(cos_h) * (self._D(m) * self._V(wi, wo, m, cos_h))
         if self.compensation == "kulla_conty":
             # Kulla and Conty, pages 8 and 14
@@ -178,16 +179,16 @@ class TorranceSparrow(Model):
             share = self._diffuse_share(wo)
             diffuse = u.x < share
             u1 = select(diffuse, u.x / share, (u.x - share) / (1 - share))
-            facet = distribution.mirror(wo, self._sample_m(wo, vec2(u1, u.y)))
+            facet = frame.mirror(wo, self._sample_m(wo, vec2(u1, u.y)))
             wi = select(diffuse, sample_cosine(vec2(u1, u.y)), facet)
         else:
-            wi = distribution.mirror(wo, self._sample_m(wo, u))
+            wi = frame.mirror(wo, self._sample_m(wo, u))
         return Sample(wi, self.pdf(wi, wo))
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample` in 1/sr."""
-        m = distribution.half_vector(wi, wo)
-        cos_h = distribution.cos_half(wi, wo)
+        m = frame.half_vector(wi, wo)
+        cos_h = frame.cos_half(wi, wo)
         specular = self._pdf_m(wo, m, cos_h)
         if self.compensation == "kulla_conty":
             share = self._diffuse_share(wo)
@@ -289,9 +290,9 @@ class TorranceSparrow(Model):
 
     def _pdf_m(self, wo: Vec3, m: Vec3, cos_h: Float) -> Float:
         if self.distribution == "gaussian":
-            return distribution.pdf_mirror(distribution.density_gaussian(m, self.alpha), cos_h)
+            return frame.pdf_mirror(distribution.density_gaussian(m, self.alpha), cos_h)
         if self.distribution == "blinn_phong" or self.masking in ("cook_torrance", "kelemen"):
-            return distribution.pdf_mirror(self._D(m) * m.z, cos_h)
+            return frame.pdf_mirror(self._D(m) * m.z, cos_h)
         a = self._widths()
         if self.distribution == "beckmann":
             return distribution.pdf_beckmann_visible(wo, m, a.x, a.y)

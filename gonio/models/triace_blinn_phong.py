@@ -10,8 +10,8 @@ from gonio.claims import Claims, kink, known
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, lerp
 from gonio.model import Model, param
 from gonio.parts.distribution import blinn_phong_alpha
-from gonio.parts.fresnel import schlick_weight
-from gonio.parts.lobes import average, schlick_weight_half, shares
+from gonio.parts.fresnel import schlick_weight, schlick_weight_half
+from gonio.parts.lobes import average, shares
 from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
 from gonio.parts.roughness import at_most_blinn_phong
 from gonio.parts.triace import blinn_phong_highlight

@@ -26,27 +26,21 @@ from gonio.lang import (
 from gonio.model import Model, option, param
 from gonio.parts import cltc
 from gonio.parts.coat import optical_depth, usual_cos_half
-from gonio.parts.distribution import blinn_phong_alpha, cos_half
-from gonio.parts.fresnel import f0_from_eta, schlick_weight
-from gonio.parts.hemisphere import pdf_cosine, sample_cosine
-from gonio.parts.interface import (
-    LOBE_MIN,
+from gonio.parts.distribution import blinn_phong_alpha
+from gonio.parts.frame import cos_half
+from gonio.parts.fresnel import (
     F_between,
-    absorbed,
     f0_between,
-    refract,
+    f0_from_eta,
     refracted_cos2,
+    schlick_weight,
+    schlick_weight_half,
     transmittance_denser,
     transmittance_lazanyi,
 )
-from gonio.parts.lobes import (
-    average,
-    choose,
-    pdf_ggx_lobe,
-    sample_ggx_lobe,
-    schlick_weight_half,
-    shares,
-)
+from gonio.parts.hemisphere import pdf_cosine, sample_cosine
+from gonio.parts.interface import LOBE_MIN, absorbed, refract
+from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, shares
 from gonio.parts.oren_nayar import s_over_t_fujii, tangential_dot
 from gonio.parts.roughness import at_most_blinn_phong
 from gonio.parts.triace import blinn_phong_highlight

@@ -11,9 +11,10 @@ Deviations: the Fresnel term is Schlick's power, which the engine replaces by
 from gonio.claims import Claims, known
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, lerp, maximum
 from gonio.model import Model, option, param
-from gonio.parts.distribution import ALPHA_MIN, D_ggx, half_vector
-from gonio.parts.fresnel import schlick_weight
-from gonio.parts.lobes import average, schlick_weight_half, shares
+from gonio.parts.distribution import ALPHA_MIN, D_ggx
+from gonio.parts.frame import half_vector
+from gonio.parts.fresnel import schlick_weight, schlick_weight_half
+from gonio.parts.lobes import average, shares
 from gonio.parts.masking import V_schlick, schlick_k_ggx, schlick_k_ue4
 from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
 from gonio.parts.roughness import at_least_perceptual

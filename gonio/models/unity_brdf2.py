@@ -11,7 +11,7 @@ BRDF3, the lowest of the three, is absent: it reads its highlight from a table t
 from gonio.claims import Claims, kink, known
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, lerp, maximum, sqrt
 from gonio.model import Model, param
-from gonio.parts.distribution import cos_half, half_vector
+from gonio.parts.frame import cos_half, half_vector
 from gonio.parts.lobes import average, shares
 from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
 from gonio.parts.roughness import at_least_perceptual

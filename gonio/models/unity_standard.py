@@ -14,9 +14,10 @@ The second dims its highlights: the peak by 4 % at roughness 0.2, 28 % at 0.15 a
 from gonio.claims import Claims, known
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, dot, lerp, maximum
 from gonio.model import Model, param
-from gonio.parts.distribution import D_ggx, half_vector
-from gonio.parts.fresnel import schlick_weight
-from gonio.parts.lobes import average, schlick_weight_half, shares
+from gonio.parts.distribution import D_ggx
+from gonio.parts.frame import half_vector
+from gonio.parts.fresnel import schlick_weight, schlick_weight_half
+from gonio.parts.lobes import average, shares
 from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
 from gonio.parts.roughness import at_least_perceptual
 

@@ -12,29 +12,17 @@ from gonio.claims import Claims, kink, known
 from gonio.lang import Color, Float, Sample, Vec2, Vec3, maximum, select
 from gonio.model import Model, child, option, param
 from gonio.parts.coat import absorbed_least, optical_depth, usual_cos_half
-from gonio.parts.distribution import (
-    ALPHA_MIN,
-    D_beckmann_round,
-    D_ggx,
-    cos_half,
-    half_vector,
-    mirror,
-    pdf_mirror,
-    sample_beckmann,
-    sample_ggx,
-)
-from gonio.parts.fresnel import F_denser, F_lazanyi
+from gonio.parts.distribution import ALPHA_MIN, D_beckmann_round, D_ggx, sample_beckmann, sample_ggx
+from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
+from gonio.parts.fresnel import F_denser, F_lazanyi, transmittance_denser, transmittance_lazanyi
 from gonio.parts.interface import (
     LOBE_MIN,
     absorbed,
-    at_least_as_rough,
     diffuse_return,
     gather,
     leave,
     pdf_leave,
     refract,
-    transmittance_denser,
-    transmittance_lazanyi,
 )
 from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, shares
 from gonio.parts.masking import (
@@ -183,7 +171,7 @@ class WeidlichWilkie(Model):
         """The base with the roughness that the coat leaves it."""
         if self.interface == "smooth" or self.roughness_clamp == "off":
             return self.base
-        return at_least_as_rough(self.base, self.alpha)
+        return self.base.at_least_as_rough(self.alpha)
 
     def _F(self, cos_h: Float) -> Float:
         if self.fresnel == "exact":

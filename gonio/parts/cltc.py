@@ -27,11 +27,8 @@ from gonio.lang import (
     vec2,
     vec3,
 )
+from gonio.parts.frame import azimuth, from_frame, to_frame
 from gonio.parts.hemisphere import pdf_uniform, sample_uniform
-
-# Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-# of its reciprocal still fits into a float32.
-SIN2_MIN = 1e-18
 
 # Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32.
 R_MIN = 1e-37
@@ -55,33 +52,17 @@ def coefficients(mu: Float, r: Float) -> tuple[Float, Float, Float, Float]:
     return a, b, c, d
 
 
-def azimuth(wo: Vec3) -> Vec2:
-    """Cosine and sine of wo's azimuth; (1, 0) at normal incidence."""
-    sin2 = wo.x * wo.x + wo.y * wo.y
-    tilted = sin2 > SIN2_MIN
-    inv = 1 / sqrt(maximum(sin2, SIN2_MIN))
-    return vec2(select(tilted, wo.x * inv, 1), select(tilted, wo.y * inv, 0))
-
-
-def _from_frame(w: Vec3, axis: Vec2) -> Vec3:
-    return vec3(axis.x * w.x - axis.y * w.y, axis.y * w.x + axis.x * w.y, w.z)
-
-
-def _to_frame(w: Vec3, axis: Vec2) -> Vec3:
-    return vec3(axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z)
-
-
 def _transform(x: Float, y: Float, wo: Vec3, r: Float, d: Float) -> Vec3:
     """M applied to the cosine lobe's direction above (x, y), turned to wo's azimuth, normalised."""
     a, b, c, _ = coefficients(wo.z, r)
     z = safe_sqrt(1 - x * x - y * y)
-    return normalize(_from_frame(vec3(a * x + b * z, c * y, d * x + z), azimuth(wo)))
+    return normalize(from_frame(vec3(a * x + b * z, c * y, d * x + z), azimuth(wo)))
 
 
 def _pdf(wi: Vec3, wo: Vec3, r: Float, d: Float) -> Float:
     """Density of `_transform` for an unclipped cosine lobe (Eq. 23 and 24)."""
     a, b, c, _ = coefficients(wo.z, r)
-    w = _to_frame(wi, azimuth(wo))
+    w = to_frame(wi, azimuth(wo))
     det = c * (a - b * d)
     # det(M) times the inverse of M, applied to w
     h = vec3(c * (w.x - b * w.z), (a - b * d) * w.y, c * (a * w.z - d * w.x))

@@ -4,7 +4,8 @@ Source: Elek, "Layered materials in real-time rendering", CESCG 2010, Eq. 2 to 4
 """
 
 from gonio.lang import Color, Float, Vec3, vec3
-from gonio.parts.distribution import D_ggx, half_vector
+from gonio.parts.distribution import D_ggx
+from gonio.parts.frame import half_vector
 from gonio.parts.interface import absorbed
 from gonio.parts.masking import V_smith_correlated_ggx
 

@@ -43,7 +43,7 @@ from gonio.lang import (
     vec2,
     vec3,
 )
-from gonio.parts.cltc import azimuth
+from gonio.parts.frame import azimuth
 from gonio.parts.special import expm1, log1p, log1p_over
 
 # Sharpest facets: a float32 direction is good to 6e-8, a thousandth of this width, so the shape of the
@@ -73,29 +73,6 @@ BEYOND_6, BEYOND_7, BEYOND_8 = 4.6655247915e-5, -5.33585946608e-6, 4.00455147614
 
 
 # --- half vectors ---------------------------------------------------------------------------------
-
-
-def half_vector(wi: Vec3, wo: Vec3) -> Vec3:
-    """The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|."""
-    h = wi + wo
-    return h / length(h)  # which `cos_half` needs as well
-
-
-def cos_half(wi: Vec3, wo: Vec3) -> Float:
-    """wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo."""
-    # 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo)
-
-
-def mirror(wo: Vec3, m: Vec3) -> Vec3:
-    """wo mirrored at a facet with normal m; it may leave below the horizon."""
-    return 2 * dot(wo, m) * m - wo
-
-
-def pdf_mirror(density: Float, cos_h: Float) -> Float:
-    """Density of `mirror` in 1/sr, if m has the given density and cos_h = wo . m."""
-    # Walter et al., Eq. 14
-    return 0.25 * density / cos_h
 
 
 def anisotropic_alpha(alpha: Float, anisotropy: Float) -> Vec2:

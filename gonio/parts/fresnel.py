@@ -8,12 +8,15 @@ may be numbers or colours.
 from gonio.lang import (
     Color,
     Float,
+    Vec3,
     absolute,
+    dot,
     fma,
     maximum,
     select,
     sqrt,
 )
+from gonio.parts.frame import cos_half
 
 # Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
 # It is reached at the edge of total internal reflection, where the true derivative is infinite.
@@ -110,3 +113,87 @@ def eta_from_f0(f0: Color) -> Color:
     r = sqrt(maximum(f0, ROOT_MIN))
     # 1 - r = (1 - f0) / (1 + r); f0 = 1 would be an infinite index
     return (1 + r) * (1 + r) / maximum(1 - f0, ROOT_MIN)
+
+
+def refracted_cos2(mu: Float, eta: Float) -> Float:
+    """eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally."""
+    # The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and
+    # at the critical one, little else is left.
+    return fma(mu, mu, (eta - 1) * (eta + 1))
+
+
+def transmittance_denser(mu: Float, eta: Float) -> Float:
+    """1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes."""
+    # 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
+    # with q = c g + sin^2(theta)
+    g = sqrt(maximum(refracted_cos2(mu, eta), ROOT_MIN))
+    s, p = mu + g, mu * g
+    q = p + (1 - mu * mu)
+    return 2 * p * (q * q + eta * eta) / (s * s * (q * q))
+
+
+def transmittance(mu: Float, eta: Float) -> Float:
+    """1 - F of a smooth dielectric, 0 where it reflects totally."""
+    return select(refracted_cos2(mu, eta) > ROOT_MIN, transmittance_denser(mu, eta), 0)
+
+
+def transmittance_lazanyi(cos_theta: Float, eta: Float) -> Float:
+    """1 - F of Lazányi's approximation, which is Schlick's for a dielectric."""
+    above = eta + 1
+    return 4 * eta / (above * above) * schlick_complement(cos_theta)
+
+
+def transmittance_conductor(cos_theta: Float, eta: Color, k: Color) -> Color:
+    """1 - F of a conductor; exact where it nearly vanishes."""
+    # With eps = (eta + i k)^2 and g^2 = eps - 1 + c^2: 1 - R_s = 4 c Re(g) / |c + g|^2, and 1 - R_p is
+    # 4 c Re(conj(g) eps) / |eps c + g|^2.
+    c = cos_theta
+    eps_re, eps_im = (eta - k) * (eta + k), 2 * (eta * k + ROOT_MIN)
+    w_re = (eta - 1) * (eta + 1) - k * k + c * c
+    w_abs = sqrt(w_re * w_re + eps_im * eps_im)
+    # Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
+    large = sqrt(0.5 * (w_abs + absolute(w_re)))
+    small = 0.5 * eps_im / large
+    g_re, g_im = select(w_re > 0, large, small), select(w_re > 0, small, large)
+    s_re, p_re, p_im = c + g_re, eps_re * c + g_re, eps_im * c + g_im
+    T_s = g_re / (s_re * s_re + g_im * g_im)
+    T_p = (eps_re * g_re + eps_im * g_im) / (p_re * p_re + p_im * p_im)
+    return 2 * c * (T_s + T_p)
+
+
+def F_between(cos_theta: Float, n1: Float, n2: Float) -> Float:
+    """Exact reflectance between two dielectrics, with the cosine on the side of n1.
+
+    `F_dielectric` for n2 / n1; the difference of the two indices keeps its digits here.
+    """
+    c = n1 * cos_theta
+    contrast = (n2 - n1) * (n2 + n1)
+    g2 = contrast + c * c
+    g = sqrt(maximum(g2, ROOT_MIN))
+    s, p = c + g, n2 * n2 * c + n1 * n1 * g
+    r_s = contrast / (s * s)
+    r_p = contrast * ((n2 * n2 + n1 * n1) * c * c - n1 * n1 * n1 * n1) / (p * p)
+    return select(g2 > 0, 0.5 * (r_s * r_s + r_p * r_p), 1)
+
+
+def f0_between(n1: Float, n2: Float) -> Float:
+    """The same at normal incidence."""
+    r = (n2 - n1) / (n2 + n1)
+    return r * r
+
+
+def schlick_weight_half(wi: Vec3, wo: Vec3) -> Float:
+    """(1 - c)^5 at c = wo . m, the half vector's cosine."""
+    # 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
+    # weight keeps its digits where the two meet and it goes to 0.
+    apart = wi - wo
+    k = 0.25 * dot(apart, apart) / (1 + cos_half(wi, wo))
+    k2 = k * k
+    return k2 * k2 * k
+
+
+def schlick_complement(c: Float) -> Float:
+    """1 - (1 - c)^5, with the factor c taken out so that it keeps its digits as c goes to 0."""
+    k = 1 - c
+    k2 = k * k
+    return c * ((1 + k) * (1 + k2) + k2 * k2)

@@ -10,16 +10,12 @@ absorption.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from gonio.lang import (
     MU_MIN,
     Color,
     Float,
     Vec3,
-    absolute,
     exp,
-    fma,
     log,
     maximum,
     minimum,
@@ -30,14 +26,8 @@ from gonio.lang import (
     sqrt,
     vec3,
 )
-from gonio.parts.fresnel import ROOT_MIN
-from gonio.parts.lobes import schlick_complement
-
-if TYPE_CHECKING:
-    from gonio.model import Model
-
-# Smallest squared sine whose root is divided by; the azimuth of smaller ones does not matter.
-SIN2_MIN = 1e-18
+from gonio.parts.frame import SIN2_MIN
+from gonio.parts.fresnel import refracted_cos2
 
 # The analytic part of the diffuse reflectance over x = (eta - 1) / (eta + 1), times (1 + x^2)^3, as a
 # polynomial fitted to 50-digit values for eta in [1, 3]: error 2e-11.
@@ -56,76 +46,9 @@ E3_A, E3_B = 1.0483666697, 1.9225672060
 SLANT_MIN = 0.3
 
 
-def refracted_cos2(mu: Float, eta: Float) -> Float:
-    """eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally."""
-    # The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and
-    # at the critical one, little else is left.
-    return fma(mu, mu, (eta - 1) * (eta + 1))
-
-
 def refract(w: Vec3, eta: Float) -> Vec3:
     """The direction inside a layer with eta >= 1 that belongs to w outside."""
     return vec3(w.x, w.y, smooth_sqrt(refracted_cos2(w.z, eta))) / eta
-
-
-def transmittance_denser(mu: Float, eta: Float) -> Float:
-    """1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes."""
-    # 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
-    # with q = c g + sin^2(theta)
-    g = sqrt(maximum(refracted_cos2(mu, eta), ROOT_MIN))
-    s, p = mu + g, mu * g
-    q = p + (1 - mu * mu)
-    return 2 * p * (q * q + eta * eta) / (s * s * (q * q))
-
-
-def transmittance(mu: Float, eta: Float) -> Float:
-    """1 - F of a smooth dielectric, 0 where it reflects totally."""
-    return select(refracted_cos2(mu, eta) > ROOT_MIN, transmittance_denser(mu, eta), 0)
-
-
-def transmittance_lazanyi(cos_theta: Float, eta: Float) -> Float:
-    """1 - F of Lazányi's approximation, which is Schlick's for a dielectric."""
-    above = eta + 1
-    return 4 * eta / (above * above) * schlick_complement(cos_theta)
-
-
-def transmittance_conductor(cos_theta: Float, eta: Color, k: Color) -> Color:
-    """1 - F of a conductor; exact where it nearly vanishes."""
-    # With eps = (eta + i k)^2 and g^2 = eps - 1 + c^2: 1 - R_s = 4 c Re(g) / |c + g|^2, and 1 - R_p is
-    # 4 c Re(conj(g) eps) / |eps c + g|^2.
-    c = cos_theta
-    eps_re, eps_im = (eta - k) * (eta + k), 2 * (eta * k + ROOT_MIN)
-    w_re = (eta - 1) * (eta + 1) - k * k + c * c
-    w_abs = sqrt(w_re * w_re + eps_im * eps_im)
-    # Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    large = sqrt(0.5 * (w_abs + absolute(w_re)))
-    small = 0.5 * eps_im / large
-    g_re, g_im = select(w_re > 0, large, small), select(w_re > 0, small, large)
-    s_re, p_re, p_im = c + g_re, eps_re * c + g_re, eps_im * c + g_im
-    T_s = g_re / (s_re * s_re + g_im * g_im)
-    T_p = (eps_re * g_re + eps_im * g_im) / (p_re * p_re + p_im * p_im)
-    return 2 * c * (T_s + T_p)
-
-
-def F_between(cos_theta: Float, n1: Float, n2: Float) -> Float:
-    """Exact reflectance between two dielectrics, with the cosine on the side of n1.
-
-    `F_dielectric` for n2 / n1; the difference of the two indices keeps its digits here.
-    """
-    c = n1 * cos_theta
-    contrast = (n2 - n1) * (n2 + n1)
-    g2 = contrast + c * c
-    g = sqrt(maximum(g2, ROOT_MIN))
-    s, p = c + g, n2 * n2 * c + n1 * n1 * g
-    r_s = contrast / (s * s)
-    r_p = contrast * ((n2 * n2 + n1 * n1) * c * c - n1 * n1 * n1 * n1) / (p * p)
-    return select(g2 > 0, 0.5 * (r_s * r_s + r_p * r_p), 1)
-
-
-def f0_between(n1: Float, n2: Float) -> Float:
-    """The same at normal incidence."""
-    r = (n2 - n1) / (n2 + n1)
-    return r * r
 
 
 def absorbed(depth: Color, wi: Vec3, wo: Vec3) -> Color:
@@ -226,15 +149,3 @@ def pdf_leave(pdf_refracted: Float, pdf_gathered: Float, w: Vec3, w_t: Vec3, eta
     # Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
     # k^2, and the cosines are k mu and mu.
     return pdf_refracted * w.z / (eta * eta * w_t.z) + pdf_gathered * critical_cosine(eta)
-
-
-# --- the base ------------------------------------------------------------------------------------------
-
-
-def at_least_as_rough(base: Model, alpha: Float) -> Model:
-    """A base whose highlights are at least as wide as the layer above has made the light.
-
-    Elek, "Layered materials in real-time rendering", CESCG 2010, section 3: m2 = max(m1, m2). A base
-    says by `param(..., rougher=...)` what that means for its parameters.
-    """
-    return base.at_least_as_rough(alpha)

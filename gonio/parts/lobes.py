@@ -13,7 +13,6 @@ from gonio.lang import (
     Vec3,
     absolute,
     clamp,
-    dot,
     exp,
     log,
     maximum,
@@ -22,13 +21,8 @@ from gonio.lang import (
     vec2,
     vec3,
 )
-from gonio.parts.distribution import (
-    cos_half,
-    half_vector,
-    mirror,
-    pdf_ggx_visible,
-    sample_ggx_visible,
-)
+from gonio.parts.distribution import pdf_ggx_visible, sample_ggx_visible
+from gonio.parts.frame import half_vector, mirror
 from gonio.parts.special import log1p
 
 # Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
@@ -76,23 +70,6 @@ def choose(probability: Float, u: Vec2) -> tuple[Mask, Vec2]:
     below = u.x / maximum(probability, SHARE_MIN)
     above = (u.x - probability) / maximum(1 - probability, SHARE_MIN)
     return first, vec2(clamp(select(first, below, above), 0, RANDOM_MAX), u.y)
-
-
-def schlick_weight_half(wi: Vec3, wo: Vec3) -> Float:
-    """(1 - c)^5 at c = wo . m, the half vector's cosine."""
-    # 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
-    # weight keeps its digits where the two meet and it goes to 0.
-    apart = wi - wo
-    k = 0.25 * dot(apart, apart) / (1 + cos_half(wi, wo))
-    k2 = k * k
-    return k2 * k2 * k
-
-
-def schlick_complement(c: Float) -> Float:
-    """1 - (1 - c)^5, with the factor c taken out so that it keeps its digits as c goes to 0."""
-    k = 1 - c
-    k2 = k * k
-    return c * ((1 + k) * (1 + k2) + k2 * k2)
 
 
 def sample_ggx_lobe(wo: Vec3, alpha_x: Float, alpha_y: Float, u: Vec2) -> Vec3:

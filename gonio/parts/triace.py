@@ -5,7 +5,7 @@ Source: Gotanda, "Beyond a simple physically based Blinn-Phong model in real-tim
 """
 
 from gonio.lang import Float, Vec3, maximum
-from gonio.parts.distribution import half_vector
+from gonio.parts.frame import half_vector
 from gonio.parts.lobes import cos_power
 
 # Eq. 1: the normalisation as a linear function of n.

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from gonio.model import Model, Parameter
+from gonio.fields import Parameter
+from gonio.model import Model
 from gonio.plot.numbers import LOG_HIGH, LOG_LOW, RARE, Floats, direction, is_logarithmic
 from gonio.plot.style import (
     FAINT,

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from gonio import arrays
-from gonio.model import Model, Parameter
+from gonio.fields import Parameter, is_array
+from gonio.model import Model
 
 
 def _number(value: Any) -> str:
@@ -26,7 +26,7 @@ def named(models: Sequence[Model]) -> tuple[list[Model], list[str], str]:
         raise ValueError("a plot needs at least one model.")
     for m in models:
         for name in m.fields:
-            if arrays.is_array(getattr(m, name)):
+            if is_array(getattr(m, name)):
                 raise ValueError(
                     f"{m.name}.{name} is an array; a plot needs numbers: make one model per value."
                 )

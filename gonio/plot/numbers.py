@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from gonio import backend
-from gonio.model import Model, Parameter
+from gonio.fields import Parameter
+from gonio.model import Model
 
 Floats = npt.NDArray[np.float64]
 

@@ -40,12 +40,11 @@ from gonio.parts.distribution import (
     D_ggx,
     beckmann_lambda_mu,
     ggx_length,
-    mirror,
     sample_beckmann_visible,
     sample_ggx_visible,
 )
-from gonio.parts.fresnel import F_dielectric
-from gonio.parts.interface import refracted_cos2, transmittance
+from gonio.parts.frame import mirror
+from gonio.parts.fresnel import F_dielectric, refracted_cos2, transmittance
 
 # Smallest probability and squared length that are divided by.
 TINY = 1e-20

@@ -12,16 +12,15 @@ import drjit as dr
 import numpy as np
 from numpy.typing import NDArray
 
-from gonio import arrays, backend
-from gonio.arrays import opaque
-from gonio.model import Model, ModelError, model
+from gonio import backend
+from gonio.arrays.kernel import opaque
+from gonio.arrays.leaf import UNIT_TOLERANCE
+from gonio.fields import ModelError, framework, is_array
+from gonio.model import Model, model
 from gonio.parts.distribution import ALPHA_MIN, blinn_phong_alpha
 from gonio.reference.generator import WORD, generator, scramble
 from gonio.reference.interfaces import Pile, Rough, channels
 from gonio.reference.walk import Channels, Quantity, Scene, State, direct, walk
-
-PLUGIN = "gonio_layered_reference"
-"""Name of the Mitsuba BSDF."""
 
 # Lanes that keep all cores of a machine busy, or a GPU; few pairs of directions are repeated up to that.
 LANES = 1 << 16
@@ -171,7 +170,7 @@ class Stack:
         if not isinstance(self.base, Model):
             raise ModelError(f"a stack's base is a model or a model's name, got {self.base!r}.")
         for path, _, value in self.base.parameters():
-            if arrays.is_array(value):
+            if is_array(value):
                 raise ModelError(f"a stack's base takes numbers; {path} is an array.")
 
     @classmethod
@@ -187,7 +186,7 @@ class Stack:
             ModelError: another model, or parameters that are arrays.
         """
         for path, _, value in approximation.parameters():
-            if arrays.is_array(value):
+            if is_array(value):
                 raise ModelError(
                     f"{approximation.name}: {path} is an array; a stack takes numbers."
                 )
@@ -305,27 +304,6 @@ class Stack:
         base = self.base.bind(Float, lambda path, p, value: opaque(Float, p.width, value))
         return assemble(slabs, base)
 
-    def plugin(self, walks: int | None = None) -> dict[str, Any]:
-        """The stack as a dict for `mitsuba.load_dict`: one `gonio_layered_reference` in another.
-
-        walks: of each evaluation; the plug-in's default if None.
-        """
-        from gonio.mitsuba import plugin
-
-        node = plugin(self.base)
-        for layer in reversed(self.layers):
-            sigma = layer.sigma_a if isinstance(layer.sigma_a, tuple) else (layer.sigma_a,) * 3
-            node = {
-                "type": PLUGIN,
-                "eta": float(layer.eta),
-                "alpha": 0.0 if layer.smooth else float(layer.alpha),
-                "sigma_a": {"type": "rgb", "value": list(sigma)},
-                "thickness": float(layer.thickness),
-                "distribution": layer.distribution,
-                "base": node,
-            }
-        return node if walks is None else node | {"walks": walks}
-
     @staticmethod
     def _float(dtype: Any) -> Any:
         module = backend.array_module()
@@ -435,7 +413,7 @@ def _directions(
     """Flat arrays (n, 3) of unit vectors, their common shape, and the precision to compute in."""
     found = []
     for name, value in zip(names, given, strict=True):
-        if (kind := arrays.framework(value)) not in (None, "numpy"):
+        if (kind := framework(value)) not in (None, "numpy"):
             raise ValueError(
                 f"{name} is an array of {kind}; the reference takes NumPy arrays and numbers."
             )
@@ -451,7 +429,7 @@ def _directions(
             raise ValueError(
                 f"{name} has shape {array.shape}; its last axis must hold 3 components."
             )
-        bad = ~(np.abs(np.sum(np.square(array, dtype=np.float64), -1) - 1) <= arrays.UNIT_TOLERANCE)
+        bad = ~(np.abs(np.sum(np.square(array, dtype=np.float64), -1) - 1) <= UNIT_TOLERANCE)
         if bad.any():
             raise ValueError(
                 f"{name} has a vector {array[bad][0].tolist()} that is not of unit length; divide by "

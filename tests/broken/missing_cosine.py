@@ -2,7 +2,8 @@
 
 from gonio.lang import Color, Float, Sample, Vec2, Vec3
 from gonio.model import Model, param
-from gonio.parts.distribution import ALPHA_MIN, D_ggx, half_vector
+from gonio.parts.distribution import ALPHA_MIN, D_ggx
+from gonio.parts.frame import half_vector
 from gonio.parts.lobes import pdf_ggx_lobe, sample_ggx_lobe
 from gonio.parts.masking import V_smith_correlated_ggx
 

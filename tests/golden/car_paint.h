@@ -2,8 +2,8 @@
 //
 // Source: Elek, "Layered materials in real-time rendering", CESCG 2010, section 4.1: the layered model of
 // `weidlich_wilkie` over a metal whose normal alone is perturbed by a map of flakes, tiled and unfiltered.
-// `gonio.textures.flake_map` makes such maps. Spatial variation is the host's business: flake_x and flake_y
-// are numbers here, and a texture gives each point its own.
+// `gonio.mitsuba.textures.flake_map` makes such maps. Spatial variation is the host's business: flake_x and
+// flake_y are numbers here, and a texture gives each point its own.
 // Deviations: by default light that leaves the coat spreads by 1 / eta^2, without which the metal is eta^2
 // times too bright; both crossings of the surface count at the mean normal, because 1 - F(wo.H) lets too
 // much
@@ -445,7 +445,8 @@ inline float car_paint_critical_cosine(float eta) {
 // The outer direction for a direction inside: refracted, or spread out if it cannot leave.
 inline Vec3 car_paint_leave(Vec3 w, float eta) {
     constexpr float mu_min = 1.0e-18f;
-    // Smallest squared sine whose root is divided by; the azimuth of smaller ones does not matter.
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
+    // of its reciprocal still fits into a float32.
     constexpr float SIN2_MIN = 1.0e-18f;
     // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
     constexpr float LEAVE_MIN = 1.0e-12f;

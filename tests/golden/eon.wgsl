@@ -165,6 +165,7 @@ fn eon_azimuth(wo: vec3f) -> vec2f {
     return vec2f(select(1.0, wo.x * inv, tilted), select(0.0, wo.y * inv, tilted));
 }
 
+// A direction given relative to an azimuth (cosine, sine), about the normal turned by it.
 fn eon_from_frame(w: vec3f, axis: vec2f) -> vec3f {
     return vec3f(axis.x * w.x - axis.y * w.y, axis.y * w.x + axis.x * w.y, w.z);
 }
@@ -207,6 +208,7 @@ fn eon_sample_cltc_uniform(wo: vec3f, r: f32, u: vec2f) -> vec3f {
     return select(w_c, w_u, uniform);
 }
 
+// A direction relative to an azimuth (cosine, sine): the inverse of `from_frame`.
 fn eon_to_frame(w: vec3f, axis: vec2f) -> vec3f {
     return vec3f(axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z);
 }

@@ -117,6 +117,7 @@ float2 fon_azimuth(float3 wo) {
     return float2(tilted ? wo.x * inv : 1.0, tilted ? wo.y * inv : 0.0);
 }
 
+// A direction given relative to an azimuth (cosine, sine), about the normal turned by it.
 float3 fon_from_frame(float3 w, float2 axis) {
     return float3(axis.x * w.x - axis.y * w.y, axis.y * w.x + axis.x * w.y, w.z);
 }
@@ -159,6 +160,7 @@ float3 fon_sample_cltc_uniform(float3 wo, float r, float2 u) {
     return uniform_ ? w_u : w_c;
 }
 
+// A direction relative to an azimuth (cosine, sine): the inverse of `from_frame`.
 float3 fon_to_frame(float3 w, float2 axis) {
     return float3(axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z);
 }

@@ -1,11 +1,9 @@
 // Patina: copper that turns green, from bare metal to a closed layer.
 //
 // Source: Elek, "Layered materials in real-time rendering", CESCG 2010, section 4.2: the layered model of
-// `weidlich_wilkie` with a coat of cuprite that also scatters, faded in by a map.
-// `gonio.textures.growth_map`
-// makes such maps. Spatial variation is the host's business: growth is a number here, and a texture gives
-// each
-// point its own.
+// `weidlich_wilkie` with a coat of cuprite that also scatters, faded in by a map, which
+// `gonio.mitsuba.textures.growth_map` makes. Spatial variation is the host's business: growth is a number
+// here, and a texture gives each point its own.
 // Deviations: by default light that leaves the coat spreads by 1 / eta^2, without which the metal below is
 // eta^2 = 9.5 times too bright; an option restores the original.
 //
@@ -352,7 +350,8 @@ inline float3 patina_leave(float3 w, float eta) {
     // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
     // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     const float mu_min = 1.0e-18;
-    // Smallest squared sine whose root is divided by; the azimuth of smaller ones does not matter.
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
+    // of its reciprocal still fits into a float32.
     const float SIN2_MIN = 1.0e-18;
     // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
     const float LEAVE_MIN = 1.0e-12;

@@ -128,6 +128,7 @@ float2 qon_azimuth(float3 wo) {
     return float2(tilted ? wo.x * inv : 1.0, tilted ? wo.y * inv : 0.0);
 }
 
+// A direction given relative to an azimuth (cosine, sine), about the normal turned by it.
 float3 qon_from_frame(float3 w, float2 axis) {
     return float3(axis.x * w.x - axis.y * w.y, axis.y * w.x + axis.x * w.y, w.z);
 }
@@ -170,6 +171,7 @@ float3 qon_sample_cltc_uniform(float3 wo, float r, float2 u) {
     return uniform_ ? w_u : w_c;
 }
 
+// A direction relative to an azimuth (cosine, sine): the inverse of `from_frame`.
 float3 qon_to_frame(float3 w, float2 axis) {
     return float3(axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z);
 }

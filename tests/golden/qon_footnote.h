@@ -158,6 +158,7 @@ inline Vec2 qon_footnote_azimuth(Vec3 wo) {
     return Vec2{tilted ? wo.x * inv : 1.0f, tilted ? wo.y * inv : 0.0f};
 }
 
+// A direction given relative to an azimuth (cosine, sine), about the normal turned by it.
 inline Vec3 qon_footnote_from_frame(Vec3 w, Vec2 axis) {
     return Vec3{axis.x * w.x - axis.y * w.y, axis.y * w.x + axis.x * w.y, w.z};
 }
@@ -201,6 +202,7 @@ inline Vec3 qon_footnote_sample_cltc_uniform(Vec3 wo, float r, Vec2 u) {
     return uniform ? w_u : w_c;
 }
 
+// A direction relative to an azimuth (cosine, sine): the inverse of `from_frame`.
 inline Vec3 qon_footnote_to_frame(Vec3 w, Vec2 axis) {
     return Vec3{axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z};
 }

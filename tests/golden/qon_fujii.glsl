@@ -131,6 +131,7 @@ vec2 qon_fujii_azimuth(vec3 wo) {
     return vec2(mix(1.0, wo.x * inv, tilted), mix(0.0, wo.y * inv, tilted));
 }
 
+// A direction given relative to an azimuth (cosine, sine), about the normal turned by it.
 vec3 qon_fujii_from_frame(vec3 w, vec2 axis) {
     return vec3(axis.x * w.x - axis.y * w.y, axis.y * w.x + axis.x * w.y, w.z);
 }
@@ -174,6 +175,7 @@ vec3 qon_fujii_sample_cltc_uniform(vec3 wo, float r, vec2 u) {
     return uniform_ ? w_u : w_c;
 }
 
+// A direction relative to an azimuth (cosine, sine): the inverse of `from_frame`.
 vec3 qon_fujii_to_frame(vec3 w, vec2 axis) {
     return vec3(axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z);
 }

@@ -120,18 +120,9 @@ float weidlich_wilkie_compression(WeidlichWilkie params) {
     return 1.0;
 }
 
-// A base whose highlights are at least as wide as the layer above has made the light.
-//
-// Elek, "Layered materials in real-time rendering", CESCG 2010, section 3: m2 = max(m1, m2). A base
-// says by `param(..., rougher=...)` what that means for its parameters.
-WeidlichWilkieBase weidlich_wilkie_interface_at_least_as_rough(WeidlichWilkieBase base,
-    float alpha) {
-    return base;
-}
-
 // The base with the roughness that the coat leaves it.
 WeidlichWilkieBase weidlich_wilkie_below(WeidlichWilkie params) {
-    return weidlich_wilkie_interface_at_least_as_rough(params.base, params.alpha);
+    return params.base;
 }
 
 // rho / pi.
@@ -325,7 +316,8 @@ float3 weidlich_wilkie_leave(float3 w, float eta) {
     // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
     // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
     const float mu_min = 1.0e-18;
-    // Smallest squared sine whose root is divided by; the azimuth of smaller ones does not matter.
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
+    // of its reciprocal still fits into a float32.
     const float SIN2_MIN = 1.0e-18;
     // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
     const float LEAVE_MIN = 1.0e-12;

@@ -13,7 +13,8 @@ import numpy.typing as npt
 
 from gonio.export.entry import Member
 from gonio.export.prove.tools import Rows
-from gonio.model import Model, Parameter
+from gonio.fields import Parameter
+from gonio.model import Model
 
 Array = npt.NDArray[np.float64]
 

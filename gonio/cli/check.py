@@ -1,0 +1,235 @@
+"""What `gonio check` does: finds out what is meant, runs the checks, shows and writes the reports."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import click
+
+import gonio
+from gonio.check import CHECKS, Progress, check_subjects, data, failed, subjects
+from gonio.check.picture import check_format, drawable, plot
+from gonio.check.report import FAIL, Report, junit, summary, table
+from gonio.check.subject import Subject
+from gonio.cli.program import complete, echo_json, json_option, param_option, progress
+from gonio.files import replacing
+from gonio.materials import Material, library, load_material
+from gonio.materials.notation import parse_model
+from gonio.model import models
+
+__all__ = ["Plan", "Result", "data", "failed", "lines", "plan", "subjects_of"]
+
+
+def subjects_of(text: str, params: Iterable[str] = ()) -> list[Subject]:
+    """What a text on the command line names: a model, a material, or a model file.
+
+    A bare name is a model over its whole range and all its options. Parameters and options that are given,
+    as in eon:sampler=cosine,rho=0.5, stay fixed, and the others keep their whole range or the default
+    option. A material is fixed altogether.
+
+    Raises:
+        ValueError: an unknown name, a parameter out of range, a file without a usable model.
+    """
+    given = list(params)
+    name, _, inline = text.partition(":")
+    if name not in models() and (name in library() or name.endswith(".toml")):
+        if inline or given:
+            raise ValueError(
+                f"{name} is a material and has its parameters; check its model instead."
+            )
+        return _of_material(load_material(name))
+    model = parse_model(text, given)
+    if not (inline or given):
+        return subjects(type(model), label=name)
+    named = {piece.partition("=")[0].strip() for piece in [*inline.split(","), *given]}
+    return subjects(model, named, name)
+
+
+def _of_material(material: Material) -> list[Subject]:
+    """A material as it is; what pictures, flakes and growth drive keeps its whole range."""
+    driven = set(material.textures)
+    if material.flakes:
+        driven |= {"flake_x", "flake_y"}
+    if material.grows:
+        driven.add("growth")
+    model = material.model
+    paths = {path for path, _, _ in model.parameters()}
+    found = subjects(model, (paths - driven) | set(model.fields) - driven, model.name)
+    for subject in found:
+        subject.name = material.name
+    return found
+
+
+@dataclass(frozen=True)
+class Result:
+    """Reports, and the files that were written."""
+
+    reports: list[Report]
+    written: list[Path]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is to be checked and written; everything that a user can get wrong has been looked at."""
+
+    groups: list[list[Subject]]
+    notes: list[Report]
+    only: list[str]
+    junit_file: str | None
+    picture_file: str | None
+
+    def run(self, effort: str = "normal", progress: Progress | None = None) -> Result:
+        """Check one group after the other, and write what is asked for.
+
+        Args:
+            effort: "quick", "normal" or "thorough".
+            progress: called with what is done and what there is to do.
+        """
+        reports = list(self.notes)
+        for done, group in enumerate(self.groups):
+
+            def step(part: int, parts: int, done: int = done) -> None:
+                if progress is not None:
+                    progress(done * 1000 + 1000 * part // parts, len(self.groups) * 1000)
+
+            reports += check_subjects(group, effort, self.only, step)
+        written = []
+        if self.junit_file is not None:
+            with replacing(self.junit_file) as temporary:
+                temporary.write_bytes(junit(reports))
+            written.append(Path(self.junit_file))
+        if self.picture_file is not None:
+            every = [subject for group in self.groups for subject in group]
+            if drawable(every, reports):
+                written.append(plot(self.picture_file, every, reports))
+        return Result(reports, written)
+
+
+def plan(
+    texts: Sequence[str],
+    params: Iterable[str] = (),
+    *,
+    plugins: Sequence[str] = (),
+    only: Iterable[str] = (),
+    junit_file: str | None = None,
+    picture_file: str | None = None,
+) -> Plan:
+    """Find everything that the texts name.
+
+    Args:
+        texts: models, materials and model files, as `subjects_of` takes them.
+        params: "name=value" for all of them.
+        plugins: Mitsuba's BSDFs, as `gonio.check.mitsuba_bsdf.MitsubaSubject` takes them.
+        only: names of checks; all if empty.
+        junit_file: where to write a JUnit report.
+        picture_file: where to draw the worst cases.
+
+    Raises:
+        ValueError: an unknown name, check or format.
+    """
+    chosen = [name.strip() for name in only]
+    for name in chosen:
+        if name not in CHECKS:
+            raise ValueError(f"no check {name!r}; there are {', '.join(CHECKS)}.")
+    _writable(junit_file, picture_file)
+    given = list(params)
+    groups = [subjects_of(text, given) for text in texts]
+    notes: list[Report] = []
+    if plugins:
+        from gonio.check.mitsuba_bsdf import MitsubaSubject
+
+        foreign = [MitsubaSubject(text) for text in plugins]
+        notes = [note for subject in foreign for note in subject.notes()]
+        groups += [[subject] for subject in foreign]
+    return Plan(groups, notes, chosen, junit_file, picture_file)
+
+
+def lines(reports: Sequence[Report]) -> list[str]:
+    """The tables of all models, each with a line of counts below."""
+    found: list[str] = []
+    for name in dict.fromkeys(r.model for r in reports):
+        own = [r for r in reports if r.model == name]
+        seconds = sum(r.seconds for r in own)
+        state = FAIL if failed(own) else "pass"
+        found += [f"{name}: {state}", *table(own), f"  {summary(own)} in {seconds:.1f} s", ""]
+    return found[:-1]
+
+
+def _writable(junit_file: str | None, picture_file: str | None) -> None:
+    """Raise before the work is done if a result cannot be written."""
+    for path in (junit_file, picture_file):
+        if path is not None and not Path(path).resolve().parent.is_dir():
+            folder = Path(path).resolve().parent
+            raise FileNotFoundError(f"there is no folder {folder}; create it first.")
+    if picture_file is not None:
+        check_format(picture_file)
+
+
+@click.command("check", short_help="Measure whether a model is what it claims to be.")
+@click.argument("models", nargs=-1, metavar="[MODEL|MATERIAL|FILE.py]...", shell_complete=complete)
+@param_option
+@click.option("--all", "everything", is_flag=True, help="Every model of gonio.")
+@click.option(
+    "--mitsuba",
+    "plugins",
+    multiple=True,
+    metavar="NAME|XML|JSON",
+    help="A Mitsuba BSDF: a plug-in's name, its XML or JSON, or a file with it; again for more.",
+)
+@click.option("--quick", "effort", flag_value="quick", help="Seconds for each model.")
+@click.option("--thorough", "effort", flag_value="thorough", help="Minutes for each model.")
+@click.option("--only", metavar="CHECK,...", help="Only these checks, such as energy,sampling.")
+@click.option("--junit", metavar="FILE", help="Also write a JUnit report for other programs.")
+@click.option("--plot", "picture", metavar="FILE", help="Also draw the worst cases.")
+@json_option
+def command(
+    models: tuple[str, ...],
+    params: tuple[str, ...],
+    everything: bool,
+    plugins: tuple[str, ...],
+    effort: str | None,
+    only: str | None,
+    junit: str | None,
+    picture: str | None,
+    as_json: bool,
+) -> int:
+    """Measure energy, reciprocity, sampling, precision, derivatives and more; compare with the claims.
+
+    Worst cases are searched for over all angles, parameters and options. What is given of them stays
+    fixed; a material is checked as it is. Ends with exit code 1 when something is not as it
+    is claimed.
+
+    \b
+    Examples:
+      gonio check eon
+      gonio check qon:sigma=0.2 --only energy --plot qon.png
+      gonio check my_model.py --quick
+      gonio check lacquered_walnut
+      gonio check --all --quick --junit report.xml
+      gonio check --mitsuba roughplastic
+      gonio check --mitsuba '{"type": "roughconductor", "alpha": 0.5}' --only energy
+    """
+    if everything and (models or params):
+        raise click.UsageError("--all checks every model; it goes with no MODEL and no --param")
+    texts = list(gonio.models()) if everything else list(models)
+    if not texts and not plugins:
+        raise click.UsageError("give a MODEL, a FILE.py, --all or --mitsuba NAME")
+    planned = plan(
+        texts,
+        params,
+        plugins=plugins,
+        only=only.split(",") if only else (),
+        junit_file=junit,
+        picture_file=picture,
+    )
+    with progress("checking") as step:
+        result = planned.run(effort or "normal", step)
+    if as_json:
+        echo_json(data(result.reports))
+    else:
+        click.echo("\n".join(lines(result.reports)))
+        for path in result.written:
+            click.echo(path)
+    return 1 if failed(result.reports) else 0

@@ -1,0 +1,82 @@
+"""`gonio compare`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from gonio.cli.program import complete, echo_json, json_option, param_option, progress
+
+
+@click.command("compare", short_help="Compare models with the truth, or with each other.")
+@click.argument("models", nargs=-1, metavar="[MODEL|MATERIAL]...", shell_complete=complete)
+@click.option(
+    "--truth", is_flag=True, help="Compare layered models with random walks through layers."
+)
+@param_option
+@click.option(
+    "--vary", metavar="NAME", help="The parameter whose influence is shown (a roughness)."
+)
+@click.option("--walks", type=click.IntRange(1), help="Random walks for each pair of directions.")
+@click.option("--no-pictures", is_flag=True, help="Numbers and maps only, which is faster.")
+@click.option("--size", type=click.IntRange(16, 2048), default=192, help="Pixels of the pictures.")
+@click.option("--spp", type=click.IntRange(1, 1 << 20), default=100, help="Samples per pixel.")
+@click.option("--seed", type=click.IntRange(0, 65535), default=0, help="Of the random numbers.")
+@click.option("-o", "--output", metavar="FILE", help="A .png file (default: compare.png).")
+@json_option
+def command(
+    models: tuple[str, ...],
+    truth: bool,
+    params: tuple[str, ...],
+    vary: str | None,
+    walks: int | None,
+    no_pictures: bool,
+    size: int,
+    spp: int,
+    seed: int,
+    output: str | None,
+    as_json: bool,
+) -> None:
+    """Show how wrong models are, and where: error maps, numbers, and pictures side by side.
+
+    With --truth every layered model is compared with the layers that it stands for, whose light is followed
+    by random walks. Without it, the first model is what the others are compared with. --json prints numbers
+    and writes a picture only with -o.
+
+    \b
+    Examples:
+      gonio compare weidlich_wilkie triace_layered --truth -o layers.png
+      gonio compare weidlich_wilkie:alpha=0.3,bounces=diffuse --truth --vary eta --json
+      gonio compare eon:roughness=1 oren_nayar:sigma=1.2 qon:sigma=1.2
+    """
+    from gonio import compare as comparison
+    from gonio.compare import drawing
+    from gonio.materials import find
+
+    given: dict[str, Any] = {} if walks is None else {"walks": walks}
+    if not models:
+        raise click.UsageError("give a MODEL; 'gonio list' shows the models")
+    target = output or ("" if as_json else "compare.png")
+    if target:
+        drawing.check_format(target)
+    shown = [find(text, params) for text in models]
+    with progress("comparing") as step:
+        found = comparison.compare(
+            shown,
+            truth=truth,
+            pictures=bool(target) and not no_pictures,
+            size=size,
+            spp=spp,
+            vary=vary,
+            seed=seed,
+            progress=step,
+            **given,
+        )
+    if target:
+        drawing.write(target, found)
+    if as_json:
+        echo_json([c.data() for c in found])
+        return
+    click.echo("\n".join(line for c in found for line in comparison.lines(c)))
+    click.echo(target)

@@ -1,0 +1,210 @@
+"""Everything that a model says about one pair of directions: as data, and as text for people."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import click
+import numpy as np
+import numpy.typing as npt
+
+from gonio.cli.program import complete, echo_json, json_option, param_option
+from gonio.lang import MU_MIN
+from gonio.model import Model
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """A model at one pair of directions."""
+
+    model: str
+    precision: str
+    wi: list[float]
+    wo: list[float]
+    eval: list[float]
+    """BRDF in 1/sr, without the cosine."""
+    pdf: float
+    """Density with which `sample` draws wi for this wo, in 1/sr."""
+    weight: list[float] | None
+    """Monte Carlo weight f cos(theta_i) / pdf; None where the pdf is 0."""
+    albedo: list[float]
+    """Directional, for wo."""
+    mean_albedo: list[float]
+
+
+def evaluate(model: Model, wi: Any, wo: Any, *, double: bool = False) -> Evaluation:
+    """Evaluate everything a model knows about one pair of unit vectors.
+
+    Args:
+        model: a model whose parameters are numbers.
+        wi: towards the light, shape (3,), unit, normal +z.
+        wo: towards the viewer, likewise.
+        double: float64 instead of float32.
+
+    Raises:
+        ValueError: a direction that is not a unit vector.
+    """
+    dtype = np.float64 if double else np.float32
+    wi, wo = np.asarray(wi, dtype), np.asarray(wo, dtype)
+    exact = model
+    if double:  # parameters as arrays make the mean albedo, which has no directions, double as well
+        exact = model.replace(
+            **{
+                path: np.asarray(_triple(value, declared.width), dtype)
+                for path, declared, value in model.parameters()
+            }
+        )
+    f, pdf = exact.eval(wi, wo), float(exact.pdf(wi, wo))
+    weight = f * wi[2] / pdf if pdf > 0 else None
+    return Evaluation(
+        model=repr(model),
+        precision=np.dtype(dtype).name,
+        wi=_floats(wi),
+        wo=_floats(wo),
+        eval=_floats(f),
+        pdf=pdf,
+        weight=None if weight is None else _floats(weight),
+        albedo=_floats(exact.albedo(wo)),
+        mean_albedo=_floats(exact.mean_albedo()),
+    )
+
+
+def _triple(value: float | tuple[float, ...], width: int) -> Any:
+    return (value,) * 3 if width == 3 and not isinstance(value, tuple) else value
+
+
+def _floats(array: npt.NDArray[Any]) -> list[float]:
+    """Python numbers that print as few digits as the array's precision needs."""
+    return [float(str(x)) for x in np.asarray(array)]
+
+
+def directions(
+    wi: Sequence[float] | None,
+    wo: Sequence[float] | None,
+    theta_i: float | None,
+    theta_o: float | None,
+    phi: float | None,
+    normalize: bool,
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """The two directions, from vectors or from angles in degrees.
+
+    phi: azimuth of wi minus that of wo, 0 by default; 0 is the viewer's side, 180 the mirror's.
+
+    Raises:
+        ValueError: neither or both are given, or a vector that cannot be normalised.
+    """
+    angles = (theta_i, theta_o, phi)
+    if wi is not None and wo is not None and angles == (None, None, None):
+        vectors = np.array(wi, np.float64), np.array(wo, np.float64)
+        return (_normalized("wi", wi), _normalized("wo", wo)) if normalize else vectors
+    if wi is None and wo is None and theta_i is not None and theta_o is not None:
+        for name, angle in (("theta-i", theta_i), ("theta-o", theta_o), ("phi", phi or 0)):
+            if not math.isfinite(angle):
+                raise ValueError(f"{name} must be a number of degrees, got {angle}.")
+        ti, to, p = (math.radians(a or 0) for a in (theta_i, theta_o, phi))
+        wi = (math.sin(ti) * math.cos(p), math.sin(ti) * math.sin(p), math.cos(ti))
+        wo = (math.sin(to), 0, math.cos(to))
+        # The sine of 180 degrees is 1.2e-16 in doubles and should be 0.
+        return np.round(wi, 15) + 0.0, np.round(wo, 15) + 0.0
+    raise ValueError(
+        "give both directions, either as vectors, --wi X Y Z --wo X Y Z, or as angles in degrees, "
+        "--theta-i A --theta-o B [--phi C]."
+    )
+
+
+def _normalized(name: str, vector: Sequence[float]) -> npt.NDArray[np.float64]:
+    w = np.array(vector, np.float64)
+    length = np.linalg.norm(w)
+    if not (np.isfinite(length) and length > 0):
+        raise ValueError(
+            f"{name} = {list(vector)} has no direction; give finite numbers, not all 0."
+        )
+    return np.asarray(w / length)
+
+
+def lines(result: Evaluation) -> Iterator[str]:
+    """The lines of an evaluation, for a terminal."""
+    yield f"{result.model}  in {result.precision}"
+    for name, w in (("wi", result.wi), ("wo", result.wo)):
+        theta = math.degrees(math.atan2(math.hypot(w[0], w[1]), w[2]))
+        yield f"  {name:<12} {', '.join(f'{x:.7g}' for x in w)}   (theta {theta:.6g}°)"
+    weight = "none, the pdf is 0" if result.weight is None else _number(result.weight)
+    digits = [
+        ("eval", f"{_number(result.eval)} 1/sr", "BRDF without the cosine"),
+        ("pdf", f"{_number(result.pdf)} 1/sr", "density of sample"),
+        ("weight", weight, "eval cos(theta_i) / pdf"),
+        ("albedo", _number(result.albedo), "directional, for wo"),
+        ("mean albedo", _number(result.mean_albedo), "over all directions"),
+    ]
+    width = max(len(value) for _, value, _ in digits)
+    for name, value, meaning in digits:
+        yield f"  {name:<12} {value:<{width}}   {meaning}"
+    below = [n for n, w in (("wi", result.wi), ("wo", result.wo)) if w[2] <= MU_MIN]
+    if below:
+        yield f"  {' and '.join(below)} not above the horizon: BRDF and pdf are 0 there."
+
+
+def _number(value: float | Sequence[float]) -> str:
+    if isinstance(value, (int, float)):
+        return f"{value:.9g}"
+    distinct = value[:1] if len(set(value)) == 1 else value
+    return ", ".join(f"{v:.9g}" for v in distinct)
+
+
+@click.command("eval", short_help="Evaluate a model for two directions.")
+@click.argument("model", shell_complete=complete)
+@click.option("--wi", type=float, nargs=3, metavar="X Y Z", help="Unit vector towards the light.")
+@click.option("--wo", type=float, nargs=3, metavar="X Y Z", help="Unit vector towards the viewer.")
+@click.option("--theta-i", type=float, metavar="DEG", help="Polar angle of the light, instead.")
+@click.option("--theta-o", type=float, metavar="DEG", help="Polar angle of the viewer, instead.")
+@click.option(
+    "--phi",
+    type=float,
+    metavar="DEG",
+    help="Azimuth between the two: 0 (default) is the viewer's side, 180 the mirror's.",
+)
+@param_option
+@click.option("--normalize", is_flag=True, help="Scale the vectors to length 1 first.")
+@click.option("--double/--float32", help="Compute in double precision (default: float32).")
+@json_option
+def command(
+    model: str,
+    wi: tuple[float, float, float] | None,
+    wo: tuple[float, float, float] | None,
+    theta_i: float | None,
+    theta_o: float | None,
+    phi: float | None,
+    params: tuple[str, ...],
+    normalize: bool,
+    double: bool,
+    as_json: bool,
+) -> None:
+    """Evaluate MODEL for one pair of directions: BRDF, pdf, albedos, Monte Carlo weight.
+
+    Directions are unit vectors that leave the surface, with the normal along +z.
+
+    \b
+    Examples:
+      gonio eval lambert --wi 0 0 1 --wo 0 0 1
+      gonio eval eon --theta-i 30 --theta-o 60 --phi 180 --param roughness=1
+      gonio eval eon:sampler=cosine --wi 1 0 1 --wo 0 1 1 --normalize -p rho=0.8,0.3,0.1 --json
+    """
+    from gonio.materials.notation import parse_model
+
+    material = parse_model(model, params)
+    wi_vector, wo_vector = directions(wi, wo, theta_i, theta_o, phi, normalize)
+    try:
+        result = evaluate(material, wi_vector, wo_vector, double=double)
+    except ValueError as error:
+        if "has length" in str(error):  # the model's advice is for Python
+            sentence = str(error).partition(";")[0]
+            raise ValueError(f"{sentence}; give unit vectors, or add --normalize.") from error
+        raise
+    if as_json:
+        echo_json(dataclasses.asdict(result))
+    else:
+        click.echo("\n".join(lines(result)))

@@ -1,0 +1,237 @@
+"""What `gonio export` does, for Python as well: named models in, files or text out."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import click
+
+from gonio.cli.program import complete, param_option, say
+from gonio.export import materialx
+from gonio.export.files import texts, write
+from gonio.export.targets import TARGETS
+from gonio.export.text import FUNCTIONS, export
+from gonio.export.tree import ExportError
+from gonio.materials import Material, find, library, load_material
+from gonio.model import Model
+from gonio.model import models as registered
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Models by the names that their functions get, and what a user has to know of them."""
+
+    models: dict[str, Model] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+
+
+def choose(
+    texts: Iterable[str],
+    params: Sequence[str] = (),
+    everything: bool = False,
+    materials: bool = False,
+) -> Selection:
+    """Find models from text: a model, a material, a .toml or .py file; NAME=... gives it another name.
+
+    Args:
+        texts: what to find.
+        params: parameters and options for each of them, "name=value".
+        everything: all models in place of texts.
+        materials: all ready materials in place of texts.
+
+    Raises:
+        ModelError: an unknown model, parameter or option.
+        ExportError: two models with the same name, or nothing to choose.
+    """
+    wanted = list(texts)
+    if (everything or materials) and (wanted or params):
+        raise ExportError("--all and --materials take no models and no parameters.")
+    if everything:
+        wanted += registered()
+    if materials:
+        wanted += library()
+    if not wanted:
+        raise ExportError("nothing to export; name a model, such as eon, or give --all.")
+    found = Selection()
+    for text in wanted:
+        renamed = re.fullmatch(r"([A-Za-z]\w*)=(.+)", text)
+        name, thing = (renamed[1], renamed[2]) if renamed else ("", text)
+        what = _find(thing, params)
+        model = what.model if isinstance(what, Material) else what
+        name = name or re.sub(r"\W", "_", what.name)
+        if name in found.models:
+            raise ExportError(
+                f"two exports are called {name!r}; give one another name: other_{name}={thing}."
+            )
+        found.models[name] = model
+        if isinstance(what, Material):
+            found.notes.extend(_notes(name, what))
+    return found
+
+
+def _find(text: str, params: Sequence[str]) -> Model | Material:
+    if text.endswith(".toml"):
+        return load_material(text)
+    return find(text, params)
+
+
+def _notes(name: str, material: Material) -> list[str]:
+    """What the host has to feed, because it is not a number."""
+    notes = [
+        f"{name}: {path} comes from {picture.name}; read that texture into the struct."
+        for path, picture in material.textures.items()
+    ]
+    if material.flakes:
+        notes.append(
+            f"{name}: flake_x and flake_y come from a map of flakes; "
+            "gonio.mitsuba.textures.flake_map makes it."
+        )
+    if material.grows:
+        notes.append(
+            f"{name}: growth comes from the mesh; gonio.mitsuba.textures.add_growth makes it."
+        )
+    return notes
+
+
+def chosen_languages(names: Sequence[str]) -> list[str]:
+    """The languages that are asked for; "all" is all of them.
+
+    Raises:
+        ExportError: none is named.
+    """
+    found = [part for name in names for part in name.split(",") if part]
+    if not found:
+        known = ", ".join(TARGETS)
+        raise ExportError(f"no language; add --to and one of {known}, {materialx.NAME}, all.")
+    if "all" in found:
+        return [*TARGETS, materialx.NAME]
+    return list(dict.fromkeys(found))
+
+
+@dataclass(frozen=True)
+class Proven:
+    """The outcome of a proof."""
+
+    lines: list[str]
+    failed: bool
+
+
+def run_proof(
+    models: Mapping[str, Model],
+    to: Sequence[str],
+    rows: int,
+    only: Sequence[str] = FUNCTIONS,
+    progress: Callable[[str], None] = lambda text: None,
+) -> Proven:
+    """Export models, compile and run them, and compare with the float64 models.
+
+    Raises:
+        ProofError: a compiler or runtime is not installed.
+        ExportError: what cannot be exported.
+    """
+    from gonio.export.prove import each_way, table
+    from gonio.export.prove import prove as compare
+
+    runnable = [language for language in to if language != materialx.NAME]
+    if not runnable:
+        raise ExportError(
+            "MaterialX's documents are not run by --prove; prove essl, which has the same formulas."
+        )
+    pairs = [
+        (model, way)
+        for name, model in models.items()
+        for language in runnable
+        for way in each_way(export({name: model}, language, only=only)[0])
+    ]
+    proofs = compare(pairs, rows, progress=progress)
+    return Proven(table(proofs).splitlines(), not all(p.holds for p in proofs))
+
+
+@click.command("export", short_help="Write a model as shader or C++ source.")
+@click.argument("models", nargs=-1, metavar="MODEL...", shell_complete=complete)
+@click.option(
+    "--to",
+    "languages",
+    multiple=True,
+    metavar="LANGUAGE",
+    help="glsl, essl, hlsl, wgsl, msl, slang, osl, cpp, cuda or mtlx (MaterialX); again for more, or all.",
+)
+@param_option
+@click.option(
+    "--option",
+    "options",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="An option of the model, which is fixed in the text; same as --param.",
+)
+@click.option("--all", "everything", is_flag=True, help="Every model, one file each.")
+@click.option("--materials", is_flag=True, help="Every ready material, one file each.")
+@click.option("--only", metavar="NAME,...", help="Of eval, sample, pdf, albedo (default: all).")
+@click.option("--embed", is_flag=True, help="Also a function that gives the parameters' values.")
+@click.option("--prefix", metavar="NAME", help="Of what the models share (default: the model).")
+@click.option("--prove", is_flag=True, help="Compile, run and compare with the model; no file.")
+@click.option(
+    "--rows",
+    type=click.IntRange(100, 10_000_000),
+    default=10_000,
+    show_default=True,
+    help="Directions and parameters that --prove tries.",
+)
+@click.option("-o", "--output", metavar="PATH", help="A file or folder (default: print the text).")
+def command(
+    models: tuple[str, ...],
+    languages: tuple[str, ...],
+    params: tuple[str, ...],
+    options: tuple[str, ...],
+    everything: bool,
+    materials: bool,
+    only: str | None,
+    embed: bool,
+    prefix: str | None,
+    prove: bool,
+    rows: int,
+    output: str | None,
+) -> None:
+    """Write MODELs as readable source: functions NAME_eval, _sample, _pdf, _albedo and a struct.
+
+    A MODEL is a model (eon, or eon:albedo_form=fitted), a ready material, or a .toml or .py file;
+    fast=eon:albedo_form=fitted gives it another name. Options are fixed in the text, parameters are
+    members of the struct. Several models share one text, and its common parts.
+
+    \b
+    Examples:
+      gonio export eon --to wgsl
+      gonio export eon --option albedo_form=fitted --only eval --to glsl -o eon.glsl
+      gonio export orange_lacquer --to hlsl --embed
+      gonio export eon torrance_sparrow --to cpp -o brdfs.h
+      gonio export --all --to all -o shaders/
+      gonio export eon --to wgsl --to glsl --prove
+      gonio export my_model.py --to slang
+    """
+    selection = choose(models, [*params, *options], everything, materials)
+    to = chosen_languages(languages)
+    functions = [name.strip() for name in only.split(",")] if only else list(FUNCTIONS)
+    if prove:
+        results = run_proof(selection.models, to, rows, functions, say)
+        click.echo("\n".join(results.lines))
+        if results.failed:
+            sys.exit(1)
+        return
+    files = texts(
+        selection.models,
+        to,
+        together=not (everything or materials),
+        only=functions,
+        prefix=prefix,
+        embed=embed,
+    )
+    if output is None and len(files) == 1:
+        click.echo(next(iter(files.values())), nl=False)
+    else:
+        for path in write(files, output):
+            click.echo(path)
+    for note in selection.notes:
+        click.echo(f"note: {note}", err=True)

@@ -1,0 +1,119 @@
+"""`gonio list`: models, ready materials, and parts.
+
+Nothing is listed by hand. Parts are the public functions of the modules in `gonio.parts`, and of those
+other modules of gonio whose docstring names a source. They are read from the files, which loads nothing.
+"""
+
+from __future__ import annotations
+
+import ast
+import dataclasses
+import textwrap
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+
+import click
+
+import gonio
+from gonio.cli.program import echo_json, json_option
+from gonio.description import module_notes, summary
+
+
+@dataclass(frozen=True)
+class Part:
+    """A public function that is not a method of a model."""
+
+    name: str
+    """Such as "D_ggx"."""
+    module: str
+    """Where it is imported from, such as "gonio.parts.distribution"."""
+    summary: str
+    """The first sentence of its docstring."""
+    group: str
+    """What its module holds, in one line."""
+    source: str
+    """The publications that its module names; "" if it needs none."""
+
+
+def found_parts() -> list[Part]:
+    """All parts, by module, in the order in which they are written."""
+    return [part for name, tree in _modules() for part in _functions(name, tree)]
+
+
+def lines(found: Iterable[Part]) -> Iterator[str]:
+    """Parts as text: modules with their functions below."""
+    for number, (module, group) in enumerate(groupby(found, lambda part: part.module)):
+        listed = list(group)
+        if number:
+            yield ""
+        yield f"{module}: {listed[0].group}"
+        width = max(len(part.name) for part in listed)
+        for part in listed:
+            yield f"  {part.name:<{width}}  {part.summary}"
+        if listed[0].source:
+            yield from textwrap.wrap(
+                f"Source: {listed[0].source}", 100, initial_indent="  ", subsequent_indent="    "
+            )
+
+
+def _modules() -> Iterator[tuple[str, ast.Module]]:
+    """Names and contents of the files that hold parts: those of `gonio.parts` first."""
+    root = Path(gonio.__file__).parent
+    inside = sorted((root / "parts").glob("*.py"))
+    outside = sorted(path for path in root.rglob("*.py") if path.parent.name != "models")
+    for path in [*inside, *(path for path in outside if path not in inside)]:
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        if path in inside or "source" in module_notes(ast.get_docstring(tree) or ""):
+            yield ".".join(path.relative_to(root.parent).with_suffix("").parts), tree
+
+
+def _functions(module: str, tree: ast.Module) -> Iterator[Part]:
+    notes = module_notes(ast.get_docstring(tree) or "")
+    for item in tree.body:
+        if isinstance(item, ast.FunctionDef) and not item.name.startswith("_"):
+            summary = (ast.get_docstring(item) or "").partition("\n\n")[0].replace("\n", " ")
+            yield Part(item.name, module, summary, notes["title"], notes.get("source", ""))
+
+
+@click.command("list", short_help="List all models, materials, or parts of models.")
+@click.option("--materials", is_flag=True, help="The ready materials instead of the models.")
+@click.option("--parts", is_flag=True, help="The functions that models are made of, and tools.")
+@json_option
+def command(materials: bool, parts: bool, as_json: bool) -> None:
+    """List all models with a line on each; with --materials, the ready materials.
+
+    With --parts, every distribution, masking, Fresnel term, interface and table, with its source.
+
+    \b
+    Examples:
+      gonio list
+      gonio list --materials
+      gonio list --parts
+      gonio list --json | jq -r '.[].name'
+    """
+    from gonio.materials import library, load_material
+
+    if materials and parts:
+        raise click.UsageError("--materials and --parts are two lists; choose one")
+    if parts:
+        if as_json:
+            echo_json([dataclasses.asdict(part) for part in found_parts()])
+        else:
+            click.echo("\n".join(lines(found_parts())))
+        return
+    if materials:
+        rows = [{"name": name, "summary": load_material(name).description} for name in library()]
+    else:
+        rows = [{"name": name, "summary": summary(cls)} for name, cls in gonio.models().items()]
+    if as_json:
+        echo_json(rows)
+        return
+    width = max(len(row["name"]) for row in rows)
+    for row in rows:
+        click.echo(f"{row['name']:<{width}}  {row['summary']}")
+    if not materials:  # on stderr, so that a pipe gets the list alone
+        click.echo(
+            "\n--materials lists ready materials, --parts what models are made of.", err=True
+        )

@@ -1,0 +1,208 @@
+"""What all commands share: errors of one line, progress, options; and the folder as their list."""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+import io
+import json
+import pkgutil
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import click
+
+import gonio
+
+
+class Program(click.Group):
+    """A click group whose errors are one line on stderr, with a traceback only for --debug."""
+
+    def main(
+        self,
+        args: Sequence[str] | None = None,
+        prog_name: str | None = None,
+        complete_var: str | None = None,
+        standalone_mode: bool = True,
+        **extra: Any,
+    ) -> Any:
+        """Run a command and end the process with its exit code."""
+        given = list(sys.argv[1:] if args is None else args)
+        debug = "--debug" in given  # wherever it stands
+        given = [a for a in given if a != "--debug"]
+        try:
+            _make_writable(sys.stdout)
+            # Not standalone: click would print errors its own way. It still ends the process, quietly
+            # and with code 1, when nobody reads its output any more.
+            code = super().main(given, "gonio", complete_var, False, **extra)
+        except (KeyboardInterrupt, click.Abort):
+            click.echo("gonio: interrupted", err=True)
+            sys.exit(128 + 2)  # as a program that SIGINT ends
+        except Exception as error:
+            if debug:
+                raise
+            click.echo(f"gonio: error: {_one_line(error)}", err=True)
+            sys.exit(error.exit_code if isinstance(error, click.ClickException) else 1)
+        sys.exit(code if isinstance(code, int) else 0)
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """The files of this folder, but for this one."""
+        names = (info.name for info in pkgutil.iter_modules([str(Path(__file__).parent)]))
+        return sorted(name for name in names if name != "program" and not name.startswith("_"))
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Load a command from its file."""
+        if cmd_name not in self.list_commands(ctx):
+            return None
+        command: click.Command = importlib.import_module(f"gonio.cli.{cmd_name}").command
+        return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the command, or fail with the nearest one."""
+        if args and self.get_command(ctx, args[0]) is None and not args[0].startswith("-"):
+            near = difflib.get_close_matches(args[0], self.list_commands(ctx), n=1)
+            did = f"did you mean {near[0]!r}? " if near else ""
+            raise click.UsageError(f"no command {args[0]!r}; {did}'gonio --help' shows all.")
+        return super().resolve_command(ctx, args)
+
+
+def _one_line(error: Exception) -> str:
+    """What went wrong, in one line, for somebody who did not write gonio."""
+    from gonio.export.tree import ExportError
+
+    if isinstance(error, ExportError):
+        return str(error)  # shows the place in the source, on lines of its own
+    if isinstance(error, click.NoSuchOption):
+        name = error.option_name.lstrip("-").replace("-", "_")
+        if any(name in cls.fields for cls in gonio.models().values()):
+            return f"no option {error.option_name}; parameters are given as --param {name}=VALUE."
+    if isinstance(error, click.ClickException):
+        text = error.format_message()
+        context = getattr(error, "ctx", None)
+        if isinstance(error, click.UsageError) and context is not None:
+            text = f"{text.rstrip('.')}; see '{context.command_path} --help'."
+    elif isinstance(error, OSError) and error.strerror and error.filename is not None:
+        text = f"{error.filename}: {error.strerror}"
+    elif isinstance(error, (ValueError, OSError, gonio.BackendError)):
+        text = str(error)
+    else:  # not foreseen
+        text = f"{type(error).__name__}: {error} ('gonio --debug ...' shows where)"
+    return " ".join(text.split()) or type(error).__name__
+
+
+def _make_writable(stream: Any) -> None:
+    """Let a terminal without Unicode show a question mark instead of failing."""
+    if isinstance(stream, io.TextIOWrapper) and stream.encoding.lower() not in ("utf-8", "utf8"):
+        stream.reconfigure(errors="replace")
+
+
+SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
+
+
+def complete(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
+    """Names of models for a shell that completes."""
+    return [name for name in gonio.models() if name.startswith(incomplete)]
+
+
+json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+param_option = click.option(
+    "-p",
+    "--param",
+    "params",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="A parameter or option of the model; again for more. Colours: rho=0.8,0.3,0.1.",
+)
+
+
+@contextmanager
+def progress(label: str) -> Iterator[Callable[[int, int], None]]:
+    """A progress bar on stderr, shown on terminals only."""
+    if not sys.stderr.isatty():  # click would still print the label
+        yield lambda done, total: None
+        return
+    with click.progressbar(length=1000, label=label, file=sys.stderr) as bar:
+
+        def step(done: int, total: int) -> None:
+            bar.update(1000 * done // total - bar.pos)
+
+        yield step
+
+
+def say(text: str) -> None:
+    """A line of progress, for people who wait."""
+    if sys.stderr.isatty():
+        click.echo(text, err=True)
+
+
+def echo_json(value: Any) -> None:
+    """Print a value as JSON."""
+    click.echo(json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False))
+
+
+class Size(click.ParamType[tuple[int, int]]):
+    """A picture's size as on the command line: 512 or 640x480."""
+
+    name = "size"
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> tuple[int, int]:
+        """Width and height in pixels."""
+        try:
+            numbers = [int(n) for n in str(value).lower().split("x")]
+        except ValueError:
+            numbers = []
+        if len(numbers) not in (1, 2) or min(numbers) < 1:
+            self.fail(f"{value!r} is not a size; write 512 or 640x480", param, ctx)
+        return numbers[0], numbers[-1]
+
+
+environment_option = click.option(
+    "--env",
+    "environment",
+    default="studio",
+    metavar="NAME|FILE",
+    help="Light: studio (default), sun, front, side, white, sunsky, or an .exr or .hdr file.",
+)
+
+
+def spp_option(default: int | None) -> Callable[[Any], Any]:
+    """Samples per pixel; None for those that a scene asks for."""
+    shown = "the scene's" if default is None else default
+    text = f"Samples per pixel (default: {shown})."
+    return click.option("--spp", type=click.IntRange(1, 1 << 20), default=default, help=text)
+
+
+seed_option = click.option(
+    "--seed", type=click.IntRange(0, 65535), default=0, help="Of the random numbers."
+)
+exposure_option = click.option(
+    "--exposure", type=float, default=0.0, metavar="STOPS", help="Brighten a .png."
+)
+
+
+@click.group(cls=Program, context_settings=SETTINGS, invoke_without_command=True)
+@click.version_option(gonio.__version__, "-V", "--version", message="gonio %(version)s")
+@click.option(
+    "--debug", is_flag=True, expose_value=False, help="Show the Python traceback of an error."
+)
+@click.pass_context
+def main(ctx: click.Context) -> None:
+    """BRDF models, each written once: evaluate them, look at them, render with them.
+
+    \b
+      gonio list                                  which models there are
+      gonio show eon                              what one of them is, and its parameters
+      gonio eval eon --theta-i 30 --theta-o 60    its numbers
+      gonio plot lambert eon:roughness=1          its shape
+      gonio render eon --param roughness=1        its looks
+      gonio export eon --to wgsl                  its shader
+      gonio check eon                             whether it is what it claims to be
+      gonio doctor                                whether this machine can run them
+    """
+    if ctx.invoked_subcommand is None:
+        click.echo(ctx.get_help())

@@ -1,0 +1,108 @@
+"""`gonio render`: a picture of a model."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from gonio.cli.program import (
+    Size,
+    complete,
+    environment_option,
+    exposure_option,
+    param_option,
+    progress,
+    seed_option,
+    spp_option,
+)
+
+
+@click.command("render", short_help="Render a picture of a model.")
+@click.argument("model", required=False, shell_complete=complete)
+@param_option
+@click.option("--material", metavar="FILE.toml", help="A material file instead of MODEL.")
+@click.option(
+    "--compare",
+    "others",
+    multiple=True,
+    metavar="MODEL",
+    help="Another model beside the first; again for more. Makes a labelled strip.",
+)
+@environment_option
+@click.option("--furnace", is_flag=True, help="Radiance 1 from everywhere: shows lost energy.")
+@click.option("--mesh", metavar="FILE", help="An .obj, .ply or .glb mesh instead of the ball.")
+@click.option("--up", type=click.Choice(["y", "z"]), default="y", help="The mesh's vertical axis.")
+@click.option("--turn", type=float, default=0.0, metavar="DEG", help="Turn the mesh.")
+@click.option(
+    "--diffusion",
+    type=click.FloatRange(0),
+    default=0.0,
+    metavar="MM",
+    help="For skin: a millimetre in units of the ball's radius, such as 0.01.",
+)
+@spp_option(36)
+@click.option("--size", type=Size(), metavar="N|WxH", default="512", help="Pixels (default: 512).")
+@seed_option
+@exposure_option
+@click.option("-o", "--output", metavar="FILE", help="A .png or .exr file (default: MODEL.png).")
+def command(
+    model: str | None,
+    params: tuple[str, ...],
+    material: str | None,
+    others: tuple[str, ...],
+    environment: str,
+    furnace: bool,
+    mesh: str | None,
+    up: str,
+    turn: float,
+    diffusion: float,
+    spp: int,
+    size: tuple[int, int],
+    seed: int,
+    exposure: float,
+    output: str | None,
+) -> None:
+    """Render MODEL on a shader ball or on your mesh.
+
+    A MODEL may carry parameters: eon:roughness=1,rho=0.8/0.3/0.1 (colours with slashes). The name of a
+    ready material does as well: 'gonio list --materials' shows them. See also 'gonio sheet',
+    'gonio series', and 'gonio scene' for your own Mitsuba scenes.
+
+    \b
+    Examples:
+      gonio render eon --param roughness=1 -o clay.png
+      gonio render eon --mesh bunny.obj --env studio.hdr
+      gonio render lambert --compare qon:sigma=1.57 --compare eon:roughness=1 --env side
+      gonio render eon:rho=1,roughness=1 --furnace
+      gonio render lacquered_walnut --compare gold --env sunsky
+      gonio render skin --diffusion 0.01
+      gonio render --material clay.toml --size 1024x768 --spp 256 -o clay.exr
+    """
+    from gonio.materials import find, load_material
+    from gonio.render import sheets
+    from gonio.render.picture import check_format, describe, write_picture
+
+    if (model is None) == (material is None):
+        raise click.UsageError(
+            "give a MODEL or --material FILE.toml; 'gonio list' shows the models"
+        )
+    first = load_material(material) if material else find(str(model), params)
+    shown = [first, *(find(text) for text in others)]
+    labels = [describe(m) for m in shown] if others else []
+    target = Path(output or f"{first.name}.png")
+    check_format(target)
+    settings: dict[str, Any] = {"mesh": mesh, "up": up, "turn": turn} if mesh else {}
+    with progress("rendering") as step:
+        pixels = sheets.compare(
+            [{"environment": environment, "furnace": furnace, "diffusion": diffusion}],
+            shown,
+            size=size,
+            spp=spp,
+            seed=seed,
+            progress=step,
+            **settings,
+        )
+    write_picture(target, pixels, exposure=exposure, labels=labels)
+    click.echo(target)

@@ -1,0 +1,68 @@
+"""`gonio scene`: your own Mitsuba scene."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from gonio.cli.program import (
+    Size,
+    exposure_option,
+    param_option,
+    progress,
+    seed_option,
+    spp_option,
+)
+
+
+@click.command("scene", short_help="Render your own Mitsuba scene with gonio's models in it.")
+@click.argument("scene", metavar="FILE.xml")
+@click.option(
+    "--assign",
+    "assignments",
+    multiple=True,
+    metavar="ID=MODEL",
+    help="Give a shape or bsdf of the scene this model; again for more.",
+)
+@param_option
+@spp_option(None)
+@click.option("--size", type=Size(), metavar="N|WxH", help="Pixels (default: the scene's).")
+@seed_option
+@exposure_option
+@click.option("-o", "--output", metavar="FILE", help="A .png or .exr file (default: FILE.png).")
+def command(
+    scene: str,
+    assignments: tuple[str, ...],
+    params: tuple[str, ...],
+    spp: int | None,
+    size: tuple[int, int] | None,
+    seed: int,
+    exposure: float,
+    output: str | None,
+) -> None:
+    """Render FILE.xml, a Mitsuba scene, with models of gonio in place of some of its materials.
+
+    The scene's own plug-ins may be gonio's as well: <bsdf type="gonio_eon">.
+
+    \b
+    Examples:
+      gonio scene room.xml --assign wall=eon:roughness=0.8 -o room.png
+      gonio scene room.xml --size 320x240 --spp 16
+    """
+    from gonio.materials import find
+    from gonio.render.picture import check_format, write_picture
+    from gonio.render.user_scene import render_scene
+
+    assigned = {}
+    for text in assignments:
+        name, equals, value = text.partition("=")
+        if not (name and equals and value):
+            raise click.UsageError(f"--assign {text} is not ID=MODEL, such as wall=eon")
+        assigned[name] = find(value, params)
+    target = Path(output or f"{Path(scene).stem}.png")
+    check_format(target)
+    with progress("rendering") as step:
+        pixels = render_scene(scene, assigned, size=size, spp=spp, seed=seed, progress=step)
+    write_picture(target, pixels, exposure=exposure)
+    click.echo(target)

@@ -1,0 +1,73 @@
+"""`gonio series`: the steps of a ready material in a strip."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from gonio.cli.program import (
+    Size,
+    environment_option,
+    exposure_option,
+    progress,
+    seed_option,
+    spp_option,
+)
+
+
+@click.command("series", short_help="Render the steps of a ready material in a strip.")
+@click.argument("name", metavar="NAME")
+@environment_option
+@click.option("--furnace", is_flag=True, help="Radiance 1 from everywhere: shows lost energy.")
+@click.option("--mesh", metavar="FILE", help="An .obj, .ply or .glb mesh instead of the ball.")
+@click.option("--up", type=click.Choice(["y", "z"]), default="y", help="The mesh's vertical axis.")
+@click.option("--turn", type=float, default=0.0, metavar="DEG", help="Turn the mesh.")
+@spp_option(36)
+@click.option(
+    "--size", type=Size(), metavar="N|WxH", default="320", help="Pixels of a step (default: 320)."
+)
+@seed_option
+@exposure_option
+@click.option("-o", "--output", metavar="FILE", help="A .png or .exr file (default: NAME.png).")
+def command(
+    name: str,
+    environment: str,
+    furnace: bool,
+    mesh: str | None,
+    up: str,
+    turn: float,
+    spp: int,
+    size: tuple[int, int],
+    seed: int,
+    exposure: float,
+    output: str | None,
+) -> None:
+    """Render the ready materials NAME_1, NAME_2, ... side by side, with what changes below each.
+
+    \b
+    Examples:
+      gonio series patina                         copper turning green
+      gonio series patina --env sunsky -o green.png
+    """
+    from gonio.materials import load_series
+    from gonio.render import sheets
+    from gonio.render.picture import captions, check_format, write_picture
+
+    shown = load_series(name)
+    target = Path(output or f"{name}.png")
+    check_format(target)
+    settings: dict[str, Any] = {"mesh": mesh, "up": up, "turn": turn} if mesh else {}
+    with progress("rendering") as step:
+        pixels = sheets.compare(
+            [{"environment": environment, "furnace": furnace}],
+            shown,
+            size=size,
+            spp=spp,
+            seed=seed,
+            progress=step,
+            **settings,
+        )
+    write_picture(target, pixels, exposure=exposure, labels=captions(shown))
+    click.echo(target)

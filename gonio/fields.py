@@ -1,0 +1,125 @@
+"""What models declare: parameters and options, and the check of a value that a user gives."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from numbers import Real
+from typing import Any
+
+import drjit as dr
+import numpy as np
+
+
+class ModelError(ValueError):
+    """An unknown model, parameter or option, or a value out of its range."""
+
+
+@dataclass
+class Parameter:
+    """A number or colour that a model takes, with its default, its allowed range and its meaning."""
+
+    default: Any
+    low: float
+    high: float
+    doc: str
+    name: str = ""
+    width: int = 1
+    """1 for a Float, 3 for a Color."""
+    rougher: Callable[[Any, Any], Any] | None = None
+    """For widths of highlights: the value that is at least as rough as facets of a given alpha."""
+    kind: str = ""
+    """What the number is, where its name does not say so; see `gonio.export.manifest.kind`."""
+
+    @property
+    def lowest(self) -> float:
+        """The lower end, or its float32 rounding where that is smaller."""
+        return min(self.low, float(np.float32(self.low)))
+
+    @property
+    def highest(self) -> float:
+        """The upper end, or its float32 rounding where that is larger: pi / 2 is, for example."""
+        return max(self.high, float(np.float32(self.high)))
+
+    def check(self, model: str, value: Any) -> Any:
+        """Return a number or tuple of numbers that is in range, or an array as it is; else raise."""
+        if is_array(value):
+            return value
+        values = tuple(value) if isinstance(value, (tuple, list)) else (value,)
+        if not all(isinstance(v, Real) and not isinstance(v, bool) for v in values):
+            raise ModelError(
+                f"{model}: {self.name} must be a number"
+                f"{' or three numbers' if self.width == 3 else ''}, got {value!r}."
+            )
+        if len(values) not in {1, self.width} or (
+            isinstance(value, (tuple, list)) and self.width == 1
+        ):
+            raise ModelError(
+                f"{model}: {self.name} takes {'one or three numbers' if self.width == 3 else 'one number'}"
+                f", got {value!r}."
+            )
+        for v in values:
+            if not self.lowest <= float(v) <= self.highest:  # NaN fails this as well
+                raise ModelError(
+                    f"{model}: {self.name}={value!r} is out of range; allowed is {self.range_text()}."
+                )
+        numbers = tuple(float(v) for v in values)
+        return numbers if len(numbers) > 1 else numbers[0]
+
+    def range_text(self) -> str:
+        """The range for people, such as "0 to 1" or "at least 0"."""
+        return (
+            f"{self.low:.7g} to {self.high:.7g}"
+            if math.isfinite(self.high)
+            else f"at least {self.low:g}"
+        )
+
+    def is_default(self, value: Any) -> bool:
+        """Whether a value is the default."""
+        return not is_array(value) and bool(value == self.default)
+
+
+@dataclass
+class Option:
+    """A choice between variants of the code, fixed for each object."""
+
+    values: tuple[str, ...]
+    doc: str
+    name: str = ""
+
+    @property
+    def default(self) -> str:
+        """The first value."""
+        return self.values[0]
+
+    def check(self, model: str, value: Any) -> str:
+        """Return the value if it is one of the allowed names, else raise."""
+        if value not in self.values:
+            raise ModelError(
+                f"{model}: {self.name}={value!r} is not known; allowed are {', '.join(self.values)}."
+            )
+        return str(value)
+
+    def is_default(self, value: Any) -> bool:
+        """Whether a value is the default."""
+        return bool(value == self.default)
+
+
+def is_array(value: Any) -> bool:
+    """Whether a value is an array of a framework gonio knows (NumPy scalars and lists are not)."""
+    return framework(value) is not None
+
+
+def framework(value: Any) -> str | None:
+    """Name of an array's framework (drjit, torch, jax, numpy), None for everything else."""
+    if dr.is_array_v(value):
+        return "drjit"
+    if isinstance(value, np.ndarray):
+        return "numpy"
+    module = type(value).__module__.partition(".")[0]
+    if module == "torch" and hasattr(value, "requires_grad"):
+        return "torch"
+    if module in {"jax", "jaxlib"} and hasattr(value, "dtype"):
+        return "jax"
+    return None

@@ -1,0 +1,129 @@
+"""A user's own model file: loads one Python file and finds the model in it.
+
+    from gonio.materials import model_file
+    cls = model_file.load("my_model.py")
+    cls(roughness=0.3).eval(wi, wo)
+
+The model gets the file's name, as one in the package would, and does not enter gonio's registry: two files
+of one name, or one named like a model of gonio's, do not disturb each other.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import sys
+import traceback
+from pathlib import Path
+
+from gonio.fields import ModelError
+from gonio.model import Model, _registry, model
+
+
+class ModelFileError(ModelError):
+    """A file without a usable model; the message names the file, the line and what to do."""
+
+
+_loaded: dict[tuple[Path, str], type[Model]] = {}
+
+
+def is_model_file(text: str) -> bool:
+    """Whether a text names a Python file rather than a model."""
+    return text.endswith(".py")
+
+
+def model_class(name: str) -> type[Model]:
+    """The class behind a model's name or a model file's path.
+
+    Raises:
+        ModelError: no such model, or a file without a usable one.
+    """
+    return load(name) if is_model_file(name) else type(model(name))
+
+
+def load(path: str | Path) -> type[Model]:
+    """Run a Python file and return the one model class that it defines.
+
+    A file may define helpers with `class Helper(Model, register=False)` that start with an underscore; of
+    several others one has to be named like the file (my_model.py: MyModel).
+
+    Raises:
+        ModelFileError: no such file, it does not run, or it defines no model or several.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise ModelFileError(
+            f"there is no file {path}; give the path of a Python file that defines a model."
+        )
+    try:
+        source = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError:
+        raise ModelFileError(f"{path}: not a text file in UTF-8.") from None
+    key = (path.resolve(), hashlib.sha256(source.encode()).hexdigest())
+    if key not in _loaded:
+        _loaded[key] = _run(path)
+    return _loaded[key]
+
+
+def _run(path: Path) -> type[Model]:
+    # The name of the module is the model's name, below a package that nothing else is in
+    name = f"gonio_model_files.{path.stem}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    if spec is None or spec.loader is None:
+        raise ModelFileError(f"{path}: Python cannot load a file of this name.")
+    module = importlib.util.module_from_spec(spec)
+    before, registered = sys.modules.get(name), dict(_registry)
+    sys.modules[name] = module
+    _registry.pop(path.stem, None)  # a file may be named like a model of gonio's
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        if before is None:
+            del sys.modules[name]
+        else:
+            sys.modules[name] = before
+        raise ModelFileError(_problem(path, error)) from error
+    finally:
+        _registry.clear()
+        _registry.update(registered)
+    return _only_model(path, name, vars(module))
+
+
+def _only_model(path: Path, module: str, names: dict[str, object]) -> type[Model]:
+    found = [
+        value
+        for name, value in names.items()
+        if isinstance(value, type)
+        and issubclass(value, Model)
+        and value.__module__ == module
+        and not name.startswith("_")
+    ]
+    if not found:
+        raise ModelFileError(
+            f"{path} defines no model; derive a class from gonio.model.Model (see docs/adding_a_model.md)."
+        )
+    if len(found) > 1:
+        wanted = path.stem.replace("_", "").lower()
+        same = [cls for cls in found if cls.__name__.lower() == wanted]
+        if len(same) != 1:
+            names_ = ", ".join(cls.__name__ for cls in found)
+            raise ModelFileError(
+                f"{path} defines several models ({names_}); name one like the file, "
+                "or let the others' names start with an underscore."
+            )
+        found = same
+    cls = found[0]
+    cls.name = path.stem
+    for method in ("eval", "sample", "pdf"):
+        if getattr(cls, method) is getattr(Model, method):
+            raise ModelFileError(f"{path}: {cls.__name__} has no method {method}.")
+    return cls
+
+
+def _problem(path: Path, error: Exception) -> str:
+    """What went wrong in a user's file, in one line with the file's line number."""
+    if isinstance(error, SyntaxError):
+        return f"{path}, line {error.lineno}: {error.msg}."
+    lines = [f.lineno for f in traceback.extract_tb(error.__traceback__) if f.filename == str(path)]
+    where = f"{path}, line {lines[-1]}" if lines else str(path)
+    return f"{where}: {type(error).__name__}: {error}"

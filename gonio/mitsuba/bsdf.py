@@ -1,0 +1,140 @@
+"""A model as a Mitsuba 3 BSDF.
+
+This is where directions are swapped (Mitsuba's `si.wi` is the viewer's, gonio's `wo`) and values are
+multiplied by the cosine.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+
+from gonio.fields import ModelError, Parameter
+from gonio.lang import vec2, vec3
+from gonio.mitsuba.properties import PREFIX, parameter_texture, plain, reject_unknown
+from gonio.model import Child, Model
+
+
+def derive(cls: type[Model]) -> Any:
+    """The plug-in's class of a model, for Mitsuba's current variant."""
+    # The types of the current variant. Objects keep theirs when another variant is chosen later.
+    types: Any = getattr(mi, mi.variant())
+    lobe = mi.BSDFFlags.GlossyReflection
+
+    # Models know colours of three channels. One is given three times, and of four the first three and
+    # three times the last; what is computed twice that way, Dr.Jit compiles once.
+    count = dr.size_v(types.UnpolarizedSpectrum)
+    triples = [[min(first + c, count - 1) for c in range(3)] for first in range(0, count, 3)]
+
+    def spectrum(colours: list[Any]) -> Any:
+        channels = [c for colour in colours for c in types.Vector3f(colour)]
+        value = types.UnpolarizedSpectrum(*channels[:count])
+        return types.mueller.depolarizer(value) if types.is_polarized else types.Spectrum(value)
+
+    class Plugin(types.BSDF):  # type: ignore[misc]
+        """One model as a BSDF of one variant."""
+
+        def __init__(self, properties: Any) -> None:
+            super().__init__(properties)
+            reject_unknown(cls.name, cls.fields, properties)
+            self.parts: dict[str, Any] = {}  # texture or inner BSDF of each field
+            self.textures: dict[str, Any] = {}  # those of inner BSDFs as well, by path
+            choices = {}
+            for name, declared in cls.fields.items():
+                if isinstance(declared, Parameter):
+                    self.parts[name] = self.textures[name] = parameter_texture(
+                        cls.name, declared, properties
+                    )
+                elif isinstance(declared, Child):
+                    inner = self.parts[name] = _inner(cls, declared, properties)
+                    choices[name] = inner.model
+                    self.textures |= {f"{name}.{path}": t for path, t in inner.textures.items()}
+                elif name in properties:
+                    choices[name] = properties[name]
+            self.model = cls(**choices)
+            self.m_flags = lobe | mi.BSDFFlags.FrontSide
+            self.m_components = [self.m_flags]
+
+        def traverse(self, callback: Any) -> None:
+            for name, part in self.parts.items():
+                callback.put(name, part, mi.ParamFlags.Differentiable)
+
+        def to_string(self) -> str:
+            shown = {name: getattr(self.model, name) for name in cls.fields} | self.parts
+            lines = (f"{name} = {value}".replace("\n", "\n  ") for name, value in shown.items())
+            return f"{PREFIX}{cls.name}[\n  " + ",\n  ".join(lines) + "\n]"
+
+        def sample(
+            self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True
+        ) -> tuple[Any, Any]:
+            models, wo = self._bound(si, active), plain(si.wi)
+            # Where to look is not differentiated, only what is seen there. A picture's expectation
+            # does not depend on the sampling; but samplers choose between lobes, and a derivative
+            # that follows the samples misses those that change over from one lobe to the other.
+            with dr.suspend_grad():
+                wi, pdf = models[0].sample(wo, vec2(sample2.x, sample2.y))
+            active = active & (pdf > 0) & ctx.is_enabled(lobe)
+            factor = wi.z / dr.select(active, pdf, 1)
+            weight = spectrum([model.eval(wi, wo) * factor for model in models])
+            bs = dr.zeros(types.BSDFSample3f)
+            bs.wo = types.Vector3f(wi.x, wi.y, wi.z)
+            bs.pdf = dr.select(active, pdf, 0)
+            bs.eta = 1.0
+            bs.sampled_type = types.UInt32(+lobe)
+            bs.sampled_component = types.UInt32(0)
+            return bs, dr.select(active, weight, 0)
+
+        def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+            return self.eval_pdf(ctx, si, wo, active)[0]
+
+        def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+            return self.eval_pdf(ctx, si, wo, active)[1]
+
+        def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
+            active = active & ctx.is_enabled(lobe)
+            models, wi, wo = self._bound(si, active), plain(wo), plain(si.wi)
+            # 0 where wi.z is negative
+            value = spectrum([model.eval(wi, wo) * wi.z for model in models])
+            with dr.suspend_grad():  # as in sample, so that weights of MIS still add up to 1
+                pdf = models[0].pdf(wi, wo)
+            return dr.select(active, value, 0), dr.select(active, pdf, 0)
+
+        def eval_diffuse_reflectance(self, si: Any, active: Any = True) -> Any:
+            albedos = [model.albedo(plain(si.wi)) for model in self._bound(si, active)]
+            return dr.select(active, spectrum(albedos), 0)
+
+        def _bound(self, si: Any, active: Any) -> list[Model]:
+            """The model with what the textures hold at si, once for every three channels."""
+            values = {}
+            for path, declared, _ in self.model.parameters():
+                texture = self.textures[path]
+                value = (texture.eval if declared.width == 3 else texture.eval_1)(si, active)
+                # Not dr.clip, whose derivative is 0 at the lower end: optimisers would stay there.
+                value = dr.select(value < declared.low, declared.low, value)
+                values[path] = dr.select(value > declared.high, declared.high, value)
+
+            def bind(triple: list[int]) -> Model:
+                def convert(path: str, declared: Parameter, _: Any) -> Any:
+                    value = values[path]
+                    return vec3(*(value[c] for c in triple)) if declared.width == 3 else value
+
+                return self.model.bind(type(si.t), convert)
+
+            return [bind(triple) for triple in triples]
+
+    return Plugin
+
+
+def _inner(cls: type[Model], declared: Child, properties: Any) -> Any:
+    """The BSDF of an inner model: the one given, or one made from a model's name or the default."""
+    value = properties.get(declared.name, declared.default)
+    if isinstance(value, str):
+        return mi.load_dict({"type": PREFIX + value})
+    if not isinstance(getattr(value, "model", None), Model):
+        raise ModelError(
+            f"{PREFIX}{cls.name}: {declared.name} is {value}; "
+            f"allowed are a BSDF of type {PREFIX}... and a model's name."
+        )
+    return value

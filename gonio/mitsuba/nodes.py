@@ -1,0 +1,84 @@
+"""Models, materials and stacks of layers as dicts for `mitsuba.load_dict`."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+from gonio.fields import ModelError, is_array
+from gonio.materials import Material
+from gonio.mitsuba.properties import PLUGIN, PREFIX
+from gonio.mitsuba.register import is_registered, register
+from gonio.mitsuba.textures import flake_map, flake_texture, growth_texture
+from gonio.model import Model
+from gonio.reference import Stack
+
+# How often a flake map repeats along the texture coordinates, unless a material says otherwise.
+FLAKE_TILES = 24.0
+
+
+@functools.singledispatch
+def node(shown: Any) -> dict[str, Any]:
+    """A model, a material or a stack of layers as a dict for `mitsuba.load_dict`.
+
+    A stack is one `gonio_layered_reference` in another.
+
+    Raises:
+        ModelError: a parameter is an array; pictures take numbers, colours and Mitsuba's textures.
+        TypeError: something else.
+    """
+    raise TypeError(f"a picture shows a model, a material or a stack of layers, not {shown!r}.")
+
+
+@node.register
+def _(model: Model) -> dict[str, Any]:
+    if not is_registered(type(model)):
+        register(type(model))  # from a user's file, which gonio's registry does not hold
+    made: dict[str, Any] = {"type": PREFIX + model.name}
+    for name in model.fields:
+        value = getattr(model, name)
+        if is_array(value):
+            raise ModelError(
+                f"{model.name}: {name} is an array; a picture takes numbers, colours or textures."
+            )
+        if isinstance(value, tuple):
+            value = {"type": "rgb", "value": list(value)}
+        made[name] = node(value) if isinstance(value, Model) else value
+    return made
+
+
+@node.register
+def _(material: Material) -> dict[str, Any]:
+    made = node(material.model)
+    widths = {path: declared.width for path, declared, _ in material.model.parameters()}
+    for path, picture in material.textures.items():
+        *outer, name = path.split(".")
+        inner = made
+        for part in outer:
+            inner = inner[part]
+        # Numbers are stored as they are, colours in sRGB.
+        inner[name] = {"type": "bitmap", "filename": str(picture), "raw": widths[path] == 1}
+    if material.flakes:
+        settings = dict(material.flakes)
+        tiles, fade = settings.pop("tiles", FLAKE_TILES), settings.pop("fade", None)
+        made |= flake_texture(flake_map(**settings), tiles, fade)
+    if material.grows:
+        made["growth"] = growth_texture()
+    return made
+
+
+@node.register
+def _(stack: Stack) -> dict[str, Any]:
+    made = node(stack.base)
+    for layer in reversed(stack.layers):
+        sigma = layer.sigma_a if isinstance(layer.sigma_a, tuple) else (layer.sigma_a,) * 3
+        made = {
+            "type": PLUGIN,
+            "eta": float(layer.eta),
+            "alpha": 0.0 if layer.smooth else float(layer.alpha),
+            "sigma_a": {"type": "rgb", "value": list(sigma)},
+            "thickness": float(layer.thickness),
+            "distribution": layer.distribution,
+            "base": made,
+        }
+    return made

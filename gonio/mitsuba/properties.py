@@ -1,0 +1,77 @@
+"""What plug-ins make of their properties: textures, constants and upsampled colours."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Collection
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from gonio.fields import ModelError, Parameter
+from gonio.lang import vec3
+
+PREFIX = "gonio_"
+
+PLUGIN = "gonio_layered_reference"
+"""Name of the BSDF that is the ground truth for layers."""
+
+
+def plain(w: Any) -> Any:
+    """Mitsuba's vector as one of gonio's."""
+    return vec3(w.x, w.y, w.z)
+
+
+def reject_unknown(name: str, known: Collection[str], properties: Any) -> None:
+    """Raise a ModelError for the first property that the plug-in of a model does not have."""
+    for given in properties.keys():  # noqa: SIM118 (not a dictionary)
+        if given not in known:
+            near = difflib.get_close_matches(given, known, n=1)
+            did = f"did you mean {near[0]!r}? " if near else ""
+            raise ModelError(
+                f"{PREFIX}{name} has no property {given!r}; {did}Known are {', '.join(known)}."
+            )
+
+
+def parameter_texture(model: str, declared: Parameter, properties: Any) -> Any:
+    """The texture of a parameter: the one given, or a constant one made from numbers or the default."""
+    name = declared.name
+    value = properties.get(name, declared.default)
+    if isinstance(value, mi.Texture):
+        return value
+    if name in properties and properties.type(name) == mi.Properties.Type.Spectrum:
+        for v in value.values:
+            declared.check(model, float(v))
+        if declared.width == 3:
+            return properties.get_unbounded_texture(name)
+        if value.is_uniform():
+            value = float(value.values[0])
+    elif dr.is_array_v(value) and len(value) == 3:  # <rgb>
+        value = tuple(float(v) for v in value)
+    if isinstance(value, bool) or not isinstance(value, (int, float, tuple)):
+        allowed = "a number, an RGB colour, a spectrum" if declared.width == 3 else "a number"
+        raise ModelError(
+            f"{PREFIX}{model}: {name} is a {type(value).__name__}; "
+            f"allowed are {allowed} and a texture."
+        )
+    if isinstance(value, tuple) and declared.width == 1:
+        value = sum(value) / 3  # the mean stands for a colour where one number is needed
+    value = declared.check(model, value)
+    if isinstance(value, tuple) and mi.is_spectral and max(value) > 1:
+        return _upsampled(value)
+    constant = mi.Properties()
+    constant["value"] = mi.ScalarColor3d(value) if isinstance(value, tuple) else value
+    return constant.get_unbounded_texture("value")  # the range has been checked
+
+
+def _upsampled(colour: tuple[float, ...]) -> Any:
+    """A spectrum for a colour above 1, such as a metal's index, at which Mitsuba's own spectra end."""
+    scale = max(colour)
+    coefficients = np.ravel(mi.srgb_model_fetch(mi.ScalarColor3f([c / scale for c in colour])))
+    x = np.polyval(coefficients, np.arange(mi.MI_CIE_MIN, mi.MI_CIE_MAX + 5, 5))
+    # The sigmoid of Jakob, Hanika, "A low-dimensional function space for spectral upsampling", 2019
+    values = scale * (0.5 + 0.5 * x / np.sqrt(1 + x * x))
+    limits = {"wavelength_min": mi.MI_CIE_MIN, "wavelength_max": mi.MI_CIE_MAX}
+    return mi.load_dict({"type": "regular", "values": ", ".join(map(str, values))} | limits)

@@ -1,0 +1,52 @@
+"""Directions and the frames that they are given in: azimuths, half vectors, mirrored directions.
+
+Source of `pdf_mirror`: Walter, Marschner, Li, Torrance, "Microfacet models for refraction through rough
+surfaces", EGSR 2007.
+"""
+
+from gonio.lang import Float, Vec2, Vec3, dot, length, maximum, select, sqrt, vec2, vec3
+
+# Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
+# of its reciprocal still fits into a float32.
+SIN2_MIN = 1e-18
+
+
+def azimuth(wo: Vec3) -> Vec2:
+    """Cosine and sine of wo's azimuth; (1, 0) at normal incidence."""
+    sin2 = wo.x * wo.x + wo.y * wo.y
+    tilted = sin2 > SIN2_MIN
+    inv = 1 / sqrt(maximum(sin2, SIN2_MIN))
+    return vec2(select(tilted, wo.x * inv, 1), select(tilted, wo.y * inv, 0))
+
+
+def from_frame(w: Vec3, axis: Vec2) -> Vec3:
+    """A direction given relative to an azimuth (cosine, sine), about the normal turned by it."""
+    return vec3(axis.x * w.x - axis.y * w.y, axis.y * w.x + axis.x * w.y, w.z)
+
+
+def to_frame(w: Vec3, axis: Vec2) -> Vec3:
+    """A direction relative to an azimuth (cosine, sine): the inverse of `from_frame`."""
+    return vec3(axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z)
+
+
+def half_vector(wi: Vec3, wo: Vec3) -> Vec3:
+    """The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|."""
+    h = wi + wo
+    return h / length(h)  # which `cos_half` needs as well
+
+
+def cos_half(wi: Vec3, wo: Vec3) -> Float:
+    """wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo."""
+    # 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return 0.5 * length(wi + wo)
+
+
+def mirror(wo: Vec3, m: Vec3) -> Vec3:
+    """wo mirrored at a facet with normal m; it may leave below the horizon."""
+    return 2 * dot(wo, m) * m - wo
+
+
+def pdf_mirror(density: Float, cos_h: Float) -> Float:
+    """Density of `mirror` in 1/sr, if m has the given density and cos_h = wo . m."""
+    # Walter et al., Eq. 14
+    return 0.25 * density / cos_h

@@ -1,0 +1,175 @@
+"""Pictures of models on the shader ball or on the user's mesh; `gonio.render(...)` makes one.
+
+Beside it: `gonio.render.sheets` for several side by side, `gonio.render.user_scene` for the user's own
+Mitsuba scene, `gonio.render.picture` for files.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import sys
+import types
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gonio.materials import Material
+from gonio.model import Model
+from gonio.reference import Stack
+from gonio.render.diffusion import diffuse_on_screen
+from gonio.render.passes import Pixels, Progress, integrate, ready_mitsuba
+from gonio.render.stage import TESTED, shader_ball
+
+Shown = Model | Material | Stack
+
+
+def render(
+    material: Shown,
+    *,
+    environment: str | Path = "studio",
+    mesh: str | Path | None = None,
+    furnace: bool = False,
+    diffusion: float = 0.0,
+    size: tuple[int, int] = (512, 512),
+    spp: int = 64,
+    seed: int = 0,
+    progress: Progress | None = None,
+    **stage: Any,
+) -> Pixels:
+    """Render a model or material on the shader ball, or on a mesh of the user's.
+
+    Args:
+        material: what to show: a model, a material, or a stack of layers, which is the truth.
+        environment: "studio", "sun", "front", "side", "white", "sunsky", or a path to .exr or .hdr.
+        mesh: a path to .obj, .ply or .glb instead of the ball.
+        furnace: put the object into radiance 1 from everywhere; what loses no energy disappears.
+        diffusion: how long a millimetre is in the scene's units, to let the light in skin wander on the
+            screen (see `gonio.render.diffusion`); 0 for other materials.
+        size: width and height in pixels.
+        spp: samples per pixel.
+        seed: of the random numbers; the same seed gives the same picture.
+        progress: called after each pass.
+        stage: further arguments of `gonio.render.stage.shader_ball`, such as up="z".
+
+    Returns:
+        Linear RGB radiance, float32, shape (height, width, 3).
+
+    Raises:
+        ValueError, FileNotFoundError: one line on what was wrong with an argument or a file.
+    """
+    mi = ready_mitsuba()
+    from gonio.mitsuba import node
+
+    def load(shown: Shown) -> Any:
+        placed = shader_ball(
+            node(shown),
+            environment=environment,
+            mesh=mesh,
+            size=size,
+            furnace=furnace,
+            spp=spp,
+            **stage,
+        )
+        if isinstance(shown, Material) and shown.grows:
+            _grow(placed)
+        # Mitsuba's optimizations leave lamps in an order that changes from run to run, and so the noise.
+        return mi.load_dict(placed, optimize=False)
+
+    loaded = load(material)
+    if not diffusion:
+        return integrate(loaded, spp, seed, progress)
+    without = load(_without_diffuse(material))
+
+    def half(first: int) -> Progress:
+        def step(done: int, total: int) -> None:
+            if progress is not None:
+                progress(first * total + done, 2 * total)
+
+        return step
+
+    full = integrate(loaded, spp, seed, half(0))
+    glossy = integrate(without, spp, seed, half(1))
+    spread = diffuse_on_screen(full - glossy, *_seen(loaded), millimetre=diffusion)
+    return np.asarray(glossy + spread, np.float32)
+
+
+def _without_diffuse(material: Shown) -> Shown:
+    """The same with black diffuse reflection."""
+    if isinstance(material, Stack):
+        raise ValueError(
+            "a stack of layers has no diffuse colour whose light diffusion could spread."
+        )
+    model = material.model if isinstance(material, Material) else material
+    black = [path for path, _, _ in model.parameters() if path.rpartition(".")[2] == "rho"]
+    if not black:
+        raise ValueError(
+            f"{material.name} has no diffuse colour rho, whose light diffusion could spread."
+        )
+    model = model.replace(**dict.fromkeys(black, 0.0))
+    if not isinstance(material, Material):
+        return model
+    textures = {path: file for path, file in material.textures.items() if path not in black}
+    return dataclasses.replace(material, model=model, textures=textures)
+
+
+def _seen(loaded: Any) -> tuple[Any, Any, Any]:
+    """What each pixel's middle shows: the point, the area (up to a factor), the tested shape's number."""
+    import mitsuba as mi
+
+    sensor = loaded.sensors()[0]
+    width, height = (int(n) for n in sensor.film().size())
+    y, x = np.mgrid[0:height, 0:width]
+    middle = mi.Point2f(
+        ((x.ravel() + 0.5) / width).astype(np.float32),
+        ((y.ravel() + 0.5) / height).astype(np.float32),
+    )
+    ray, _ = sensor.sample_ray(0.0, 0.5, middle, mi.Point2f(0.5))
+    si = loaded.ray_intersect(ray)
+    surface = np.zeros(width * height, int)
+    for number, shape in enumerate(loaded.shapes(), 1):
+        if shape.id() in TESTED:
+            surface[np.array(si.is_valid() & (si.shape == mi.ShapePtr(shape)))] = number
+    # Flat pixels at the rim show much surface, but one sample of it says little.
+    cosine = np.maximum(np.abs(np.array(si.wi.z)), 0.2)
+    areas = np.where(surface > 0, np.array(si.t), 0) ** 2 / cosine
+    points = np.where(surface > 0, np.array(si.p), 0).T
+    return (
+        points.reshape(height, width, 3),
+        areas.reshape(height, width),
+        surface.reshape(height, width),
+    )
+
+
+def _grow(placed: dict[str, Any]) -> None:
+    """Put growth on the meshes under test, for materials that grow in cavities."""
+    import mitsuba as mi
+
+    from gonio.mitsuba.textures import add_growth
+
+    for name in TESTED:
+        if name in placed:
+            buffers = mi.traverse(placed[name])
+            positions, faces = (np.array(buffers[key]) for key in ("vertex_positions", "faces"))
+            growth = _growth(positions.tobytes(), faces.tobytes(), positions.dtype, faces.dtype)
+            add_growth(placed[name], growth)
+
+
+@functools.lru_cache(maxsize=8)  # a second or two each; the steps of a series have the same meshes
+def _growth(positions: bytes, faces: bytes, real: Any, integer: Any) -> Any:
+    from gonio.mitsuba.textures import growth_map
+
+    return growth_map(
+        np.frombuffer(positions, real).reshape(-1, 3), np.frombuffer(faces, integer).reshape(-1, 3)
+    )
+
+
+class _Callable(types.ModuleType):
+    """This package is the function as well: `gonio.render("gold")` however it was imported."""
+
+    def __call__(self, *arguments: Any, **named: Any) -> Pixels:
+        return render(*arguments, **named)
+
+
+sys.modules[__name__].__class__ = _Callable

@@ -1,0 +1,147 @@
+"""Pictures as files: sRGB, captions under columns and rows, formats."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gonio.fields import Parameter
+from gonio.files import replacing
+from gonio.materials import Material
+from gonio.model import Model
+from gonio.render.passes import Pixels
+
+FORMATS = (".png", ".exr")
+
+
+def describe(material: Model | Material) -> str:
+    """A label: the name and what differs from the defaults."""
+    if isinstance(material, Material):
+        return material.name
+    parts = []
+    for name, declared in material.fields.items():
+        value = getattr(material, name)
+        if not declared.is_default(value):
+            number = value if isinstance(value, tuple) else (value,)
+            text = "/".join(f"{v:g}" if isinstance(v, float) else str(v) for v in number)
+            parts.append(f"{name}={text}" if isinstance(declared, Parameter) else text)
+    return " ".join([material.name, *parts])
+
+
+def captions(materials: Sequence[Material]) -> list[str]:
+    """Labels of materials of one model: the parameters in which they differ from each other."""
+    values = [
+        {path: value for path, _, value in material.model.parameters()} for material in materials
+    ]
+    differing = [path for path in values[0] if len({repr(v[path]) for v in values}) > 1]
+
+    def text(value: Any) -> str:
+        numbers = value if isinstance(value, tuple) else (value,)
+        return "/".join(f"{v:g}".replace("-", "−") for v in numbers)
+
+    return [", ".join(f"{path} {text(v[path])}" for path in differing) for v in values]
+
+
+def write_picture(
+    path: str | Path,
+    pixels: Pixels,
+    *,
+    exposure: float = 0.0,
+    labels: Sequence[str] = (),
+    row_labels: Sequence[str] = (),
+) -> None:
+    """Write a picture: .png (8-bit sRGB, clipped) or .exr (linear float32, without labels).
+
+    Args:
+        path: the file; it appears only when it is complete.
+        pixels: linear radiance, shape (height, width, 3).
+        exposure: in stops, for .png.
+        labels: one under each of that many columns, for .png.
+        row_labels: one at the left edge of each of that many rows, for .png.
+
+    Raises:
+        ValueError: another suffix, or pixels that are not finite.
+        FileNotFoundError: the folder does not exist.
+    """
+    import mitsuba as mi
+
+    path = Path(path)
+    check_format(path)
+    if not np.isfinite(pixels).all():
+        raise ValueError(f"{path}: the picture has pixels that are not finite.")
+    if path.suffix.lower() == ".exr":
+        with replacing(path) as temporary:
+            mi.Bitmap(np.ascontiguousarray(pixels, np.float32)).write(str(temporary))
+        return
+    picture = captioned(to_srgb(pixels, exposure), labels, row_labels)
+    with replacing(path) as temporary:
+        picture.save(temporary, format="PNG")
+
+
+def check_format(path: Path) -> None:
+    """Raise a ValueError unless the suffix is one that `write_picture` can write."""
+    if path.suffix.lower() not in FORMATS:
+        raise ValueError(f"cannot write {path.name!r}; the suffix must be {' or '.join(FORMATS)}.")
+
+
+BACKGROUND, INK = (24, 24, 24), (235, 235, 235)
+
+
+def captioned(pixels: NDArray[np.uint8], labels: Sequence[str], rows: Sequence[str]) -> Any:
+    """A Pillow image with labels under its columns and at the left of its rows."""
+    from PIL import Image, ImageDraw
+
+    picture = Image.fromarray(pixels)
+    if not labels and not rows:
+        return picture
+    height, width = pixels.shape[:2]
+    cell_height = height // max(len(rows), 1)
+    cell_width = width // max(len(labels), 1)
+    font_size = max(11, min(cell_width, cell_height) // 20)
+    footer = 2 * font_size if labels else 0
+    margin = 2 * font_size if rows else 0
+    sheet = Image.new("RGB", (width + margin, height + footer), BACKGROUND)
+    sheet.paste(picture, (margin, 0))
+    draw = ImageDraw.Draw(sheet)
+    for n, label in enumerate(labels):
+        centre = (margin + cell_width * (n + 0.5), height + footer / 2)
+        draw.text(
+            centre, label, font=_font(label, font_size, cell_width - 4), fill=INK, anchor="mm"
+        )
+    for n, label in enumerate(rows):
+        strip = Image.new("RGB", (cell_height, margin), BACKGROUND)
+        ImageDraw.Draw(strip).text(
+            (cell_height / 2, margin / 2),
+            label,
+            font=_font(label, font_size, cell_height - 4),
+            fill=INK,
+            anchor="mm",
+        )
+        sheet.paste(strip.rotate(90, expand=True), (0, n * cell_height))
+    return sheet
+
+
+def _font(text: str, size: int, width: int) -> Any:
+    """A font in which the text is at most `width` pixels wide, if that is legible at all."""
+    import matplotlib
+    from PIL import ImageFont
+
+    file = str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf")
+    while size > 7 and ImageFont.truetype(file, size).getlength(text) > width:
+        size -= 1
+    return ImageFont.truetype(file, size)
+
+
+def to_srgb(pixels: Pixels, exposure: float) -> NDArray[np.uint8]:
+    """8-bit sRGB of linear pixels, clipped, after an exposure in stops."""
+    import mitsuba as mi
+
+    scaled = np.ascontiguousarray(pixels * np.float32(2.0**exposure))
+    bitmap = mi.Bitmap(scaled).convert(
+        mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.UInt8, srgb_gamma=True
+    )
+    return np.array(bitmap)
