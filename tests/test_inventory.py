@@ -44,10 +44,12 @@ def test_every_public_function_of_every_part_is_listed() -> None:
 
 def test_a_new_part_lists_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     text = '"""Doubts.\\n\\nSource: Thomas, 33.\\n"""\n\ndef F_doubt():\n    """No light."""\n'
-    (tmp_path / "doubt.py").write_text(text.replace("\\n", "\n"), encoding="utf-8")
-    monkeypatch.setattr(parts_package, "__path__", [*parts_package.__path__, str(tmp_path)])
+    parts = tmp_path / "gonio" / "parts"
+    parts.mkdir(parents=True)
+    (parts / "doubt.py").write_text(text.replace("\\n", "\n"), encoding="utf-8")
+    monkeypatch.setattr(inventory, "ROOT", tmp_path / "gonio")
     expected = inventory.Part("F_doubt", "gonio.parts.doubt", "No light.", "Doubts.", "Thomas, 33.")
-    assert expected in inventory.found_parts()
+    assert inventory.found_parts() == [expected]
 
 
 # What the specular, complete and layered models are made of, and where each can be found: a function of

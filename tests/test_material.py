@@ -13,7 +13,9 @@ from gonio.fields import ModelError
 from gonio.materials import MaterialError, find, library, load_material
 from gonio.mitsuba.nodes import node
 from gonio.parts.metals import metal
-from gonio.render import render, render_scene, write_sheet
+from gonio.render import render
+from gonio.render.sheets import write_sheet
+from gonio.render.user_scene import render_scene
 
 # What the library has to offer: a kind, and how many of it there are at least.
 KINDS = {

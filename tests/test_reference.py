@@ -19,12 +19,13 @@ from typing import Any
 import drjit as dr
 import numpy as np
 import pytest
+from make_layers_page import lost
 from numpy.typing import NDArray
 from support.directions import adversarial_pairs, from_cosine, polar, random_directions
 
 import gonio
 from gonio.fields import ModelError
-from gonio.reference import Layer, Stack, document, speed, stack, walk
+from gonio.reference import Layer, Stack, speed, stack, walk
 
 Array = NDArray[np.float64]
 
@@ -491,8 +492,8 @@ def test_the_page_about_layers_says_what_facets_lose() -> None:
     oracle = Adding([layer], 1.0)
     kept = np.sum(2 * oracle.mu[0] * oracle.w[0] * oracle.albedo())
     coloured = replace(layer, sigma_a=(0.1, 2.0, 0.3))
-    assert document.lost(Stack([coloured])) == pytest.approx(1 - kept, abs=3e-3)
-    assert document.lost(Stack([Layer(1.5)])) == pytest.approx(0, abs=1e-4)
+    assert lost(Stack([coloured])) == pytest.approx(1 - kept, abs=3e-3)
+    assert lost(Stack([Layer(1.5)])) == pytest.approx(0, abs=1e-4)
 
 
 def test_speed_is_measured_for_every_stack() -> None:

@@ -15,16 +15,11 @@ import gonio
 from gonio.files import replacing
 from gonio.materials import load_material, load_series
 from gonio.materials.notation import parse_model
-from gonio.render import (
-    _passes,
-    captions,
-    compare,
-    demo,
-    describe,
-    render,
-    render_scene,
-    write_picture,
-)
+from gonio.render import render
+from gonio.render.passes import _passes
+from gonio.render.picture import captions, describe, write_picture
+from gonio.render.sheets import compare, demo
+from gonio.render.user_scene import render_scene
 
 SMALL: Any = {"size": (32, 24), "spp": 4}
 

@@ -20,6 +20,9 @@ import gonio
 from gonio.cli.program import echo_json, json_option
 from gonio.description import module_notes, summary
 
+ROOT = Path(gonio.__file__).parent
+"""The folder whose files are read."""
+
 
 @dataclass(frozen=True)
 class Part:
@@ -60,13 +63,12 @@ def lines(found: Iterable[Part]) -> Iterator[str]:
 
 def _modules() -> Iterator[tuple[str, ast.Module]]:
     """Names and contents of the files that hold parts: those of `gonio.parts` first."""
-    root = Path(gonio.__file__).parent
-    inside = sorted((root / "parts").glob("*.py"))
-    outside = sorted(path for path in root.rglob("*.py") if path.parent.name != "models")
+    inside = sorted((ROOT / "parts").glob("*.py"))
+    outside = sorted(path for path in ROOT.rglob("*.py") if path.parent.name != "models")
     for path in [*inside, *(path for path in outside if path not in inside)]:
         tree = ast.parse(path.read_text(encoding="utf-8"))
         if path in inside or "source" in module_notes(ast.get_docstring(tree) or ""):
-            yield ".".join(path.relative_to(root.parent).with_suffix("").parts), tree
+            yield ".".join(path.relative_to(ROOT.parent).with_suffix("").parts), tree
 
 
 def _functions(module: str, tree: ast.Module) -> Iterator[Part]:
