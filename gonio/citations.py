@@ -20,7 +20,8 @@ from importlib import resources
 from types import ModuleType
 
 from gonio.description import module_notes
-from gonio.model import Child, Model, ModelError
+from gonio.fields import ModelError
+from gonio.model import Child, Model
 
 PARTS = "gonio.parts."
 

@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 
 import gonio
-from gonio import citations, model_file
+from gonio import citations
 from gonio.citations import CitationError
+from gonio.materials import model_file
 
 OWN_MODEL = '''"""Doubts: a model of nothing.
 

@@ -17,7 +17,7 @@ from support.directions import Array, polar
 
 import gonio
 from gonio import citations
-from gonio.elementwise import elementwise
+from gonio.arrays.elementwise import elementwise
 from gonio.models.eon import loss_exact, loss_fitted
 from gonio.parts import distribution, tilt
 from gonio.parts.cltc import coefficients

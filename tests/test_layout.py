@@ -18,7 +18,7 @@ FLOORS = (
     {"parts", "arrays"},
     {"quadrature"},
     {"model"},
-    {"models", "materials", "description", "reference", "plot"},
+    {"models", "materials", "description", "citations", "reference", "plot"},
     {"export"},
     {"mitsuba"},
     {"render", "check"},
