@@ -470,7 +470,10 @@ def azimuth_frame(wo, wi):
 
 def eon_pdf(p, wi, wo):
     """Densities of the EON paper's Figure 11, Eq. 21-28 and Listing 4, for wi above the horizon."""
-    sampler, r, mu = p.get("sampler", "cltc_uniform"), p["roughness"], wo[2]
+    sampler, r, mu = p.get("sampler", SAMPLERS[0]), p["roughness"], wo[2]
+    if sampler == "cltc_matched":
+        # Not the paper's: cosine sampling up to 1e-4, and another share of uniform samples
+        r = max(r - mpf("1e-4"), mpf(0))
     a, b, c, d = ltc_coefficients(mu, r)
     local = azimuth_frame(wo, wi)
     if sampler == "cosine":
@@ -485,6 +488,11 @@ def eon_pdf(p, wi, wo):
     cltc = 2 * ltc_density((a, b, c, d), local) / (1 + 1 / sqrt(1 + d**2))
     if sampler == "cltc":
         return cltc
+    if sampler == "cltc_matched":
+        k = 1 - mu
+        p_u = r * polynomial(k, "0.0169", "0.2136", "-0.2345", "0.445")
+        p_u *= 1 + r * (polynomial(k, "-0.602", "-0.5736") + mpf("0.315") * r)
+        return p_u / (2 * pi) + (1 - p_u) * cltc
     p_u = polynomial(mu, "0.162925", "-0.372058", "0.538233", "-0.290822")
     p_u *= r ** mpf("0.1") if r > 0 else 0
     return p_u / (2 * pi) + (1 - p_u) * cltc
@@ -638,7 +646,7 @@ MODELS = {
 # its Eq. 14 does not: nothing to anchor there.
 FITTED_MU_MIN = 0.002
 
-SAMPLERS = ["cltc_uniform", "cltc", "ltc", "ltc_nonnegative", "uniform", "cosine"]
+SAMPLERS = ["cltc_matched", "cltc_uniform", "cltc", "ltc", "ltc_nonnegative", "uniform", "cosine"]
 PDF_CASES = [
     (1.0, at(60, 115), at(40, 100)),
     (0.5, at(60, 115), at(70, 290)),
@@ -764,7 +772,7 @@ def albedo_rows(name):
 
 
 def pdf_rows():
-    """Densities of Lambert's sampler and of EON's six."""
+    """Densities of Lambert's sampler and of EON's seven."""
     for wi, wo in PAIRS[:3] + PAIRS[-3:]:
         p = {"rho": GRAY}
         yield row(
@@ -779,7 +787,7 @@ def pdf_rows():
     for sampler in SAMPLERS:
         for r, wo, wi in PDF_CASES:
             p = {"rho": GRAY, "roughness": r}
-            if sampler != "cltc_uniform":
+            if sampler != SAMPLERS[0]:
                 p["sampler"] = sampler
             value = eon_pdf(exact(p), exact(wi), exact(wo))
             publications = ["portsmouth2025 Eq. 21 to 28 and Listings 2 to 4"]

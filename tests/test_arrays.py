@@ -214,7 +214,7 @@ def test_bad_arrays_get_one_clear_line(call: Any, message: str) -> None:
         ("eon", {"roughness": True}, r"roughness must be a number"),
         ("eon", {"rho": (1, 1)}, r"rho takes one or three numbers"),
         ("eon", {"rougness": 1}, r"no 'rougness'; did you mean 'roughness'\?"),
-        ("eon", {"sampler": "cosin"}, r"sampler='cosin' is not known; allowed are cltc_uniform"),
+        ("eon", {"sampler": "cosin"}, r"sampler='cosin' is not known; allowed are cltc_matched"),
         ("ggx", {}, r"no model 'ggx'; .*'gonio list' shows all"),
         ("eno", {}, r"did you mean 'eon'\?"),
     ],

@@ -190,7 +190,7 @@ def test_parse_model_reads_numbers_colours_and_options():
         ("eon", ("rho=1,2",), "eon: rho takes one or three numbers, got (1.0, 2.0)."),
         ("eon:rho=0.8,0.3,0.1", (), "in a model's text a colour has slashes, such as rho=0.8/0.3"),
         ("eon", ("roughness=1", "roughness=0"), "eon: roughness is given twice."),
-        ("eon", ("sampler=best",), "eon: sampler='best' is not known; allowed are cltc_uniform,"),
+        ("eon", ("sampler=best",), "eon: sampler='best' is not known; allowed are cltc_matched,"),
         ("eon", ("rougness=1",), "eon has no 'rougness'; did you mean 'roughness'? known are rho,"),
     ],
 )

@@ -507,8 +507,11 @@ def test_numbers_out_of_range_are_refused(cls: type[Model]) -> None:
 MISTAKES = [
     ({"roughnes": 0.5}, "gonio_eon has no property 'roughnes'; did you mean 'roughness'?"),
     ({"reflectance": 0.5}, "Known are rho, roughness, albedo_form, color_shift, sampler."),
-    ({"sampler": "cosin"}, "sampler='cosin' is not known; allowed are cltc_uniform, cltc, ltc,"),
-    ({"sampler": 1.0}, "sampler=1.0 is not known; allowed are cltc_uniform"),
+    (
+        {"sampler": "cosin"},
+        "sampler='cosin' is not known; allowed are cltc_matched, cltc_uniform, cltc, ltc,",
+    ),
+    ({"sampler": 1.0}, "sampler=1.0 is not known; allowed are cltc_matched"),
     (
         {"rho": True},
         "rho is a bool; allowed are a number, an RGB colour, a spectrum and a texture.",

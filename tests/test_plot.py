@@ -173,7 +173,7 @@ def test_labels_tell_what_differs_and_the_head_what_is_common():
     models = [gonio.EON(rho=0.5), gonio.EON(rho=0.5, sampler="cosine"), gonio.Lambert(rho=0.5)]
     _, labels, shared = named(models)
     assert labels == [
-        "eon, roughness = 0.5, sampler = cltc_uniform",
+        "eon, roughness = 0.5, sampler = cltc_matched",
         "eon, roughness = 0.5, sampler = cosine",
         "lambert",
     ]

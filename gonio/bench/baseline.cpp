@@ -225,11 +225,12 @@ float cltc_pdf(Vec3 wo, Vec3 wi, float r) {
 }
 
 Sample eon_sample(const Params& p, Vec3 wo, float u1, float u2) {
-    float mu = wo.z, r = p.roughness;
-    float P_u = std::pow(r, 0.1f) * (0.162925f + mu * (-0.372058f + (0.538233f - 0.290822f * mu) * mu));
+    // The share of uniform samples is that of gonio's default sampler; the listing's takes a power of r.
+    float r = std::max(p.roughness - 1e-4f, 0.0f), k = 1.0f - wo.z;
+    float P_u = r * (0.0169f + k * (0.2136f + k * (-0.2345f + 0.445f * k))) * (1.0f + r * (-0.602f - 0.5736f * k + 0.315f * r));
     float P_c = 1.0f - P_u;
     Sample s;
-    if (u1 < P_u) {  // the listing's <= makes 0 / 0 of u1 = 0 at r = 0
+    if (u1 < P_u) {  // the listing's <= makes 0 / 0 of u1 = 0 at P_u = 0
         u1 = u1 / P_u;
         float sinTheta = std::sqrt(1.0f - u1 * u1), phi = 2.0f * PI * u2;
         s.wi = {sinTheta * std::cos(phi), sinTheta * std::sin(phi), u1};

@@ -2,10 +2,13 @@
 
 Source: Portsmouth, Kutz, Hill, "EON: A practical energy-preserving rough diffuse BRDF",
 arXiv:2410.18026, section 3.1 and its listings 2 to 4. r is EON's roughness in [0, 1].
+`cltc_matched` is not the paper's: its share of uniform samples falls to 0 with r as fast as the
+BRDF turns into Lambert's, so that it never has more variance than cosine sampling, nor than the
+paper's `cltc_uniform`.
 Deviations: the coefficient d changes sign near normal incidence, and the clipping follows it; r = 0
 with u = 0 is defined, and r^0.1 has a finite derivative there.
 At the rim of the transformed lobe its density falls to 0; float32 keeps an absolute accuracy of 1e-6
-per steradian there, not a relative one. The uniform lobe of `cltc_uniform` covers that.
+per steradian there, not a relative one. The uniform lobe that is mixed in covers that.
 """
 
 from gonio.lang import (
@@ -33,8 +36,14 @@ from gonio.parts.hemisphere import pdf_uniform, sample_uniform
 # Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32.
 R_MIN = 1e-37
 
-# Smallest probability that is divided by; the smallest one above 0 is 8e-6, at R_MIN.
+# Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
+# not taken.
 P_MIN = 1e-6
+
+# Up to this roughness `cltc_matched` is cosine sampling. A lobe sheared by d leaves a wedge of height
+# r above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine
+# sampling is of order r^2, and the smaller of the two below r = 3e-4.
+R_COSINE = 1e-4
 
 # A sample that rounding pushed below the horizon is lifted to this cosine, 1/16 of a float32 epsilon.
 Z_MIN = 2.0**-27
@@ -139,3 +148,35 @@ def pdf_cltc_uniform(wi: Vec3, wo: Vec3, r: Float) -> Float:
     """Density of `sample_cltc_uniform`."""
     P_u = uniform_share(wo.z, r)
     return lerp(pdf_cltc(wi, wo, r), pdf_uniform(), P_u)
+
+
+def matched_share(mu: Float, r: Float) -> Float:
+    """How many samples `cltc_matched` gives to the uniform lobe: 0 at r = 0, at most 0.13.
+
+    Fitted to the shares of least variance over (mu, r), on condition that the variance stays 4 %
+    below those of cosine sampling and of `cltc_uniform`. On average it is 5 % above the least.
+    """
+    k = 1 - mu
+    steep = 0.0169 + k * (0.2136 + k * (0.445 * k - 0.2345))
+    return r * steep * (1 + r * (0.315 * r - 0.602 - 0.5736 * k))
+
+
+def _matched_roughness(r: Float) -> Float:
+    return maximum(r - R_COSINE, 0)
+
+
+def sample_cltc_matched(wo: Vec3, r: Float, u: Vec2) -> Vec3:
+    """CLTC mixed with as much of the uniform hemisphere as the roughness asks for."""
+    q = _matched_roughness(r)
+    P_u = matched_share(wo.z, q)
+    uniform = u.x < P_u
+    u1 = select(uniform, u.x / maximum(P_u, P_MIN), (u.x - P_u) / (1 - P_u))
+    w_u = sample_uniform(vec2(u1, u.y))
+    w_c = sample_cltc(wo, q, vec2(u1, u.y))
+    return select(uniform, w_u, w_c)
+
+
+def pdf_cltc_matched(wi: Vec3, wo: Vec3, r: Float) -> Float:
+    """Density of `sample_cltc_matched`."""
+    q = _matched_roughness(r)
+    return lerp(pdf_cltc(wi, wo, q), pdf_uniform(), matched_share(wo.z, q))

@@ -145,7 +145,8 @@ vec3 fon_sample_cltc(vec3 wo, float r, vec2 u) {
 
 // CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
 vec3 fon_sample_cltc_uniform(vec3 wo, float r, vec2 u) {
-    // Smallest probability that is divided by; the smallest one above 0 is 8e-6, at R_MIN.
+    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
+    // not taken.
     const float P_MIN = 1.0e-6;
     float P_u = fon_uniform_share(wo.z, r);
     bool uniform_ = u.x < P_u;

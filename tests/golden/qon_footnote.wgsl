@@ -157,7 +157,8 @@ fn qon_footnote_sample_cltc(wo: vec3f, r: f32, u: vec2f) -> vec3f {
 
 // CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
 fn qon_footnote_sample_cltc_uniform(wo: vec3f, r: f32, u: vec2f) -> vec3f {
-    // Smallest probability that is divided by; the smallest one above 0 is 8e-6, at R_MIN.
+    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
+    // not taken.
     const P_MIN = 1.0e-6;
     let P_u = qon_footnote_uniform_share(wo.z, r);
     let uniform = u.x < P_u;

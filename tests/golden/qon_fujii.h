@@ -218,7 +218,8 @@ inline Vec3 qon_fujii_sample_cltc(Vec3 wo, float r, Vec2 u) {
 
 // CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
 inline Vec3 qon_fujii_sample_cltc_uniform(Vec3 wo, float r, Vec2 u) {
-    // Smallest probability that is divided by; the smallest one above 0 is 8e-6, at R_MIN.
+    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
+    // not taken.
     constexpr float P_MIN = 1.0e-6f;
     float P_u = qon_fujii_uniform_share(wo.z, r);
     bool uniform = u.x < P_u;

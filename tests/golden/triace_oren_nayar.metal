@@ -162,7 +162,8 @@ inline float3 triace_oren_nayar_sample_cltc(float3 wo, float r, float2 u) {
 
 // CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
 inline float3 triace_oren_nayar_sample_cltc_uniform(float3 wo, float r, float2 u) {
-    // Smallest probability that is divided by; the smallest one above 0 is 8e-6, at R_MIN.
+    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
+    // not taken.
     const float P_MIN = 1.0e-6;
     float P_u = triace_oren_nayar_uniform_share(wo.z, r);
     bool uniform = u.x < P_u;

@@ -13,12 +13,19 @@ from support.directions import Array, polar
 NODES = 20
 
 
-def hemisphere_rule(theta_o: float, nodes: int = NODES) -> tuple[Array, Array]:
-    """Directions (n, 3) and weights (n,) of solid angle, split at theta_o and at quarter turns."""
+def hemisphere_rule(
+    theta_o: float, nodes: int = NODES, *, horizon: bool = False
+) -> tuple[Array, Array]:
+    """Directions (n, 3) and weights (n,) of solid angle, split at theta_o and at quarter turns.
+
+    horizon: crowd there as well, for integrands that change within the last degree.
+    """
     x, w = np.polynomial.legendre.leggauss(nodes)
     # Steps that shrink by tens towards theta_o, where a grazing view makes integrands steep.
     steps = 10.0 ** -np.arange(1, 8)
     edges = np.concatenate([[0], theta_o - steps, [theta_o], theta_o + steps, [np.pi / 2]])
+    if horizon:
+        edges = np.concatenate([edges, np.pi / 2 - steps])
     edges = np.unique(np.clip(edges, 0, np.pi / 2))
     theta = np.concatenate([(b - a) / 2 * x + (a + b) / 2 for a, b in pairwise(edges)])
     theta_w = np.concatenate([(b - a) / 2 * w for a, b in pairwise(edges)])
