@@ -14,6 +14,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numpy as np
+
 from gonio.measured.formats import formats
 from gonio.measured.measurement import (
     DataError,
@@ -65,7 +67,9 @@ def load_parts(path: str | Path) -> list[Measurement]:
     source = Source(path)
     module = recognise(source)
     try:
-        found: list[Measurement] = module.read(source)
+        # What is no number in a damaged file becomes a hole; the rest of NumPy's warnings say nothing more
+        with np.errstate(all="ignore"):
+            found: list[Measurement] = module.read(source)
     except OSError as error:
         raise source.error(f"cannot be read: {error.strerror or error}.") from None
     except MemoryError:

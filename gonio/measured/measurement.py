@@ -108,10 +108,15 @@ class Measurement:
 
             interpolator = Scattered(self)
             object.__setattr__(self, "interpolator", interpolator)
-        values, covered = interpolator(wi, wo)
+        with np.errstate(
+            all="ignore"
+        ):  # what is no number in a damaged file is no value here either
+            values, covered = interpolator(wi, wo)
+        broken = ~np.isfinite(values).all(-1)
         below = wi[:, 2] <= HORIZON
         below |= (wo[:, 2] >= -HORIZON) if self.transmission else (wo[:, 2] <= HORIZON)
-        return np.where(below[:, None], 0.0, values), covered & ~below
+        away = below | broken
+        return np.where(away[:, None], 0.0, values), covered & ~away
 
     def with_notes(self, *notes: str) -> Measurement:
         """A copy that says more."""
