@@ -18,7 +18,7 @@ FLOORS = (
     {"parts", "arrays"},
     {"quadrature"},
     {"model"},
-    {"models", "materials", "description", "citations", "reference", "plot"},
+    {"models", "materials", "description", "citations", "reference", "plot", "measured"},
     {"export"},
     {"mitsuba"},
     {"render", "check"},

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gonio.measured.measurement import Floats, Mask
+from gonio.measured.frames import Floats
+from gonio.measured.measurement import Mask
 
 # Directions that are looked up at once, which bounds the memory.
 BATCH = 1 << 17

@@ -8,15 +8,12 @@ measured is taken as reciprocal.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from gonio.measured.frames import half_difference
-from gonio.measured.measurement import DataError, Floats, Mask
-
-if TYPE_CHECKING:
-    from gonio.measured.measurement import Measurement
+from gonio.measured.frames import Floats, half_difference
 
 # Points that a value is made of. Fewer leave steps, more blur highlights.
 NEIGHBOURS = 9
@@ -57,22 +54,13 @@ def coordinates(wi: Floats, wo: Floats, isotropic: bool) -> Floats:
 
 
 class Scattered:
-    """The values of a measurement between its points."""
+    """Values between loose points."""
 
-    def __init__(self, measured: Measurement) -> None:
-        """Sort the points of a measurement.
-
-        Raises:
-            DataError: it has no values.
-        """
+    def __init__(self, wi: Floats, wo: Floats, values: NDArray[Any], isotropic: bool) -> None:
+        """Sort the points: unit vectors (n, 3) and values (n, channels), of which there is at least one."""
         from scipy.spatial import cKDTree
 
-        use = measured.valid
-        if not use.any():
-            raise DataError(f"{measured.title} has no values.")
-        self.isotropic = measured.isotropic
-        wi, wo = measured.wi[use].astype(np.float64), measured.wo[use].astype(np.float64)
-        self.values = measured.values[use]
+        self.isotropic, self.values = isotropic, values
         places = coordinates(wi, wo, self.isotropic)
         self.tree: Any = cKDTree(places)
         self.count = min(NEIGHBOURS, len(places))
@@ -81,7 +69,7 @@ class Scattered:
         apart = apart[apart > 0]
         self.reach = max(REACH * float(np.median(apart)) if apart.size else 0.0, REACH_MIN)
 
-    def __call__(self, wi: Floats, wo: Floats) -> tuple[Floats, Mask]:
+    def __call__(self, wi: Floats, wo: Floats) -> tuple[Floats, NDArray[np.bool_]]:
         """Values (n, channels), and whether a point is near (n,)."""
         found = np.zeros((len(wi), self.values.shape[1]))
         covered = np.zeros(len(wi), bool)

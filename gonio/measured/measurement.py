@@ -9,9 +9,9 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from gonio.measured.frames import spherical
+from gonio.measured.frames import Floats, spherical
+from gonio.measured.interpolation import Scattered
 
-Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
 Mask = NDArray[np.bool_]
 
@@ -104,9 +104,13 @@ class Measurement:
         wi, wo = (np.atleast_2d(np.asarray(w, np.float64)) for w in (wi, wo))
         interpolator = self.interpolator
         if interpolator is None:
-            from gonio.measured.interpolation import Scattered
-
-            interpolator = Scattered(self)
+            use = self.valid
+            interpolator = Scattered(
+                self.wi[use].astype(np.float64),
+                self.wo[use].astype(np.float64),
+                self.values[use],
+                self.isotropic,
+            )
             object.__setattr__(self, "interpolator", interpolator)
         with np.errstate(
             all="ignore"

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from gonio.measured.frames import spherical
-from gonio.measured.measurement import Floats, Measurement, measurement
+from gonio.measured.frames import Floats, spherical
+from gonio.measured.measurement import Measurement, measurement
 from gonio.measured.source import MOST_NUMBERS, Source
 
 # Azimuths may turn often, but no file means this.

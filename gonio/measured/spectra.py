@@ -7,11 +7,13 @@ are interpolated, beyond them the last ones go on.
 from __future__ import annotations
 
 import functools
+import importlib
 from typing import Any
 
 import numpy as np
 
-from gonio.measured.measurement import Floats, Measurement
+from gonio.measured.frames import Floats
+from gonio.measured.measurement import Measurement
 
 TOOL = "linear sRGB by Mitsuba's CIE 1931 2° observer and D65"
 
@@ -31,14 +33,12 @@ FIRST, LAST, STEP = 360, 830, 1
 @functools.cache
 def _observer() -> tuple[Floats, Floats]:
     """Wavelengths, and D65 times the three matching functions (3, n), for a white of Y = 1."""
-    import mitsuba as mi
-
-    import gonio.mitsuba  # noqa: F401  (finds a usable LLVM before Mitsuba loads one)
+    # The functions are the same in all variants; this one is looked at without choosing it
+    mi = importlib.import_module("mitsuba.scalar_rgb")
 
     wavelengths = np.arange(FIRST, LAST + STEP, STEP, dtype=np.float64)
-    with mi.util.variant_context("scalar_rgb"):
-        xyz = np.array([np.ravel(mi.cie1931_xyz(float(w))) for w in wavelengths])
-        light = np.array([float(mi.cie_d65(float(w))) for w in wavelengths])
+    xyz = np.array([np.ravel(mi.cie1931_xyz(float(w))) for w in wavelengths])
+    light = np.array([float(mi.cie_d65(float(w))) for w in wavelengths])
     matching = xyz.T * light
     return wavelengths, matching / matching[1].sum()
 

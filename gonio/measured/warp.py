@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gonio.measured.measurement import Floats
+from gonio.measured.frames import Floats
 
 # Two neighbours that differ by less of their sum are taken as equal: the root would lose its digits.
 EVEN = 1e-4

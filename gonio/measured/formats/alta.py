@@ -18,8 +18,8 @@ import numpy as np
 
 from gonio.files import replacing
 from gonio.measured.formats import csv as table_of_points
-from gonio.measured.frames import angles, from_half_difference, spherical
-from gonio.measured.measurement import Floats, Measurement, Reflectance, measurement
+from gonio.measured.frames import Floats, angles, from_half_difference, spherical
+from gonio.measured.measurement import Measurement, Reflectance, measurement
 from gonio.measured.source import MOST_NUMBERS, Source
 
 NAME, SUFFIX = "ALTA", ".alta"

@@ -17,8 +17,8 @@ from xml.parsers import expat
 
 import numpy as np
 
-from gonio.measured.frames import spherical
-from gonio.measured.measurement import DataError, Floats, Mask, Measurement, measurement
+from gonio.measured.frames import Floats, spherical
+from gonio.measured.measurement import DataError, Mask, Measurement, measurement
 from gonio.measured.source import MOST_TEXT, Source
 
 NAME, SUFFIX = "BSDF XML", ".xml"

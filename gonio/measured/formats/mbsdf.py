@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from gonio.files import replacing
-from gonio.measured.frames import angles, spherical
+from gonio.measured.frames import Floats, angles, spherical
 from gonio.measured.grid import Grid
-from gonio.measured.measurement import Floats, Mask, Measurement, Reflectance, measurement
+from gonio.measured.measurement import Mask, Measurement, Reflectance, measurement
 from gonio.measured.source import LONGEST_LINE, Source
 
 NAME, SUFFIX = "MDL mbsdf", ".mbsdf"

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from gonio.files import replacing
-from gonio.measured.frames import from_half_difference, half_difference
+from gonio.measured.frames import Floats, from_half_difference, half_difference
 from gonio.measured.grid import Grid
-from gonio.measured.measurement import Floats, Mask, Measurement, Reflectance, measurement
+from gonio.measured.measurement import Mask, Measurement, Reflectance, measurement
 from gonio.measured.source import Source
 
 NAME, SUFFIX = "MERL", ".binary"

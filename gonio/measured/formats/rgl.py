@@ -23,15 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gonio.files import replacing
-from gonio.measured.frames import angles, spherical
-from gonio.measured.measurement import (
-    HORIZON,
-    Floats,
-    Mask,
-    Measurement,
-    Reflectance,
-    measurement,
-)
+from gonio.measured.frames import Floats, angles, spherical
+from gonio.measured.measurement import HORIZON, Mask, Measurement, Reflectance, measurement
 from gonio.measured.source import MOST_NUMBERS, Source
 from gonio.measured.warp import Bilinear, Density
 
