@@ -101,7 +101,7 @@ def test_texture_is_nowhere_folded_to_nothing(part):
 # -------------------------------------------------------------------------------- the user's mesh
 
 
-@pytest.fixture(params=[".obj", ".ply", ".glb"])
+@pytest.fixture(params=[".obj", ".ply", ".stl", ".glb"])
 def torus_file(request, tmp_path):
     torus = trimesh.creation.torus(1.0, 0.4, major_sections=48, minor_sections=24)
     torus.apply_scale(37.0)
@@ -165,7 +165,10 @@ def test_normals_of_the_file_are_kept_and_missing_ones_are_smooth_unless_edges_a
 
     box = trimesh.creation.box()
     (tmp_path / "box.ply").write_bytes(ply(box.vertices, box.faces))
-    assert user_mesh.with_normals(user_mesh.load_mesh(tmp_path / "box.ply")).normals is None
+    cube = user_mesh.with_normals(user_mesh.load_mesh(tmp_path / "box.ply"))
+    a, b, c = (cube.positions[cube.faces[:, k]] for k in range(3))
+    flat = np.cross(b - a, c - a)  # of length 1: every triangle is half of a unit square
+    np.testing.assert_allclose(cube.normals[cube.faces], flat[:, None].repeat(3, axis=1), atol=1e-6)
 
 
 def test_normals_missing_at_some_vertices_are_filled_in(tmp_path):
@@ -188,11 +191,17 @@ GLB = trimesh.Scene(trimesh.creation.box()).export(file_type="glb")
 DAMAGED = {
     "empty.obj": (b"", "is an empty file"),
     "empty.glb": (b"", "is an empty file"),
-    "prose.obj": (b"hello world\nf f f\n", "has no triangles"),
+    "prose.obj": (b"hello world\nf f f\n", "line 2: could not read the corner 'f'"),
     "points.obj": (b"v 0 0 0\nv 1 0 0\n", "has no triangles"),
-    "cut.obj": (TRIANGLE_OBJ.encode() + b"v 1 1", "could not parse line"),
-    "index.obj": (TRIANGLE_OBJ.replace("3\n", "99\n").encode(), "invalid vertex 99"),
-    "nan.obj": (TRIANGLE_OBJ.replace("v 1 0", "v nan 0").encode(), "invalid vertex position"),
+    "cut.obj": (TRIANGLE_OBJ.encode() + b"v 1 1", "line 5: could not read 'v 1 1'"),
+    "index.obj": (
+        TRIANGLE_OBJ.replace("3\n", "99\n").encode(),
+        "line 4: a face has a vertex that is not there",
+    ),
+    "nan.obj": (
+        TRIANGLE_OBJ.replace("v 1 0", "v nan 0").encode(),
+        "a vertex that is NaN or infinite",
+    ),
     "flat.obj": (b"v 1 2 3\n" * 3 + b"f 1 2 3\n", "has no extent"),
     "binary.obj": (bytes(range(256)) * 40, "has no triangles"),
     "cut.ply": (ply(POINTS, [[0, 1, 2]])[:-4], "cut short"),
@@ -200,8 +209,14 @@ DAMAGED = {
     "huge.ply": (ply(POINTS, [[0, 1, 2]], vertex_count=10**12), "cut short"),
     "index.ply": (ply(POINTS, [[0, 1, 77]]), "a vertex that is not there"),
     "index31.ply": (ply(POINTS, [[0, 1, 2**31 - 1]]), "a vertex that is not there"),
-    "nan.ply": (ply([[np.nan, 0, 0], *POINTS[1:]], [[0, 1, 2]]), "invalid vertex position"),
-    "inf.ply": (ply([[np.inf, 0, 0], *POINTS[1:]], [[0, 1, 2]]), "invalid vertex position"),
+    "nan.ply": (
+        ply([[np.nan, 0, 0], *POINTS[1:]], [[0, 1, 2]]),
+        "a vertex that is NaN or infinite",
+    ),
+    "inf.ply": (
+        ply([[np.inf, 0, 0], *POINTS[1:]], [[0, 1, 2]]),
+        "a vertex that is NaN or infinite",
+    ),
     "points.ply": (ply(POINTS, []), "has no triangles"),
     "cut.glb": (GLB[: len(GLB) // 2], "cut short"),
     "header.glb": (GLB[:10], "cut short"),
@@ -232,7 +247,7 @@ def test_glb_with_nan_is_an_error(tmp_path):
 def test_mesh_that_is_not_there_or_not_a_mesh_says_what_to_do(tmp_path):
     with pytest.raises(FileNotFoundError, match=r"no mesh file .*none\.obj"):
         user_mesh.load_mesh(tmp_path / "none.obj")
-    with pytest.raises(ValueError, match=r"must end in \.obj, \.ply, \.glb"):
+    with pytest.raises(ValueError, match=r"must end in \.obj, \.ply, \.stl, \.glb, \.gltf"):
         user_mesh.load_mesh(tmp_path / "scan.fbx")
     (tmp_path / "folder.obj").mkdir()
     with pytest.raises(ValueError, match="is not a file"):

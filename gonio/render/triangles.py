@@ -130,16 +130,21 @@ def rounded(corners: list[tuple[float, float, float]], steps: int = 8) -> tuple[
 
 
 def joined(parts: list[Triangles]) -> Triangles:
-    """Several meshes as one; normals and uvs survive only when all parts have them."""
+    """Several meshes as one; where only some have normals or uvs, the others' are zeros."""
     starts = np.cumsum([0, *(len(p.positions) for p in parts[:-1])])
 
-    def all_or_none(arrays: list[Floats | None]) -> Floats | None:
-        present = [a for a in arrays if a is not None]
-        return np.concatenate(present) if len(present) == len(arrays) else None
+    def together(arrays: list[Floats | None], width: int) -> Floats | None:
+        if all(a is None for a in arrays):
+            return None
+        sizes = [len(p.positions) for p in parts]
+        filled = [
+            np.zeros((n, width)) if a is None else a for a, n in zip(arrays, sizes, strict=True)
+        ]
+        return np.concatenate(filled)
 
     return Triangles(
         np.concatenate([p.positions for p in parts]),
         np.concatenate([p.faces + s for p, s in zip(parts, starts, strict=True)]),
-        all_or_none([p.normals for p in parts]),
-        all_or_none([p.uvs for p in parts]),
+        together([p.normals for p in parts], 3),
+        together([p.uvs for p in parts], 2),
     )

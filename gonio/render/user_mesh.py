@@ -2,46 +2,45 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from gonio.render.triangles import Floats, Triangles, joined
+from gonio.render import meshes
+from gonio.render.triangles import Floats, Ints, Triangles
 
 # The mesh of a user is scaled until its bounding sphere has this radius: a shape of any
 # proportions, seen from any side, then stays in the frame that the shader ball fills.
 MESH_RADIUS = 1.12
 
-MESH_FORMATS = (".obj", ".ply", ".glb")
+MESH_FORMATS = meshes.FORMATS
 
 
 def load_mesh(path: str | Path) -> Triangles:
-    """Reads .obj, .ply (Mitsuba's loaders) or .glb (trimesh, with the scene's transforms applied).
+    """Reads .obj, .ply, .stl, .glb or .gltf (see `gonio.render.meshes`).
 
-    A file without normals gets none here; see `with_normals`. Needs a Mitsuba variant to be set.
+    A file without normals gets none here; see `with_normals`.
     FileNotFoundError when there is no such file; ValueError with one line when it is not a mesh
     that can be drawn: unknown format, cut short, no triangles, an index or number out of bounds.
     """
     file = existing(path, "mesh", MESH_FORMATS)
     try:
-        mesh = _read_trimesh(file) if file.suffix.lower() == ".glb" else _read_native(file)
+        with np.errstate(all="ignore"):  # numbers that are not finite are found below
+            mesh = meshes.read(file)
     except MemoryError:
         raise ValueError(
             f"mesh {file} asks for more memory than there is; is it damaged?"
         ) from None
+    except meshes.RefusedError as error:
+        raise ValueError(f"cannot use mesh {file}: {error}") from None
     except Exception as error:
-        # The loaders raise many types (struct.error, KeyError, RuntimeError...) for damaged files.
+        # Damaged files raise many types (struct.error, KeyError, TypeError...) beside ValueError.
         raise ValueError(
             f"cannot read mesh {file}; is it damaged or cut short? The reader says: {reason(error)}"
         ) from error
     if len(mesh.faces) == 0 or len(mesh.positions) == 0:
         raise ValueError(f"mesh {file} has no triangles; is it cut short, or only points or lines?")
-    if mesh.faces.min() < 0 or mesh.faces.max() >= len(mesh.positions):
-        raise ValueError(
-            f"mesh {file} has a triangle with a vertex that is not there; export again"
-        )
     used = mesh.positions[mesh.faces.ravel()]
     if not np.isfinite(used).all():
         raise ValueError(
@@ -84,102 +83,17 @@ def existing(path: str | Path, what: str, formats: tuple[str, ...]) -> Path:
     return file
 
 
-def _read_native(file: Path) -> Triangles:
-    import mitsuba as mi
-
-    # Without normals in the file Mitsuba would average some, with indices that it does not check in
-    # a .ply: a damaged file would read foreign memory. So it is told not to; see with_normals.
-    kind = file.suffix.lower()[1:]
-    description = {
-        "type": kind,
-        "filename": str(file),
-        "face_normals": not (_obj_has_normals if kind == "obj" else _ply_has_normals)(file),
-    }
-    try:
-        return _arrays(mi.load_dict(description))
-    except RuntimeError as error:
-        polygons = kind == "ply" and "triangle" in str(error)  # quads, as Blender writes them
-        # An index that counts back from the last vertex, which Mitsuba takes for a huge one.
-        relative = kind == "obj" and "reference to invalid vertex 42949" in str(error)
-        if polygons or relative:
-            return _read_trimesh(file)
-        raise
-
-
-def _obj_has_normals(file: Path) -> bool:
-    """Whether every face of an .obj has normals (f 1//1 or 1/1/1); where only some have, Mitsuba
-    leaves the others' memory as it found it."""
-    found = False
-    with file.open("rb") as lines:
-        for line in lines:
-            if line.startswith(b"vn "):
-                found = True
-            elif line.startswith(b"f ") and line.count(b"/") < 2 * (len(line.split()) - 1):
-                return False
-    return found
-
-
-def _ply_has_normals(file: Path) -> bool:
-    with file.open("rb") as stream:
-        header = stream.read(65536).partition(b"end_header")[0]
-    return any(line.split()[2:] == [b"nx"] for line in header.splitlines())
-
-
-def _arrays(mesh: Any) -> Triangles:
-    def take(buffer: Any, columns: int) -> Floats:
-        return np.array(buffer, dtype=np.float64).reshape(-1, columns)
-
-    return Triangles(
-        take(mesh.vertex_positions_buffer(), 3),
-        np.array(mesh.faces_buffer(), dtype=np.int64).reshape(-1, 3),
-        take(mesh.vertex_normals_buffer(), 3) if mesh.has_vertex_normals() else None,
-        take(mesh.vertex_texcoords_buffer(), 2) if mesh.has_vertex_texcoords() else None,
-    )
-
-
-def _read_trimesh(file: Path) -> Triangles:
-    import trimesh
-
-    scene = trimesh.load(file, force="scene", process=False)
-    parts = []
-    for node in scene.graph.nodes_geometry:
-        transform, name = scene.graph[node]
-        geometry = scene.geometry[name]
-        if isinstance(geometry, trimesh.Trimesh) and len(geometry.faces):
-            parts.append(_from_trimesh(geometry, np.asarray(transform, dtype=np.float64)))
-    if not parts:
-        return Triangles(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64))
-    return joined(parts)
-
-
-def _from_trimesh(geometry: Any, transform: Floats) -> Triangles:
-    positions = np.asarray(geometry.vertices, dtype=np.float64)
-    faces = np.asarray(geometry.faces, dtype=np.int64)
-    linear = transform[:3, :3]
-    if np.linalg.det(linear) < 0:
-        faces = faces[:, ::-1]  # a mirrored node turns its triangles inside out
-    normals = None
-    # trimesh computes normals when asked; only those that came with the file are wanted here.
-    if "vertex_normals" in geometry._cache.cache:
-        normals = np.asarray(geometry.vertex_normals, dtype=np.float64) @ np.linalg.pinv(linear)
-        length = np.linalg.norm(normals, axis=1, keepdims=True)
-        normals = normals / np.where(length > 0, length, 1)
-    uv = getattr(geometry.visual, "uv", None)
-    uvs = None
-    if uv is not None and len(uv) == len(positions):
-        uvs = np.asarray(uv, dtype=np.float64) * [1, -1] + [0, 1]  # trimesh has v = 0 at the bottom
-    return Triangles(positions @ linear.T + transform[:3, 3], faces, normals, uvs)
-
-
-FLAT_COSINE = 0.87  # 30 degrees: see with_normals
+# Computed normals are smooth across edges up to this angle between two triangles, which rounds what was
+# modelled round (a tube of ten sides turns by 36 degrees) and keeps the edges of boxes and cut stones.
+CREASE_COSINE = float(np.cos(np.radians(40.0)))
+CROWD = 64  # more triangles around one point are a cap or a pole: smooth, or the pairs would be too many
 
 
 def with_normals(mesh: Triangles) -> Triangles:
-    """The mesh with unit normals: its own, or computed ones where it has none.
+    """The mesh with unit normals at its vertices: its own, or computed ones where it has none.
 
-    Computed normals are averages over the triangles at a vertex, by area. For a mesh that has none
-    at all they are dropped again (None: every triangle flat) when triangles lean from them by 30
-    degrees or more on average: that is a cube or a cut stone, and smoothing would show a cushion.
+    Computed normals are averages, by angle, over the triangles around a place. Where a mesh has none
+    at all, triangles that meet at more than 40 degrees are kept apart, and vertices doubled for it.
     """
     own = mesh.normals
     if own is not None:
@@ -188,25 +102,96 @@ def with_normals(mesh: Triangles) -> Triangles:
         own = np.where(usable, own, 0) / np.where(usable, length, 1)
         if usable.all():
             return replace(mesh, normals=own)
-    a, b, c = (mesh.positions[mesh.faces[:, k]] for k in range(3))
-    area_normal = np.cross(b - a, c - a)
-    total = np.zeros_like(mesh.positions)
-    # Corners at one place may be several vertices (uv seams, .stl-like soups): average over places.
+    # Corners at one place may be several vertices (uv seams, soups of triangles): average over places.
     _, place = np.unique(mesh.positions, axis=0, return_inverse=True)
-    place = place.reshape(-1)
-    for axis in range(3):
-        for corner in range(3):
-            total[:, axis] += np.bincount(
-                place[mesh.faces[:, corner]], area_normal[:, axis], minlength=len(total)
-            )
-    length = np.linalg.norm(total, axis=1, keepdims=True)
-    normals = (total / np.where(length > 0, length, 1))[place]
-    area = np.linalg.norm(area_normal, axis=1)
-    lean = np.einsum("ij,ikj->ik", area_normal, normals[mesh.faces]).mean(axis=1)
-    normals[length[place, 0] == 0] = (0.0, 1.0, 0.0)  # at a vertex without area: any unit vector
+    corner_place = place.reshape(-1)[mesh.faces].reshape(-1)
+    face_normal, angle = _face_normals_and_angles(mesh)
+    weighted = np.repeat(face_normal, 3, axis=0) * angle.reshape(-1, 1)
+    smooth = _unit(_sums(corner_place, weighted, len(mesh.positions)))
     if own is not None:
-        return replace(mesh, normals=np.where(usable, own, normals))
-    return mesh if lean.sum() < FLAT_COSINE * area.sum() else replace(mesh, normals=normals)
+        return replace(mesh, normals=np.where(usable, own, smooth[place.reshape(-1)]))
+    normals = smooth[corner_place]
+    apart = _creased(corner_place, np.repeat(face_normal, 3, axis=0), weighted, normals)
+    corner_normals = normals.copy()
+    corner_normals[apart.corners] = apart.normals
+    return _split(mesh, corner_normals, apart.corners)
+
+
+def _face_normals_and_angles(mesh: Triangles) -> tuple[Floats, Floats]:
+    """Unit normals (F, 3), zero where there is no area, and the angles (F, 3) of the corners."""
+    points = mesh.positions[mesh.faces]
+    ahead = np.roll(points, -1, axis=1) - points
+    size = np.linalg.norm(ahead, axis=-1, keepdims=True)
+    ahead = ahead / np.where(size > 0, size, 1)
+    back = -np.roll(ahead, 1, axis=1)
+    normal = _unit(np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0]), 0.0)
+    angle = np.arccos(np.clip(np.einsum("fck,fck->fc", ahead, back), -1, 1))
+    return normal, angle
+
+
+def _sums(index: Ints, vectors: Floats, count: int) -> Floats:
+    return np.stack(
+        [np.bincount(index, vectors[:, axis], minlength=count) for axis in range(3)], axis=-1
+    )
+
+
+def _unit(vectors: Floats, up: float = 1.0) -> Floats:
+    """Unit vectors; (0, up, 0) for those without length."""
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    good = length > 1e-12 * max(float(length.max(initial=0.0)), 1e-300)
+    return np.asarray(np.where(good, vectors / np.where(good, length, 1), [0.0, up, 0.0]))
+
+
+@dataclass(frozen=True)
+class _Apart:
+    """Corners whose normals are not the average of their place, and what they are instead."""
+
+    corners: Ints
+    normals: Floats
+
+
+def _creased(place: Ints, flat: Floats, weighted: Floats, smooth: Floats) -> _Apart:
+    """Averages over only those triangles around a corner that meet its own within the crease angle."""
+    has_area = np.abs(flat).max(axis=1) > 0
+    # Within half the angle of the average all are within the angle of each other.
+    half = np.sqrt((1 + CREASE_COSINE) / 2)
+    leaning = has_area & (np.einsum("ck,ck->c", flat, smooth) < half)
+    count = np.bincount(place)
+    sharp = np.zeros(len(count), bool)
+    sharp[place[leaning]] = True
+    sharp &= count <= CROWD
+    corners = np.flatnonzero(sharp[place])
+    corners = corners[np.argsort(place[corners], kind="stable")]
+    normals = np.zeros((len(corners), 3))
+    sizes = count[place[corners]]
+    for size in np.unique(sizes):
+        rows = np.flatnonzero(sizes == size).reshape(-1, size)
+        for chunk in np.array_split(rows, -(-rows.size * int(size) // (1 << 21))):
+            here = corners[chunk]
+            near = np.einsum("pik,pjk->pij", flat[here], flat[here]) >= CREASE_COSINE
+            normals[chunk] = np.einsum("pij,pjk->pik", near, weighted[here])
+    # A triangle without area has no side of its own.
+    found = np.linalg.norm(normals, axis=1, keepdims=True) > 0
+    return _Apart(corners, np.where(found, _unit(normals), smooth[corners]))
+
+
+def _split(mesh: Triangles, corner_normals: Floats, apart: Ints) -> Triangles:
+    """The mesh with normals; vertices are doubled whose corners have different ones."""
+    faces = mesh.faces.reshape(-1).copy()
+    normals = np.zeros_like(mesh.positions)
+    normals[:, 1] = 1
+    normals[faces] = corner_normals
+    rounded = np.round(corner_normals[apart] * 1e6).astype(np.int64)
+    key = np.concatenate([faces[apart, None], rounded], axis=1)
+    _, first, new = np.unique(key, axis=0, return_index=True, return_inverse=True)
+    doubled = faces[apart[first]]
+    faces[apart] = len(mesh.positions) + new.reshape(-1)
+    return Triangles(
+        np.concatenate([mesh.positions, mesh.positions[doubled]]),
+        faces.reshape(-1, 3),
+        np.concatenate([normals, corner_normals[apart[first]]]),
+        None if mesh.uvs is None else np.concatenate([mesh.uvs, mesh.uvs[doubled]]),
+    )
 
 
 UP_AXES = ("y", "z")
