@@ -5,16 +5,15 @@ from __future__ import annotations
 import difflib
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from gonio.images import Pixels
 from gonio.render.ball import BALL_CENTRE, direction
-from gonio.render.triangles import Floats, Triangles, grid_faces, lathe, rounded
-from gonio.render.user_mesh import existing, reason
-
-IMAGE_FORMATS = (".exr", ".hdr")
-HALF_MAX = 65504.0  # largest half float: what an overflowed sun pixel (inf) stood for
-
+from gonio.render.light_picture import IMAGE_FORMATS, ground_colour, read_light
+from gonio.render.triangles import Floats, Triangles, grid_faces, lathe
+from gonio.render.user_mesh import existing
 
 Colour = tuple[float, float, float]
 Nodes = dict[str, object]
@@ -104,10 +103,34 @@ def _sweep() -> Triangles:
     )
 
 
-def _turntable(radius: float, segments: int = 256) -> Triangles:
-    """A flat round slab with its top at y = 0."""
-    corners = [(0.0, 0.0, 0.0), (radius, 0.0, 0.03), (radius, -0.1, 0.02), (0.0, -0.1, 0.0)]
-    return lathe(*rounded(corners), segments)
+def _disk(radius: float, segments: int = 256) -> Triangles:
+    """A flat round plate at y = 0; v runs from its middle to its rim."""
+    profile = np.array([(0.0, 0.0), (radius, 0.0)])
+    return lathe(profile, np.array([(0.0, 1.0), (0.0, 1.0)]), segments)
+
+
+# Radii between which ground fades into what is behind it: outside of what an object shades.
+FADE_FROM, FADE_TO = 1.7, 6.5
+
+
+def fading_ground(colour: Colour) -> Any:
+    """Matte ground around the object that dissolves into the light behind it, without an edge."""
+    import mitsuba as mi
+
+    r = np.linspace(0, FADE_TO, 512)
+    t = np.clip((r - FADE_FROM) / (FADE_TO - FADE_FROM), 0, 1)
+    opacity = (
+        1 - t * t * (3 - 2 * t)
+    ) ** 2  # most of the way is thin, where it is seen at grazing angles
+    texture = {
+        "type": "bitmap",
+        "bitmap": mi.Bitmap(opacity.astype(np.float32)[:, None, None]),
+        "raw": True,
+        "wrap_mode": "clamp",
+    }
+    matte = {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": rgb(colour)}}
+    mask = {"type": "mask", "opacity": texture, "bsdf": matte}
+    return _disk(FADE_TO).to_mitsuba("ground", mask)
 
 
 def grey(value: float) -> Nodes:
@@ -117,10 +140,6 @@ def grey(value: float) -> Nodes:
 
 def _studio_ground() -> Nodes:
     return {"ground": _sweep().to_mitsuba("ground", grey(GROUND_GREY))}
-
-
-def _table_ground() -> Nodes:
-    return {"ground": _turntable(2.6).to_mitsuba("ground", grey(GROUND_GREY))}
 
 
 KEY, WARM, COOL = (1.0, 0.975, 0.94), (1.0, 0.94, 0.86), (0.9, 0.95, 1.0)
@@ -167,7 +186,7 @@ def _side() -> Nodes:
 
 def _white() -> Nodes:
     """Radiance 1 from everywhere."""
-    return {"surround": surround(1.0), **_table_ground()}
+    return {"surround": surround(1.0), "ground": fading_ground((0.85, 0.85, 0.85))}
 
 
 def _sunsky() -> Nodes:
@@ -188,7 +207,7 @@ def _sunsky() -> Nodes:
             "sky_scale": SKY_SCALE,
             "sun_scale": SKY_SCALE,
         },
-        "ground": _turntable(120.0).to_mitsuba("ground", grey(GROUND_GREY)),
+        "ground": _disk(120.0).to_mitsuba("ground", grey(GROUND_GREY)),
     }
 
 
@@ -204,16 +223,34 @@ ENVIRONMENTS: dict[str, Callable[[], Nodes]] = {
 }
 
 
-def environment_nodes(environment: str | Path, turn: float = 0.0) -> Nodes:
+def environment_nodes(environment: str | Path, turn: float = 0.0, view: float = 0.0) -> Nodes:
     """Lights and ground as scene nodes, by name (see ENVIRONMENTS) or from an .exr or .hdr file.
 
     turn: degrees about the vertical by which a picture is turned; its middle is behind the object.
-    Infinite pixels count as the largest half float and negative ones as 0. ValueError for an
-    unknown name or a file that is no picture, FileNotFoundError for one that does not exist.
+    view: azimuth of the camera in degrees; the ground gets the colour of what is seen behind it.
+    ValueError for an unknown name or a file that is no picture (see `read_light`), FileNotFoundError
+    for one that does not exist.
     """
     name = str(environment)
-    if isinstance(environment, str) and name in ENVIRONMENTS:
+    if is_own(environment):
+        if turn:
+            raise ValueError(f"environment {name!r} is not a picture that could be turned")
         return ENVIRONMENTS[name]()
+    pixels = picture_of(environment)
+    return {
+        "sky": _picture_light(pixels, turn),
+        "ground": fading_ground(ground_colour(pixels, turn - view)),
+    }
+
+
+def is_own(environment: str | Path) -> bool:
+    """Whether this is the name of one of gonio's own environments, not a file."""
+    return isinstance(environment, str) and environment in ENVIRONMENTS
+
+
+def picture_of(environment: str | Path) -> Pixels:
+    """The radiance of an environment file; errors as `environment_nodes` has them."""
+    name = str(environment)
     if Path(name).suffix == "" and not Path(name).is_file():
         near = difflib.get_close_matches(name, ENVIRONMENTS, n=1)
         guess = f"did you mean {near[0]!r}? Known" if near else "known"
@@ -221,27 +258,12 @@ def environment_nodes(environment: str | Path, turn: float = 0.0) -> Nodes:
             f"no environment {name!r}; {guess}: {', '.join(ENVIRONMENTS)}, or a path to an "
             f"{' or '.join(IMAGE_FORMATS)} file"
         )
-    return {"sky": _picture_light(Path(name), turn), **_table_ground()}
+    return read_light(existing(name, "environment", IMAGE_FORMATS))
 
 
-def _picture_light(path: Path, turn: float) -> Nodes:
+def _picture_light(pixels: Pixels, turn: float) -> Nodes:
     import mitsuba as mi
 
-    file = existing(path, "environment", IMAGE_FORMATS)
-    try:
-        bitmap = mi.Bitmap(str(file)).convert(
-            mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, srgb_gamma=False
-        )
-        pixels = np.array(bitmap, dtype=np.float32)
-    except Exception as error:
-        raise ValueError(
-            f"cannot read environment {file}; is it damaged? The reader says: {reason(error)}"
-        ) from error
-    if np.isnan(pixels).any():
-        raise ValueError(f"environment {file} has NaN pixels; repair it in an image editor")
-    pixels = np.clip(pixels, 0, HALF_MAX)
-    if min(pixels.shape[:2]) < 2 or not pixels.max() > 0:
-        raise ValueError(f"environment {file} has no light in it")
     return {
         "type": "envmap",
         "bitmap": mi.Bitmap(pixels),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +11,8 @@ import numpy as np
 
 from gonio.render.ball import BALL_CENTRE, CORE_RADIUS, direction, pedestal, shell, sphere
 from gonio.render.light import Nodes, environment_nodes, grey, rgb, surround
+from gonio.render.meshes.uvs import projected
+from gonio.render.triangles import Floats
 from gonio.render.user_mesh import load_mesh, on_stage, with_normals
 
 MAX_PIXELS = 16384  # per side; more is a slip of the keyboard and would take all memory
@@ -20,18 +24,24 @@ FURNACE_DEPTH = 256  # at 64 a white cavity still keeps a tenth of its light
 FIELD_OF_VIEW = 20.0  # degrees, of the shorter side: a long lens, so that the ball stays round
 
 
-def _sensor(size: tuple[int, int], spp: int, target: float) -> Nodes:
-    """Looks down a little at (0, target, 0)."""
+VIEW = (
+    0.0,
+    13.0,
+)  # azimuth and elevation of the camera, in degrees: from the front, a little above
+BALL_DISTANCE = 9.6
+FILLED = 0.84  # of the frame's width or height, by a mesh seen in it
+
+
+def _sensor(size: tuple[int, int], spp: int, place: Floats, target: Floats, zoom: float) -> Nodes:
     import mitsuba as mi
 
-    middle = np.array([0.0, target, 0.0])
-    place = middle + 9.6 * direction(0, 13)
+    half = np.tan(np.radians(FIELD_OF_VIEW) / 2) / zoom
     return {
         "type": "perspective",
-        "fov": FIELD_OF_VIEW,
+        "fov": float(np.degrees(2 * np.arctan(half))),
         "fov_axis": "smaller",
         "to_world": mi.ScalarTransform4f().look_at(
-            origin=place.tolist(), target=middle.tolist(), up=[0, 1, 0]
+            origin=place.tolist(), target=target.tolist(), up=[0, 1, 0]
         ),
         "film": {
             "type": "hdrfilm",
@@ -41,8 +51,34 @@ def _sensor(size: tuple[int, int], spp: int, target: float) -> Nodes:
             "component_format": "float32",
             "rfilter": {"type": "gaussian"},
         },
-        "sampler": {"type": "multijitter", "sample_count": spp},
+        # Strata are rows and columns: a square number is not rounded up with a warning.
+        "sampler": {"type": "multijitter", "sample_count": (math.isqrt(spp - 1) + 1) ** 2},
     }
+
+
+def _fitted(points: Floats, view: tuple[float, float], size: tuple[int, int]) -> Floats:
+    """From where all points are inside of the frame and reach FILLED of it, across or up; (3,).
+
+    A plane through the camera and an edge of the frame leaves all points on one side: the farthest of
+    them along its normal says how far back the camera must be, exactly.
+    """
+    towards = direction(*view)
+    right = np.cross([0.0, 1.0, 0.0], towards)
+    right /= np.linalg.norm(right)
+    up = np.cross(towards, right)
+    depth = points @ -towards  # along the view
+    shorter = min(size)
+    half = FILLED * np.tan(np.radians(FIELD_OF_VIEW) / 2)
+    back = np.inf
+    centre = []
+    for axis, extent in ((right, size[0]), (up, size[1])):
+        slope = half * extent / shorter
+        across = points @ axis
+        high, low = np.max(across - slope * depth), np.max(-across - slope * depth)
+        back = min(back, -(high + low) / (2 * slope))
+        centre.append((high - low) / 2)
+    # `back` is measured along the view, from the origin: a negative number stands before the object.
+    return np.asarray(centre[0] * right + centre[1] * up - back * towards)
 
 
 def _check_size(size: tuple[int, int]) -> tuple[int, int]:
@@ -79,15 +115,26 @@ def shader_ball(
     max_depth: int = 12,
     up: str = "y",
     turn: float = 0.0,
+    uv: str | None = None,
+    textured: Sequence[str] = (),
     environment_turn: float = 0.0,
+    camera: tuple[float, float] = VIEW,
+    zoom: float = 1.0,
+    ground: bool = True,
+    transparent: bool = False,
 ) -> Nodes:
     """A scene for `mitsuba.load_dict` that shows a material.
 
     bsdf: a Mitsuba material as a dict. It goes on the shader ball's shell and core, or on the mesh:
-    an .obj, .ply or .glb file, scaled to the ball's size, `up` its vertical axis ("y" or "z"),
+    a file that `load_mesh` reads, scaled to the ball's size, `up` its vertical axis ("y" or "z"),
     turned by `turn` degrees; there it is made two-sided, since cloth and scans are open surfaces.
+    uv: "box" or "sphere" to project texture coordinates on the mesh in place of its own.
+    textured: what on the material needs texture coordinates, for the error where there are none.
     environment: a name in ENVIRONMENTS or an .exr or .hdr file, turned by `environment_turn`
     degrees. size: (width, height) in pixels. spp: samples per pixel the scene asks for.
+    camera: azimuth (to the right of the front) and elevation in degrees. zoom: a longer lens.
+    ground: False to leave it out. transparent: leave out the ground and what is behind, and give
+    the picture an alpha channel.
     furnace: only the object, in radiance 1 from everywhere; a material that loses no light cannot
     be seen against the background.
 
@@ -101,19 +148,32 @@ def shader_ball(
     size = _check_size(size)
     if spp < 1 or max_depth < 1:
         raise ValueError(f"spp and max_depth must be at least 1, not {spp} and {max_depth}")
+    ground = ground and not transparent
+    _check_view(camera, zoom, ground and not furnace)
     material = mi.load_dict(bsdf)
     scene: Nodes = {"type": "scene"}
     if mesh is None:
+        if uv is not None:
+            raise ValueError("uv is for a mesh; the shader ball has texture coordinates")
         middle = (0.0, BALL_CENTRE, 0.0)
         scene["shell"] = shell().moved(middle).to_mitsuba("shell", material)
         scene["core"] = sphere(CORE_RADIUS).moved(middle).to_mitsuba("core", material)
-        target = BALL_CENTRE if furnace else BALL_CENTRE - 0.06
+        target = np.array([0.0, BALL_CENTRE if furnace else BALL_CENTRE - 0.06, 0.0])
+        place = target + BALL_DISTANCE * direction(*camera)
         if not furnace:
             scene["pedestal"] = pedestal().to_mitsuba("pedestal", grey(0.12))
     else:
         shape = with_normals(on_stage(load_mesh(mesh), up, turn))
+        if uv is not None:
+            shape = projected(shape, uv)
+        elif textured and shape.uvs is None:
+            raise ValueError(
+                f"mesh {mesh} has no texture coordinates, and {' and '.join(textured)} of the material "
+                "needs them; use --uv box or --uv sphere to have some"
+            )
         scene["mesh"] = shape.to_mitsuba("mesh", _for_both_sides(material))
-        target = float(shape.positions[np.unique(shape.faces), 1].max()) / 2
+        place = _fitted(shape.positions[np.unique(shape.faces)], camera, size)
+        target = place - direction(*camera)
     if furnace:
         # Russian roulette would only add noise: nothing is lost, so no path is worth cutting.
         integrator = {"type": "path", "max_depth": FURNACE_DEPTH, "rr_depth": FURNACE_DEPTH}
@@ -123,7 +183,25 @@ def shader_ball(
         scene["off"] = {"type": "point", "position": [0, 9, 0], "intensity": rgb(0.0)}
     else:
         integrator = {"type": "path", "max_depth": max_depth, "rr_depth": 3}
-        scene.update(environment_nodes(environment, environment_turn))
+        scene.update(environment_nodes(environment, environment_turn, camera[0]))
+    if not ground:
+        scene.pop("ground", None)
     scene["integrator"] = integrator
-    scene["sensor"] = _sensor(size, spp, target)
+    scene["sensor"] = _sensor(size, spp, place, target, zoom)
+    if transparent:
+        integrator["hide_emitters"] = True
+        scene["sensor"]["film"]["pixel_format"] = "rgba"  # type: ignore[index]
     return scene
+
+
+def _check_view(camera: tuple[float, float], zoom: float, ground: bool) -> None:
+    if not (np.isfinite(camera).all() and -90 < camera[1] < 90):
+        raise ValueError(
+            f"camera is an azimuth and an elevation between -90 and 90 degrees, not {camera}"
+        )
+    if ground and camera[1] < 0:
+        raise ValueError(
+            f"a camera at {camera[1]:g} degrees is below the ground and sees nothing; leave the ground out"
+        )
+    if not 0.05 <= zoom <= 100:
+        raise ValueError(f"zoom={zoom} is out of range; allowed is 0.05 to 100")

@@ -1,0 +1,286 @@
+"""Picture files, read with care: numbers as they are stored, or one sentence on what is wrong.
+
+OpenEXR's own library reads .exr, because channels, layers and windows are told apart there; Pillow reads
+and checks the usual formats; Mitsuba reads Radiance's .hdr, .pfm, and .png of 16 bits, of which Pillow
+keeps eight.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import struct
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Pixels = NDArray[np.float32]
+
+# What a picture may hold; above it a slip or an attack is likelier than a picture (16384 x 16384).
+MAX_PIXELS = 1 << 28
+
+LINEAR_FORMATS = (".exr", ".hdr", ".pfm")
+CODED_FORMATS = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".bmp", ".tga", ".ppm", ".pgm")
+FORMATS = CODED_FORMATS + LINEAR_FORMATS
+
+
+class ImageError(ValueError):
+    """Why a picture file cannot be used; the caller knows which file it is and what it is for."""
+
+
+@dataclass(frozen=True)
+class Image:
+    """A picture's numbers.
+
+    pixels: (height, width, channels): 1 for grey, 3 for RGB, and one more where there is alpha.
+    linear: whether colours are linear light, or (False) coded as sRGB, from 0 to 1.
+    halves: whether numbers above 65504 were stored as infinite.
+    """
+
+    pixels: Pixels
+    linear: bool
+    halves: bool = False
+
+    @property
+    def colours(self) -> int:
+        """1 for grey or 3 for RGB, without alpha."""
+        return 1 if self.pixels.shape[2] <= 2 else 3
+
+    def linear_rgb(self) -> Pixels:
+        """Linear RGB without alpha, (height, width, 3)."""
+        rgb = self.pixels[..., : self.colours]
+        if self.colours == 1:
+            rgb = np.repeat(rgb, 3, axis=2)
+        return rgb if self.linear else from_srgb(rgb)
+
+    def channel(self, name: str) -> Pixels:
+        """One channel ("r", "g", "b", "a"), or the "luminance" of the linear colours; (height, width).
+
+        Raises:
+            ImageError: the picture does not have it.
+        """
+        if name == "luminance":
+            return np.asarray(self.linear_rgb() @ np.float32([0.2126, 0.7152, 0.0722]), np.float32)
+        names = {1: "r", 2: "ra", 3: "rgb", 4: "rgba"}[self.pixels.shape[2]]
+        if self.colours == 1 and name in "gb":
+            raise ImageError(f"it is grey and has no channel {name}")
+        if name not in names:
+            raise ImageError(f"it has no channel {name}; it has {', '.join(names)}")
+        return self.pixels[..., names.index(name)]
+
+
+def from_srgb(coded: Pixels) -> Pixels:
+    """Linear light of sRGB codes from 0 to 1 (IEC 61966-2-1)."""
+    low = coded / np.float32(12.92)
+    high = ((np.maximum(coded, 0) + np.float32(0.055)) / np.float32(1.055)) ** np.float32(2.4)
+    return np.asarray(np.where(coded <= 0.04045, low, high), np.float32)
+
+
+def read_image(path: Path) -> Image:
+    """Read a picture by its suffix.
+
+    Raises:
+        ImageError: it is not there, cut short, not a picture, too large, or of a kind that is not read.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in FORMATS:
+        raise ImageError(f"the name must end in {', '.join(FORMATS)}")
+    if not path.is_file():
+        raise ImageError("there is no such file" if not path.exists() else "it is not a file")
+    try:
+        if path.stat().st_size == 0:
+            raise ImageError("it is an empty file")
+        if suffix == ".exr":
+            return _read_exr(path)
+        if suffix in LINEAR_FORMATS:
+            return _read_mitsuba(path)
+        return _read_pillow(path)
+    except ImageError:
+        raise
+    except MemoryError:
+        raise ImageError("it asks for more memory than there is; is it damaged?") from None
+    except OSError as error:
+        raise ImageError(error.strerror or f"is it damaged? {_short(error)}") from None
+    except Exception as error:  # readers raise many types for damaged files
+        raise ImageError(f"is it damaged? The reader says: {_short(error)}") from None
+
+
+def _short(error: Exception) -> str:
+    """The part of a reader's message that tells something, on one line."""
+    text = " ".join(str(error).split()) or type(error).__name__
+    return re.sub(r".*(?:Error while loading|bitmap)[^:]*: ", "", text).rstrip("!. ")
+
+
+# ------------------------------------------------------------------------------------ usual formats
+
+
+def _read_pillow(path: Path) -> Image:
+    import PIL.Image
+    from PIL import UnidentifiedImageError
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with PIL.Image.open(path) as picture:
+                _check_size(*picture.size)
+                picture.verify()  # a .png that is cut short is only found out here
+            with PIL.Image.open(path) as picture:
+                picture.load()
+                return _pillow_pixels(picture, path)
+    except UnidentifiedImageError:
+        raise ImageError("it is not a picture of any kind that is known") from None
+    except PIL.Image.DecompressionBombError:
+        raise ImageError("it claims more pixels than a picture has; is it damaged?") from None
+    except (OSError, SyntaxError, struct.error) as error:
+        raise ImageError(f"it is cut short or damaged ({_short(error)})") from None
+
+
+def _pillow_pixels(picture: Any, path: Path) -> Image:
+    mode = picture.mode
+    if mode in ("CMYK", "YCbCr", "LAB", "HSV"):
+        raise ImageError(
+            f"its colours are {mode}, which mean nothing without a profile; save it in sRGB"
+        )
+    if mode in ("I;16", "I;16B", "I;16L", "I"):  # .pgm of 16 bits comes as I
+        return Image(np.asarray(picture, np.float32)[..., None] / np.float32(65535), False)
+    if mode == "F":
+        return Image(np.asarray(picture, np.float32)[..., None], True)
+    if path.suffix.lower() == ".png" and _png_depth(path) == 16:
+        return Image(_read_mitsuba(path).pixels, False)
+    alpha = mode in ("LA", "La", "RGBA", "RGBa", "PA") or "transparency" in picture.info
+    grey = mode in ("1", "L", "LA", "La")
+    wanted = ("LA" if alpha else "L") if grey else ("RGBA" if alpha else "RGB")
+    codes = np.asarray(picture.convert(wanted), np.float32) / np.float32(255)
+    return Image(codes if codes.ndim == 3 else codes[..., None], False)
+
+
+def _png_depth(path: Path) -> int:
+    with path.open("rb") as stream:
+        head = stream.read(25)
+    return head[24] if len(head) == 25 else 0
+
+
+def _check_size(width: int, height: int) -> None:
+    if width < 1 or height < 1 or width * height > MAX_PIXELS:
+        raise ImageError(
+            f"it claims {width} x {height} pixels, more than the {MAX_PIXELS} that are read; is it damaged?"
+        )
+
+
+def _read_mitsuba(path: Path) -> Image:
+    import mitsuba as mi
+
+    with path.open("rb") as stream:
+        head = stream.read(4096)
+    if path.suffix.lower() == ".hdr" and b"32-bit_rle_xyze" in head:
+        raise ImageError("its colours are XYZ, not RGB; convert it with 'ra_xyze -r'")
+    if size := re.search(rb"[-+]Y (\d+) [-+]X (\d+)\n", head):
+        _check_size(int(size[2]), int(size[1]))
+    bitmap = mi.Bitmap(str(path))
+    codes = np.array(bitmap)
+    if codes.ndim == 2:
+        codes = codes[..., None]
+    scale = np.float32(1 / np.iinfo(codes.dtype).max) if codes.dtype.kind == "u" else np.float32(1)
+    return Image(codes.astype(np.float32) * scale, True)
+
+
+# ------------------------------------------------------------------------------------------ OpenEXR
+
+
+def _read_exr(path: Path) -> Image:
+    import OpenEXR
+
+    with path.open("rb") as stream:
+        if stream.read(4) != b"\x76\x2f\x31\x01":
+            raise ImageError("it is not an OpenEXR file")
+    for part in OpenEXR.File(str(path), header_only=True).parts:
+        for window in ("dataWindow", "displayWindow"):
+            low, high = part.header[window]
+            _check_size(*(int(b) - int(a) + 1 for a, b in zip(low, high, strict=True)))
+    with _quiet():
+        opened = OpenEXR.File(str(path), separate_channels=True)
+    with opened as file:
+        found = []
+        layers: list[str] = []
+        for part in file.parts:
+            if "deep" in str(part.header.get("type", "")):
+                raise ImageError("it holds deep pixels; flatten it")
+            if not part.channels:  # the library only warns
+                raise ImageError("it is cut short or damaged: its pixels cannot be read")
+            chosen, others = _colour_channels([str(name) for name in part.channels])
+            layers += others
+            if chosen:
+                found.append((part, chosen))
+        if not found:
+            seen = ", ".join(sorted(layers)) or ", ".join(file.parts[0].channels)
+            raise ImageError(
+                f"which of its channels are the picture is not clear: it has {seen}; "
+                "save the one that is meant as R, G, B"
+            )
+        part, chosen = found[0]  # further parts are layers, or the other eye
+        channels = [part.channels[name] for name in chosen]
+        if any(c.xSampling != 1 or c.ySampling != 1 for c in channels):
+            raise ImageError("its colours have less pixels than its brightness; save it as R, G, B")
+        halves = all(c.pixels.dtype == np.float16 for c in channels)
+        pixels = np.stack([np.asarray(c.pixels, np.float32) for c in channels], axis=-1)
+        return Image(_placed(pixels, part.header), True, halves)
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep the library from writing about a damaged file; what is wrong is told by an exception."""
+    with open(os.devnull, "w") as nowhere:  # noqa: SIM117
+        with contextlib.redirect_stdout(nowhere), contextlib.redirect_stderr(nowhere):
+            kept = os.dup(2)
+            os.dup2(nowhere.fileno(), 2)
+            try:
+                yield
+            finally:
+                os.dup2(kept, 2)
+                os.close(kept)
+
+
+def _colour_channels(names: list[str]) -> tuple[list[str], list[str]]:
+    """The channels of the picture among all, and else the layers among which a choice is needed."""
+    by_layer: dict[str, dict[str, str]] = {}
+    for name in names:
+        layer, _, channel = name.rpartition(".")
+        by_layer.setdefault(layer, {})[channel.upper()] = name
+    coloured = {
+        layer: [channels[c] for c in "RGBA" if c in channels]
+        for layer, channels in by_layer.items()
+        if {"R", "G", "B"} <= set(channels)
+    }
+    if "" in coloured:
+        return coloured[""], []
+    if len(coloured) == 1:
+        return next(iter(coloured.values())), []
+    root = by_layer.get("", {})
+    if not coloured and "Y" in root and not {"RY", "BY"} & set(root):
+        return [root["Y"]], []
+    if len(names) == 1:
+        return names, []
+    return [], list(coloured) or names
+
+
+def _placed(pixels: Pixels, header: dict[str, Any]) -> Pixels:
+    """The picture in its display window: black where there are no data, without what lies outside."""
+    (x0, y0), (x1, y1) = (map(int, corner) for corner in header["displayWindow"])
+    (left, top), (right, bottom) = (map(int, corner) for corner in header["dataWindow"])
+    if (left, top, right, bottom) == (x0, y0, x1, y1):
+        return pixels
+    result = np.zeros((y1 - y0 + 1, x1 - x0 + 1, pixels.shape[2]), np.float32)
+    low_x, high_x = max(left, x0), min(right, x1) + 1
+    low_y, high_y = max(top, y0), min(bottom, y1) + 1
+    if low_x < high_x and low_y < high_y:
+        result[low_y - y0 : high_y - y0, low_x - x0 : high_x - x0] = pixels[
+            low_y - top : high_y - top, low_x - left : high_x - left
+        ]
+    return result
