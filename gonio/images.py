@@ -31,6 +31,9 @@ CODED_FORMATS = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".bmp", ".tg
 FORMATS = CODED_FORMATS + LINEAR_FORMATS
 
 
+LUMINANCE = (0.2126, 0.7152, 0.0722)  # of linear sRGB, ITU-R BT.709
+
+
 class ImageError(ValueError):
     """Why a picture file cannot be used; the caller knows which file it is and what it is for."""
 
@@ -67,7 +70,7 @@ class Image:
             ImageError: the picture does not have it.
         """
         if name == "luminance":
-            return np.asarray(self.linear_rgb() @ np.float32([0.2126, 0.7152, 0.0722]), np.float32)
+            return np.asarray(self.linear_rgb() @ np.array(LUMINANCE, np.float32), np.float32)
         names = {1: "r", 2: "ra", 3: "rgb", 4: "rgba"}[self.pixels.shape[2]]
         if self.colours == 1 and name in "gb":
             raise ImageError(f"it is grey and has no channel {name}")

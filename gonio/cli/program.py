@@ -8,6 +8,7 @@ import io
 import json
 import pkgutil
 import sys
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,6 +17,7 @@ from typing import Any
 import click
 
 import gonio
+from gonio.notices import Notice
 
 
 class Program(click.Group):
@@ -37,7 +39,8 @@ class Program(click.Group):
             _make_writable(sys.stdout)
             # Not standalone: click would print errors its own way. It still ends the process, quietly
             # and with code 1, when nobody reads its output any more.
-            code = super().main(given, "gonio", complete_var, False, **extra)
+            with _notices():
+                code = super().main(given, "gonio", complete_var, False, **extra)
         except (KeyboardInterrupt, click.Abort):
             click.echo("gonio: interrupted", err=True)
             sys.exit(128 + 2)  # as a program that SIGINT ends
@@ -69,6 +72,23 @@ class Program(click.Group):
             did = f"did you mean {near[0]!r}? " if near else ""
             raise click.UsageError(f"no command {args[0]!r}; {did}'gonio --help' shows all.")
         return super().resolve_command(ctx, args)
+
+
+@contextmanager
+def _notices() -> Iterator[None]:
+    """Print what Python code gets as a warning of gonio's in one line, each time it happens."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", Notice)
+        others = warnings.showwarning
+
+        def show(message: Any, category: Any, *where: Any, **more: Any) -> None:
+            if issubclass(category, Notice):
+                click.echo(f"gonio: note: {message}", err=True)
+            else:
+                others(message, category, *where, **more)
+
+        warnings.showwarning = show
+        yield
 
 
 def _one_line(error: Exception) -> str:

@@ -43,7 +43,7 @@ def render(
     Args:
         material: what to show: a model, a material, or a stack of layers, which is the truth.
         environment: "studio", "sun", "front", "side", "white", "sunsky", or a path to .exr or .hdr.
-        mesh: a path to .obj, .ply or .glb instead of the ball.
+        mesh: a path to .obj, .ply, .stl, .glb or .gltf instead of the ball.
         furnace: put the object into radiance 1 from everywhere; what loses no energy disappears.
         diffusion: how long a millimetre is in the scene's units, to let the light in skin wander on the
             screen (see `gonio.render.diffusion`); 0 for other materials.

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from gonio.images import ImageError, Pixels, read_image
+from gonio.images import LUMINANCE, ImageError, Pixels, read_image
 from gonio.notices import notice
 
 Floats = NDArray[np.float64]
@@ -137,7 +137,7 @@ def exposure(pixels: Pixels) -> float:
     phi = index * np.pi * (3 - np.sqrt(5))  # evenly spread, by the golden angle
     r = np.sqrt(1 - y * y)
     normals = np.stack([r * np.cos(phi), y, r * np.sin(phi)], axis=-1)
-    luminance = irradiance_on(pixels, normals) @ [0.2126, 0.7152, 0.0722]
+    luminance = irradiance_on(pixels, normals) @ LUMINANCE
     return float(np.log2(WHITE * np.pi / luminance.max()))
 
 

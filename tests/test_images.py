@@ -1,0 +1,211 @@
+"""Picture files: what they hold, or one sentence on what is wrong with them."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from pathlib import Path
+from typing import Any
+
+import mitsuba as mi
+import numpy as np
+import OpenEXR
+import pytest
+from PIL import Image
+
+from gonio.images import ImageError, read_image
+
+
+def exr(path: Path, channels: dict[str, Any], **header: Any) -> Path:
+    start = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    # Arrays of their own: the library keeps names with arrays that it has written before.
+    own = {name: values.copy() for name, values in channels.items()}
+    OpenEXR.File({**start, **header}, own).write(str(path))
+    return path
+
+
+def plane(value: float, shape: tuple[int, int] = (2, 4), kind: Any = np.float32) -> Any:
+    return np.full(shape, value, kind)
+
+
+RGB = {"R": plane(0.25), "G": plane(0.5), "B": plane(0.75)}
+
+
+# ---------------------------------------------------------------------------------------- OpenEXR
+
+
+@pytest.mark.parametrize(
+    "channels",
+    [
+        RGB,
+        RGB | {"Z": plane(9), "id": np.ones((2, 4), np.uint32), "diffuse.R": plane(7)},
+        {f"beauty.{c}": p for c, p in RGB.items()},
+        {c.lower(): p for c, p in RGB.items()},
+        {c: p.astype(np.float16) for c, p in RGB.items()},
+    ],
+    ids=["plain", "more channels", "one layer", "lower case", "half"],
+)
+def test_the_colours_are_found_among_all_channels(tmp_path: Path, channels: Any) -> None:
+    image = read_image(exr(tmp_path / "a.exr", channels))
+    np.testing.assert_array_equal(image.pixels, np.full((2, 4, 3), [0.25, 0.5, 0.75]))
+    assert image.linear
+
+
+def test_one_channel_is_grey_and_alpha_is_apart(tmp_path: Path) -> None:
+    image = read_image(exr(tmp_path / "y.exr", {"Y": plane(0.5)}))
+    np.testing.assert_array_equal(image.linear_rgb(), np.full((2, 4, 3), 0.5))
+    image = read_image(exr(tmp_path / "a.exr", RGB | {"A": plane(0.125)}))
+    assert image.colours == 3
+    np.testing.assert_array_equal(image.channel("a"), 0.125)
+
+
+def test_layers_among_which_a_choice_is_needed_are_named(tmp_path: Path) -> None:
+    channels = {f"{layer}.{c}": p for layer in ("diffuse", "coat") for c, p in RGB.items()}
+    with pytest.raises(ImageError, match="not clear: it has coat, diffuse"):
+        read_image(exr(tmp_path / "a.exr", channels))
+    with pytest.raises(ImageError, match="not clear: it has"):
+        read_image(exr(tmp_path / "b.exr", {"N.X": plane(0), "N.Y": plane(0)}))
+
+
+def test_a_data_window_is_placed_in_the_display_window(tmp_path: Path) -> None:
+    low = np.array([1, 1], np.int32)
+    window = {
+        "dataWindow": (low, low + np.array([3, 1], np.int32)),
+        "displayWindow": (np.zeros(2, np.int32), np.array([5, 2], np.int32)),
+    }
+    image = read_image(exr(tmp_path / "a.exr", RGB, **window))
+    expected = np.zeros((3, 6, 3), np.float32)
+    expected[1:3, 1:5] = [0.25, 0.5, 0.75]
+    np.testing.assert_array_equal(image.pixels, expected)
+    window["displayWindow"] = (np.array([2, 0], np.int32), np.array([3, 1], np.int32))
+    image = read_image(exr(tmp_path / "b.exr", RGB, **window))  # data outside of what is shown
+    assert image.pixels.shape == (2, 2, 3)
+    np.testing.assert_array_equal(image.pixels[:, 0, 0], [0, 0.25])
+
+
+# ---------------------------------------------------------------------------------- usual formats
+
+
+@pytest.mark.parametrize("suffix", [".png", ".tif", ".webp", ".bmp", ".tga", ".ppm"])
+def test_usual_formats_are_the_same_numbers(tmp_path: Path, suffix: str) -> None:
+    codes = np.array([[[255, 128, 0], [10, 20, 30]]], np.uint8).repeat(4, axis=0)
+    lossless = {"lossless": True} if suffix == ".webp" else {}
+    Image.fromarray(codes).save(tmp_path / f"a{suffix}", **lossless)
+    image = read_image(tmp_path / f"a{suffix}")
+    assert not image.linear
+    np.testing.assert_allclose(image.pixels, codes / 255, atol=1e-6)
+    # IEC 61966-2-1: code 128 is linear 0.21586
+    assert image.linear_rgb()[0, 0, 1] == pytest.approx(0.21586, abs=1e-5)
+
+
+def test_palettes_grey_alpha_and_sixteen_bits_are_read(tmp_path: Path) -> None:
+    colour = Image.new("RGB", (3, 2), (255, 0, 51))
+    colour.quantize().save(tmp_path / "p.png")
+    np.testing.assert_allclose(read_image(tmp_path / "p.png").pixels[0, 0], [1, 0, 0.2], atol=1e-6)
+    Image.new("L", (3, 2), 51).save(tmp_path / "l.png")
+    assert read_image(tmp_path / "l.png").pixels.shape == (2, 3, 1)
+    Image.new("LA", (3, 2), (51, 102)).save(tmp_path / "la.png")
+    assert read_image(tmp_path / "la.png").channel("a")[0, 0] == pytest.approx(0.4)
+    values = np.array([[0, 1, 65535]], np.uint16)
+    Image.fromarray(values).save(tmp_path / "g16.png")
+    np.testing.assert_allclose(read_image(tmp_path / "g16.png").pixels[0, :, 0], values[0] / 65535)
+    mi.Bitmap(values[..., None].repeat(3, axis=2)).write(str(tmp_path / "rgb16.png"))
+    read = read_image(tmp_path / "rgb16.png")
+    np.testing.assert_allclose(read.pixels[0, :, 1], values[0] / 65535, atol=1e-7)
+    assert not read.linear
+
+
+def test_channels_are_taken_by_name_or_missed_by_name(tmp_path: Path) -> None:
+    Image.new("RGB", (2, 2), (0, 51, 102)).save(tmp_path / "a.png")
+    image = read_image(tmp_path / "a.png")
+    assert image.channel("g")[0, 0] == pytest.approx(0.2)
+    # BT.709 luminance of the linear colours
+    linear = [0, ((0.2 + 0.055) / 1.055) ** 2.4, ((0.4 + 0.055) / 1.055) ** 2.4]
+    assert image.channel("luminance")[0, 0] == pytest.approx(
+        np.dot([0.2126, 0.7152, 0.0722], linear), rel=1e-5
+    )
+    with pytest.raises(ImageError, match="no channel a; it has r, g, b"):
+        image.channel("a")
+    Image.new("L", (2, 2)).save(tmp_path / "l.png")
+    with pytest.raises(ImageError, match="it is grey"):
+        read_image(tmp_path / "l.png").channel("g")
+
+
+# ------------------------------------------------------------------------------------ what is wrong
+
+
+def png(width: int, height: int, data: bytes) -> bytes:
+    def chunk(kind: bytes, body: bytes) -> bytes:
+        return (
+            struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+        )
+
+    head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", data) + chunk(b"IEND", b"")
+
+
+@pytest.mark.parametrize(
+    ("name", "make", "reason"),
+    [
+        ("none.png", None, "there is no such file"),
+        ("empty.png", lambda: b"", "an empty file"),
+        ("text.png", lambda: b"just some words", "not a picture"),
+        (
+            "bomb.png",
+            lambda: png(100_000, 100_000, b""),
+            "claims more pixels|claims 100000 x 100000",
+        ),
+        ("bomb.exr", "huge window", "claims 1000000 x 1000000"),
+        ("text.exr", lambda: b"just some words", "not an OpenEXR file"),
+        ("text.hdr", lambda: b"just some words", "is it damaged"),
+        ("bomb.hdr", lambda: b"#?RADIANCE\n\n-Y 1000000 +X 2000000\n", "claims 2000000 x 1000000"),
+        ("a.gif", lambda: b"GIF89a", "must end in"),
+        ("cut.exr", "cut", "cut short or damaged|is it damaged"),
+    ],
+)
+def test_what_is_wrong_is_one_sentence(tmp_path: Path, name: str, make: Any, reason: str) -> None:
+    path = tmp_path / name
+    if make == "cut":
+        noise = np.random.default_rng(0).random((64, 64)).astype(np.float32)
+        exr(path, dict.fromkeys("RGB", noise))
+        path.write_bytes(path.read_bytes()[:-2000])
+    elif make == "huge window":
+        exr(path, RGB)
+        size = struct.pack("<4i", 0, 0, 999_999, 999_999)
+        path.write_bytes(path.read_bytes().replace(struct.pack("<4i", 0, 0, 3, 1), size))
+    elif make is not None:
+        path.write_bytes(make())
+    with pytest.raises(ImageError, match=reason) as error:
+        read_image(path)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(("kind", "suffix"), [("RGB", ".png"), ("RGB", ".jpg"), ("L", ".tif")])
+@pytest.mark.parametrize("share", [0.3, 0.9])
+def test_files_that_are_cut_short_are_found_out(
+    tmp_path: Path, kind: str, suffix: str, share: float
+) -> None:
+    shape = (32, 32, 3) if kind == "RGB" else (32, 32)
+    noise = np.random.default_rng(1).integers(0, 255, shape).astype(np.uint8)
+    path = tmp_path / f"a{suffix}"
+    Image.fromarray(noise).save(path)
+    path.write_bytes(path.read_bytes()[: int(share * path.stat().st_size)])
+    with pytest.raises(ImageError, match=r"cut short or damaged|not a picture"):
+        read_image(path)
+
+
+def test_colours_for_print_are_refused(tmp_path: Path) -> None:
+    Image.new("CMYK", (4, 4), (0, 99, 0, 0)).save(tmp_path / "a.jpg")
+    with pytest.raises(ImageError, match=r"colours are CMYK.*save it in sRGB"):
+        read_image(tmp_path / "a.jpg")
+
+
+def test_a_damaged_picture_leaves_the_terminal_quiet(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    noise = np.random.default_rng(0).random((64, 64)).astype(np.float32)
+    path = exr(tmp_path / "a.exr", dict.fromkeys("RGB", noise))
+    path.write_bytes(path.read_bytes()[:3000])
+    with pytest.raises(ImageError):
+        read_image(path)
+    assert capfd.readouterr() == ("", "")
