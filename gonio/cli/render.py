@@ -32,7 +32,9 @@ from gonio.cli.program import (
 )
 @environment_option
 @click.option("--furnace", is_flag=True, help="Radiance 1 from everywhere: shows lost energy.")
-@click.option("--mesh", metavar="FILE", help="A mesh (.obj, .ply, .stl, .glb, .gltf) instead of the ball.")
+@click.option(
+    "--mesh", metavar="FILE", help="A mesh (.obj, .ply, .stl, .glb, .gltf) instead of the ball."
+)
 @click.option("--up", type=click.Choice(["y", "z"]), default="y", help="The mesh's vertical axis.")
 @click.option("--turn", type=float, default=0.0, metavar="DEG", help="Turn the mesh.")
 @click.option(

@@ -21,7 +21,9 @@ from gonio.cli.program import (
 @click.argument("name", metavar="NAME")
 @environment_option
 @click.option("--furnace", is_flag=True, help="Radiance 1 from everywhere: shows lost energy.")
-@click.option("--mesh", metavar="FILE", help="A mesh (.obj, .ply, .stl, .glb, .gltf) instead of the ball.")
+@click.option(
+    "--mesh", metavar="FILE", help="A mesh (.obj, .ply, .stl, .glb, .gltf) instead of the ball."
+)
 @click.option("--up", type=click.Choice(["y", "z"]), default="y", help="The mesh's vertical axis.")
 @click.option("--turn", type=float, default=0.0, metavar="DEG", help="Turn the mesh.")
 @spp_option(36)
