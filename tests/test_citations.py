@@ -6,12 +6,15 @@ import inspect
 import re
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
+from click.testing import CliRunner
 
 import gonio
 from gonio import citations
 from gonio.citations import CitationError
+from gonio.cli import main
 from gonio.materials import model_file
 
 OWN_MODEL = '''"""Doubts: a model of nothing.
@@ -131,3 +134,38 @@ def test_a_source_that_the_bibliography_lacks_keeps_its_own_words(tmp_path: Path
 def test_a_model_without_a_source_is_an_error_that_says_so(tmp_path: Path) -> None:
     with pytest.raises(CitationError, match=r"doubts names no source.*begins with 'Source:'"):
         citations.of_model(own_model(tmp_path, "It came to us in a dream."))
+
+
+# --- the command ------------------------------------------------------------------------------------
+
+
+def cite(*arguments: str) -> Any:
+    return CliRunner().invoke(main, ["cite", *arguments])
+
+
+def cited(text: str) -> list[str]:
+    return re.findall(r"^@\w+\{(\w+)", text, re.MULTILINE)
+
+
+def test_the_command_prints_each_publication_once() -> None:
+    result = cite("eon", "lacquered_walnut")
+    assert result.exit_code == 0, result.output
+    assert cited(result.output) == ["portsmouth2025", "elek2010", "weidlich2007"]
+
+
+def test_the_command_takes_files_and_parts(tmp_path: Path) -> None:
+    (tmp_path / "dull.toml").write_text('model = "ue4"\n', encoding="utf-8")
+    assert cited(cite(str(tmp_path / "dull.toml")).output) == ["karis2013"]
+    assert "walter2007" in cited(cite(str(tmp_path / "dull.toml"), "--parts").output)
+    path = tmp_path / "sources.bib"
+    assert cite("phong", "-o", str(path)).exit_code == 0
+    assert cited(path.read_text(encoding="utf-8")) == ["phong1975", "lafortune1994"]
+
+
+def test_the_command_says_what_is_wrong(tmp_path: Path) -> None:
+    own_model(tmp_path, "It came to us in a dream.")
+    for argument, reason in (("eom", "eon"), (str(tmp_path / "doubts.py"), "names no source")):
+        result = cite(argument)
+        assert result.exit_code == 1
+        assert reason in result.output
+        assert len(result.output.strip().splitlines()) == 1
