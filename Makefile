@@ -37,6 +37,7 @@ bench: $(VENV)/.installed
 
 golden: $(VENV)/.installed
 	$(BIN)/python tools/make_golden.py
+	$(BIN)/python tools/make_stubs.py
 
 layers: $(VENV)/.installed
 	$(BIN)/python tools/make_layers_page.py

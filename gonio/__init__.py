@@ -7,7 +7,10 @@
 `import gonio.mitsuba` registers every model as a Mitsuba 3 BSDF; `gonio --help` shows the command line.
 """
 
-from typing import TYPE_CHECKING, Any
+import importlib
+import importlib.util
+import pkgutil
+from typing import Any
 
 from gonio import backend
 
@@ -22,9 +25,6 @@ from gonio.lang import Sample  # noqa: E402
 # functions win as attributes because they are bound after both modules have been imported.
 from gonio.model import Model, child, model, models, option, param  # noqa: E402
 from gonio.version import __version__  # noqa: E402
-
-if TYPE_CHECKING:
-    from gonio.render import render as render
 
 __all__ = [
     "BackendError",
@@ -43,16 +43,16 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Model classes by name (`gonio.EON`), and functions whose modules load only when used."""
-    if name == "render":
-        from gonio.render import render
-
-        return render
+    """Model classes by name (`gonio.EON`), and modules (`gonio.check`), which load only when used."""
     for cls in models().values():
         if cls.__name__ == name:
             return cls
+    if not name.startswith("_") and importlib.util.find_spec(f"gonio.{name}") is not None:
+        return importlib.import_module(f"gonio.{name}")
     raise AttributeError(f"module 'gonio' has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:
-    return sorted([*__all__, *(cls.__name__ for cls in models().values())])
+    modules = (info.name for info in pkgutil.iter_modules(__path__))
+    classes = (cls.__name__ for cls in models().values())
+    return sorted({*__all__, *modules, *classes})

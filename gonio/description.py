@@ -27,7 +27,7 @@ def describe(name: str) -> dict[str, Any]:
         "name": cls.name,
         "class": cls.__name__,
         "title": notes.pop("title"),
-        "description": inspect.getdoc(cls) or "",
+        "description": cls.description,
         "source": notes.pop("source", None),
         "notes": notes,
         "parameters": [
@@ -73,7 +73,7 @@ def describe(name: str) -> dict[str, Any]:
 
 def summary(cls: type[Model]) -> str:
     """What a model is, in one line: the first of its class's docstring."""
-    return (inspect.getdoc(cls) or "").partition("\n")[0]
+    return cls.description.partition("\n")[0]
 
 
 def module_notes(docstring: str) -> dict[str, str]:

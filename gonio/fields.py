@@ -79,6 +79,16 @@ class Parameter:
         """Whether a value is the default."""
         return not is_array(value) and bool(value == self.default)
 
+    def key(self, value: Any) -> Any:
+        """What two values share if and only if they are the same; arrays are if they are one object."""
+        if is_array(value):
+            return id(value)
+        return value if isinstance(value, tuple) else (value,) * self.width
+
+    def explained(self) -> str:
+        """Meaning, range and default in one line."""
+        return f"{self.doc}; {self.range_text()}, default {shown(self.default)}"
+
 
 @dataclass
 class Option:
@@ -104,6 +114,27 @@ class Option:
     def is_default(self, value: Any) -> bool:
         """Whether a value is the default."""
         return bool(value == self.default)
+
+    def key(self, value: str) -> str:
+        """What two values share if and only if they are the same."""
+        return value
+
+    def range_text(self) -> str:
+        """The allowed values for people."""
+        return ", ".join(repr(value) for value in self.values)
+
+    def explained(self) -> str:
+        """Meaning, values and default in one line."""
+        return f"{self.doc}; {self.range_text()}; default {self.default!r}"
+
+
+def shown(value: Any) -> str:
+    """A parameter's value in a few characters: numbers with seven digits, arrays by their shape."""
+    if is_array(value):
+        return f"array of shape {tuple(value.shape)}"
+    if isinstance(value, tuple):
+        return f"({', '.join(map(shown, value))})"
+    return f"{value:.7g}" if isinstance(value, float) else repr(value)
 
 
 def is_array(value: Any) -> bool:

@@ -16,9 +16,9 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self, get_type_hints
 
-from gonio import arrays, quadrature
+from gonio import arrays, notebook, quadrature
 from gonio.claims import Claims
-from gonio.fields import ModelError, Option, Parameter
+from gonio.fields import ModelError, Option, Parameter, shown
 from gonio.lang import MU_MIN, Color, Float, Sample, Vec2, Vec3, select, vec2, vec3
 
 
@@ -42,7 +42,19 @@ class Child:
 
     def is_default(self, value: Model) -> bool:
         """Whether a value is the default model with its default parameters."""
-        return repr(value) == repr(model(self.default))
+        return value == model(self.default)
+
+    def key(self, value: Model) -> Model:
+        """What two values share if and only if they are the same."""
+        return value
+
+    def range_text(self) -> str:
+        """What is allowed, for people."""
+        return "a model or its name"
+
+    def explained(self) -> str:
+        """Meaning and default in one line."""
+        return f"{self.doc}; {self.range_text()}, default {self.default!r}"
 
 
 Field = Parameter | Option | Child
@@ -89,6 +101,8 @@ class Model:
 
     fields: ClassVar[Mapping[str, Field]] = {}
     name: ClassVar[str] = ""
+    description: ClassVar[str] = ""
+    """The docstring as the class has it; `__doc__` explains the parameters as well."""
     caveats: ClassVar[tuple[str, ...]] = ()
     """What is known to be wrong with the model, each with its size; for people."""
     claims: ClassVar[Claims] = Claims()
@@ -122,6 +136,8 @@ class Model:
                     declared.default = declared.check(cls.name, declared.default)
                 cls.fields[name] = declared
                 delattr(cls, name)
+        cls.description = inspect.cleandoc(vars(cls).get("__doc__") or cls.description)
+        cls.__doc__ = "\n".join([cls.description, *_explained(cls.fields)])
         for name, guard in _GUARDS.items():
             if name in vars(cls):
                 setattr(cls, name, _contract(vars(cls)[name], guard))
@@ -177,6 +193,33 @@ class Model:
             if not declared.is_default(getattr(self, name))
         )
         return f"{type(self).__name__}({', '.join(given)})"
+
+    def __eq__(self, other: object) -> bool:
+        """Whether it is the same model with the same parameters; arrays have to be the same objects."""
+        if not isinstance(other, Model):
+            return NotImplemented
+        return type(self) is type(other) and self._key() == other._key()
+
+    def __hash__(self) -> int:
+        """Equal models have equal hashes."""
+        return hash((type(self), self._key()))
+
+    def _key(self) -> tuple[Any, ...]:
+        return tuple(f.key(getattr(self, name)) for name, f in self.fields.items())
+
+    def _repr_html_(self) -> str:
+        """A table of the parameters, for notebooks."""
+        heads = ("parameter", "value", "allowed", "meaning")
+        return notebook.table(type(self).__name__, self.description, heads, self._rows())
+
+    def _rows(self, prefix: str = "") -> Iterator[tuple[str, ...]]:
+        for name, declared in self.fields.items():
+            value = getattr(self, name)
+            inside = isinstance(value, Model)
+            text = type(value).__name__ if inside else shown(value)
+            yield prefix + name, text, declared.range_text(), declared.doc
+            if inside:
+                yield from value._rows(f"{prefix}{name}.")
 
     def replace(self, **changed: Any) -> Self:
         """Return a copy with some parameters or options changed."""
@@ -268,6 +311,14 @@ class Model:
         if keep:
             self._bound[Float] = bound
         return bound
+
+
+def _explained(fields: Mapping[str, Field]) -> Iterator[str]:
+    """Lines of a docstring that say what the parameters mean."""
+    if fields:
+        yield from ("", "Parameters:")
+    for name, declared in fields.items():
+        yield f"    {name}: {declared.explained()}"
 
 
 def _suggest(name: str, known: Mapping[str, Any]) -> str:

@@ -2,7 +2,7 @@
 
     from gonio import check
     reports = check.check_model(gonio.model("qon"), effort="quick")
-    print("\n".join(check.table(reports)))
+    print(reports)                             # a table; in a notebook, `reports` alone shows one
 
 Every module here is one check, `check(subject, effort) -> Report`; `CHECKS` is all of them.
 """
@@ -28,7 +28,18 @@ from gonio.check import (
     sampling,
 )
 from gonio.check.adversarial import hard_pairs, places
-from gonio.check.report import EFFORTS, PASS, Effort, Finding, Report, data, junit, summary, table
+from gonio.check.report import (
+    EFFORTS,
+    PASS,
+    Effort,
+    Finding,
+    Report,
+    Reports,
+    data,
+    junit,
+    summary,
+    table,
+)
 from gonio.check.subject import ModelSubject, Subject, evaluate
 from gonio.check.variants import options
 from gonio.model import Model, models
@@ -39,6 +50,7 @@ __all__ = [
     "Finding",
     "ModelSubject",
     "Report",
+    "Reports",
     "Subject",
     "check_all",
     "check_model",
@@ -96,7 +108,7 @@ def check_subjects(
     effort: str | Effort = "normal",
     only: Iterable[str] = (),
     progress: Progress | None = None,
-) -> list[Report]:
+) -> Reports:
     """Run all checks, or `only` those named, and put what belongs together into one report each."""
     level = EFFORTS[effort] if isinstance(effort, str) else effort
     chosen = {name: CHECKS[name] for name in (list(only) or CHECKS)}
@@ -125,7 +137,7 @@ def check_subjects(
                 seconds=found[key].seconds + report.seconds,
             )
         found[key] = report
-    return [report for report in found.values() if report.findings]
+    return Reports(report for report in found.values() if report.findings)
 
 
 def check_model(
@@ -136,7 +148,7 @@ def check_model(
     only: Iterable[str] = (),
     label: str | None = None,
     progress: Progress | None = None,
-) -> list[Report]:
+) -> Reports:
     """Check a model over its whole range and all options, or one with some parameters `fixed`.
 
     Args:
@@ -172,7 +184,7 @@ def check_all(
     effort: str | Effort = "normal",
     only: Iterable[str] = (),
     progress: Progress | None = None,
-) -> Iterator[tuple[str, list[Report], float]]:
+) -> Iterator[tuple[str, Reports, float]]:
     """Check every registered model; yields name, reports and seconds as they come."""
     registered = models()
     for done, (name, cls) in enumerate(registered.items()):

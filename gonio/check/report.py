@@ -9,6 +9,7 @@ from decimal import Decimal
 from typing import Any
 from xml.etree import ElementTree
 
+from gonio import notebook
 from gonio.check.subject import Subject, finite, known_size
 
 PASS, NOTE, KNOWN, FAIL = "pass", "note", "known", "FAIL"
@@ -135,11 +136,25 @@ def _rounding(size: float) -> float:
     return 0.505 * 10.0 ** int(exponent) if int(exponent) < 0 else 1e-3 * size
 
 
+class Reports(list[Report]):
+    """What all checks have found; prints as a table, in notebooks as well."""
+
+    def __str__(self) -> str:
+        """The table and its sum, as `gonio check` prints them."""
+        return "\n".join([*table(self), summary(self)])
+
+    def _repr_html_(self) -> str:
+        """The same for notebooks."""
+        heads = ("check", "measures", "measured", "verdict", "allowed, and where")
+        names = ", ".join(dict.fromkeys(report.model for report in self))
+        return notebook.table(f"gonio check {names}", summary(self), heads, _rows(self))
+
+
 # --- as text -------------------------------------------------------------------------------------
 
 
-def table(reports: Sequence[Report]) -> Iterator[str]:
-    """The lines of a table: what was as it should be in one line each, everything else in full."""
+def _rows(reports: Sequence[Report]) -> list[tuple[str, str, str, str, str]]:
+    """Check, measure, size, verdict and words: one row for all that is as it should be."""
     rows: list[tuple[str, str, str, str, str]] = []
     for report in reports:
         by_what: dict[str, list[Finding]] = {}
@@ -160,6 +175,12 @@ def table(reports: Sequence[Report]) -> Iterator[str]:
                     text = tag + finding.text
                     rows.append((name, what, _size(finding.measured), finding.verdict, text))
                     name = ""
+    return rows
+
+
+def table(reports: Sequence[Report]) -> Iterator[str]:
+    """The lines of a table: what was as it should be in one line each, everything else in full."""
+    rows = _rows(reports)
     widths = [max((len(row[i]) for row in rows), default=0) for i in range(4)]
     for row in rows:
         cells = (f"{cell:<{width}}" for cell, width in zip(row[:4], widths, strict=True))

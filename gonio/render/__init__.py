@@ -19,7 +19,8 @@ from gonio.materials import Material
 from gonio.model import Model
 from gonio.reference import Stack
 from gonio.render.diffusion import diffuse_on_screen
-from gonio.render.passes import Pixels, Progress, integrate, ready_mitsuba
+from gonio.render.passes import Progress, integrate, ready_mitsuba
+from gonio.render.picture import Picture
 from gonio.render.stage import TESTED, shader_ball
 
 Shown = Model | Material | Stack
@@ -37,7 +38,7 @@ def render(
     seed: int = 0,
     progress: Progress | None = None,
     **stage: Any,
-) -> Pixels:
+) -> Picture:
     """Render a model or material on the shader ball, or on a mesh of the user's.
 
     Args:
@@ -79,7 +80,7 @@ def render(
 
     loaded = load(material)
     if not diffusion:
-        return integrate(loaded, spp, seed, progress)
+        return integrate(loaded, spp, seed, progress).view(Picture)
     without = load(_without_diffuse(material))
 
     def half(first: int) -> Progress:
@@ -92,7 +93,7 @@ def render(
     full = integrate(loaded, spp, seed, half(0))
     glossy = integrate(without, spp, seed, half(1))
     spread = diffuse_on_screen(full - glossy, *_seen(loaded), millimetre=diffusion)
-    return np.asarray(glossy + spread, np.float32)
+    return np.asarray(glossy + spread, np.float32).view(Picture)
 
 
 def _without_diffuse(material: Shown) -> Shown:
@@ -168,7 +169,7 @@ def _growth(positions: bytes, faces: bytes, real: Any, integer: Any) -> Any:
 class _Callable(types.ModuleType):
     """This package is the function as well: `gonio.render("gold")` however it was imported."""
 
-    def __call__(self, *arguments: Any, **named: Any) -> Pixels:
+    def __call__(self, *arguments: Any, **named: Any) -> Picture:
         return render(*arguments, **named)
 
 

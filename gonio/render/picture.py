@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,20 @@ from gonio.model import Model
 from gonio.render.passes import Pixels
 
 FORMATS = (".png", ".exr")
+
+
+class Picture(np.ndarray[Any, np.dtype[np.float32]]):
+    """Linear pixels (height, width, 3): an array as any other, which notebooks show as a picture."""
+
+    def _repr_png_(self) -> bytes | None:
+        """The picture in sRGB, clipped; None for what is no picture any more, such as one channel."""
+        if self.ndim != 3 or self.shape[2] != 3 or 0 in self.shape:
+            return None
+        from PIL import Image
+
+        file = io.BytesIO()
+        Image.fromarray(to_srgb(self, exposure=0.0)).save(file, "PNG")
+        return file.getvalue()
 
 
 def describe(material: Model | Material) -> str:
@@ -140,7 +155,7 @@ def to_srgb(pixels: Pixels, exposure: float) -> NDArray[np.uint8]:
     """8-bit sRGB of linear pixels, clipped, after an exposure in stops."""
     import mitsuba as mi
 
-    scaled = np.ascontiguousarray(pixels * np.float32(2.0**exposure))
+    scaled = np.ascontiguousarray(np.asarray(pixels, np.float32) * np.float32(2.0**exposure))
     bitmap = mi.Bitmap(scaled).convert(
         mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.UInt8, srgb_gamma=True
     )

@@ -13,11 +13,11 @@ from gonio.files import replacing
 from gonio.materials import Material
 from gonio.model import Model
 from gonio.render import Shown, render
-from gonio.render.passes import Pixels, Progress
-from gonio.render.picture import BACKGROUND, captioned, describe, to_srgb, write_picture
+from gonio.render.passes import Progress
+from gonio.render.picture import BACKGROUND, Picture, captioned, describe, to_srgb, write_picture
 
 
-def compare(rows: Sequence[Mapping[str, Any]], columns: Sequence[Shown], **common: Any) -> Pixels:
+def compare(rows: Sequence[Mapping[str, Any]], columns: Sequence[Shown], **common: Any) -> Picture:
     """Render several materials side by side, once for each row.
 
     Args:
@@ -43,7 +43,7 @@ def compare(rows: Sequence[Mapping[str, Any]], columns: Sequence[Shown], **commo
     width = len(columns)
     return np.concatenate(
         [np.concatenate(pictures[i : i + width], axis=1) for i in range(0, cells, width)]
-    )
+    ).view(Picture)
 
 
 def write_sheet(

@@ -9,7 +9,8 @@ from typing import Any
 
 from gonio.materials import Material
 from gonio.model import Model
-from gonio.render.passes import Pixels, Progress, integrate, ready_mitsuba
+from gonio.render.passes import Progress, integrate, ready_mitsuba
+from gonio.render.picture import Picture
 
 
 def render_scene(
@@ -20,7 +21,7 @@ def render_scene(
     spp: int | None = None,
     seed: int = 0,
     progress: Progress | None = None,
-) -> Pixels:
+) -> Picture:
     """Render the user's own Mitsuba scene with some of its materials replaced.
 
     Args:
@@ -61,7 +62,7 @@ def render_scene(
         spp = int(loaded.sensors()[0].sampler().sample_count()) if loaded.sensors() else 0
     if not loaded.sensors():
         raise ValueError(f"{path} has no <sensor>; add one to say from where to look.")
-    return integrate(loaded, spp, seed, progress)
+    return integrate(loaded, spp, seed, progress).view(Picture)
 
 
 def _assign(root: ET.Element, assign: Mapping[str, Model | Material], path: Path) -> None:
