@@ -59,13 +59,13 @@ class Parameter:
                 f"{model}: {self.name} takes {'one or three numbers' if self.width == 3 else 'one number'}"
                 f", got {value!r}."
             )
+        values = tuple(rounded_end(float(v), self.low, self.high) for v in values)
         for v in values:
-            if not self.lowest <= float(v) <= self.highest:  # NaN fails this as well
+            if not self.lowest <= v <= self.highest:  # NaN fails this as well
                 raise ModelError(
                     f"{model}: {self.name}={value!r} is out of range; allowed is {self.range_text()}."
                 )
-        numbers = tuple(float(v) for v in values)
-        return numbers if len(numbers) > 1 else numbers[0]
+        return values if len(values) > 1 else values[0]
 
     def range_text(self) -> str:
         """The range for people, such as "0 to 1" or "at least 0"."""
@@ -135,6 +135,20 @@ def shown(value: Any) -> str:
     if isinstance(value, tuple):
         return f"({', '.join(map(shown, value))})"
     return f"{value:.7g}" if isinstance(value, float) else repr(value)
+
+
+# Digits with which people write an end of a range that has no short decimal: 1.571, 1.5708 for pi / 2.
+ROUNDED_DIGITS = range(4, 9)
+
+
+def rounded_end(value: float, low: float, high: float) -> float:
+    """The end of a range that a value outside is the rounding of; else the value."""
+    if low <= value <= high:
+        return value
+    for end in (low, high):
+        if any(value == float(f"{end:.{digits}g}") for digits in ROUNDED_DIGITS):
+            return end
+    return value
 
 
 def is_array(value: Any) -> bool:

@@ -35,6 +35,28 @@ def test_fresnel_is_the_table_of_the_material() -> None:
     assert np.load("fresnel.npy").shape == (9, 3)
 
 
+def test_a_distribution_over_even_angles_loses_sharp_highlights() -> None:
+    # Elek, CESCG 2010, Figure 4: the linear mapping against u^8
+    errors = {}
+    for exponent in ("1", "8"):
+        result = run(
+            "bake",
+            "distribution",
+            "beckmann",
+            "--exponent",
+            exponent,
+            "--size",
+            "128",
+            "-o",
+            "d.npy",
+        )
+        table = tables.distribution_table("beckmann", 128, float(exponent))
+        error = tables.distribution_error(table, "beckmann", float(exponent))
+        assert f"largest error {error.largest:.2g} of the peak" in result.stdout
+        errors[exponent] = error.largest
+    assert errors["1"] > 10 * errors["8"]
+
+
 def test_distribution_says_how_wrong_it_is() -> None:
     result = run("bake", "distribution", "ggx", "--size", "64", "-o", "d.exr")
     assert "d.exr: largest error" in result.stdout

@@ -292,9 +292,14 @@ def test_doctor_ends_with_1_when_nothing_computes(monkeypatch):
         (("plot", "eon", "-o", "x.gif"), 1, "'x.gif': its name must end in .png, .svg, .pdf or"),
         (("plot", "eon", "-o", "no/x.png"), 1, "cannot write 'no/x.png': no folder 'no'."),
         (("plot", "eon", "--theta-o", "30;60"), 1, "--theta-o 30;60 is not a list of degrees"),
+        (("plot", "eon", "--phi", "0,90"), 1, "the polar plot takes one plane phi; the cartesian"),
+        (("plot", "eon", "--log"), 1, "the polar plot has no log; it takes theta_o, phi, cosine"),
+        (("plot", "eon", "-k", "fresnel"), 1, "eon has no Fresnel terms of its own to plot;"),
+        (("plot", "eon", "-k", "error"), 1, "the error plot needs at least two models"),
+        (("plot", "qon:sigma=pi/5e9x"), 1, "qon: sigma=pi/5e9x is not a number; allowed is 0 to"),
         (("plot", "eon", "--vary", "roughness"), 1, "--vary roughness is not NAME=A,B,..., such"),
         (("plot", "eon:roughness=1", "--vary", "roughness=0"), 1, "roughness is given twice."),
-        (("plot", "eon", "-k", "pie"), 2, "'pie' is not one of 'polar', 'albedo', 'surface'"),
+        (("plot", "eon", "-k", "pie"), 2, "'pie' is not one of polar, cartesian, surface"),
         (("convert", "2", "--from", "alpha", "--to", "r"), 1, "alpha 2 is out of range; allowed"),
         (("convert", "2", "--from", "gloss", "--to", "r"), 1, "known are perceptual, alpha,"),
     ],
@@ -391,3 +396,28 @@ def test_errors_of_the_installed_program_go_to_stderr():
     assert done.stderr == (
         "gonio: error: no model 'eonn'; did you mean 'eon'? 'gonio list' shows all.\n"
     )
+
+
+@pytest.mark.parametrize(
+    ("text", "sigma"),
+    [
+        ("pi/2", math.pi / 2),
+        ("1.5708", math.pi / 2),
+        ("1.571", math.pi / 2),
+        ("pi/4", math.pi / 4),
+        ("3pi/8", 3 * math.pi / 8),
+        ("0.25*pi", math.pi / 4),
+        ("0.785", 0.785),
+        ("1.57", 1.57),
+    ],
+)
+def test_angles_may_be_written_as_people_write_them(text, sigma):
+    assert parse_model(f"qon:sigma={text}").sigma == sigma
+
+
+@pytest.mark.parametrize(
+    "text", ["qon:sigma=1.6", "qon:sigma=pi", "eon:roughness=1.0001", "qon:sigma=pi/0"]
+)
+def test_what_is_no_rounding_of_a_range_s_end_is_refused(text):
+    with pytest.raises(gonio.ModelError, match="allowed is 0 to"):
+        parse_model(text)

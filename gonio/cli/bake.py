@@ -68,8 +68,15 @@ def _parse_numbers(option: str, text: str) -> list[float]:
 @command.command(short_help="D for all widths and angles.")
 @click.argument("kind", default="beckmann", metavar="[DISTRIBUTION]")
 @click.option("--size", type=click.IntRange(2, 8192), default=512, show_default=True)
+@click.option(
+    "--exponent",
+    type=click.FloatRange(1, 16),
+    default=8,
+    show_default=True,
+    help="The angle is a quarter turn times u to this power; with 1 sharp highlights are lost.",
+)
 @click.option("-o", "--output", metavar="FILE", help="A .npy or .exr file (default: NAME.npy).")
-def distribution(kind: str, size: int, output: str | None) -> None:
+def distribution(kind: str, size: int, output: str | None, exponent: float) -> None:
     """Write D over u (to the right, theta = 90 degrees times u^8) and width (downwards).
 
     DISTRIBUTION is beckmann, ggx, blinn_phong or gaussian. Row v, from 0 to 1, has alpha = 0.003^(1 - v).
@@ -78,13 +85,14 @@ def distribution(kind: str, size: int, output: str | None) -> None:
     Examples:
       gonio bake distribution
       gonio bake distribution ggx --size 256 -o ggx.exr
+      gonio bake distribution beckmann --exponent 1 -o linear.exr
     """
     from gonio.bake import tables
 
-    table = tables.distribution_table(kind, size)
+    table = tables.distribution_table(kind, size, exponent)
     target = output or f"{kind}.npy"
     tables.write_table(target, table)
-    error = tables.distribution_error(table, kind)
+    error = tables.distribution_error(table, kind, exponent)
     click.echo(
         f"{target}: largest error {error.largest:.2g} of the peak, at {error.at:.1f} degrees; "
         f"of the integral {error.mean:.2g}"

@@ -6,8 +6,35 @@ from collections.abc import Iterable
 from typing import Any
 
 import click
+from click.shell_completion import CompletionItem
 
 from gonio.cli.program import complete, param_option
+
+KINDS_HELP = (
+    "polar and cartesian slices of lobes, surface for lobes in space, scattering for single and "
+    "multiple apart, albedo, error for the difference from the first model, distribution, masking and "
+    "fresnel for D, G and F, sampling for the quality of the samplers"
+)
+
+
+class Kind(click.ParamType[str]):
+    """A kind of plot."""
+
+    name = "kind"
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> str:
+        """The kind, if there is such a one."""
+        from gonio.plot import KINDS
+
+        if value not in KINDS:
+            self.fail(f"{value!r} is not one of {', '.join(KINDS)}", param, ctx)
+        return str(value)
+
+    def shell_complete(self, ctx: Any, param: Any, incomplete: str) -> list[CompletionItem]:
+        """The kinds that begin so."""
+        from gonio.plot import KINDS
+
+        return [CompletionItem(name) for name in KINDS if name.startswith(incomplete)]
 
 
 @click.command("plot", short_help="Plot models to PNG, SVG, PDF or CSV.")
@@ -15,10 +42,11 @@ from gonio.cli.program import complete, param_option
 @click.option(
     "-k",
     "--kind",
-    type=click.Choice(["polar", "albedo", "surface", "sampling"]),
+    type=Kind(),
     default="polar",
     show_default=True,
-    help="Lobe slices, albedo curves, lobes in space, or the quality of the samplers.",
+    metavar="KIND",
+    help=f"What to plot: {KINDS_HELP}.",
 )
 @click.option(
     "-o",
@@ -32,11 +60,25 @@ from gonio.cli.program import complete, param_option
     metavar="NAME=A,B,...",
     help="Plot every model once for each of these values of a parameter or option.",
 )
+@click.option("--theta-o", metavar="DEG,...", help="Angles of the viewer, a panel each.")
 @click.option(
-    "--theta-o", metavar="DEG,...", help="Angles of the viewer, for polar and surface plots."
+    "--phi",
+    metavar="DEG,...",
+    help="Planes through the normal, by their azimuth from the viewer: 90 is the one across.",
 )
-@click.option("--no-cosine", is_flag=True, help="Plot f, not f cos(theta_i) (polar, surface).")
-@click.option("--along", metavar="NAME", help="The parameter mean albedos are plotted against.")
+@click.option(
+    "--theta-i",
+    metavar="DEG,...",
+    help="Angles of the light: it turns about the normal at these (cartesian), or stands there (masking).",
+)
+@click.option("--axis", type=click.Choice(["degrees", "cosine"]), help="Of a cartesian plot.")
+@click.option("--log", is_flag=True, help="A logarithmic axis, which shows tails.")
+@click.option("--dots", is_flag=True, help="Albedos by quadrature as dots, beside the formulas.")
+@click.option("--samples", type=click.IntRange(1), help="Drawn for each point of a sampling plot.")
+@click.option("--no-cosine", is_flag=True, help="Plot f, not f cos(theta_i).")
+@click.option(
+    "--along", metavar="NAME", help="The parameter of the axis, for albedo and sampling plots."
+)
 @click.option(
     "--channel",
     type=click.Choice(["luminance", "red", "green", "blue"]),
@@ -51,6 +93,12 @@ def command(
     params: tuple[str, ...],
     vary: str | None,
     theta_o: str | None,
+    phi: str | None,
+    theta_i: str | None,
+    axis: str | None,
+    log: bool,
+    dots: bool,
+    samples: int | None,
     no_cosine: bool,
     along: str | None,
     channel: str | None,
@@ -67,18 +115,33 @@ def command(
       gonio plot eon --vary roughness=0,0.25,0.5,0.75,1 --theta-o 60 --no-cosine
       gonio plot eon qon oren_nayar --kind albedo -p rho=1 -o albedo.pdf
       gonio plot eon:roughness=1 --kind surface --theta-o 30,75
+      gonio plot oren_nayar qon:sigma=pi/4 eon --kind cartesian --theta-o 75 --phi 0,90
+      gonio plot torrance_sparrow --kind distribution --vary distribution=ggx,beckmann --log
+      gonio plot triace_layered --kind fresnel --vary bottom_fresnel=exact,constant --log
+      gonio plot eon eon:albedo_form=fitted --kind error -p roughness=1
       gonio plot eon --kind sampling --vary sampler=cltc_uniform,cltc,cosine -p rho=1
+      gonio plot eon --kind sampling --along roughness --theta-o 0,85
       gonio plot eon -o eon.csv
     """
     from gonio import plot as plots
     from gonio.materials.notation import parse_model
 
     materials = [parse_model(text, params) for text in _variations(models, vary)]
-    settings: dict[str, Any] = {"along": along, "channel": channel, "title": title}
-    if theta_o is not None:
-        settings["theta_o"] = _parse_angles(theta_o)
-    if no_cosine:
-        settings["cosine"] = False
+    settings: dict[str, Any] = {
+        "along": along,
+        "channel": channel,
+        "title": title,
+        "axis": axis,
+        "samples": samples,
+        "log": log or None,
+        "dots": dots or None,
+        "cosine": False if no_cosine else None,
+    }
+    for name, text in (("theta-o", theta_o), ("theta-i", theta_i), ("phi", phi)):
+        if text is not None:
+            angles = _parse_angles(name, text)
+            alone = name == "phi" and kind == "polar" and len(angles) == 1
+            settings[name.replace("-", "_")] = angles[0] if alone else angles
     given = {name: value for name, value in settings.items() if value is not None}
     path = plots.plot(materials, kind, output or f"{kind}.png", dpi=dpi, **given)
     click.echo(path)
@@ -98,8 +161,8 @@ def _variations(models: Iterable[str], vary: str | None) -> list[str]:
     ]
 
 
-def _parse_angles(text: str) -> list[float]:
+def _parse_angles(option: str, text: str) -> list[float]:
     try:
         return [float(angle) for angle in text.split(",")]
     except ValueError:
-        raise ValueError(f"--theta-o {text} is not a list of degrees, such as 0,30,60.") from None
+        raise ValueError(f"--{option} {text} is not a list of degrees, such as 0,30,60.") from None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import re
 from collections.abc import Iterable
 from typing import Any
@@ -76,8 +77,29 @@ def _declaration(cls: type[Model], path: str, texts: dict[str, str]) -> Any:
     return cls.fields.get(path)
 
 
+# Angles as people write them: pi, pi/4, 3pi/8, 0.5*pi.
+MULTIPLE_OF_PI = re.compile(r"(?P<times>[\d.]+)?\s*\*?\s*(?:pi|π)\s*(?:/\s*(?P<over>[\d.]+))?")
+
+
+def parse_angle(text: str) -> float:
+    """A number, or a multiple of pi such as pi/4.
+
+    Raises:
+        ValueError: neither.
+    """
+    found = MULTIPLE_OF_PI.fullmatch(text.strip().lower())
+    if found is None:
+        return float(text)
+    over = float(found["over"] or 1)
+    if over == 0:
+        raise ValueError(f"{text} divides by zero.")
+    return float(found["times"] or 1) * math.pi / over
+
+
 def _parse_number(model: str, declared: Parameter, text: str) -> float | tuple[float, ...]:
     try:
+        if declared.width == 1 and MULTIPLE_OF_PI.fullmatch(text.strip().lower()):
+            return parse_angle(text)
         numbers = tuple(float(part) for part in re.split(r"[,/]", text))
     except ValueError:
         wish = "a number" if declared.width == 1 else "one or three numbers, such as 0.8,0.3,0.1"

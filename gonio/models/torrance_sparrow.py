@@ -195,6 +195,19 @@ class TorranceSparrow(Model):
             return share * pdf_cosine(wi) + (1 - share) * specular
         return specular
 
+    def facet_terms(self, wi: Vec3, wo: Vec3) -> dict[str, Float]:
+        """D and G of a pair of directions; for plots."""
+        m, cos_h = frame.half_vector(wi, wo), frame.cos_half(wi, wo)
+        return {"D": self._D(m), "G": 4 * wi.z * wo.z * self._V(wi, wo, m, cos_h)}
+
+    def reflectances(self, cos_theta: Float) -> dict[str, Color]:
+        """F at a cosine; for plots."""
+        return {"F": self._F(cos_theta)}
+
+    def single_scattering(self) -> Model:
+        """What facets reflect once."""
+        return self.replace(compensation="none")
+
     def slope_widths(self) -> Vec2:
         """As the facets' slopes."""
         if self.distribution in ("blinn_phong", "gaussian"):

@@ -136,6 +136,12 @@ class TriAceLayered(Model):
             matte = cltc.pdf_cltc_uniform(wi, wo, self._roughness())
         return P_top.x * top + P_top.y * (P_bottom.x * bottom + P_bottom.y * matte)
 
+    def reflectances(self, cos_theta: Float) -> dict[str, Float]:
+        """F of the upper layer, and the factor of the lower layer's highlight; for plots."""
+        F_top = lerp(f0_from_eta(self.top_eta), 1, schlick_weight(cos_theta))
+        glossy, _ = self._bottom_fresnel(cos_theta)
+        return {"F, upper layer": F_top, "lower layer": glossy}
+
     def _alphas(self) -> tuple[Float, Float]:
         return blinn_phong_alpha(self.top_shininess), blinn_phong_alpha(self.bottom_shininess)
 

@@ -145,6 +145,15 @@ class WeidlichWilkie(Model):
         P = self._shares(wo, wo_t)
         return P.x * self._pdf_coat(wi, wo) + P.y * below
 
+    def facet_terms(self, wi: Vec3, wo: Vec3) -> dict[str, Float]:
+        """D and G of the coat at a pair of directions; for plots."""
+        return {"D": self._D(half_vector(wi, wo)), "G": self._G(wi, wo)}
+
+    def reflectances(self, cos_theta: Float) -> dict[str, Float]:
+        """F of the coat at a cosine outside, and what both crossings let through; for plots."""
+        T = self._T(cos_theta)
+        return {"F, coat": self._F(cos_theta), "T, there and back": T * T}
+
     def _sample_coat(self, wo: Vec3, u: Vec2) -> Vec3:
         """A direction that the coat mirrors.
 

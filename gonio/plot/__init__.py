@@ -9,9 +9,13 @@ Angles are in degrees. Each kind of plot is a function that takes models and ret
 matplotlib loads when one is drawn; pyplot and its figures are not touched.
 """
 
-from gonio.plot.kinds import KINDS, albedo, plot, polar, sampling, surface
+from gonio.plot.cartesian import cartesian, scattering
+from gonio.plot.errors import error
+from gonio.plot.kinds import KINDS, albedo, plot, polar, surface
 from gonio.plot.numbers import CHANNELS, RGB
 from gonio.plot.output import SUFFIXES, Plot, check_output
+from gonio.plot.sampling import sampling
+from gonio.plot.terms import distribution, fresnel, masking
 
 __all__ = [
     "CHANNELS",
@@ -20,9 +24,15 @@ __all__ = [
     "SUFFIXES",
     "Plot",
     "albedo",
+    "cartesian",
     "check_output",
+    "distribution",
+    "error",
+    "fresnel",
+    "masking",
     "plot",
     "polar",
     "sampling",
+    "scattering",
     "surface",
 ]

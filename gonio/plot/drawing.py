@@ -10,7 +10,7 @@ import numpy as np
 
 from gonio.fields import Parameter
 from gonio.model import Model
-from gonio.plot.numbers import LOG_HIGH, LOG_LOW, RARE, Floats, direction, is_logarithmic
+from gonio.plot.numbers import LOG_HIGH, LOG_LOW, Floats, direction, is_logarithmic
 from gonio.plot.style import (
     FAINT,
     GRID,
@@ -28,13 +28,14 @@ def draw_polar(
     choose_styles: Callable[[], list[CurveStyle]],
     shared: str,
     angles: list[float],
+    phi: float,
     theta_i: Floats,
     values: Floats,
     cosine: bool,
     note: str,
     title: str | None,
 ) -> Any:
-    """Slices of lobes through the plane of the viewer, a half disc for each of its angles."""
+    """Slices of lobes through a plane, a half disc for each of the viewer's angles."""
     styles = choose_styles()
     across = 1 if len(angles) == 1 else 2
     down = -(-len(angles) // across)
@@ -46,7 +47,7 @@ def draw_polar(
     theta = np.radians(theta_i)
     handles = []
     for k, (panel, angle) in enumerate(zip(panels, angles, strict=False)):
-        _half_disc(panel, ticks, angle, _quantity(cosine))
+        _half_disc(panel, ticks, angle if phi == 0 else None, _quantity(cosine))
         handles = [
             panel.plot(r * -np.sin(theta), r * np.cos(theta), zorder=4, **s.line())[0]
             for r, s in zip(np.maximum(values[:, k], 0), styles, strict=True)
@@ -56,11 +57,15 @@ def draw_polar(
         panel.axis("off")
     draw_head(
         figure,
-        title or f"Lobes {_quantity(cosine)} in the plane of incidence",
+        title or f"Lobes {_quantity(cosine)} in the plane {_plane(phi)}",
         (shared, note, _negative_note(values)),
     )
     draw_legend(figure, handles, labels)
     return figure
+
+
+def _plane(phi: float) -> str:
+    return "of incidence" if phi == 0 else f"{phi:g}° from the viewer's"
 
 
 def _quantity(cosine: bool) -> str:
@@ -80,8 +85,11 @@ def _radial_ticks(high: float) -> Floats:
     return np.asarray(ticks[ticks > 0], np.float64)
 
 
-def _half_disc(panel: Any, ticks: Floats, theta_o: float, quantity: str) -> None:
-    """Rings, spokes and labels of a polar diagram above the surface; +90° is on the left."""
+def _half_disc(panel: Any, ticks: Floats, theta_o: float | None, quantity: str) -> None:
+    """Rings, spokes and labels of a polar diagram above the surface; +90° is on the left.
+
+    theta_o: the viewer's angle; None if the viewer is not in the plane.
+    """
     rim = float(ticks[-1])
     arc = np.radians(np.linspace(-90, 90, 181))
     for r in ticks:
@@ -107,13 +115,16 @@ def _half_disc(panel: Any, ticks: Floats, theta_o: float, quantity: str) -> None
     for degrees in range(-90, 91, 30):
         x, y = -math.sin(math.radians(degrees)), math.cos(math.radians(degrees))
         panel.plot([0, rim * x], [0, rim * y], color=GRID, lw=0.7, zorder=0)
-        if abs(degrees - theta_o) > 8:  # there the viewer's own label is
+        if theta_o is None or abs(degrees - theta_o) > 8:  # there the viewer's own label is
             at_rim(f"{degrees}°".replace("-", "−"), degrees, FAINT)
     panel.plot([-rim, rim], [0, 0], color=INK, lw=1.1, zorder=2)
     below = {"xytext": (0, -4), "textcoords": "offset points", "va": "top", "fontsize": 9}
     for r in (0.0, *ticks):
         panel.annotate(f"{r:g}", (-r, 0), ha="center", **below)
     panel.annotate(f"{quantity}  [1/sr]", (rim, 0), ha="right", **below)
+    _frame_half_disc(panel, rim)
+    if theta_o is None:
+        return
     x, y = -math.sin(math.radians(theta_o)), math.cos(math.radians(theta_o))
     arrow = {"arrowstyle": "-|>", "color": INK, "lw": 1.1, "shrinkA": 0, "shrinkB": 0}
     panel.annotate("", (rim * x, rim * y), (0, 0), arrowprops=arrow, zorder=3)
@@ -123,6 +134,9 @@ def _half_disc(panel: Any, ticks: Floats, theta_o: float, quantity: str) -> None
         side = {"fontsize": 9, "color": FAINT, "va": "top"}
         panel.text(-1.1 * rim, 1.06 * rim, "light on the\nviewer's side\n(retro)", **side)
         panel.text(1.1 * rim, 1.06 * rim, "light opposite\n(mirror, dotted)", ha="right", **side)
+
+
+def _frame_half_disc(panel: Any, rim: float) -> None:
     panel.set_aspect("equal")
     panel.set_xlim(-1.1 * rim, 1.1 * rim)
     panel.set_ylim(-0.14 * rim, 1.1 * rim)
@@ -138,6 +152,7 @@ def draw_albedo(
     families: list[str],
     theta_o: Floats,
     directional: Floats,
+    dots: Sequence[tuple[Floats, Floats]],
     sweeps: list[tuple[str, Floats, Floats]],
     means: Floats,
     note: str,
@@ -155,6 +170,8 @@ def draw_albedo(
         panels[0].plot(theta_o, curve, **s.line())[0]
         for curve, s in zip(directional, styles, strict=True)
     ]
+    for (x, y), s in zip(dots, styles, strict=False):
+        panels[0].plot(x, y, "o", ms=5, mec="white", mew=0.8, color=s.colour, zorder=4)
     panels[0].set(
         xlabel=r"angle of the viewer $\theta_o$  [degrees]",
         ylabel=f"albedo{f', {note}' if note else ''}",
@@ -333,44 +350,3 @@ def _arrows(panel: Any, theta_o: float, rim: float, lobe: Floats, rows: list[int
             line = np.stack([low * w, high * w], -1)
             panel.plot(*line, color=colour, lw=1.5, ls=dashes, alpha=opacity, zorder=3)
         panel.text(*(1.1 * rim * w), name, color=colour, ha="center", va="center", zorder=4)
-
-
-# Below this a variance is float32 rounding, which says nothing about a sampler.
-VARIANCE_FLOOR = 1e-6
-
-
-def draw_sampling(
-    labels: list[str],
-    choose_styles: Callable[[], list[CurveStyle]],
-    shared: str,
-    theta_o: Floats,
-    statistics: Floats,
-    note: str,
-    title: str | None,
-) -> Any:
-    """Variance and largest weight of the samplers over the angle of the viewer."""
-    styles = choose_styles()
-    figure = new_figure(10.4, 4.3 + legend_height(10.4, labels))
-    left, right = figure.subplots(1, 2)
-    handles = []
-    for (_, variance, largest), s in zip(np.moveaxis(statistics, -1, 1), styles, strict=True):
-        shown = np.maximum(variance, VARIANCE_FLOOR)
-        handles += left.plot(theta_o, shown, **s.line())
-        right.plot(theta_o, largest, **s.line())
-    for panel in (left, right):
-        panel.set(
-            xlabel=r"angle of the viewer $\theta_o$  [degrees]",
-            xlim=(0, 90),
-            xticks=range(0, 91, 15),
-        )
-    left.set_yscale("log")
-    if statistics[..., 1].min() < VARIANCE_FLOOR:
-        floor = {"va": "bottom", "fontsize": 9, "color": FAINT}
-        left.text(1.5, 1.15 * VARIANCE_FLOOR, "no variance but rounding", **floor)
-    if statistics[..., 2].max() > 10 * statistics[..., 2].min():
-        right.set_yscale("log")
-    left.set(ylabel="variance", title=r"variance of the weight $f\,\cos\theta_i\,/$pdf")
-    right.set(ylabel="weight", title=f"weight that one sample in {1 / RARE:,.0f} exceeds")
-    draw_head(figure, title or "How well the samplers fit", (shared, note))
-    draw_legend(figure, handles, labels)
-    return figure

@@ -11,27 +11,28 @@ from typing import Any
 import numpy as np
 
 from gonio.model import Model
-from gonio.plot.drawing import draw_albedo, draw_polar, draw_sampling, draw_surface
+from gonio.plot.cartesian import cartesian, scattering
+from gonio.plot.drawing import draw_albedo, draw_polar, draw_surface
+from gonio.plot.errors import error
 from gonio.plot.labels import named
 from gonio.plot.numbers import (
-    RARE,
     Floats,
     brdf_values,
     channel_note,
     choose_channel,
     direction,
-    is_grey,
     is_slow,
-    known_channel,
+    numeric_albedo,
     quantity_symbol,
     rgb_columns,
     roughness_parameter,
-    sample_weights,
     swept_values,
     viewer_angles,
 )
 from gonio.plot.output import Plot, check_output
+from gonio.plot.sampling import sampling
 from gonio.plot.style import curve_styles
+from gonio.plot.terms import distribution, fresnel, masking
 
 Columns = dict[str, Any]
 
@@ -48,8 +49,8 @@ def plot(
 
     Args:
         models: one or more models whose parameters are numbers, not arrays.
-        kind: "polar", "albedo", "surface" or "sampling"; see the functions of these names, which
-            take the further settings, such as theta_o=(0, 60).
+        kind: one of `KINDS`, such as "polar"; see the functions of these names, which take the
+            further settings, such as theta_o=(0, 60).
         output: the file; an existing one is replaced.
         dpi: dots per inch of a PNG.
 
@@ -71,25 +72,30 @@ def polar(
     models: Sequence[Model],
     *,
     theta_o: Sequence[float] | float = (0, 30, 60, 80),
+    phi: float = 0,
     cosine: bool = True,
     channel: str = "luminance",
     title: str | None = None,
 ) -> Plot:
-    """Slices through the lobes in the plane of incidence: f cos(theta_i) against theta_i.
+    """Slices through the lobes in a plane through the normal: f cos(theta_i) against theta_i.
 
     Args:
         models: the models, one curve each.
         theta_o: polar angles of the viewer in degrees, 0 to 90, one panel each.
+        phi: azimuth of the plane's positive side, in degrees from the viewer; 0 is the plane of
+            incidence.
         cosine: False plots f alone.
         channel: "luminance", "red", "green" or "blue".
         title: replaces the title.
 
-    theta_i is signed: positive on the viewer's side (retro-reflection), negative on the other.
+    theta_i is signed: positive on the side of phi, which is the viewer's for 0; negative on the other.
     """
     models, labels, shared = named(models)
     angles = viewer_angles(theta_o)
+    if not isinstance(phi, (int, float)):
+        raise ValueError("the polar plot takes one plane phi; the cartesian one takes several.")
     theta_i = np.linspace(-90, 90, 361)
-    wi = direction(theta_i)
+    wi = direction(theta_i, phi)
     values = np.stack(
         [[brdf_values(m, wi, direction(a), cosine) for a in angles] for m in models]
     )  # model, theta_o, theta_i, rgb
@@ -105,6 +111,7 @@ def polar(
         curve_styles(models),
         shared,
         angles,
+        float(phi),
         theta_i,
         choose_channel(values, channel),
         cosine,
@@ -118,6 +125,7 @@ def albedo(
     models: Sequence[Model],
     *,
     along: str | None = None,
+    dots: bool = False,
     channel: str = "luminance",
     title: str | None = None,
 ) -> Plot:
@@ -127,6 +135,7 @@ def albedo(
         models: the models, one curve each.
         along: the parameter that the mean albedo is plotted against; by default a model's
             roughness, sigma, alpha or shininess. Models without it are drawn as a level line.
+        dots: draw dots for albedos that a quadrature finds, beside the models' own formulas.
         channel: "luminance", "red", "green" or "blue".
         title: replaces the title.
     """
@@ -163,6 +172,15 @@ def albedo(
         **rgb_columns("albedo", rgb, ""),
     }
     note = channel_note(directional, channel)
+    sparse = np.linspace(0, 87.5, 8 if is_slow() else 15)
+    found = (
+        [
+            (sparse, choose_channel(np.asarray(numeric_albedo(m, direction(sparse))), channel))
+            for m in models
+        ]
+        if dots
+        else []
+    )
     # Models that differ only in the swept parameter share one mean curve.
     families = [
         repr(m.replace(**{p.name: p.default})) if p else repr(m)
@@ -178,6 +196,7 @@ def albedo(
         families,
         theta_o,
         choose_channel(directional, channel),
+        found,
         [(name, x, choose_channel(mean, channel)) for name, x, mean in sweeps],
         choose_channel(means, channel),
         note,
@@ -234,44 +253,15 @@ def surface(
     return Plot(columns, draw)
 
 
-def sampling(
-    models: Sequence[Model],
-    *,
-    channel: str = "luminance",
-    title: str | None = None,
-) -> Plot:
-    """Variance and highest values of the Monte Carlo weight f cos(theta_i) / pdf against theta_o.
-
-    Args:
-        models: the models, one curve each; samplers are compared as options of a model.
-        channel: "luminance", "red", "green" or "blue".
-        title: replaces the title.
-
-    The highest value is the one that one sample in 1000 exceeds. Where a density goes to 0 before
-    the BRDF does, as that of CLTC alone, the weight has no bound and no finite variance; what is
-    shown then is what 1e7 samples would find. A wasted sample counts as weight 0.
-    """
-    models, labels, shared = named(models)
-    known_channel(channel)
-    theta_o = np.append(np.arange(0, 88.5, 1.5), (88.5, 89, 89.5, 89.9))
-    statistics = np.stack([sample_weights(m, theta_o, channel) for m in models])
-    columns: Columns = {
-        "model": np.repeat(labels, theta_o.size).tolist(),
-        "theta_o [deg]": np.tile(theta_o, len(models)),
-        f"mean weight, {channel}": statistics[..., 0].ravel(),
-        f"variance of weight, {channel}": statistics[..., 1].ravel(),
-        f"weight exceeded by {RARE:g} of samples, {channel}": statistics[..., 2].ravel(),
-    }
-    note = "" if all(is_grey(m) for m in models) else channel
-    draw = functools.partial(
-        draw_sampling, labels, curve_styles(models), shared, theta_o, statistics, note, title
-    )
-    return Plot(columns, draw)
-
-
 KINDS: dict[str, Callable[..., Plot]] = {
     "polar": polar,
-    "albedo": albedo,
+    "cartesian": cartesian,
     "surface": surface,
+    "scattering": scattering,
+    "albedo": albedo,
+    "error": error,
+    "distribution": distribution,
+    "masking": masking,
+    "fresnel": fresnel,
     "sampling": sampling,
 }

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from gonio.fields import Parameter, is_array
+from gonio.materials.notation import model_text
 from gonio.model import Model
 
 
@@ -13,6 +14,8 @@ def _number(value: Any) -> str:
     if isinstance(value, tuple):
         distinct = value[:1] if len(set(value)) == 1 else value
         return "/".join(f"{v:.4g}" for v in distinct)
+    if isinstance(value, Model):
+        return model_text(value)
     return value if isinstance(value, str) else f"{value:.4g}"
 
 

@@ -25,11 +25,11 @@ RGB = ("red", "green", "blue")
 # A parameter with one of these names is the one that mean albedos are plotted against.
 ROUGHNESS_NAMES = ("roughness", "sigma", "alpha", "shininess")
 
-# Random numbers per direction of the viewer in the sampling plot.
-SAMPLES_COMPILED, SAMPLES_SCALAR = 32768, 512
+# Samples per direction of the viewer in the sampling plot, unless the user asks for another number.
+SAMPLES_COMPILED, SAMPLES_SCALAR = 1_000_000, 512
 
-# How rare a weight may be to count as the largest. Some samplers have no largest weight at all.
-RARE = 1e-3
+# Samples that are drawn at once: a few arrays of this length fit into a cache of the last level.
+BATCH = 1 << 20
 
 
 def is_slow() -> bool:
@@ -52,34 +52,28 @@ def brdf_values(model: Model, wi: Floats, wo: Floats, cosine: bool) -> Floats:
     return f * wi[..., 2:] if cosine else f
 
 
-def sample_weights(model: Model, theta_o: Floats, channel: str) -> Floats:
-    """Mean, variance and rare maximum of the weight, shape (len(theta_o), 3)."""
-    u, share = _random_numbers(SAMPLES_SCALAR if is_slow() else SAMPLES_COMPILED)
-    wo = direction(theta_o)[:, None, :].astype(np.float32)
-    wi, pdf = model.sample(wo, u.astype(np.float32))
-    f_cos = choose_channel(model.eval(wi, wo), channel) * wi[..., 2]
-    weight = np.where(pdf > 0, f_cos / np.where(pdf > 0, pdf, 1), 0)
-    mean = weight @ share
-    variance = (weight - mean[:, None]) ** 2 @ share
-    order = np.argsort(-weight, axis=1)
-    exceeded = np.cumsum(share[order], axis=1) >= RARE
-    rare = np.take_along_axis(order, exceeded.argmax(axis=1)[:, None], axis=1)
-    return np.stack([mean, variance, np.take_along_axis(weight, rare, axis=1)[:, 0]], -1)
+def sample_weights(model: Model, theta_o: Floats, channel: str, samples: int) -> Floats:
+    """Mean, variance and maximum of the weights of independent samples, shape (len(theta_o), 3).
 
-
-def _random_numbers(count: int) -> tuple[Floats, Floats]:
-    """Pairs in [0, 1), shape (count, 2), and the share of all samples that each stands for.
-
-    Evenly spread (Roberts' R2 sequence), and denser towards the ends of the first number: there lie
-    the horizon and the samplers' edges, where the weights are rare and high.
+    A wasted sample counts as weight 0. The same numbers are drawn for every model and angle.
     """
-    golden = 1.3247179572447460  # the root of x^3 = x + 1
-    v = (0.5 + np.arange(1, count + 1)[:, None] / (golden, golden**2)) % 1
-    ends = v[:, 0]
-    u = np.stack([ends * ends * (3 - 2 * ends), v[:, 1]], -1)
-    share = ends * (1 - ends)
-    # Of the numbers in [0, 1) that float32 has, 1 - 2^-24 is the largest.
-    return np.minimum(u, 1 - 2.0**-24), share / share.sum()
+    found = []
+    for wo in direction(theta_o).astype(np.float32):
+        rng = np.random.default_rng(0)
+        done, mean, spread, highest = 0, 0.0, 0.0, 0.0
+        while done < samples:
+            u = rng.random((min(BATCH, samples - done), 2), np.float32)
+            wi, pdf = model.sample(wo, u)
+            f_cos = choose_channel(model.eval(wi, wo), channel) * wi[..., 2]
+            weight = np.where(pdf > 0, f_cos / np.where(pdf > 0, pdf, 1), 0)
+            # Chan's way to join means and squared deviations of two batches
+            apart, share = weight.mean() - mean, len(u) / (done + len(u))
+            spread += weight.var() * len(u) + apart**2 * done * share
+            mean += apart * share
+            done += len(u)
+            highest = max(highest, float(weight.max()))
+        found.append((mean, spread / samples, highest))
+    return np.array(found)
 
 
 def viewer_angles(theta_o: Sequence[float] | float) -> list[float]:
@@ -92,6 +86,19 @@ def viewer_angles(theta_o: Sequence[float] | float) -> list[float]:
             raise ValueError(
                 f"theta_o={a:g} is out of range; allowed is 0 to less than 90 degrees."
             )
+    return angles
+
+
+def light_angles(theta_i: Sequence[float] | float) -> list[float]:
+    """The light's angles in degrees, or an error unless they lie above the horizon."""
+    angles = [float(a) for a in ([theta_i] if isinstance(theta_i, (int, float)) else theta_i)]
+    for a in angles:
+        if not 0 <= a < 90:
+            raise ValueError(
+                f"theta_i={a:g} is out of range; allowed is 0 to less than 90 degrees."
+            )
+    if not angles:
+        raise ValueError("theta_i must hold at least one angle.")
     return angles
 
 
@@ -133,11 +140,23 @@ def quantity_symbol(cosine: bool, with_cosine: str, without: str) -> str:
 def roughness_parameter(model: Model, along: str | None) -> Parameter | None:
     """The parameter that mean albedos are plotted against, if there is one."""
     names = ROUGHNESS_NAMES if along is None else (along,)
-    for name in names:
-        declared = model.fields.get(name)
-        if isinstance(declared, Parameter) and declared.width == 1:
-            return declared
-    return None
+    found = (numeric_parameter(model, name) for name in names)
+    return next((declared for declared in found if declared is not None), None)
+
+
+def numeric_parameter(model: Model, name: str) -> Parameter | None:
+    """The parameter of this name, if it is a single number."""
+    declared = model.fields.get(name)
+    return declared if isinstance(declared, Parameter) and declared.width == 1 else None
+
+
+def numeric_albedo(model: Model, wo: Floats) -> Floats:
+    """Directional albedos by quadrature, whether or not the model has a formula."""
+
+    class Numeric(type(model), register=False):  # type: ignore[misc,call-arg]
+        albedo = Model.albedo
+
+    return np.asarray(Numeric(**{name: getattr(model, name) for name in model.fields}).albedo(wo))
 
 
 # A range that spans more than this is shown on a logarithmic axis.

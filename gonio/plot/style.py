@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -109,11 +110,12 @@ def draw_head(figure: Any, title: str, facts: Iterable[str]) -> None:
 def _fact_lines(width: float, facts: Iterable[str]) -> list[str]:
     """Facts joined into lines that fit a figure's width in inches."""
     lines: list[str] = []
+    room = int(width / 0.078) - 2
     for fact in filter(None, facts):
-        if lines and len(lines[-1]) + len(fact) < width / 0.078 - 6:
+        if lines and len(lines[-1]) + len(fact) < room - 4:
             lines[-1] += f";   {fact}"
         else:
-            lines.append(fact)
+            lines += textwrap.wrap(fact, room)
     return lines
 
 
