@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import click
 
 import gonio
 from gonio.check import CHECKS, Progress, check_subjects, data, failed, subjects
+from gonio.check.measured_data import DATA_CHECKS, check_file
 from gonio.check.picture import check_format, drawable, plot
 from gonio.check.report import FAIL, Report, junit, summary, table
 from gonio.check.subject import Subject
@@ -17,6 +18,7 @@ from gonio.cli.program import complete, echo_json, json_option, param_option, pr
 from gonio.files import replacing
 from gonio.materials import Material, library, load_material
 from gonio.materials.notation import parse_model
+from gonio.measured import is_data_file
 from gonio.model import models
 
 __all__ = ["Plan", "Result", "data", "failed", "lines", "plan", "subjects_of"]
@@ -79,6 +81,8 @@ class Plan:
     only: list[str]
     junit_file: str | None
     picture_file: str | None
+    files: list[str] = field(default_factory=list)
+    """Of measured reflection."""
 
     def run(self, effort: str = "normal", progress: Progress | None = None) -> Result:
         """Check one group after the other, and write what is asked for.
@@ -94,7 +98,13 @@ class Plan:
                 if progress is not None:
                     progress(done * 1000 + 1000 * part // parts, len(self.groups) * 1000)
 
-            reports += check_subjects(group, effort, self.only, step)
+            wanted = [name for name in self.only if name in CHECKS]
+            if wanted or not self.only:
+                reports += check_subjects(group, effort, wanted, step)
+        for path in self.files:
+            wanted = [name for name in self.only if name in DATA_CHECKS]
+            if wanted or not self.only:
+                reports += check_file(path, tuple(wanted))
         written = []
         if self.junit_file is not None:
             with replacing(self.junit_file) as temporary:
@@ -119,7 +129,8 @@ def plan(
     """Find everything that the texts name.
 
     Args:
-        texts: models, materials and model files, as `subjects_of` takes them.
+        texts: models, materials and model files, as `subjects_of` takes them, and files of measured
+            reflection.
         params: "name=value" for all of them.
         plugins: Mitsuba's BSDFs, as `gonio.check.mitsuba_bsdf.MitsubaSubject` takes them.
         only: names of checks; all if empty.
@@ -131,11 +142,15 @@ def plan(
     """
     chosen = [name.strip() for name in only]
     for name in chosen:
-        if name not in CHECKS:
-            raise ValueError(f"no check {name!r}; there are {', '.join(CHECKS)}.")
+        if name not in CHECKS and name not in DATA_CHECKS:
+            known = ", ".join(dict.fromkeys([*CHECKS, *DATA_CHECKS]))
+            raise ValueError(f"no check {name!r}; there are {known}.")
     _writable(junit_file, picture_file)
     given = list(params)
-    groups = [subjects_of(text, given) for text in texts]
+    files = [text for text in texts if is_data_file(text)]
+    if files and given:
+        raise ValueError(f"{files[0]} is a measurement and has no parameters.")
+    groups = [subjects_of(text, given) for text in texts if text not in files]
     notes: list[Report] = []
     if plugins:
         from gonio.check.mitsuba_bsdf import MitsubaSubject
@@ -143,7 +158,11 @@ def plan(
         foreign = [MitsubaSubject(text) for text in plugins]
         notes = [note for subject in foreign for note in subject.notes()]
         groups += [[subject] for subject in foreign]
-    return Plan(groups, notes, chosen, junit_file, picture_file)
+    if picture_file is not None and files:
+        raise ValueError(
+            f"{files[0]} is a measurement; 'gonio data {files[0]} --picture {picture_file}' draws it."
+        )
+    return Plan(groups, notes, chosen, junit_file, picture_file, files)
 
 
 def lines(reports: Sequence[Report]) -> list[str]:
@@ -168,7 +187,7 @@ def _writable(junit_file: str | None, picture_file: str | None) -> None:
 
 
 @click.command("check", short_help="Measure whether a model is what it claims to be.")
-@click.argument("models", nargs=-1, metavar="[MODEL|MATERIAL|FILE.py]...", shell_complete=complete)
+@click.argument("models", nargs=-1, metavar="[MODEL|MATERIAL|FILE]...", shell_complete=complete)
 @param_option
 @click.option("--all", "everything", is_flag=True, help="Every model of gonio.")
 @click.option(
@@ -198,8 +217,8 @@ def command(
     """Measure energy, reciprocity, sampling, precision, derivatives and more; compare with the claims.
 
     Worst cases are searched for over all angles, parameters and options. What is given of them stays
-    fixed; a material is checked as it is. Ends with exit code 1 when something is not as it
-    is claimed.
+    fixed; a material is checked as it is. Of a file of measured reflection: negative values, holes, energy,
+    reciprocity, isotropy and noise. Ends with exit code 1 when something is not as it is claimed.
 
     \b
     Examples:
@@ -207,6 +226,7 @@ def command(
       gonio check qon:sigma=0.2 --only energy --plot qon.png
       gonio check my_model.py --quick
       gonio check lacquered_walnut
+      gonio check paint.binary
       gonio check --all --quick --junit report.xml
       gonio check --mitsuba roughplastic
       gonio check --mitsuba '{"type": "roughconductor", "alpha": 0.5}' --only energy
