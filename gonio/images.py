@@ -108,7 +108,7 @@ def read_image(path: Path) -> Image:
     except ImageError:
         raise
     except MemoryError:
-        raise ImageError("it asks for more memory than there is; is it damaged?") from None
+        raise ImageError("is it damaged? It asks for more memory than there is") from None
     except OSError as error:
         raise ImageError(error.strerror or f"is it damaged? {_short(error)}") from None
     except Exception as error:  # readers raise many types for damaged files
@@ -140,7 +140,7 @@ def _read_pillow(path: Path) -> Image:
     except UnidentifiedImageError:
         raise ImageError("it is not a picture of any kind that is known") from None
     except PIL.Image.DecompressionBombError:
-        raise ImageError("it claims more pixels than a picture has; is it damaged?") from None
+        raise ImageError("is it damaged? It claims more pixels than a picture has") from None
     except (OSError, SyntaxError, struct.error) as error:
         raise ImageError(f"it is cut short or damaged ({_short(error)})") from None
 
@@ -173,7 +173,7 @@ def _png_depth(path: Path) -> int:
 def _check_size(width: int, height: int) -> None:
     if width < 1 or height < 1 or width * height > MAX_PIXELS:
         raise ImageError(
-            f"it claims {width} x {height} pixels, more than the {MAX_PIXELS} that are read; is it damaged?"
+            f"is it damaged? It claims {width} x {height} pixels, more than the {MAX_PIXELS} that are read"
         )
 
 

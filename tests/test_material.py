@@ -175,6 +175,98 @@ def test_a_texture_drives_a_parameter(tmp_path: Path) -> None:
     np.testing.assert_allclose(render(material, **common), plain, rtol=1e-4)
 
 
+def picture(kind: str, path: Path) -> None:
+    """One of the pictures that a material may name."""
+    from PIL import Image
+
+    noise = np.random.default_rng(0).integers(0, 255, (16, 16, 3)).astype(np.uint8)
+    if kind == "cut":
+        Image.fromarray(noise).save(path)
+        path.write_bytes(path.read_bytes()[:300])
+    elif kind == "nan":
+        mi.Bitmap(np.full((2, 2, 3), np.nan, np.float32)).write(str(path))
+    elif kind == "cmyk":
+        Image.new("CMYK", (4, 4)).save(path)
+    elif kind == "colours":
+        Image.fromarray(noise).save(path)
+    else:
+        path.write_bytes({"empty": b"", "text": b"some words"}[kind])
+
+
+@pytest.mark.parametrize(
+    ("kind", "suffix", "reason"),
+    [
+        ("cut", ".png", "cut short"),
+        ("empty", ".png", "an empty file"),
+        ("text", ".jpg", "not a picture"),
+        ("text", ".exr", "not an OpenEXR file"),
+        ("nan", ".exr", "4 pixels that are NaN or infinite"),
+        ("cmyk", ".jpg", "CMYK"),
+        ("text", ".gif", "must end in"),
+    ],
+)
+def test_a_bad_texture_names_file_parameter_line_and_reason(
+    tmp_path: Path, kind: str, suffix: str, reason: str
+) -> None:
+    picture(kind, tmp_path / f"p{suffix}")
+    text = f'model = "weidlich_wilkie"\n\n[base]\nmodel = "eon"\nrho = "p{suffix}"\n'
+    with pytest.raises(MaterialError, match=rf"clay.toml:5: rho: picture .*p\{suffix}: .*{reason}"):
+        load_material(write(tmp_path, text))
+
+
+def test_a_number_never_takes_the_luminance_of_colours_without_a_word(tmp_path: Path) -> None:
+    picture("colours", tmp_path / "orm.png")
+    with pytest.raises(MaterialError, match=r"clay.toml:2: roughness: .*':r', ':g', ':b'"):
+        load_material(write(tmp_path, 'model = "eon"\nroughness = "orm.png"\n'))
+    with pytest.raises(MaterialError, match=r"clay.toml:2: rho: .*takes the whole picture"):
+        load_material(write(tmp_path, 'model = "eon"\nrho = "orm.png:g"\n'))
+    with pytest.raises(MaterialError, match=r"clay.toml:2: roughness: .*no channel a"):
+        load_material(write(tmp_path, 'model = "eon"\nroughness = "orm.png:a"\n'))
+
+
+def test_a_channel_drives_a_number_as_it_is_stored(tmp_path: Path) -> None:
+    from PIL import Image
+
+    Image.new("RGB", (4, 4), (10, 51, 200)).save(tmp_path / "orm.png")
+    material = load_material(write(tmp_path, 'model = "eon"\nroughness = "orm.png:g"\n'))
+    assert material.channels == {"roughness": "g"}
+    common = {"size": (24, 24), "spp": 16}
+    plain = render(gonio.EON(roughness=51 / 255), **common)
+    np.testing.assert_allclose(render(material, **common), plain, rtol=1e-4)
+    Image.new("RGB", (4, 4), (51, 51, 51)).save(tmp_path / "grey.png")  # no choice to make
+    grey = load_material(write(tmp_path, 'model = "eon"\nroughness = "grey.png"\n'))
+    np.testing.assert_allclose(render(grey, **common), plain, rtol=1e-4)
+
+
+def test_coloured_pictures_are_srgb_in_every_format(tmp_path: Path) -> None:
+    from PIL import Image
+
+    code = 188  # linear 0.50289, IEC 61966-2-1
+    plain = render(gonio.Lambert(rho=0.50289), size=(24, 24), spp=16)
+    for suffix in (".png", ".tif", ".webp"):
+        lossless = {"lossless": True} if suffix == ".webp" else {}
+        Image.new("RGB", (4, 4), (code,) * 3).save(tmp_path / f"p{suffix}", **lossless)
+        material = load_material(write(tmp_path, f'model = "lambert"\nrho = "p{suffix}"\n'))
+        shown = render(material, size=(24, 24), spp=16)
+        np.testing.assert_allclose(shown, plain, rtol=1e-4)
+
+
+def test_a_texture_on_a_mesh_without_uvs_is_one_sentence_and_uv_gives_some(tmp_path: Path) -> None:
+    mi.Bitmap(np.full((2, 2, 3), 0.25, np.float32)).write(str(tmp_path / "grey.exr"))
+    material = load_material(write(tmp_path, 'model = "lambert"\nrho = "grey.exr"\n'))
+    (tmp_path / "m.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    common = {"mesh": tmp_path / "m.obj", "size": (16, 16), "spp": 4}
+    with pytest.raises(ValueError, match=r"no texture coordinates, and rho of .* --uv box or --uv"):
+        render(material, **common)
+    flaky = load_material("car_paint_red_strong")
+    with pytest.raises(ValueError, match="and the flakes of the material"):
+        render(flaky, **common)
+    plain = render(gonio.Lambert(rho=0.25), **common)
+    for projection in ("box", "sphere"):
+        shown = render(material, uv=projection, **common)
+        np.testing.assert_allclose(shown, plain, rtol=1e-4)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

@@ -354,6 +354,7 @@ def _hooks(material: Material) -> list[dict[str, Any]]:
             "file": str(picture),
             # Numbers are stored as they are, colours in sRGB.
             "encoding": "linear" if widths[path] == 1 else "srgb",
+            **({"channel": material.channels[path]} if path in material.channels else {}),
         }
         for path, picture in material.textures.items()
     ]

@@ -3,11 +3,14 @@
     model = "weidlich_wilkie"
     description = "Walnut under a clear lacquer."
     alpha = 0.05
-    thickness = "wear.png"          # a picture relative to this file drives the parameter
+    thickness = "orm.png:g"         # a picture relative to this file drives the parameter
 
     [base]                          # an inner model
     model = "eon"
     rho = [0.25, 0.12, 0.06]
+
+A picture for a number is grey, or its channel is named: "orm.png:g" (r, g, b, a, luminance), and taken as
+it is stored; for a colour it is sRGB, or linear in .exr and .hdr.
 
 Options take their names as strings. `metal = "Au"` stands for eta and k (or metal_eta and metal_k), and
 `neutral = true` beside it keeps grey metals grey (see `gonio.parts.metals.metal`). A table
@@ -28,7 +31,9 @@ from pathlib import Path
 from typing import Any
 
 from gonio.fields import ModelError, Parameter
+from gonio.images import ImageError
 from gonio.materials.notation import parse_model
+from gonio.materials.texture_file import split_channel, texture_values
 from gonio.model import Child, Model, models
 
 # What a [flakes] table may hold.
@@ -50,6 +55,8 @@ class Material:
     description: str = ""
     textures: dict[str, Path] = field(default_factory=dict)
     """Pictures by the path of their parameter; the model has the default there."""
+    channels: dict[str, str] = field(default_factory=dict)
+    """Which channel of its picture drives a parameter, by its path: "r", "g", "b", "a", "luminance"."""
     flakes: dict[str, Any] = field(default_factory=dict)
     """How to make the map of flakes; empty for none."""
     grows: bool = False
@@ -106,7 +113,7 @@ def load_material(name: str | Path) -> Material:
     for wanted, name in ((flakes, "flake_x"), (grows, "growth")):
         if wanted and name not in model.fields:
             raise reader.error("model", f"{model.name} has no {name}, which this file drives.")
-    return Material(path.stem, model, description, reader.textures, flakes, grows)
+    return Material(path.stem, model, description, reader.textures, reader.channels, flakes, grows)
 
 
 def find(text: str, params: Iterable[str] = ()) -> Model | Material:
@@ -136,6 +143,7 @@ class _Reader:
     path: Path
     text: str
     textures: dict[str, Path] = field(default_factory=dict)
+    channels: dict[str, str] = field(default_factory=dict)
 
     def flakes(self, table: dict[str, Any]) -> dict[str, Any]:
         """The settings of a [flakes] table, taken out of the file's table."""
@@ -186,7 +194,7 @@ class _Reader:
         for key, value in table.items():
             declared = cls.fields.get(key)
             if isinstance(declared, Parameter) and isinstance(value, str):
-                self.textures[section + key] = self._picture(key, value, section)
+                self._texture(declared, value, section)
                 continue
             if isinstance(declared, Child) and isinstance(value, dict):
                 given[key] = self.model(value, f"{section}{key}.")
@@ -202,12 +210,21 @@ class _Reader:
         except ModelError as error:  # values that do not go together
             raise self.error("model", str(error), section) from None
 
-    def _picture(self, key: str, value: str, section: str) -> Path:
-        picture = self.path.parent / value
+    def _texture(self, declared: Parameter, value: str, section: str) -> None:
+        """Note the picture that drives a parameter, after reading it."""
+        key = declared.name
+        name, channel = split_channel(value)
+        picture = self.path.parent / name
         if not picture.is_file():
             message = f"{key} names a picture that does not exist: {picture}."
             raise self.error(key, message, section)
-        return picture
+        try:
+            texture_values(picture, channel, declared.width)
+        except ImageError as error:
+            raise self.error(key, f"{key}: picture {picture}: {error}.", section) from None
+        self.textures[section + key] = picture
+        if channel is not None:
+            self.channels[section + key] = channel
 
     def _metal(self, cls: type[Model], table: dict[str, Any], section: str) -> dict[str, Any]:
         """eta and k of a named metal, if the table names one."""

@@ -5,8 +5,12 @@ from __future__ import annotations
 import functools
 from typing import Any
 
+import mitsuba as mi
+
 from gonio.fields import ModelError, is_array
+from gonio.images import Pixels
 from gonio.materials import Material
+from gonio.materials.texture_file import texture_values
 from gonio.mitsuba.properties import PLUGIN, PREFIX
 from gonio.mitsuba.register import is_registered, register
 from gonio.mitsuba.textures import flake_map, flake_texture, growth_texture
@@ -56,8 +60,7 @@ def _(material: Material) -> dict[str, Any]:
         inner = made
         for part in outer:
             inner = inner[part]
-        # Numbers are stored as they are, colours in sRGB.
-        inner[name] = {"type": "bitmap", "filename": str(picture), "raw": widths[path] == 1}
+        inner[name] = _bitmap(texture_values(picture, material.channels.get(path), widths[path]))
     if material.flakes:
         settings = dict(material.flakes)
         tiles, fade = settings.pop("tiles", FLAKE_TILES), settings.pop("fade", None)
@@ -65,6 +68,10 @@ def _(material: Material) -> dict[str, Any]:
     if material.grows:
         made["growth"] = growth_texture()
     return made
+
+
+def _bitmap(values: Pixels) -> dict[str, Any]:
+    return {"type": "bitmap", "bitmap": mi.Bitmap(values), "raw": True}
 
 
 @node.register

@@ -66,6 +66,7 @@ def render(
     def load(shown: Shown) -> Any:
         placed = shader_ball(
             node(shown),
+            textured=_textured(shown),
             environment=environment,
             mesh=mesh,
             size=size,
@@ -96,6 +97,13 @@ def render(
     return np.asarray(glossy + spread, np.float32).view(Picture)
 
 
+def _textured(shown: Shown) -> list[str]:
+    """What of a material is laid out by texture coordinates."""
+    if not isinstance(shown, Material):
+        return []
+    return [*shown.textures, *(["the flakes"] if shown.flakes else [])]
+
+
 def _without_diffuse(material: Shown) -> Shown:
     """The same with black diffuse reflection."""
     if isinstance(material, Stack):
@@ -112,7 +120,8 @@ def _without_diffuse(material: Shown) -> Shown:
     if not isinstance(material, Material):
         return model
     textures = {path: file for path, file in material.textures.items() if path not in black}
-    return dataclasses.replace(material, model=model, textures=textures)
+    channels = {path: name for path, name in material.channels.items() if path in textures}
+    return dataclasses.replace(material, model=model, textures=textures, channels=channels)
 
 
 def _seen(loaded: Any) -> tuple[Any, Any, Any]:
