@@ -2,11 +2,39 @@
 
 from __future__ import annotations
 
+import errno
 import os
+import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+# What the system says when a place cannot be written to, in words that say what to do.
+REFUSALS = {
+    errno.ENOSPC: "the disk is full; make room, or choose another place",
+    errno.EDQUOT: "your share of the disk is used up; make room, or choose another place",
+    errno.EROFS: "the place is read-only; choose another one",
+    errno.EACCES: "writing is not permitted there; choose another place",
+    errno.EPERM: "writing is not permitted there; choose another place",
+    errno.ENAMETOOLONG: "its name is too long",
+}
+LITTLE = 1 << 16  # bytes; where less is free, a failed write is the disk's fault
+
+
+def _refused(path: Path, error: OSError) -> OSError:
+    reason = REFUSALS.get(error.errno or 0, error.strerror or str(error))
+    return OSError(error.errno, f"cannot be written: {reason}", str(path))
+
+
+_unfinished: set[Path] = set()
+
+
+def remove_unfinished() -> None:
+    """Remove the files that `replacing` is at work on; for a process that is about to end in its midst."""
+    for temporary in list(_unfinished):
+        temporary.unlink(missing_ok=True)
+        _unfinished.discard(temporary)
 
 
 @contextmanager
@@ -18,15 +46,33 @@ def replacing(path: str | Path) -> Iterator[Path]:
 
     Raises:
         FileNotFoundError: the folder does not exist.
+        OSError: something other than a file has that name, the place is read-only, or the disk is full.
     """
     path = Path(path).resolve()  # a link stays a link to the file that is replaced
     if not path.parent.is_dir():
         raise FileNotFoundError(f"there is no folder {path.parent}; create it first.")
-    handle, name = tempfile.mkstemp(suffix=path.suffix, prefix=f".{path.stem}-", dir=path.parent)
+    if path.exists() and not path.is_file():
+        kind = "a folder" if path.is_dir() else "not an ordinary file"
+        raise OSError(errno.EEXIST, f"cannot be written: it is {kind}", str(path))
+    try:
+        handle, name = tempfile.mkstemp(suffix=path.suffix, prefix=".gonio-", dir=path.parent)
+    except OSError as error:
+        raise _refused(path, error) from error
     os.close(handle)
     temporary = Path(name)
+    _unfinished.add(temporary)
     try:
-        yield temporary
+        try:
+            yield temporary
+        except OSError as error:
+            if error.errno in REFUSALS:
+                raise _refused(path, error) from error
+            raise
+        except Exception as error:
+            # Writers outside of Python have errors of their own for a full disk.
+            if shutil.disk_usage(path.parent).free < LITTLE:
+                raise _refused(path, OSError(errno.ENOSPC, "")) from error
+            raise
         # mkstemp makes files that only the owner can read; pictures are for everybody the umask allows.
         umask = os.umask(0)
         os.umask(umask)
@@ -34,3 +80,4 @@ def replacing(path: str | Path) -> Iterator[Path]:
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
+        _unfinished.discard(temporary)

@@ -69,6 +69,54 @@ def test_progress_arrives_at_the_end() -> None:
     assert seen == [(16, 20), (20, 20)]
 
 
+def test_large_pictures_are_made_of_bands_without_a_seam(monkeypatch: pytest.MonkeyPatch) -> None:
+    from gonio.render import passes
+
+    # A black ball before white: all noise is at its rim.
+    black: Any = {"size": (32, 24), "spp": 4, "furnace": True}
+    whole = render(gonio.Lambert(rho=0), **black)
+    monkeypatch.setattr(passes, "PATHS_PER_PASS", 32 * 5)
+    seen: list[tuple[int, int]] = []
+    banded = render(gonio.Lambert(rho=0), **black, progress=lambda n, of: seen.append((n, of)))
+    assert len(seen) == 4 * 5  # each of four passes of one sample in five bands
+    assert seen[-1] == (4, 4)
+    # 0.1: one to two of 32 pixels of a row are on the rim, and miss by up to 1; a band that is a row off
+    # misses by the rim's slope everywhere, one put in another's place by a third.
+    assert np.abs(whole - banded).mean(axis=(1, 2)).max() < 0.1
+    inside = whole[:, :, 0] < 1e-3
+    assert 40 < inside.sum() < 400
+    np.testing.assert_allclose(banded[inside], 0, atol=0.2)
+
+
+@pytest.mark.parametrize(
+    ("pixel_format", "expected"),
+    [
+        # The wall reflects all of a light whose radiance is linear sRGB (1, 0.5, 0.25).
+        ("rgb", (1, 0.5, 0.25)),
+        ("rgba", (1, 0.5, 0.25)),
+        ("xyz", (1, 0.5, 0.25)),
+        ("xyza", (1, 0.5, 0.25)),
+        # Its luminance, ITU-R BT.709: 0.2126 + 0.7152 / 2 + 0.0722 / 4
+        ("luminance", (0.58825,) * 3),
+        ("luminance_alpha", (0.58825,) * 3),
+    ],
+)
+def test_a_films_pixels_are_shown_as_what_they_are(
+    tmp_path: Path, pixel_format: str, expected: tuple[float, ...]
+) -> None:
+    text = SCENE.format(bsdf='<bsdf type="diffuse"><rgb name="reflectance" value="1,1,1"/></bsdf>')
+    text = text.replace('value="rgb"', f'value="{pixel_format}"')
+    text = text.replace(
+        '<emitter type="constant"/>',
+        '<emitter type="constant"><rgb name="radiance" value="1,0.5,0.25"/></emitter>',
+    )
+    path = tmp_path / "scene.xml"
+    path.write_text(text)
+    pixels = render_scene(path, {}, spp=64)
+    # 2 %: Mitsuba's XYZ has rounded coefficients; noise of 16,000 samples
+    np.testing.assert_allclose(pixels.mean((0, 1)), expected, rtol=0.02)
+
+
 def test_white_eon_disappears_in_the_furnace_and_qon_does_not() -> None:
     white = {"size": (48, 48), "spp": 64, "furnace": True}
     eon = render(gonio.EON(rho=1, roughness=1), **white)

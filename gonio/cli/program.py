@@ -17,6 +17,8 @@ from typing import Any
 import click
 
 import gonio
+from gonio.cli._interrupt import CODE, prompt_interrupt
+from gonio.files import remove_unfinished
 from gonio.notices import Notice
 
 
@@ -39,11 +41,11 @@ class Program(click.Group):
             _make_writable(sys.stdout)
             # Not standalone: click would print errors its own way. It still ends the process, quietly
             # and with code 1, when nobody reads its output any more.
-            with _notices():
+            with prompt_interrupt(remove_unfinished), _notices():
                 code = super().main(given, "gonio", complete_var, False, **extra)
         except (KeyboardInterrupt, click.Abort):
             click.echo("gonio: interrupted", err=True)
-            sys.exit(128 + 2)  # as a program that SIGINT ends
+            sys.exit(CODE)
         except Exception as error:
             if debug:
                 raise

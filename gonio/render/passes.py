@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -14,33 +15,125 @@ Pixels = NDArray[np.float32]
 Progress = Callable[[int, int], None]
 """Called with (samples done, samples in all) after every pass."""
 
-# Samples of one pass: small enough to show progress and to answer an interrupt within a second or two,
-# large enough (4 M paths) to keep all cores busy.
+# Samples of one pass: small enough to show progress and to answer an interrupt soon, large enough (4 M
+# paths) to keep all cores busy. A picture of more pixels is made of bands.
 PATHS_PER_PASS = 1 << 22
 
+# Linear sRGB of CIE XYZ, IEC 61966-2-1
+XYZ_TO_RGB = np.array(
+    [
+        [3.2404542, -1.5371385, -0.4985314],
+        [-0.9692660, 1.8760108, 0.0415560],
+        [0.0556434, -0.2040259, 1.0572252],
+    ]
+)
 
-def integrate(loaded: Any, spp: int, seed: int, progress: Progress | None) -> Pixels:
-    """The mean of several passes, so that long work shows progress and can be interrupted."""
-    import drjit as dr
+
+def integrate(
+    loaded: Any, spp: int, seed: int, progress: Progress | None, *, alpha: bool = False
+) -> Pixels:
+    """The mean of several passes, so that long work shows progress and can be interrupted.
+
+    Args:
+        loaded: the scene; its first sensor is rendered.
+        spp: samples per pixel.
+        seed: of the random numbers.
+        progress: called after each pass.
+        alpha: keep the film's alpha as a fourth channel.
+
+    Returns:
+        Linear RGB, (height, width, 3), whatever the film's format is.
+
+    Raises:
+        ValueError: no samples, or a film whose channels are no colours.
+    """
     import mitsuba as mi
 
     if spp < 1:
         raise ValueError(f"spp={spp} is out of range; allowed is at least 1.")
-    width, height = loaded.sensors()[0].film().size()
-    limit = max(1, PATHS_PER_PASS // max(int(width) * int(height), 1))
-    total: Any = 0
-    done = 0
-    for number, count in enumerate(_passes(spp, limit)):
-        # Mitsuba derives a pass's random numbers from its seed; far-apart seeds never overlap.
-        picture = mi.render(loaded, spp=count, seed=seed * 65536 + number)
-        total = total + picture * (count / spp)
-        dr.eval(total)
-        done += count
-        if progress is not None:
-            dr.sync_thread()
-            progress(done, spp)
-    pixels = np.array(total, dtype=np.float32)[..., :3]
-    return np.repeat(pixels, 3, axis=2) if pixels.shape[2] == 1 else pixels
+    sensor = loaded.sensors()[0]
+    width, height = (int(n) for n in sensor.film().crop_size())
+    bands = _bands(width, height)
+    limit = max(1, PATHS_PER_PASS // max(width * max(rows for _, rows in bands), 1))
+    passes = list(_passes(spp, limit))
+    total: Any = None
+    number = done = 0
+    with _Cropped(sensor) as cropped:
+        for count in passes:
+            for top, rows in bands:
+                if len(bands) > 1:
+                    cropped.show(top, rows)
+                # Mitsuba derives a pass's random numbers from its seed; far-apart seeds never overlap.
+                picture = mi.render(loaded, spp=count, seed=seed * 65536 + number)
+                pixels = np.array(picture, dtype=np.float32) * np.float32(count / spp)
+                if total is None:
+                    total = np.zeros((height, width, pixels.shape[2]), np.float32)
+                total[top : top + rows] += pixels
+                number += 1
+                done += count * rows
+                if progress is not None:
+                    progress(done // height, spp)
+        return _colours(total, sensor.film(), alpha)
+
+
+def _bands(width: int, height: int) -> list[tuple[int, int]]:
+    """First row and number of rows of the parts of a picture, each of at most PATHS_PER_PASS pixels."""
+    count = min(height, -(-width * height // PATHS_PER_PASS))
+    edges = [height * k // count for k in range(count + 1)]
+    return [(top, bottom - top) for top, bottom in itertools.pairwise(edges)]
+
+
+class _Cropped:
+    """A sensor whose film shows some of its rows at a time, and all that it did at the end."""
+
+    def __init__(self, sensor: Any) -> None:
+        self.sensor = sensor
+
+    def __enter__(self) -> _Cropped:
+        film = self.sensor.film()
+        self.offset, self.size = film.crop_offset(), film.crop_size()
+        self.changed = False
+        return self
+
+    def show(self, top: int, rows: int) -> None:
+        self._set([self.offset[0], self.offset[1] + top], [self.size[0], rows])
+        self.changed = True
+
+    def __exit__(self, *_: Any) -> None:
+        if self.changed:
+            self._set(self.offset, self.size)
+
+    def _set(self, offset: Any, size: Any) -> None:
+        import mitsuba as mi
+
+        film = mi.traverse(self.sensor)
+        film["film.crop_offset"], film["film.crop_size"] = (
+            mi.ScalarPoint2u(offset),
+            mi.ScalarPoint2u(size),
+        )
+        film.update()
+
+
+def _colours(pixels: Pixels, film: Any, alpha: bool) -> Pixels:
+    """Linear RGB of what a film holds."""
+    import mitsuba as mi
+
+    formats = mi.Bitmap.PixelFormat
+    bitmap = film.bitmap()
+    kind, names = bitmap.pixel_format(), [channel.name for channel in bitmap.struct_()]
+    if kind in (formats.Y, formats.YA):
+        colours = np.repeat(pixels[..., :1], 3, axis=2)
+    elif kind in (formats.XYZ, formats.XYZA):
+        colours = (pixels[..., :3] @ XYZ_TO_RGB.T).astype(np.float32)
+    elif kind in (formats.RGB, formats.RGBA) or names[:3] == ["R", "G", "B"]:
+        colours = pixels[..., :3]
+    else:
+        raise ValueError(
+            f"the film holds the channels {', '.join(names)}, which are no colours; use an hdrfilm."
+        )
+    if alpha and kind in (formats.YA, formats.XYZA, formats.RGBA):
+        colours = np.concatenate([colours, pixels[..., -1:]], axis=2)
+    return np.ascontiguousarray(colours)
 
 
 # A stratified sampler wants square numbers of samples, and rounds others up with a warning.

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from gonio.render import passes
 from gonio.render.ball import BALL_CENTRE, CORE_RADIUS, direction, pedestal, shell, sphere
 from gonio.render.light import Nodes, environment_nodes, grey, rgb, surround
 from gonio.render.meshes.uvs import projected
@@ -50,6 +51,8 @@ def _sensor(size: tuple[int, int], spp: int, place: Floats, target: Floats, zoom
             "pixel_format": "luminance" if "mono" in str(mi.variant()) else "rgb",
             "component_format": "float32",
             "rfilter": {"type": "gaussian"},
+            # Bands of a large picture share the samples at their edges, as its own pixels do.
+            "sample_border": size[0] * size[1] > passes.PATHS_PER_PASS,
         },
         # Strata are rows and columns: a square number is not rounded up with a warning.
         "sampler": {"type": "multijitter", "sample_count": (math.isqrt(spp - 1) + 1) ** 2},
