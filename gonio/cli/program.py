@@ -202,9 +202,6 @@ def spp_option(default: int | None) -> Callable[[Any], Any]:
 seed_option = click.option(
     "--seed", type=click.IntRange(0, 65535), default=0, help="Of the random numbers."
 )
-exposure_option = click.option(
-    "--exposure", type=float, default=0.0, metavar="STOPS", help="Brighten a .png."
-)
 
 
 @click.group(cls=Program, context_settings=SETTINGS, invoke_without_command=True)

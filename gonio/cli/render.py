@@ -7,11 +7,18 @@ from typing import Any
 
 import click
 
+from gonio.cli._stage import (
+    check_look,
+    exposure_option,
+    stage_options,
+    stage_settings,
+    stops,
+    tone_option,
+)
 from gonio.cli.program import (
     Size,
     complete,
     environment_option,
-    exposure_option,
     param_option,
     progress,
     seed_option,
@@ -32,11 +39,7 @@ from gonio.cli.program import (
 )
 @environment_option
 @click.option("--furnace", is_flag=True, help="Radiance 1 from everywhere: shows lost energy.")
-@click.option(
-    "--mesh", metavar="FILE", help="A mesh (.obj, .ply, .stl, .glb, .gltf) instead of the ball."
-)
-@click.option("--up", type=click.Choice(["y", "z"]), default="y", help="The mesh's vertical axis.")
-@click.option("--turn", type=float, default=0.0, metavar="DEG", help="Turn the mesh.")
+@stage_options
 @click.option(
     "--diffusion",
     type=click.FloatRange(0),
@@ -48,6 +51,7 @@ from gonio.cli.program import (
 @click.option("--size", type=Size(), metavar="N|WxH", default="512", help="Pixels (default: 512).")
 @seed_option
 @exposure_option
+@tone_option
 @click.option("-o", "--output", metavar="FILE", help="A .png or .exr file (default: MODEL.png).")
 def command(
     model: str | None,
@@ -56,15 +60,14 @@ def command(
     others: tuple[str, ...],
     environment: str,
     furnace: bool,
-    mesh: str | None,
-    up: str,
-    turn: float,
     diffusion: float,
     spp: int,
     size: tuple[int, int],
     seed: int,
-    exposure: float,
+    exposure: float | str | None,
+    tone: str | None,
     output: str | None,
+    **stage: Any,
 ) -> None:
     """Render MODEL on a shader ball or on your mesh.
 
@@ -76,6 +79,8 @@ def command(
     Examples:
       gonio render eon --param roughness=1 -o clay.png
       gonio render eon --mesh bunny.obj --env studio.hdr
+      gonio render gold --mesh car.glb --camera 35,10 --tone agx
+      gonio render gold --transparent -o gold.png
       gonio render lambert --compare qon:sigma=1.57 --compare eon:roughness=1 --env side
       gonio render eon:rho=1,roughness=1 --furnace
       gonio render lacquered_walnut --compare gold --env sunsky
@@ -95,7 +100,9 @@ def command(
     labels = [describe(m) for m in shown] if others else []
     target = Path(output or f"{first.name}.png")
     check_format(target)
-    settings: dict[str, Any] = {"mesh": mesh, "up": up, "turn": turn} if mesh else {}
+    check_look(target, exposure, tone)
+    settings = stage_settings(**stage)
+    brighter = stops(environment, furnace, exposure, target)
     with progress("rendering") as step:
         pixels = sheets.compare(
             [{"environment": environment, "furnace": furnace, "diffusion": diffusion}],
@@ -106,5 +113,5 @@ def command(
             progress=step,
             **settings,
         )
-    write_picture(target, pixels, exposure=exposure, labels=labels)
+    write_picture(target, pixels, exposure=brighter, tone=tone or "linear", labels=labels)
     click.echo(target)

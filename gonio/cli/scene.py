@@ -6,9 +6,9 @@ from pathlib import Path
 
 import click
 
+from gonio.cli._stage import check_look, scene_exposure_option, tone_option
 from gonio.cli.program import (
     Size,
-    exposure_option,
     param_option,
     progress,
     seed_option,
@@ -29,7 +29,8 @@ from gonio.cli.program import (
 @spp_option(None)
 @click.option("--size", type=Size(), metavar="N|WxH", help="Pixels (default: the scene's).")
 @seed_option
-@exposure_option
+@scene_exposure_option
+@tone_option
 @click.option("-o", "--output", metavar="FILE", help="A .png or .exr file (default: FILE.png).")
 def command(
     scene: str,
@@ -38,7 +39,8 @@ def command(
     spp: int | None,
     size: tuple[int, int] | None,
     seed: int,
-    exposure: float,
+    exposure: float | None,
+    tone: str | None,
     output: str | None,
 ) -> None:
     """Render FILE.xml, a Mitsuba scene, with models of gonio in place of some of its materials.
@@ -62,7 +64,8 @@ def command(
         assigned[name] = find(value, params)
     target = Path(output or f"{Path(scene).stem}.png")
     check_format(target)
+    check_look(target, exposure, tone)
     with progress("rendering") as step:
         pixels = render_scene(scene, assigned, size=size, spp=spp, seed=seed, progress=step)
-    write_picture(target, pixels, exposure=exposure)
+    write_picture(target, pixels, exposure=exposure or 0.0, tone=tone or "linear")
     click.echo(target)

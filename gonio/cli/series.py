@@ -7,10 +7,17 @@ from typing import Any
 
 import click
 
+from gonio.cli._stage import (
+    check_look,
+    exposure_option,
+    stage_options,
+    stage_settings,
+    stops,
+    tone_option,
+)
 from gonio.cli.program import (
     Size,
     environment_option,
-    exposure_option,
     progress,
     seed_option,
     spp_option,
@@ -21,30 +28,26 @@ from gonio.cli.program import (
 @click.argument("name", metavar="NAME")
 @environment_option
 @click.option("--furnace", is_flag=True, help="Radiance 1 from everywhere: shows lost energy.")
-@click.option(
-    "--mesh", metavar="FILE", help="A mesh (.obj, .ply, .stl, .glb, .gltf) instead of the ball."
-)
-@click.option("--up", type=click.Choice(["y", "z"]), default="y", help="The mesh's vertical axis.")
-@click.option("--turn", type=float, default=0.0, metavar="DEG", help="Turn the mesh.")
+@stage_options
 @spp_option(36)
 @click.option(
     "--size", type=Size(), metavar="N|WxH", default="320", help="Pixels of a step (default: 320)."
 )
 @seed_option
 @exposure_option
+@tone_option
 @click.option("-o", "--output", metavar="FILE", help="A .png or .exr file (default: NAME.png).")
 def command(
     name: str,
     environment: str,
     furnace: bool,
-    mesh: str | None,
-    up: str,
-    turn: float,
     spp: int,
     size: tuple[int, int],
     seed: int,
-    exposure: float,
+    exposure: float | str | None,
+    tone: str | None,
     output: str | None,
+    **stage: Any,
 ) -> None:
     """Render the ready materials NAME_1, NAME_2, ... side by side, with what changes below each.
 
@@ -60,7 +63,9 @@ def command(
     shown = load_series(name)
     target = Path(output or f"{name}.png")
     check_format(target)
-    settings: dict[str, Any] = {"mesh": mesh, "up": up, "turn": turn} if mesh else {}
+    check_look(target, exposure, tone)
+    settings = stage_settings(**stage)
+    brighter = stops(environment, furnace, exposure, target)
     with progress("rendering") as step:
         pixels = sheets.compare(
             [{"environment": environment, "furnace": furnace}],
@@ -71,5 +76,5 @@ def command(
             progress=step,
             **settings,
         )
-    write_picture(target, pixels, exposure=exposure, labels=captions(shown))
+    write_picture(target, pixels, exposure=brighter, tone=tone or "linear", labels=captions(shown))
     click.echo(target)

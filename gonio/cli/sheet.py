@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from gonio.cli._stage import exposure_option, stops, tone_option
 from gonio.cli.program import (
     environment_option,
     progress,
@@ -22,8 +23,19 @@ from gonio.cli.program import (
 )
 @spp_option(64)
 @seed_option
+@exposure_option
+@tone_option
 @click.option("-o", "--output", default="materials.png", metavar="FILE", help="A .png file.")
-def command(environment: str, furnace: bool, size: int, spp: int, seed: int, output: str) -> None:
+def command(
+    environment: str,
+    furnace: bool,
+    size: int,
+    spp: int,
+    seed: int,
+    exposure: float | str | None,
+    tone: str | None,
+    output: str,
+) -> None:
     """Render a contact sheet of all ready materials, each with its name.
 
     \b
@@ -35,6 +47,7 @@ def command(environment: str, furnace: bool, size: int, spp: int, seed: int, out
     from gonio.render.sheets import write_sheet
 
     target = Path(output)
+    brighter = stops(environment, furnace, exposure, target)
     with progress("rendering") as step:
         write_sheet(
             target,
@@ -44,6 +57,8 @@ def command(environment: str, furnace: bool, size: int, spp: int, seed: int, out
             seed=seed,
             environment=environment,
             furnace=furnace,
+            exposure=brighter,
+            tone=tone or "linear",
             progress=step,
         )
     click.echo(target)

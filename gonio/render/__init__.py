@@ -55,7 +55,8 @@ def render(
         stage: further arguments of `gonio.render.stage.shader_ball`, such as up="z".
 
     Returns:
-        Linear RGB radiance, float32, shape (height, width, 3).
+        Linear RGB radiance, float32, shape (height, width, 3); with transparent=True (height, width, 4),
+        colours multiplied by alpha.
 
     Raises:
         ValueError, FileNotFoundError: one line on what was wrong with an argument or a file.
@@ -80,8 +81,9 @@ def render(
         return mi.load_dict(placed, optimize=False)
 
     loaded = load(material)
+    alpha = bool(stage.get("transparent"))
     if not diffusion:
-        return integrate(loaded, spp, seed, progress).view(Picture)
+        return integrate(loaded, spp, seed, progress, alpha=alpha).view(Picture)
     without = load(_without_diffuse(material))
 
     def half(first: int) -> Progress:
@@ -91,10 +93,10 @@ def render(
 
         return step
 
-    full = integrate(loaded, spp, seed, half(0))
+    full = integrate(loaded, spp, seed, half(0), alpha=alpha)
     glossy = integrate(without, spp, seed, half(1))
-    spread = diffuse_on_screen(full - glossy, *_seen(loaded), millimetre=diffusion)
-    return np.asarray(glossy + spread, np.float32).view(Picture)
+    spread = diffuse_on_screen(full[..., :3] - glossy, *_seen(loaded), millimetre=diffusion)
+    return np.concatenate([glossy + spread, full[..., 3:]], axis=2, dtype=np.float32).view(Picture)
 
 
 def _textured(shown: Shown) -> list[str]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from gonio.images import Pixels
 from gonio.render.ball import BALL_CENTRE, direction
-from gonio.render.light_picture import IMAGE_FORMATS, ground_colour, read_light
+from gonio.render.light_picture import IMAGE_FORMATS, exposure, ground_colour, read_light
 from gonio.render.triangles import Floats, Triangles, grid_faces, lathe
 from gonio.render.user_mesh import existing
 
@@ -243,6 +243,11 @@ def environment_nodes(environment: str | Path, turn: float = 0.0, view: float = 
     }
 
 
+def auto_exposure(environment: str | Path) -> float:
+    """Stops that bring white in this light to 0.9: 0 for gonio's own, which are made so."""
+    return 0.0 if is_own(environment) else exposure(picture_of(environment))
+
+
 def is_own(environment: str | Path) -> bool:
     """Whether this is the name of one of gonio's own environments, not a file."""
     return isinstance(environment, str) and environment in ENVIRONMENTS
@@ -266,7 +271,7 @@ def _picture_light(pixels: Pixels, turn: float) -> Nodes:
 
     return {
         "type": "envmap",
-        "bitmap": mi.Bitmap(pixels),
+        "bitmap": mi.Bitmap(pixels.copy()),  # it takes no arrays that are read-only
         # Mitsuba has the middle of the picture at +z, behind the camera.
         "to_world": mi.ScalarTransform4f().rotate([0, 1, 0], 180 + turn),
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from pathlib import Path
 
 import numpy as np
@@ -36,6 +37,12 @@ def read_light(file: Path) -> Pixels:
     Raises:
         ValueError: one line on why the file cannot be a picture of light.
     """
+    known = file.stat()
+    return _read(file, known.st_mtime_ns, known.st_size)
+
+
+@functools.lru_cache(maxsize=2)  # the exposure and the scene ask for the same
+def _read(file: Path, _time: int, _size: int) -> Pixels:
     try:
         image = read_image(file)
     except ImageError as error:
@@ -54,6 +61,7 @@ def read_light(file: Path) -> Pixels:
     pixels = repaired(pixels, f"environment {file}")
     if min(height, width) < 2 or not pixels.max() > 0:
         raise ValueError(f"environment {file} has no light in it")
+    pixels.setflags(write=False)  # it is shared
     return pixels
 
 

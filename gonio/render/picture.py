@@ -15,16 +15,17 @@ from gonio.files import replacing
 from gonio.materials import Material
 from gonio.model import Model
 from gonio.render.passes import Pixels
+from gonio.render.tone import to_srgb
 
 FORMATS = (".png", ".exr")
 
 
 class Picture(np.ndarray[Any, np.dtype[np.float32]]):
-    """Linear pixels (height, width, 3): an array as any other, which notebooks show as a picture."""
+    """Linear pixels (height, width, 3 or 4): an array as any other, which notebooks show as a picture."""
 
     def _repr_png_(self) -> bytes | None:
         """The picture in sRGB, clipped; None for what is no picture any more, such as one channel."""
-        if self.ndim != 3 or self.shape[2] != 3 or 0 in self.shape:
+        if self.ndim != 3 or self.shape[2] not in (3, 4) or 0 in self.shape:
             return None
         from PIL import Image
 
@@ -66,15 +67,17 @@ def write_picture(
     pixels: Pixels,
     *,
     exposure: float = 0.0,
+    tone: str = "linear",
     labels: Sequence[str] = (),
     row_labels: Sequence[str] = (),
 ) -> None:
-    """Write a picture: .png (8-bit sRGB, clipped) or .exr (linear float32, without labels).
+    """Write a picture: .png (8-bit sRGB) or .exr (linear float32, without labels).
 
     Args:
         path: the file; it appears only when it is complete.
-        pixels: linear radiance, shape (height, width, 3).
+        pixels: linear radiance, shape (height, width, 3), or with alpha, (height, width, 4).
         exposure: in stops, for .png.
+        tone: the curve of a .png: "linear", "filmic" or "agx" (see `gonio.render.tone`).
         labels: one under each of that many columns, for .png.
         row_labels: one at the left edge of each of that many rows, for .png.
 
@@ -92,7 +95,7 @@ def write_picture(
         with replacing(path) as temporary:
             mi.Bitmap(np.ascontiguousarray(pixels, np.float32)).write(str(temporary))
         return
-    picture = captioned(to_srgb(pixels, exposure), labels, row_labels)
+    picture = captioned(to_srgb(pixels, exposure, tone), labels, row_labels)
     with replacing(path) as temporary:
         picture.save(temporary, format="PNG")
 
@@ -119,7 +122,7 @@ def captioned(pixels: NDArray[np.uint8], labels: Sequence[str], rows: Sequence[s
     font_size = max(11, min(cell_width, cell_height) // 20)
     footer = 2 * font_size if labels else 0
     margin = 2 * font_size if rows else 0
-    sheet = Image.new("RGB", (width + margin, height + footer), BACKGROUND)
+    sheet = Image.new(picture.mode, (width + margin, height + footer), BACKGROUND)
     sheet.paste(picture, (margin, 0))
     draw = ImageDraw.Draw(sheet)
     for n, label in enumerate(labels):
@@ -149,14 +152,3 @@ def _font(text: str, size: int, width: int) -> Any:
     while size > 7 and ImageFont.truetype(file, size).getlength(text) > width:
         size -= 1
     return ImageFont.truetype(file, size)
-
-
-def to_srgb(pixels: Pixels, exposure: float) -> NDArray[np.uint8]:
-    """8-bit sRGB of linear pixels, clipped, after an exposure in stops."""
-    import mitsuba as mi
-
-    scaled = np.ascontiguousarray(np.asarray(pixels, np.float32) * np.float32(2.0**exposure))
-    bitmap = mi.Bitmap(scaled).convert(
-        mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.UInt8, srgb_gamma=True
-    )
-    return np.array(bitmap)

@@ -14,7 +14,8 @@ from gonio.materials import Material
 from gonio.model import Model
 from gonio.render import Shown, render
 from gonio.render.passes import Progress
-from gonio.render.picture import BACKGROUND, Picture, captioned, describe, to_srgb, write_picture
+from gonio.render.picture import BACKGROUND, Picture, captioned, describe, write_picture
+from gonio.render.tone import to_srgb
 
 
 def compare(rows: Sequence[Mapping[str, Any]], columns: Sequence[Shown], **common: Any) -> Picture:
@@ -52,6 +53,8 @@ def write_sheet(
     *,
     columns: int = 6,
     cell: int = 256,
+    exposure: float = 0.0,
+    tone: str = "linear",
     progress: Progress | None = None,
     **common: Any,
 ) -> None:
@@ -62,6 +65,8 @@ def write_sheet(
         materials: what to show, row by row.
         columns: how many side by side.
         cell: pixels of one picture.
+        exposure: in stops.
+        tone: the curve, as `write_picture` has it.
         progress: called after each pass.
         common: further arguments of `render`, such as environment="sunsky".
 
@@ -84,7 +89,7 @@ def write_sheet(
                 progress(first * total + done * count, len(materials) * total)
 
         pixels = compare([{}], shown, size=(cell, cell), progress=step, **common)
-        strips.append(captioned(to_srgb(pixels, 0.0), [describe(m) for m in shown], []))
+        strips.append(captioned(to_srgb(pixels, exposure, tone), [describe(m) for m in shown], []))
     width = max(strip.width for strip in strips)
     sheet = Image.new("RGB", (width, sum(strip.height for strip in strips)), BACKGROUND)
     top = 0

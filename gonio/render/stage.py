@@ -151,6 +151,10 @@ def shader_ball(
     size = _check_size(size)
     if spp < 1 or max_depth < 1:
         raise ValueError(f"spp and max_depth must be at least 1, not {spp} and {max_depth}")
+    if furnace and (transparent or not ground or environment_turn):
+        raise ValueError(
+            "the furnace is radiance 1 from everywhere, without ground, and cannot be turned or left out"
+        )
     ground = ground and not transparent
     _check_view(camera, zoom, ground and not furnace)
     material = mi.load_dict(bsdf)
