@@ -10,11 +10,18 @@ import drjit as dr
 import numpy as np
 import pytest
 from support.directions import from_cosine, polar
+from support.tolerances import DOUBLE, DOUBLE_DIVIDED, SINGLE, SINGLE_PROMISED
 
 from gonio.lang import MU_MIN, vec2, vec3
 from gonio.parts import distribution, frame, masking, special
 
 Float, Float64 = dr.llvm.ad.Float, dr.llvm.ad.Float64
+# 400 azimuths, over which an anisotropic lobe's projected area is smooth and periodic.
+TRAPEZES = 1e-7
+
+# A polynomial and a division in double precision.
+A_HUNDRED_ROUNDINGS = 1e-14
+
 ALPHAS = np.concatenate([10 ** np.linspace(-4, 0, 17), [0.89, 0.9, 0.99, 0.9999999]])
 PHI = 0.7  # an azimuth at which nothing is symmetric by chance
 
@@ -70,8 +77,8 @@ def normalisation_error(D: Density, T: Any) -> float:
 
 @EACH
 def test_facets_cover_the_surface_exactly_once(name: str) -> None:
-    assert normalisation_error(DISTRIBUTIONS[name], Float64) < 1e-12
-    assert normalisation_error(DISTRIBUTIONS[name], Float) < 1e-6
+    assert normalisation_error(DISTRIBUTIONS[name], Float64) < DOUBLE
+    assert normalisation_error(DISTRIBUTIONS[name], Float) < SINGLE
 
 
 def test_a_gaussian_normalised_for_the_whole_plane_is_caught() -> None:
@@ -97,7 +104,7 @@ def test_anisotropic_facets_cover_the_surface_exactly_once(D: Any, anisotropy: f
         values = numbers(D(vector(m), Float64(a.x), Float64(a.y))).reshape(z.shape)
         # dm = cos^3 dx dy, and dx dy = ax ay t dt dpsi
         total = np.sum(values * z**4 * a.x * a.y * t * dt) * np.pi / 200
-        assert total == pytest.approx(1, abs=1e-7)
+        assert total == pytest.approx(1, abs=TRAPEZES)
 
 
 @EACH
@@ -119,7 +126,7 @@ def test_values_are_the_textbook_formulas(name: str) -> None:
         found = numbers(DISTRIBUTIONS[name](vector(m), Float64(alpha)))
         if name == "gaussian":  # its constant is tested by the normalisation
             found = found / found[0]
-        np.testing.assert_allclose(found, textbook, rtol=1e-12)
+        np.testing.assert_allclose(found, textbook, rtol=DOUBLE)
 
 
 @EACH
@@ -131,7 +138,7 @@ def test_sharpest_lobes_keep_their_digits_in_float32(name: str) -> None:
     D = DISTRIBUTIONS[name]
     single = numbers(D(vector(m, Float), Float(1e-4)))
     double = numbers(D(vector(m.astype(np.float64)), Float64(float(np.float32(1e-4)))))
-    np.testing.assert_allclose(single, double, rtol=1e-5)
+    np.testing.assert_allclose(single, double, rtol=SINGLE_PROMISED)
     published = 1e-8 / (np.pi * (m[:, 2] ** 2 * np.float32(1e-8 - 1) + np.float32(1)) ** 2 + 1e-30)
     if name == "ggx":
         assert np.max(np.abs(published / double - 1)) > 0.5
@@ -264,7 +271,7 @@ def visible_error(name: str, theta: float, alpha: float, aspect: float, widen: f
     weight = (alpha * alpha * aspect * t * dt * z**3).ravel() * 2 * np.pi / 256
     expected = np.sum(probes(grid, alpha) * p * weight, axis=1)
     # p integrates to 1 only if G1 is what makes the visible area right
-    assert np.sum(p * weight) == pytest.approx(1, abs=2e-4)
+    assert np.sum(p * weight) == pytest.approx(1, abs=SAMPLING)
     return float(np.max(np.abs(found - expected)))
 
 
@@ -291,7 +298,7 @@ def test_density_of_the_mirrored_direction_follows_from_that_of_the_normal(name:
     # pdf(wi) = G1 max(wo.m, 0) D / mu_o / (4 wo.m): the cosine cancels
     expected = numbers(G1(wo, ax, ay) * D(m, ax, ay) / (4 * wo.z))
     assert (numbers(cos_h) > 0).any()
-    np.testing.assert_allclose(numbers(pdf(wo, m, ax, ay)), expected, rtol=1e-10)
+    np.testing.assert_allclose(numbers(pdf(wo, m, ax, ay)), expected, rtol=DOUBLE_DIVIDED)
 
 
 def test_half_vectors_are_exact_for_a_mirror_and_finite_for_opposite_directions() -> None:
@@ -302,8 +309,8 @@ def test_half_vectors_are_exact_for_a_mirror_and_finite_for_opposite_directions(
     # The lowest directions that models see
     low = np.nextafter(np.float32(MU_MIN), np.float32(1))
     wi, wo = (vector(np.array([[x, 0, low]]), Float) for x in (1.0, -1.0))
-    np.testing.assert_allclose(numbers(frame.half_vector(wi, wo)), [[0, 0, 1]], rtol=1e-6)
-    np.testing.assert_allclose(numbers(frame.cos_half(wi, wo)), low, rtol=1e-6)
+    np.testing.assert_allclose(numbers(frame.half_vector(wi, wo)), [[0, 0, 1]], rtol=SINGLE)
+    np.testing.assert_allclose(numbers(frame.cos_half(wi, wo)), low, rtol=SINGLE)
 
 
 def test_exponent_and_width_of_blinn_phong_convert_both_ways() -> None:
@@ -314,7 +321,7 @@ def test_exponent_and_width_of_blinn_phong_convert_both_ways() -> None:
 
 def test_logarithm_and_exponential_near_zero_keep_their_digits() -> None:
     x = np.concatenate([-(10.0 ** np.linspace(-12, -0.01, 500)), 10.0 ** np.linspace(-12, 6, 500)])
-    for T, dtype, rtol in ((Float, np.float32, 1e-6), (Float64, np.float64, 1e-14)):
+    for T, dtype, rtol in ((Float, np.float32, SINGLE), (Float64, np.float64, A_HUNDRED_ROUNDINGS)):
         xs = x.astype(dtype)
         np.testing.assert_allclose(
             numbers(special.log1p(T(xs))), np.log1p(xs.astype(float)), rtol=rtol
@@ -333,11 +340,11 @@ def test_narrow_gtr1_is_burleys_equation_and_keeps_its_digits(alpha: float) -> N
     a2, z2 = alpha * alpha, m[:, 2] ** 2
     printed = (a2 - 1) / (math.pi * math.log(a2) * (1 + (a2 - 1) * z2))
     found = numbers(distribution.D_gtr1_narrow(vector(m), Float64(alpha)))
-    np.testing.assert_allclose(found, printed, rtol=1e-9)
+    np.testing.assert_allclose(found, printed, rtol=DOUBLE_DIVIDED)
     single = m.astype(np.float32).astype(np.float64)
     width = float(np.float32(alpha))
     np.testing.assert_allclose(
         numbers(distribution.D_gtr1_narrow(vector(single, Float), Float(width))),
         numbers(distribution.D_gtr1_narrow(vector(single), Float64(width))),
-        rtol=1e-6,
+        rtol=SINGLE,
     )

@@ -9,6 +9,7 @@ import drjit as dr
 import numpy as np
 import pytest
 from support.directions import polar, random_directions
+from support.tolerances import DOUBLE, DOUBLE_DIVIDED
 
 from gonio.lang import vec3
 from gonio.parts import distribution, frame, masking
@@ -86,7 +87,7 @@ def test_masking_of_the_other_distribution_is_caught() -> None:
     assert projected_area_error("ggx", masking.G1_beckmann, 0.5, 0.5) > 0.01
     assert projected_area_error("beckmann", masking.G1_ggx, 0.5, 0.5) > 0.01
     # and so is Walter's fit, which is off by up to 0.35 %
-    assert projected_area_error("beckmann", masking.G1_beckmann_fitted, 0.5, 0.5) > 1e-3
+    assert projected_area_error("beckmann", masking.G1_beckmann_fitted, 0.5, 0.5) > 10 * PROJECTED
 
 
 def furnace(name: str, G1: Any, theta: float, alpha: float) -> float:
@@ -110,7 +111,7 @@ def test_weak_white_furnace(name: str) -> None:
     for alpha in (1e-3, 0.3, 1.0):
         for theta in ANGLES:
             assert furnace(name, SMITH[name][1], theta, alpha) == pytest.approx(1, abs=PROJECTED)
-    assert abs(furnace(name, masking.G1_beckmann_fitted, 1.2, 0.3) - 1) > 5e-4
+    assert abs(furnace(name, masking.G1_beckmann_fitted, 1.2, 0.3) - 1) > 5 * PROJECTED
 
 
 @EACH
@@ -123,14 +124,14 @@ def test_pairs_are_made_of_single_directions(name: str) -> None:
         g_i, g_o = numbers(G1(wi, ax, ay)), numbers(G1(wo, ax, ay))
         scale = 4 * numbers(wi.z) * numbers(wo.z)
         np.testing.assert_allclose(
-            scale * numbers(separable(wi, wo, ax, ay)), g_i * g_o, rtol=1e-12
+            scale * numbers(separable(wi, wo, ax, ay)), g_i * g_o, rtol=DOUBLE
         )
         expected = 1 / (1 / g_i + 1 / g_o - 1)
         np.testing.assert_allclose(
-            scale * numbers(correlated(wi, wo, ax, ay)), expected, rtol=1e-12
+            scale * numbers(correlated(wi, wo, ax, ay)), expected, rtol=DOUBLE
         )
         # Facets that are low hide in both directions: correlation leaves more of them lit and seen
-        assert (expected >= g_i * g_o - 1e-12).all()
+        assert (expected >= g_i * g_o - DOUBLE).all()
 
 
 def test_beckmann_masking_is_the_published_formula() -> None:
@@ -139,10 +140,10 @@ def test_beckmann_masking_is_the_published_formula() -> None:
         a = 1 / (m * np.tan(theta))
         Lambda = (np.vectorize(math.erf)(a) - 1) / 2 + np.exp(-a * a) / (2 * a * np.sqrt(np.pi))
         found = numbers(masking.G1_beckmann(vector(polar(theta)), Float64(m), Float64(m)))
-        np.testing.assert_allclose(found, 1 / (1 + Lambda), rtol=1e-12)
+        np.testing.assert_allclose(found, 1 / (1 + Lambda), rtol=DOUBLE)
         # Blinn-Phong's, with n = 2 / m^2 - 2 in place of m
         n = 2 / m**2 - 2
-        np.testing.assert_allclose(a, np.sqrt(n / 2 + 1) / np.tan(theta), rtol=1e-12)
+        np.testing.assert_allclose(a, np.sqrt(n / 2 + 1) / np.tan(theta), rtol=DOUBLE)
 
 
 def test_walters_fit_is_as_good_as_published() -> None:
@@ -154,7 +155,7 @@ def test_walters_fit_is_as_good_as_published() -> None:
         fitted = numbers(masking.G1_beckmann_fitted(w, m, m))
         worst = max(worst, float(np.max(np.abs(fitted / exact - 1))))
         V = numbers(masking.V_smith_beckmann_fitted(w, w, m, m))
-        np.testing.assert_allclose(4 * np.cos(theta) ** 2 * V, fitted**2, rtol=1e-10)
+        np.testing.assert_allclose(4 * np.cos(theta) ** 2 * V, fitted**2, rtol=DOUBLE_DIVIDED)
     # "relative error below 0.35 %" (Walter et al., section 5.2)
     assert 0.002 < worst < 0.0036
 
@@ -164,7 +165,7 @@ def test_ggx_masking_is_the_published_formula() -> None:
     for alpha in (1e-3, 0.4, 1.0):
         Lambda = (-1 + np.sqrt(1 + alpha**2 * np.tan(theta) ** 2)) / 2
         found = numbers(masking.G1_ggx(vector(polar(theta)), Float64(alpha), Float64(alpha)))
-        np.testing.assert_allclose(found, 1 / (1 + Lambda), rtol=1e-12)
+        np.testing.assert_allclose(found, 1 / (1 + Lambda), rtol=DOUBLE)
 
 
 def textbook(name: str, wi: Any, wo: Any, alpha: float) -> Any:
@@ -221,7 +222,7 @@ def test_the_others_are_the_textbook_formulas(name: str) -> None:
     wi, wo = (w / np.linalg.norm(w, axis=1, keepdims=True) for w in (wi, wo))
     found = numbers(visibility(name, vector(wi), vector(wo), Float64(0.4)))
     G = 4 * wi[:, 2] * wo[:, 2] * found
-    np.testing.assert_allclose(G, textbook(name, wi, wo, 0.4), rtol=1e-10)
+    np.testing.assert_allclose(G, textbook(name, wi, wo, 0.4), rtol=DOUBLE_DIVIDED)
 
 
 def test_schlick_of_one_direction() -> None:
@@ -258,4 +259,4 @@ def test_round_ggx_masking_is_the_product_of_both_directions_own() -> None:
             [2 / (1 + np.sqrt(1 + (alpha * np.tan(t)) ** 2)) for t in (theta_i, theta_o)], 0
         )
         found = numbers(masking.V_smith_ggx_round(vector(wi), vector(wo), Float64(alpha)))
-        np.testing.assert_allclose(found, G / (4 * np.cos(theta_i) * np.cos(theta_o)), rtol=1e-12)
+        np.testing.assert_allclose(found, G / (4 * np.cos(theta_i) * np.cos(theta_o)), rtol=DOUBLE)

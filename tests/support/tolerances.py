@@ -1,0 +1,26 @@
+"""Tolerances that many tests share, each with its reason. Those of one file or one test stand there."""
+
+from __future__ import annotations
+
+DOUBLE = 1e-12
+"""One formula in two orders of operations, in double precision: some thousand roundings of 1e-16."""
+
+DOUBLE_DIVIDED = 1e-9
+"""The same where a small cosine, or a difference of near equals, is divided by on the way."""
+
+SINGLE = 1e-6
+"""A dozen roundings of single precision, 6e-8 each."""
+
+SINGLE_PROMISED = 1e-5
+"""What docs/conventions.md promises of single against double precision, for every model."""
+
+NUMERIC_ALBEDO = 1e-5
+"""What `gonio.quadrature` is good to where a model is smooth, or has its kinks on the rule's edges."""
+
+MISTAKE = 1e-3
+"""Broken things have to be further off than this, which no tolerance beside it comes near."""
+
+
+def decimals(count: int) -> float:
+    """Half of a stated number's last decimal, and a little for the rounding of what is compared with it."""
+    return 0.51 * 10.0**-count
