@@ -20,6 +20,7 @@ from gonio.model import Model
 from gonio.parts import lobes
 from gonio.parts.distribution import pdf_ggx_visible, sample_ggx_visible
 from gonio.parts.frame import mirror
+from gonio.parts.fresnel import schlick_complement
 
 # Away from the horizon and in double precision the formulas as they are printed keep ten digits.
 PRINTED = 1e-9
@@ -542,7 +543,7 @@ def test_a_lobe_that_is_chosen_by_its_fresnel_at_wo_is_caught(
 
     class Broken(Metallic, register=False):  # type: ignore[misc, valid-type]
         def _shares(self, wo: Vec3) -> Vec2:
-            diffuse = (1 - self._f0()) * lobes.schlick_complement(wo.z)
+            diffuse = (1 - self._f0()) * schlick_complement(wo.z)
             return lobes.shares(lobes.average(diffuse), 1)
 
     model = Broken(base_color=0.5, metallic=0.5, roughness=0)
