@@ -1,7 +1,7 @@
 """gonio: shading models, each written once, for arrays, Mitsuba 3 and pictures.
 
     import gonio
-    eon = gonio.EON(roughness=1)            # or gonio.model("eon", roughness=1)
+    eon = gonio.EON(roughness=1)            # or gonio.load("eon:roughness=1"), gonio.load("clay.toml")
     f = eon.eval(wi, wo)                    # NumPy, PyTorch, JAX or Dr.Jit arrays, (..., 3)
 
 `import gonio.mitsuba` registers every model as a Mitsuba 3 BSDF; `gonio --help` shows the command line.
@@ -33,6 +33,7 @@ __all__ = [
     "Sample",
     "__version__",
     "child",
+    "load",
     "model",
     "models",
     "option",
@@ -44,6 +45,10 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """Model classes by name (`gonio.EON`), and modules (`gonio.check`), which load only when used."""
+    if name == "load":
+        from gonio.materials import load
+
+        return load
     for cls in models().values():
         if cls.__name__ == name:
             return cls

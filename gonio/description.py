@@ -10,17 +10,11 @@ from collections.abc import Iterator
 from typing import Any
 
 from gonio.fields import Option, Parameter
-from gonio.materials.model_file import model_class
 from gonio.model import Child, Model
 
 
-def describe(name: str) -> dict[str, Any]:
-    """All that is known about a model, as plain dicts and lists that JSON can hold.
-
-    Raises:
-        ModelError: there is no such model.
-    """
-    cls = model_class(name)
+def describe(cls: type[Model]) -> dict[str, Any]:
+    """All that is known about a model, as plain dicts and lists that JSON can hold."""
     notes = module_notes(inspect.getdoc(inspect.getmodule(cls)) or "")
     fields = cls.fields.values()
     return {

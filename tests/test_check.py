@@ -95,7 +95,7 @@ def test_failures_can_be_replayed() -> None:
     """The line that is printed for a failure is one that the command takes, and shows the failure."""
     from gonio.cli.eval import directions as given_directions
     from gonio.cli.eval import evaluate as evaluate_once
-    from gonio.materials.notation import parse_model
+    from gonio.materials import load
 
     cls = model_file.load(BROKEN / "non_reciprocal.py")
     subject = check.subjects(cls, label=str(BROKEN / "non_reciprocal.py"))[0]
@@ -105,7 +105,7 @@ def test_failures_can_be_replayed() -> None:
     assert words[-1] == "--double"
     at_i, at_o = words.index("--wi"), words.index("--wo")
     wi, wo = ([float(x) for x in words[at + 1 : at + 4]] for at in (at_i, at_o))
-    model = parse_model(words[2])
+    model = load(words[2])
     a, b = (
         np.array(
             evaluate_once(model, *given_directions(x, y, None, None, None, False), double=True).eval

@@ -16,7 +16,7 @@ from gonio import cli
 from gonio.cli import doctor
 from gonio.cli.eval import directions, evaluate
 from gonio.description import describe
-from gonio.materials.notation import parse_model
+from gonio.materials import load
 
 PROGRAM = Path(sys.executable).with_name("gonio")
 
@@ -62,8 +62,8 @@ def test_show_tells_all_about_every_model(name):
 
 
 def test_show_says_which_albedos_are_closed_forms():
-    assert describe("eon")["closed_form"] == {"albedo": True, "mean_albedo": True}
-    assert describe("oren_nayar")["closed_form"] == {"albedo": False, "mean_albedo": True}
+    assert describe(gonio.EON)["closed_form"] == {"albedo": True, "mean_albedo": True}
+    assert describe(gonio.OrenNayar)["closed_form"] == {"albedo": False, "mean_albedo": True}
     assert "numeric quadrature" in run("show", "oren_nayar").stdout
 
 
@@ -83,7 +83,7 @@ def test_the_ranges_that_show_prints_are_accepted():
                 low, high = line.partition("[")[2].partition("]")[0].split(", ")
                 for value in (low, high):
                     if value != "inf":
-                        parse_model(f"{name}:{field}={value}")
+                        load(f"{name}:{field}={value}")
 
 
 # --------------------------------------------------------------------------------------- eval
@@ -165,19 +165,19 @@ def test_evaluate_is_a_python_function():
     assert evaluate(gonio.Lambert(), [0, 0, 1], [0, 0, 1]).pdf == pytest.approx(1 / math.pi)
 
 
-# -------------------------------------------------------------------------------- parse_model
+# -------------------------------------------------------------------------------- models as text
 
 
-def test_parse_model_reads_numbers_colours_and_options():
-    model = parse_model("eon:roughness=1,rho=0.8/0.3/0.1", ["sampler=cosine", "roughness=0"])
+def test_text_is_read_as_numbers_colours_and_options():
+    model = load("eon:roughness=1,rho=0.8/0.3/0.1", ["sampler=cosine", "roughness=0"])
     assert repr(model) == "EON(rho=(0.8, 0.3, 0.1), roughness=1.0, sampler='cosine')"
 
 
 @pytest.mark.parametrize(
     ("text", "params", "message"),
     [
-        ("bdpt", (), "no model 'bdpt'; 'gonio list' shows all."),
-        ("eonn", (), "no model 'eonn'; did you mean 'eon'? 'gonio list' shows all."),
+        ("bdpt", (), "no model, material or file 'bdpt'; 'gonio list' and"),
+        ("eonn", (), "file 'eonn'; did you mean the model 'eon'? 'gonio list' and"),
         ("eon:", (), "'eon:' ends in a colon; write eon:name=value or eon."),
         ("eon:rough", (), "eon: 'rough' is not name=value; its names are rho, roughness,"),
         ("eon", ("=1",), "eon: '=1' is not name=value; its names are rho, roughness,"),
@@ -186,7 +186,11 @@ def test_parse_model_reads_numbers_colours_and_options():
         ("eon", ("roughness=0.5,1",), "eon: roughness takes one number, got (0.5, 1.0)."),
         ("eon", ("roughness=2",), "eon: roughness=2.0 is out of range; allowed is 0 to 1."),
         ("eon", ("roughness=nan",), "eon: roughness=nan is out of range; allowed is 0 to 1."),
-        ("eon", ("rho=red",), "eon: rho=red is not one or three numbers, such as 0.8,0.3,0.1;"),
+        (
+            "eon",
+            ("rho=red",),
+            "eon: rho=red is not one or three numbers, such as 0.8/0.3/0.1, or #c08040;",
+        ),
         ("eon", ("rho=1,2",), "eon: rho takes one or three numbers, got (1.0, 2.0)."),
         ("eon:rho=0.8,0.3,0.1", (), "in a model's text a colour has slashes, such as rho=0.8/0.3"),
         ("eon", ("roughness=1", "roughness=0"), "eon: roughness is given twice."),
@@ -196,7 +200,7 @@ def test_parse_model_reads_numbers_colours_and_options():
 )
 def test_a_model_that_makes_no_sense_is_explained(text, params, message):
     with pytest.raises(gonio.ModelError) as caught:
-        parse_model(text, params)
+        load(text, params)
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
 
@@ -412,7 +416,7 @@ def test_errors_of_the_installed_program_go_to_stderr():
     ],
 )
 def test_angles_may_be_written_as_people_write_them(text, sigma):
-    assert parse_model(f"qon:sigma={text}").sigma == sigma
+    assert load(f"qon:sigma={text}").sigma == sigma
 
 
 @pytest.mark.parametrize(
@@ -420,4 +424,4 @@ def test_angles_may_be_written_as_people_write_them(text, sigma):
 )
 def test_what_is_no_rounding_of_a_range_s_end_is_refused(text):
     with pytest.raises(gonio.ModelError, match="allowed is 0 to"):
-        parse_model(text)
+        load(text)

@@ -17,7 +17,8 @@ from gonio import compare as comparison
 from gonio.cli import main
 from gonio.compare import ANGLES_I, ANGLES_O, compare, drawing, measure
 from gonio.fields import ModelError, Parameter
-from gonio.materials.notation import model_text, parse_model
+from gonio.materials import load
+from gonio.materials.notation import model_text
 from gonio.reference import Stack
 
 WALSH_OUTSIDE, WALSH_INSIDE = 0.09178, 0.59635
@@ -213,7 +214,7 @@ def test_commands_on_the_page_make_the_models_that_were_measured() -> None:
     for situation in document.situations():
         for _, settings in situation.rows:
             made = situation.make(settings)
-            again = parse_model(model_text(made), [])
+            again = load(model_text(made), [])
             # Numbers are printed with 9 digits.
             numbers = [np.ravel(v) for m in (made, again) for _, _, v in m.parameters()]
             half = len(numbers) // 2

@@ -102,9 +102,9 @@ def test_a_declaration_can_say_what_its_number_is(tmp_path: Path) -> None:
         "    def pdf(self, wi: Vec3, wo: Vec3) -> Float:\n"
         "        return pdf_cosine(wi)\n"
     )
-    from gonio.materials.notation import parse_model
+    from gonio.materials import load
 
-    assert manifest(parse_model(str(path)))["parameters"][0]["kind"] == "index"
+    assert manifest(load(str(path)))["parameters"][0]["kind"] == "index"
 
 
 def test_a_conductor_reads_its_index_and_schlick_its_reflectance() -> None:

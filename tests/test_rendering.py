@@ -13,8 +13,7 @@ import pytest
 
 import gonio
 from gonio.files import replacing
-from gonio.materials import load_material, load_series
-from gonio.materials.notation import parse_model
+from gonio.materials import load, load_material, load_series
 from gonio.render import render
 from gonio.render.passes import _passes
 from gonio.render.picture import captions, describe, write_picture
@@ -247,5 +246,5 @@ def test_labels_say_what_differs() -> None:
 def test_a_model_file_is_rendered_as_it_is(tmp_path: Path) -> None:
     text = Path(str(inspect.getsourcefile(gonio.Lambert))).read_text(encoding="utf-8")
     (tmp_path / "my_clay.py").write_text(text, encoding="utf-8")
-    mine = render(parse_model(f"{tmp_path / 'my_clay.py'}:rho=0.5"), **SMALL)
+    mine = render(load(f"{tmp_path / 'my_clay.py'}:rho=0.5"), **SMALL)
     np.testing.assert_allclose(mine, render(gonio.Lambert(rho=0.5), **SMALL), rtol=1e-5)

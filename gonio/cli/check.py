@@ -16,10 +16,9 @@ from gonio.check.report import FAIL, Report, junit, summary, table
 from gonio.check.subject import Subject
 from gonio.cli.program import complete, echo_json, json_option, param_option, progress
 from gonio.files import replacing
-from gonio.materials import Material, library, load_material
-from gonio.materials.notation import parse_model
+from gonio.materials import Material, load
+from gonio.materials.notation import split
 from gonio.measured import is_data_file
-from gonio.model import models
 
 __all__ = ["Plan", "Result", "data", "failed", "lines", "plan", "subjects_of"]
 
@@ -35,27 +34,19 @@ def subjects_of(text: str, params: Iterable[str] = ()) -> list[Subject]:
         ValueError: an unknown name, a parameter out of range, a file without a usable model.
     """
     given = list(params)
-    name, _, inline = text.partition(":")
-    if name not in models() and (name in library() or name.endswith(".toml")):
-        if inline or given:
-            raise ValueError(
-                f"{name} is a material and has its parameters; check its model instead."
-            )
-        return _of_material(load_material(name))
-    model = parse_model(text, given)
-    if not (inline or given):
-        return subjects(type(model), label=name)
-    named = {piece.partition("=")[0].strip() for piece in [*inline.split(","), *given]}
-    return subjects(model, named, name)
+    name, pieces = split(text)
+    found = load(text, given)
+    if isinstance(found, Material):
+        return _of_material(found)
+    if not (pieces or given):
+        return subjects(type(found), label=name)
+    named = {piece.partition("=")[0].strip() for piece in [*pieces, *given]}
+    return subjects(found, named, name)
 
 
 def _of_material(material: Material) -> list[Subject]:
     """A material as it is; what pictures, flakes and growth drive keeps its whole range."""
-    driven = set(material.textures)
-    if material.flakes:
-        driven |= {"flake_x", "flake_y"}
-    if material.grows:
-        driven.add("growth")
+    driven = {*material.textures, *material.driven_by_maps()}
     model = material.model
     paths = {path for path, _, _ in model.parameters()}
     found = subjects(model, (paths - driven) | set(model.fields) - driven, model.name)

@@ -27,9 +27,9 @@ def command(models: tuple[str, ...], parts: bool, output: str | None) -> None:
     """
     from gonio.citations import bibtex
     from gonio.files import replacing
-    from gonio.materials import Material, find, load_material
+    from gonio.materials import Material, load
 
-    wanted = [load_material(text) if text.endswith(".toml") else find(text) for text in models]
+    wanted = [load(text) for text in models]
     text = bibtex([m.model if isinstance(m, Material) else m for m in wanted], parts=parts)
     if output is None:
         click.echo(text, nl=False)

@@ -52,7 +52,7 @@ def command(
     """
     from gonio import compare as comparison
     from gonio.compare import drawing
-    from gonio.materials import find
+    from gonio.materials import load
 
     given: dict[str, Any] = {} if walks is None else {"walks": walks}
     if not models:
@@ -60,7 +60,7 @@ def command(
     target = output or ("" if as_json else "compare.png")
     if target:
         drawing.check_format(target)
-    shown = [find(text, params) for text in models]
+    shown = [load(text, params) for text in models]
     with progress("comparing") as step:
         found = comparison.compare(
             shown,

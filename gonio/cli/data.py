@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from gonio.cli.program import echo_json, json_option, say
+from gonio.cli.program import echo_json, json_option, plain_models, say
 
 
 @click.command("data", short_help="Look at, judge and convert files of measured reflection.")
@@ -109,15 +109,13 @@ def _convert_model(
     picture: str | None,
     as_json: bool,
 ) -> None:
-    from gonio import materials, measured
+    from gonio import measured
 
     if output is None or part is not None or picture is not None or as_json:
         raise click.UsageError(
             f"{text} is a model, not a file: --convert OUT writes it, and nothing else goes with it"
         )
-    found = materials.find(text)
-    if isinstance(found, materials.Material):
-        found = found.model
+    (found,) = plain_models([text])
     say(f"evaluating {text} ...")
     for lost in measured.save(output, found, format_):
         click.echo(f"gonio: {output}: {lost}", err=True)

@@ -12,7 +12,7 @@ import click
 import numpy as np
 import numpy.typing as npt
 
-from gonio.cli.program import complete, echo_json, json_option, param_option
+from gonio.cli.program import complete, echo_json, json_option, param_option, plain_models
 from gonio.lang import MU_MIN
 from gonio.model import Model
 
@@ -193,9 +193,7 @@ def command(
       gonio eval eon --theta-i 30 --theta-o 60 --phi 180 --param roughness=1
       gonio eval eon:sampler=cosine --wi 1 0 1 --wo 0 1 1 --normalize -p rho=0.8,0.3,0.1 --json
     """
-    from gonio.materials.notation import parse_model
-
-    material = parse_model(model, params)
+    (material,) = plain_models([model], params)
     wi_vector, wo_vector = directions(wi, wo, theta_i, theta_o, phi, normalize)
     try:
         result = evaluate(material, wi_vector, wo_vector, double=double)

@@ -15,7 +15,7 @@ from gonio.export.files import texts, write
 from gonio.export.targets import TARGETS
 from gonio.export.text import FUNCTIONS, export
 from gonio.export.tree import ExportError
-from gonio.materials import Material, find, library, load_material
+from gonio.materials import Material, library, load
 from gonio.model import Model
 from gonio.model import models as registered
 
@@ -59,7 +59,7 @@ def choose(
     for text in wanted:
         renamed = re.fullmatch(r"([A-Za-z]\w*)=(.+)", text)
         name, thing = (renamed[1], renamed[2]) if renamed else ("", text)
-        what = _find(thing, params)
+        what = load(thing, params)
         model = what.model if isinstance(what, Material) else what
         name = name or re.sub(r"\W", "_", what.name)
         if name in found.models:
@@ -72,12 +72,6 @@ def choose(
     return found
 
 
-def _find(text: str, params: Sequence[str]) -> Model | Material:
-    if text.endswith(".toml"):
-        return load_material(text)
-    return find(text, params)
-
-
 def _notes(name: str, material: Material) -> list[str]:
     """What the host has to feed, because it is not a number."""
     notes = [
@@ -86,7 +80,7 @@ def _notes(name: str, material: Material) -> list[str]:
     ]
     if material.flakes:
         notes.append(
-            f"{name}: flake_x and flake_y come from a map of flakes; "
+            f"{name}: {' and '.join(material.driven_by_maps())} come from a map of flakes; "
             "gonio.mitsuba.textures.flake_map makes it."
         )
     if material.grows:

@@ -8,7 +8,7 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
-from gonio.cli.program import complete, param_option
+from gonio.cli.program import complete, param_option, plain_models
 
 KINDS_HELP = (
     "polar and cartesian slices of lobes, surface for lobes in space, scattering for single and "
@@ -124,9 +124,8 @@ def command(
       gonio plot eon -o eon.csv
     """
     from gonio import plot as plots
-    from gonio.materials.notation import parse_model
 
-    materials = [parse_model(text, params) for text in _variations(models, vary)]
+    materials = plain_models(_variations(models, vary), params)
     settings: dict[str, Any] = {
         "along": along,
         "channel": channel,

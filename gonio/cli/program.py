@@ -9,7 +9,7 @@ import json
 import pkgutil
 import sys
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ import click
 import gonio
 from gonio.cli._interrupt import CODE, prompt_interrupt
 from gonio.files import remove_unfinished
+from gonio.model import Model
 from gonio.notices import Notice
 
 
@@ -127,8 +128,10 @@ SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
 
 def complete(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
-    """Names of models for a shell that completes."""
-    return [name for name in gonio.models() if name.startswith(incomplete)]
+    """Names of models and ready materials for a shell that completes."""
+    from gonio.materials import library
+
+    return [name for name in (*gonio.models(), *library()) if name.startswith(incomplete)]
 
 
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
@@ -138,7 +141,7 @@ param_option = click.option(
     "params",
     multiple=True,
     metavar="NAME=VALUE",
-    help="A parameter or option of the model; again for more. Colours: rho=0.8,0.3,0.1.",
+    help="A parameter or option of the model; again for more. Colours: rho=0.8,0.3,0.1 or #c08040.",
 )
 
 
@@ -160,6 +163,24 @@ def say(text: str) -> None:
     """A line of progress, for people who wait."""
     if sys.stderr.isatty():
         click.echo(text, err=True)
+
+
+def plain_models(texts: Iterable[str], params: Iterable[str] = ()) -> list[Model]:
+    """The models that texts name, for commands without a surface; what a surface would add is noted.
+
+    Raises:
+        ValueError: as `gonio.load`, or a picture drives a parameter.
+    """
+    from gonio.materials import load_model
+
+    given = list(params)
+    found = []
+    for text in texts:
+        model, notes = load_model(text, given)
+        found.append(model)
+        for note in notes:
+            click.echo(f"note: {note}", err=True)
+    return found
 
 
 def echo_json(value: Any) -> None:

@@ -27,9 +27,8 @@ from gonio.cli.program import (
 
 
 @click.command("render", short_help="Render a picture of a model.")
-@click.argument("model", required=False, shell_complete=complete)
+@click.argument("model", shell_complete=complete)
 @param_option
-@click.option("--material", metavar="FILE.toml", help="A material file instead of MODEL.")
 @click.option(
     "--compare",
     "others",
@@ -54,9 +53,8 @@ from gonio.cli.program import (
 @tone_option
 @click.option("-o", "--output", metavar="FILE", help="A .png or .exr file (default: MODEL.png).")
 def command(
-    model: str | None,
+    model: str,
     params: tuple[str, ...],
-    material: str | None,
     others: tuple[str, ...],
     environment: str,
     furnace: bool,
@@ -71,9 +69,10 @@ def command(
 ) -> None:
     """Render MODEL on a shader ball or on your mesh.
 
-    A MODEL may carry parameters: eon:roughness=1,rho=0.8/0.3/0.1 (colours with slashes). The name of a
-    ready material does as well: 'gonio list --materials' shows them. See also 'gonio sheet',
-    'gonio series', and 'gonio scene' for your own Mitsuba scenes.
+    MODEL is a model, a ready material ('gonio list --materials' shows them), a material file (.toml) or a
+    model file (.py), and may carry parameters: eon:roughness=1,rho=0.8/0.3/0.1 (colours with slashes).
+    --param is for MODEL, not for those of --compare. See also 'gonio sheet', 'gonio series', and
+    'gonio scene' for your own Mitsuba scenes.
 
     \b
     Examples:
@@ -85,18 +84,14 @@ def command(
       gonio render eon:rho=1,roughness=1 --furnace
       gonio render lacquered_walnut --compare gold --env sunsky
       gonio render skin --diffusion 0.01
-      gonio render --material clay.toml --size 1024x768 --spp 256 -o clay.exr
+      gonio render clay.toml --size 1024x768 --spp 256 -o clay.exr
     """
-    from gonio.materials import find, load_material
+    from gonio.materials import load
     from gonio.render import sheets
     from gonio.render.picture import check_format, describe, write_picture
 
-    if (model is None) == (material is None):
-        raise click.UsageError(
-            "give a MODEL or --material FILE.toml; 'gonio list' shows the models"
-        )
-    first = load_material(material) if material else find(str(model), params)
-    shown = [first, *(find(text) for text in others)]
+    first = load(model, params)
+    shown = [first, *(load(text) for text in others)]
     labels = [describe(m) for m in shown] if others else []
     target = Path(output or f"{first.name}.png")
     check_format(target)

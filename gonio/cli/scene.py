@@ -52,7 +52,7 @@ def command(
       gonio scene room.xml --assign wall=eon:roughness=0.8 -o room.png
       gonio scene room.xml --size 320x240 --spp 16
     """
-    from gonio.materials import find
+    from gonio.materials import load
     from gonio.render.picture import check_format, write_picture
     from gonio.render.user_scene import render_scene
 
@@ -61,7 +61,7 @@ def command(
         name, equals, value = text.partition("=")
         if not (name and equals and value):
             raise click.UsageError(f"--assign {text} is not ID=MODEL, such as wall=eon")
-        assigned[name] = find(value, params)
+        assigned[name] = load(value, params)
     target = Path(output or f"{Path(scene).stem}.png")
     check_format(target)
     check_look(target, exposure, tone)

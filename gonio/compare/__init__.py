@@ -195,14 +195,7 @@ def _shown_truth(materials: Sequence[Model | Material], model: Model, stack: Sta
 
 
 def _model(material: Model | Material) -> Model:
-    if isinstance(material, Model):
-        return material
-    if material.textures or material.flakes or material.grows:
-        raise ModelError(
-            f"{material.name} has textures; a comparison takes numbers, such as "
-            f"{material.model.name}:name=value."
-        )
-    return material.model
+    return material.plain()[0] if isinstance(material, Material) else material
 
 
 def _compare(

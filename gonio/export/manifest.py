@@ -359,10 +359,12 @@ def _hooks(material: Material) -> list[dict[str, Any]]:
         for path, picture in material.textures.items()
     ]
     if material.flakes:
-        for channel, path in enumerate(("flake_x", "flake_y")):
-            hooks.append({"path": path, "source": "flakes", "channel": channel, **material.flakes})
+        hooks += [
+            {"path": path, "source": "flakes", "channel": channel, **material.flakes}
+            for channel, path in enumerate(material.driven_by_maps())
+        ]
     if material.grows:
-        hooks.append({"path": "growth", "source": "mesh"})
+        hooks += [{"path": path, "source": "mesh"} for path in material.driven_by_maps()]
     return hooks
 
 

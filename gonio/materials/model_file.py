@@ -17,7 +17,7 @@ import traceback
 from pathlib import Path
 
 from gonio.fields import ModelError
-from gonio.model import Model, _registry, model
+from gonio.model import Model, _registry
 
 
 class ModelFileError(ModelError):
@@ -30,15 +30,6 @@ _loaded: dict[tuple[Path, str], type[Model]] = {}
 def is_model_file(text: str) -> bool:
     """Whether a text names a Python file rather than a model."""
     return text.endswith(".py")
-
-
-def model_class(name: str) -> type[Model]:
-    """The class behind a model's name or a model file's path.
-
-    Raises:
-        ModelError: no such model, or a file without a usable one.
-    """
-    return load(name) if is_model_file(name) else type(model(name))
 
 
 def load(path: str | Path) -> type[Model]:

@@ -1,80 +1,128 @@
-"""Models written as text, as on the command line: eon:roughness=1,rho=0.8/0.3/0.1."""
+"""Models and materials written as text, as on the command line: eon:roughness=1,rho=0.8/0.3/0.1."""
 
 from __future__ import annotations
 
 import itertools
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from gonio.fields import ModelError, Parameter
-from gonio.materials.model_file import model_class
-from gonio.model import Child, Model, model
+from gonio.materials.material import Material, inside
+from gonio.model import Child, Model
+from gonio.parts.metals import metal
+
+Resolve = Callable[[str], Model | Material]
+"""Finds what the text of an inner model names."""
 
 
-def parse_model(text: str, params: Iterable[str] = ()) -> Model:
-    """Make a model from text, such as "eon:roughness=1,sampler=cosine,rho=0.8/0.3/0.1".
-
-    Args:
-        text: a model's name, or the path of a model file (my_model.py), then after a colon parameters and
-            options with commas between them. An inner model is given by name, its parameters by their path:
-            base=lambert,base.rho=0.5.
-        params: further ones, each "name=value", colours as 0.8,0.3,0.1 or 0.8/0.3/0.1. Those in the
-            text win.
+def split(text: str) -> tuple[str, list[str]]:
+    """The name or path in front of the colon, and the assignments behind it.
 
     Raises:
-        ModelError: an unknown model, name or value, or something that is not name=value.
+        ModelError: nothing behind the colon, or something that is not name=value.
     """
-    name, colon, inline = text.partition(":")
-    cls = model_class(name)
-    if colon and not inline:
-        raise ModelError(f"{text!r} ends in a colon; write {name}:name=value or {name}.")
-    pieces = inline.split(",") if inline else []
+    # A path may hold colons of its own; what follows the last one has to look like name=value.
+    found = re.fullmatch(r"(.+?):([^=:,]*=.*)", text, flags=re.S)
+    if found is None:
+        name, _, rest = text.partition(":")
+        if text.endswith(":"):
+            raise ModelError(f"{text!r} ends in a colon; write {text}name=value or {text[:-1]}.")
+        return (name, [rest]) if rest and re.fullmatch(r"\w{2,}", name) else (text, [])
+    pieces = found[2].split(",")
     for before, piece in itertools.pairwise(pieces):
         if "=" in before and "=" not in piece:
             raise ModelError(
                 f"{text!r}: {piece!r} is not name=value; in a model's text a colour has slashes, such "
                 "as rho=0.8/0.3/0.1."
             )
-    values = _parse_values(cls, params) | _parse_values(cls, pieces)
-    return cls(**values)
+    return found[1], pieces
 
 
-def _parse_values(cls: type[Model], assignments: Iterable[str]) -> dict[str, Any]:
+def assign(
+    start: Model | Material, assignments: Iterable[str], resolve: Resolve
+) -> Model | Material:
+    """A model or material with what is assigned to it.
+
+    Args:
+        start: with its defaults, or as it was read.
+        assignments: each "name=value". A colour is 0.8/0.3/0.1, 0.8,0.3,0.1 or #c08040 (sRGB), an angle
+            may be pi/2. A model inside is named, its parameters have their path: base=lambert,
+            base.rho=0.5. metal=Cu stands for eta and k.
+        resolve: finds the inner models that are named.
+
+    Raises:
+        ModelError: an unknown model, name or value, something that is not name=value, or a name twice.
+    """
+    model = start.model if isinstance(start, Material) else start
+    texts = _texts(model, assignments)
+    if not texts:
+        return start
+    children: dict[str, Material] = {}
     values: dict[str, Any] = {}
+    # Inner models first, from the outside to the inside: they decide which names there are.
+    for path in sorted(texts, key=lambda p: p.count(".")):
+        if isinstance(_declaration(model, path, children), Child):
+            found = resolve(texts[path])
+            children[path] = found if isinstance(found, Material) else Material(found.name, found)
+            values[path] = children[path].model
+    for path, text in texts.items():
+        if path in children:
+            continue
+        declared = _declaration(model, path, children)
+        outer, _, name = path.rpartition(".")
+        if declared is None and name == "metal":
+            owner = _owner(model, outer, children)
+            symbols = metal_parameters(owner, text) if owner is not None else {}
+            values |= {f"{outer}.{n}" if outer else n: v for n, v in symbols.items()}
+        elif isinstance(declared, Parameter):
+            values[path] = parse_number(model.name, declared, text)
+        else:  # an option, or unknown, of which the model complains
+            values[path] = text
+    if isinstance(start, Material):
+        changed: Model | Material = start.replace(**values)
+        if any(c.textures or c.flakes or c.grows for c in children.values()):
+            raise ModelError(
+                f"{start.name}: {' and '.join(children)} bring pictures or maps of their own; write a "
+                "material file with a table for each instead."
+            )
+        return changed
+    made = model.replace(**values)
+    given = {path: child.replace(**_below(path, values)) for path, child in children.items()}
+    return inside(made, given, made.name)
+
+
+def _below(path: str, values: Mapping[str, Any]) -> dict[str, Any]:
+    """What is assigned to the inner model at a path, by names inside it."""
+    lead = f"{path}."
+    return {name.removeprefix(lead): v for name, v in values.items() if name.startswith(lead)}
+
+
+def _texts(model: Model, assignments: Iterable[str]) -> dict[str, str]:
     texts: dict[str, str] = {}
     for assignment in assignments:
         path, equals, value = (part.strip() for part in assignment.partition("="))
         if not equals or not path:
-            names = ", ".join(cls.fields)
+            names = ", ".join(model.fields)
             raise ModelError(
-                f"{cls.name}: {assignment!r} is not name=value; its names are {names}."
+                f"{model.name}: {assignment!r} is not name=value; its names are {names}."
             )
         if path in texts:
-            raise ModelError(f"{cls.name}: {path} is given twice.")
+            raise ModelError(f"{model.name}: {path} is given twice.")
         texts[path] = value
-    for path, value in texts.items():
-        declared = _declaration(cls, path, texts)
-        if isinstance(declared, Parameter):
-            values[path] = _parse_number(cls.name, declared, value)
-        else:  # an option, a model, or unknown, of which the model complains
-            values[path] = value
-    return values
+    return texts
 
 
-def _declaration(cls: type[Model], path: str, texts: dict[str, str]) -> Any:
-    """The declaration behind a path such as base.rho, given what the inner models are."""
+def _owner(model: Model, path: str, children: Mapping[str, Material]) -> Model | None:
+    """The inner model at a path, or the model itself for ""."""
     walked = ""
-    while "." in path:
-        name, _, path = path.partition(".")
-        declared = cls.fields.get(name)
-        if not isinstance(declared, Child):
+    for name in path.split(".") if path else []:
+        if not isinstance(model.fields.get(name), Child):
             return None
-        walked += name
-        cls = type(model(texts.get(walked, declared.default)))
-        walked += "."
-    return cls.fields.get(path)
+        walked = f"{walked}.{name}" if walked else name
+        model = children[walked].model if walked in children else getattr(model, name)
+    return model
 
 
 # Angles as people write them: pi, pi/4, 3pi/8, 0.5*pi.
@@ -96,30 +144,83 @@ def parse_angle(text: str) -> float:
     return float(found["times"] or 1) * math.pi / over
 
 
-def _parse_number(model: str, declared: Parameter, text: str) -> float | tuple[float, ...]:
+def _declaration(model: Model, path: str, children: Mapping[str, Material]) -> Any:
+    """The declaration behind a path such as base.rho, None for an unknown one."""
+    outer, _, name = path.rpartition(".")
+    owner = _owner(model, outer, children)
+    return None if owner is None else owner.fields.get(name)
+
+
+def metal_parameters(
+    model: Model | type[Model], symbol: Any, neutral: bool = False
+) -> dict[str, Any]:
+    """Index and extinction of a named metal, by the names that they have in a model.
+
+    Raises:
+        ModelError: an unknown metal, or a model without a metal.
+    """
+    fields = set(model.fields)
+    prefix = next((p for p in ("", "metal_") if {p + "eta", p + "k"} <= fields), None)
+    if prefix is None:
+        raise ModelError(f"{model.name} has no eta and k for a metal.")
+    try:
+        indices = metal(symbol, neutral=neutral)
+    except (ValueError, TypeError) as error:
+        raise ModelError(str(error)) from None
+    return {prefix + name: value for name, value in indices.items()}
+
+
+def parse_number(model: str, declared: Parameter, text: str) -> float | tuple[float, ...]:
+    """The value of a parameter written as text.
+
+    Raises:
+        ModelError: not a number, or not one or three for a colour.
+    """
+    if declared.width == 3 and (colour := hex_colour(text)) is not None:
+        return colour
     try:
         if declared.width == 1 and MULTIPLE_OF_PI.fullmatch(text.strip().lower()):
             return parse_angle(text)
-        numbers = tuple(float(part) for part in re.split(r"[,/]", text))
+        parts = re.split(r"[,/]", text)
+        numbers = tuple(float(part) for part in parts)
     except ValueError:
-        wish = "a number" if declared.width == 1 else "one or three numbers, such as 0.8,0.3,0.1"
+        wish = (
+            "a number"
+            if declared.width == 1
+            else "one or three numbers, such as 0.8/0.3/0.1, or #c08040"
+        )
         raise ModelError(
             f"{model}: {declared.name}={text} is not {wish}; allowed is {declared.range_text()}."
         ) from None
     return numbers[0] if len(numbers) == 1 else numbers
 
 
+def hex_colour(text: str) -> tuple[float, float, float] | None:
+    """Linear RGB of a colour in sRGB written as #c08040 or #c84; None for another text."""
+    found = re.fullmatch(r"#([0-9a-fA-F]{6}|[0-9a-fA-F]{3})", text.strip())
+    if found is None:
+        return None
+    digits = found[1] if len(found[1]) == 6 else "".join(2 * d for d in found[1])
+    r, g, b = (_linear(int(digits[at : at + 2], 16) / 255) for at in (0, 2, 4))
+    return r, g, b
+
+
+def _linear(value: float) -> float:
+    """IEC 61966-2-1, from the encoded value."""
+    return value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4
+
+
 def model_text(made: Model) -> str:
-    """A model as `parse_model` reads it, such as "weidlich_wilkie:alpha=0.4,base.rho=0.5"."""
+    """A model as it is read, such as "weidlich_wilkie:alpha=0.4,base.rho=0.5"."""
     settings = []
-    for path, value in _settings(made, ""):
+    for path, value in settings_of(made):
         if isinstance(value, tuple):
             value = "/".join(f"{v:.9g}" for v in value)
         settings.append(f"{path}={value}")
     return made.name + (":" if settings else "") + ",".join(settings)
 
 
-def _settings(made: Model, prefix: str) -> list[tuple[str, Any]]:
+def settings_of(made: Model, prefix: str = "") -> list[tuple[str, Any]]:
     """Paths and values of all that differs from the defaults, inner models' names first."""
     found: list[tuple[str, Any]] = []
     for name, declared in made.fields.items():
@@ -127,7 +228,7 @@ def _settings(made: Model, prefix: str) -> list[tuple[str, Any]]:
         if isinstance(value, Model):
             if value.name != getattr(declared, "default", ""):
                 found.append((prefix + name, value.name))
-            found += _settings(value, f"{prefix}{name}.")
+            found += settings_of(value, f"{prefix}{name}.")
         elif not declared.is_default(value):
             found.append((prefix + name, value))
     return found

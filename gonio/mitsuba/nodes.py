@@ -10,15 +10,14 @@ import mitsuba as mi
 from gonio.fields import ModelError, is_array
 from gonio.images import Pixels
 from gonio.materials import Material
+from gonio.materials.material import GROWTH_PARAMETER
 from gonio.materials.texture_file import texture_values
+from gonio.materials.toml_file import FLAKE_SETTINGS
 from gonio.mitsuba.properties import PLUGIN, PREFIX
 from gonio.mitsuba.register import is_registered, register
 from gonio.mitsuba.textures import flake_map, flake_texture, growth_texture
 from gonio.model import Model
 from gonio.reference import Stack
-
-# How often a flake map repeats along the texture coordinates, unless a material says otherwise.
-FLAKE_TILES = 24.0
 
 
 @functools.singledispatch
@@ -56,17 +55,25 @@ def _(material: Material) -> dict[str, Any]:
     made = node(material.model)
     widths = {path: declared.width for path, declared, _ in material.model.parameters()}
     for path, picture in material.textures.items():
-        *outer, name = path.split(".")
-        inner = made
-        for part in outer:
-            inner = inner[part]
-        inner[name] = _bitmap(texture_values(picture, material.channels.get(path), widths[path]))
+        outer, _, name = path.rpartition(".")
+        values = texture_values(picture, material.channels.get(path), widths[path])
+        _at(made, outer)[name] = _bitmap(values)
     if material.flakes:
         settings = dict(material.flakes)
-        tiles, fade = settings.pop("tiles", FLAKE_TILES), settings.pop("fade", None)
-        made |= flake_texture(flake_map(**settings), tiles, fade)
+        tiles, fade = (
+            settings.pop("tiles", FLAKE_SETTINGS["tiles"].default),
+            settings.pop("fade", None),
+        )
+        _at(made, material.driven).update(flake_texture(flake_map(**settings), tiles, fade))
     if material.grows:
-        made["growth"] = growth_texture()
+        _at(made, material.driven)[GROWTH_PARAMETER] = growth_texture()
+    return made
+
+
+def _at(made: dict[str, Any], path: str) -> dict[str, Any]:
+    """The dict of an inner model."""
+    for name in filter(None, path.split(".")):
+        made = made[name]
     return made
 
 

@@ -11,6 +11,8 @@ from gonio.model import Model
 
 
 def _number(value: Any) -> str:
+    if isinstance(value, Model):
+        return model_text(value)
     if isinstance(value, tuple):
         distinct = value[:1] if len(set(value)) == 1 else value
         return "/".join(f"{v:.4g}" for v in distinct)

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from gonio.materials import Material
+from gonio.materials import Material, load
 from gonio.model import Model
 from gonio.reference import Stack
 from gonio.render.diffusion import diffuse_on_screen
@@ -27,7 +27,7 @@ Shown = Model | Material | Stack
 
 
 def render(
-    material: Shown,
+    material: Shown | str | Path,
     *,
     environment: str | Path = "studio",
     mesh: str | Path | None = None,
@@ -42,7 +42,8 @@ def render(
     """Render a model or material on the shader ball, or on a mesh of the user's.
 
     Args:
-        material: what to show: a model, a material, or a stack of layers, which is the truth.
+        material: what to show: a model, a material, a stack of layers (which is the truth), or text as
+            `gonio.load` takes it.
         environment: "studio", "sun", "front", "side", "white", "sunsky", or a path to .exr or .hdr.
         mesh: a path to .obj, .ply, .stl, .glb or .gltf instead of the ball.
         furnace: put the object into radiance 1 from everywhere; what loses no energy disappears.
@@ -61,10 +62,12 @@ def render(
     Raises:
         ValueError, FileNotFoundError: one line on what was wrong with an argument or a file.
     """
+    if isinstance(material, (str, Path)):
+        material = load(material)
     mi = ready_mitsuba()
     from gonio.mitsuba import node
 
-    def load(shown: Shown) -> Any:
+    def built(shown: Shown) -> Any:
         placed = shader_ball(
             node(shown),
             textured=_textured(shown),
@@ -80,11 +83,11 @@ def render(
         # Mitsuba's optimizations leave lamps in an order that changes from run to run, and so the noise.
         return mi.load_dict(placed, optimize=False)
 
-    loaded = load(material)
+    loaded = built(material)
     alpha = bool(stage.get("transparent"))
     if not diffusion:
         return integrate(loaded, spp, seed, progress, alpha=alpha).view(Picture)
-    without = load(_without_diffuse(material))
+    without = built(_without_diffuse(material))
 
     def half(first: int) -> Progress:
         def step(done: int, total: int) -> None:

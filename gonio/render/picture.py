@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from gonio.fields import Parameter
 from gonio.files import replacing
 from gonio.materials import Material
+from gonio.materials.notation import model_text
 from gonio.model import Model
 from gonio.render.passes import Pixels
 from gonio.render.tone import to_srgb
@@ -37,15 +38,21 @@ class Picture(np.ndarray[Any, np.dtype[np.float32]]):
 def describe(material: Model | Material) -> str:
     """A label: the name and what differs from the defaults."""
     if isinstance(material, Material):
-        return material.name
+        return " ".join([material.name, *(f"{p}={_text(v)}" for p, v in material.changed.items())])
     parts = []
     for name, declared in material.fields.items():
         value = getattr(material, name)
         if not declared.is_default(value):
-            number = value if isinstance(value, tuple) else (value,)
-            text = "/".join(f"{v:g}" if isinstance(v, float) else str(v) for v in number)
+            text = _text(value)
             parts.append(f"{name}={text}" if isinstance(declared, Parameter) else text)
     return " ".join([material.name, *parts])
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, Model):
+        return model_text(value)
+    numbers = value if isinstance(value, tuple) else (value,)
+    return "/".join(f"{v:g}" if isinstance(v, float) else str(v) for v in numbers)
 
 
 def captions(materials: Sequence[Material]) -> list[str]:

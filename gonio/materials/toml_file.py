@@ -1,0 +1,319 @@
+"""Materials as small TOML files: the name of a model and its parameters.
+
+    model = "weidlich_wilkie"
+    description = "Walnut under a clear lacquer."
+    alpha = 0.05
+    thickness = "orm.png:g"         # a picture relative to this file drives the parameter
+
+    [base]                          # an inner model
+    model = "eon"
+    rho = [0.25, 0.12, 0.06]        # linear RGB, or "#8a6244" in sRGB
+
+A picture for a number is grey, or its channel is named: "orm.png:g" (r, g, b, a, luminance), and taken as
+it is stored; for a colour it is sRGB, or linear in .exr and .hdr. docs/materials.md describes every key.
+Materials that come with gonio lie beside this file.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from gonio.fields import ModelError, Parameter
+from gonio.images import ImageError
+from gonio.materials.material import (
+    FLAKE_PARAMETERS,
+    GROWTH_PARAMETER,
+    Material,
+    MaterialError,
+    inside,
+)
+from gonio.materials.notation import hex_colour, metal_parameters, settings_of
+from gonio.materials.texture_file import split_channel, texture_values
+from gonio.model import Child, Model, models
+
+# What a [flakes] table may hold; gonio.mitsuba.textures.flake_map says what each does.
+FLAKE_SETTINGS = {
+    p.name: p
+    for p in (
+        Parameter(256, 1, 8192, "pixels along each side", "size"),
+        Parameter(0.9, 0, 1, "share of the cells that hold a flake", "density"),
+        Parameter(4, 1, 8192, "mean distance of neighbouring flakes in pixels", "flake_size"),
+        Parameter(0.4, 0, 2, "standard deviation of the slopes", "spread"),
+        Parameter(0, 0, 2**32 - 1, "of the random numbers", "seed"),
+        Parameter(
+            24, 1e-3, 1e6, "how often the map repeats along the texture coordinates", "tiles"
+        ),
+        Parameter(1, 1e-6, 1e9, "distance at which flakes begin to even out", "fade"),
+    )
+}
+WHOLE_NUMBERS = ("size", "seed")
+
+Resolve = Callable[[str, Path], Model | Material]
+"""Finds what a text names, as seen from a file."""
+
+
+def read(path: Path, resolve: Resolve) -> Material:
+    """Read a material file.
+
+    Args:
+        path: the file.
+        resolve: finds inner models by name, or by a path relative to the file.
+
+    Raises:
+        MaterialError: not TOML, an unknown model or parameter, or a value out of range, with the line.
+        OSError: the file cannot be read.
+    """
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+        table = tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise MaterialError(f"{path}: not a TOML file: {error}.") from None
+    except RecursionError:
+        raise MaterialError(f"{path}: the values are nested too deeply.") from None
+    reader = _Reader(path, text, resolve)
+    description = table.pop("description", "")
+    if not isinstance(description, str):
+        raise reader.error("description", "description must be a text in quotes.")
+    flakes, grows = reader.flakes(table), reader.grows(table)
+    found = reader.model(table)
+    driven = ""
+    if flakes or grows:
+        wanted = FLAKE_PARAMETERS[0] if flakes else GROWTH_PARAMETER
+        paths = [p for p, _, _ in found.model.parameters() if p.rpartition(".")[2] == wanted]
+        if not paths:
+            raise reader.error(
+                "model", f"{found.model.name} has no {wanted}, which this file drives."
+            )
+        driven = paths[0].removesuffix(wanted)
+    elif found.flakes or found.grows:  # of a material inside
+        flakes, grows, driven = found.flakes, found.grows, found.driven
+    return Material(
+        path.stem, found.model, description, found.textures, found.channels, flakes, grows, driven
+    )
+
+
+@dataclass
+class _Reader:
+    path: Path
+    text: str
+    resolve: Resolve
+
+    def flakes(self, table: dict[str, Any]) -> dict[str, Any]:
+        """The settings of a [flakes] table, taken out of the file's table."""
+        if "flakes" not in table:
+            return {}
+        settings = table.pop("flakes")
+        if not isinstance(settings, dict):
+            raise self.error("flakes", "flakes is a table: write [flakes] and settings below.")
+        for key, value in settings.items():
+            if key not in FLAKE_SETTINGS:
+                allowed = ", ".join(FLAKE_SETTINGS)
+                raise self.error(key, f"no setting {key!r}; allowed are {allowed}.", "flakes.")
+            if key in WHOLE_NUMBERS and (isinstance(value, bool) or not isinstance(value, int)):
+                raise self.error(key, f"{key} must be a whole number, got {value!r}.", "flakes.")
+            try:
+                FLAKE_SETTINGS[key].check("flakes", value)
+            except ModelError as error:
+                raise self.error(key, str(error), "flakes.") from None
+        size = settings.get("size", FLAKE_SETTINGS["size"].default)
+        if settings.get("flake_size", FLAKE_SETTINGS["flake_size"].default) > size:
+            raise self.error(
+                "flake_size", f"flake_size is larger than the map's size, {size}.", "flakes."
+            )
+        return settings or {"seed": 0}
+
+    def grows(self, table: dict[str, Any]) -> bool:
+        """Whether the file says growth = "mesh", which is taken out."""
+        if table.get("growth") != "mesh":
+            return False
+        del table["growth"]
+        return True
+
+    def error(self, key: str, message: str, section: str = "") -> MaterialError:
+        """An error at the line of a key in a section such as "base.", or at no line if there is none."""
+        here = ""
+        for number, line in enumerate(self.text.splitlines(), 1):
+            if header := re.match(r"\s*\[\s*([^\]]+?)\s*\]", line):
+                here = header[1].replace(" ", "").replace('"', "") + "."
+                if here == f"{section}{key}.":
+                    return MaterialError(f"{self.path}:{number}: {message}")
+            elif here == section and re.match(rf"\s*[\"']?{re.escape(key)}[\"']?\s*=", line):
+                return MaterialError(f"{self.path}:{number}: {message}")
+        return MaterialError(f"{self.path}: {message}")
+
+    def model(self, table: dict[str, Any], section: str = "") -> Material:
+        """The model of a table; `section` is the table's path with a dot behind, "" for the file."""
+        start = self._start(table, section)
+        cls = type(start.model)
+        given: dict[str, Any] = self._metal(cls, table, section)
+        children: dict[str, Material] = {}
+        textures: dict[str, Path] = {}
+        channels: dict[str, str] = {}
+        for key, value in table.items():
+            declared = cls.fields.get(key)
+            if isinstance(declared, Parameter) and isinstance(value, str):
+                colour = hex_colour(value) if declared.width == 3 else None
+                if colour is None:
+                    textures[key], channel = self._texture(declared, value, section)
+                    channels |= {key: channel} if channel else {}
+                    continue
+                value = colour
+            elif isinstance(declared, Child):
+                children[key] = self._child(key, value, section)
+                given[key] = children[key].model
+                continue
+            value = tuple(value) if isinstance(value, list) else value
+            try:
+                start.model.replace(**{key: value})
+            except (ModelError, TypeError) as error:
+                raise self.error(key, str(error), section) from None
+            given[key] = value
+        try:
+            changed = start.replace(**given)
+            made = inside(changed.model, children, changed.model.name)
+        except ModelError as error:  # values that do not go together
+            raise self.error("model", str(error), section) from None
+        maps = changed
+        pictures = changed.textures | textures
+        channels = {p: c for p, c in changed.channels.items() if p not in textures} | channels
+        if isinstance(made, Material):  # pictures or maps inside
+            maps, made = made, made.model
+            pictures, channels = pictures | maps.textures, channels | maps.channels
+        return Material(
+            start.name, made, "", pictures, channels, maps.flakes, maps.grows, maps.driven
+        )
+
+    def _start(self, table: dict[str, Any], section: str) -> Material:
+        """What the line 'model = ...' names, before the other lines change it."""
+        name = table.pop("model", None)
+        if name is None:
+            where = f" under [{section[:-1]}]" if section else ""
+            raise self.error(
+                section[:-1].rpartition(".")[2] if section else "model",
+                f"the line 'model = \"NAME\"' is missing{where}; 'gonio list' shows the names.",
+                section[:-1].rpartition(".")[0] + "." if section.count(".") > 1 else "",
+            )
+        if not isinstance(name, str):
+            raise self.error("model", f"model must be a name in quotes, got {name!r}.", section)
+        return self._found("model", name, section)
+
+    def _found(self, key: str, name: str, section: str) -> Material:
+        try:
+            found = self.resolve(name, self.path)
+        except (ValueError, OSError) as error:
+            raise self.error(key, str(error), section) from None
+        return found if isinstance(found, Material) else Material(found.name, found)
+
+    def _child(self, key: str, value: Any, section: str) -> Material:
+        if isinstance(value, dict):
+            return self.model(value, f"{section}{key}.")
+        if isinstance(value, str):
+            return self._found(key, value, section)
+        raise self.error(
+            key,
+            f"{key} is a model: write its name, a file, or a table [{section}{key}], not {value!r}.",
+            section,
+        )
+
+    def _texture(self, declared: Parameter, value: str, section: str) -> tuple[Path, str | None]:
+        """The picture that drives a parameter, after reading it, and the channel that is named."""
+        key = declared.name
+        name, channel = split_channel(value)
+        picture = self.path.parent / name
+        if not picture.is_file():
+            message = f"{key} names a picture that does not exist: {picture}."
+            raise self.error(key, message, section)
+        try:
+            texture_values(picture, channel, declared.width)
+        except ImageError as error:
+            raise self.error(key, f"{key}: picture {picture}: {error}.", section) from None
+        return picture, channel
+
+    def _metal(self, cls: type[Model], table: dict[str, Any], section: str) -> dict[str, Any]:
+        """eta and k of a named metal, if the table names one."""
+        if "metal" not in table or "metal" in cls.fields:
+            return {}
+        neutral = table.pop("neutral", False)
+        if not isinstance(neutral, bool):
+            raise self.error("neutral", f"neutral is true or false, got {neutral!r}.", section)
+        symbol = table.pop("metal")
+        if not isinstance(symbol, str):
+            raise self.error("metal", f"metal is a symbol in quotes, got {symbol!r}.", section)
+        try:
+            return metal_parameters(cls, symbol, neutral)
+        except ModelError as error:
+            raise self.error("metal", str(error), section) from None
+
+
+def unknown(name: str, materials: dict[str, Path]) -> ModelError:
+    """The error for a name that is neither a model nor a material."""
+    known = models()
+    near = difflib.get_close_matches(name, [*known, *materials], n=1)
+    did = ""
+    if near:
+        did = f" did you mean the {'model' if near[0] in known else 'material'} {near[0]!r}?"
+    return ModelError(
+        f"no model, material or file {name!r};{did} 'gonio list' and 'gonio list --materials' show all."
+    )
+
+
+def to_toml(material: Material) -> str:
+    """A material as the text of a file that reads as the same one; pictures by their path."""
+    lines = [f'model = "{material.model.name}"']
+    if material.description:
+        lines.append(f"description = {_quoted(material.description)}")
+    sections: dict[str, list[str]] = {"": lines}
+    for path, value in settings_of(material.model):
+        outer, _, name = path.rpartition(".")
+        if isinstance(value, str) and _is_child(material.model, path):
+            sections.setdefault(path, []).append(f'model = "{value}"')
+        elif path not in material.textures:
+            sections.setdefault(outer, []).append(f"{name} = {_value(value)}")
+    for path, picture in material.textures.items():
+        outer, _, name = path.rpartition(".")
+        sections.setdefault(outer, []).append(
+            f"{name} = {_quoted(picture.as_posix() + _suffix(material, path))}"
+        )
+    for path in [p for p in sections if p]:
+        if not sections[path][0].startswith("model = "):
+            sections[path].insert(0, f'model = "{_at(material.model, path).name}"')
+    if material.grows:
+        lines.append('growth = "mesh"')
+    text = "\n".join(lines) + "\n"
+    for path in sorted(p for p in sections if p):
+        text += f"\n[{path}]\n" + "\n".join(sections[path]) + "\n"
+    if material.flakes:
+        text += "\n[flakes]\n" + "".join(f"{k} = {_value(v)}\n" for k, v in material.flakes.items())
+    return text
+
+
+def _suffix(material: Material, path: str) -> str:
+    return f":{material.channels[path]}" if path in material.channels else ""
+
+
+def _at(model: Model, path: str) -> Model:
+    for name in path.split("."):
+        model = getattr(model, name)
+    return model
+
+
+def _is_child(model: Model, path: str) -> bool:
+    outer, _, name = path.rpartition(".")
+    return isinstance((_at(model, outer) if outer else model).fields.get(name), Child)
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, tuple):
+        return "[" + ", ".join(repr(float(v)) for v in value) + "]"
+    return _quoted(value) if isinstance(value, str) else repr(value)
+
+
+def _quoted(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+    return f'"{escaped}"'
