@@ -274,7 +274,7 @@ def test_doctor_ends_with_1_when_nothing_computes(monkeypatch):
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
-        (("show", "eonn"), 1, "no model 'eonn'; did you mean 'eon'?"),
+        (("show", "eonn"), 1, "file 'eonn'; did you mean the model 'eon'?"),
         (("lst",), 2, "no command 'lst'; did you mean 'list'? 'gonio --help' shows all."),
         (("eval", "eon", "--roughness", "1"), 2, "given as --param roughness=VALUE."),
         (("eval", "eon"), 1, "give both directions, either as vectors, --wi X Y Z --wo X Y Z"),
@@ -398,7 +398,8 @@ def test_errors_of_the_installed_program_go_to_stderr():
     done = subprocess.run([PROGRAM, "show", "eonn"], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (1, "")
     assert done.stderr == (
-        "gonio: error: no model 'eonn'; did you mean 'eon'? 'gonio list' shows all.\n"
+        "gonio: error: no model, material or file 'eonn'; did you mean the model 'eon'? "
+        "'gonio list' and 'gonio list --materials' show all.\n"
     )
 
 
