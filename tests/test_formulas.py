@@ -14,6 +14,14 @@ import numpy as np
 import pytest
 from support import integrate
 from support.directions import Array, polar
+from support.tolerances import (
+    DOUBLE,
+    DOUBLE_DIVIDED,
+    MISTAKE,
+    SINGLE,
+    SINGLE_PROMISED,
+    decimals,
+)
 
 import gonio
 from gonio import citations
@@ -24,6 +32,19 @@ from gonio.parts.cltc import coefficients
 
 ROOT = Path(__file__).parent.parent
 PAGE = (ROOT / "docs" / "formulas.md").read_text(encoding="utf-8")
+
+# The errata state two digits and a half.
+TWO_DIGITS = 0.01
+
+# The model's own arithmetic in single precision, near 1.
+TWO_ROUNDINGS = 2e-7
+
+# Half a width from the normal, two bells that agree to second order.
+NEAR_THE_NORMAL = 0.01
+
+# A flake that is lit from the other side changes by more than this.
+HALF = 0.5
+
 C1 = 0.5 - 2 / (3 * math.pi)  # 1 / A_F = 1 + C1 r
 
 
@@ -115,11 +136,11 @@ def test_the_listing_of_e_fon_loses_its_digits_at_grazing_angles() -> None:
     assert np.isnan(printed_E(np.float32(0), one))
     mu = np.float32(1e-4)
     exact = float(printed_E(np.longdouble(mu), np.longdouble(1)))
-    assert abs(float(printed_E(mu, one)) - exact) > 1.5e-5
+    assert abs(float(printed_E(mu, one)) - exact) > 1.5 * SINGLE_PROMISED
     wo = np.array([math.sqrt(1 - float(mu) ** 2), 0, mu], np.float32)
     found = gonio.model("fon", rho=1, roughness=1).albedo(wo)
     assert found.dtype == np.float32
-    assert float(found[0]) == pytest.approx(exact, abs=2e-7)  # two roundings of float32
+    assert float(found[0]) == pytest.approx(exact, abs=TWO_ROUNDINGS)
 
 
 def test_the_fit_of_e_fon_exceeds_one_near_the_horizon() -> None:
@@ -128,9 +149,9 @@ def test_the_fit_of_e_fon_exceeds_one_near_the_horizon() -> None:
     exact, fitted = elementwise(loss_exact, mu), elementwise(loss_fitted, mu)
     A_F = 1 / (1 + C1)
     error = A_F * np.abs(fitted - exact) / np.pi
-    assert error.max() < 1e-3
-    assert error.max() > 2e-4
-    assert mu[fitted < 0].max() == pytest.approx(0.0014, abs=5e-5)
+    assert error.max() < 1e-3  # "less than 0.1 %"
+    assert error.max() > 0.2e-3  # and not far less
+    assert mu[fitted < 0].max() == pytest.approx(0.0014, abs=decimals(4))
 
 
 def test_the_listing_of_the_clipped_lobe_leaves_the_hemisphere_at_the_normal() -> None:
@@ -148,9 +169,9 @@ def test_the_listing_of_the_clipped_lobe_leaves_the_hemisphere_at_the_normal() -
     d = {mu: float(coefficients(mu, 1.0)[3]) for mu in (0.9, 0.9999, 0.99992, 1.0)}
     assert d[0.9] < 0
     assert d[0.9999] < 0 < d[0.99992]
-    assert lowest(0.9, -1) >= -1e-12
-    assert lowest(1.0, -1) < -1e-3
-    assert lowest(1.0, +1) >= -1e-12
+    assert lowest(0.9, -1) >= -DOUBLE
+    assert lowest(1.0, -1) < -MISTAKE
+    assert lowest(1.0, +1) >= -DOUBLE
     u = np.stack(np.meshgrid(np.linspace(0, 1 - 2**-24, 65), np.linspace(0, 1 - 2**-24, 65)), -1)
     up = np.broadcast_to([0.0, 0.0, 1.0], (65 * 65, 3))
     wi, pdf = gonio.model("eon", roughness=1, sampler="cltc").sample(up, u.reshape(-1, 2))
@@ -178,7 +199,7 @@ def test_a_smooth_surface_is_sampled_for_every_random_number() -> None:
     model = gonio.model("eon", roughness=0)
     wi, pdf = model.sample(polar(0.5), np.array([[0.0, 0.3], [0.0, 0.0], [0.5, 0.5]]))
     assert np.isfinite(wi).all()
-    np.testing.assert_allclose(pdf, wi[:, 2] / np.pi, rtol=1e-12)
+    np.testing.assert_allclose(pdf, wi[:, 2] / np.pi, rtol=DOUBLE)
 
 
 # --- tri-Ace ---------------------------------------------------------------------------------------
@@ -189,7 +210,7 @@ def test_equation_24_is_negative_without_bound() -> None:
     for mu, known in ((1e-3, -98), (1e-4, -984)):
         theta = math.acos(mu)
         f = model.eval(polar(theta), polar(theta, math.pi))
-        assert f[0] == pytest.approx(known, rel=0.01)
+        assert f[0] == pytest.approx(known, rel=TWO_DIGITS)
 
 
 def test_equation_25_gains_energy_for_smooth_surfaces_only() -> None:
@@ -197,11 +218,13 @@ def test_equation_25_gains_energy_for_smooth_surfaces_only() -> None:
     sigma = np.linspace(0.02, 1, 981)
     model = gonio.model("triace_oren_nayar", rho=1, shininess=2 / sigma**2)
     grazing = model.albedo(np.array([1.0, 0.0, 0.0]))[:, 0]
-    assert grazing.max() == pytest.approx(1.0109, abs=1e-4)
-    assert sigma[grazing > 1].max() == pytest.approx(0.325, abs=1e-3)
+    assert grazing.max() == pytest.approx(1.0109, abs=decimals(4))
+    assert sigma[grazing > 1].max() == pytest.approx(0.325, abs=2 * decimals(3))
     n = 2 / sigma**2
     in_plane = 1 - 1 / (2 + 0.65 * n) + 1 / (2.22222 + 0.1 * n)
-    assert in_plane[-1] == pytest.approx(1.11, abs=0.005)  # what the footnote sees at sigma = 1
+    assert in_plane[-1] == pytest.approx(
+        1.11, abs=decimals(2)
+    )  # what the footnote sees at sigma = 1
     assert (in_plane > 1).all()
 
 
@@ -213,7 +236,7 @@ def test_blinn_phong_matches_beckmann_with_twice_the_exponent_printed() -> None:
     beckmann = math.exp(-((math.tan(theta) / alpha) ** 2)) / math.cos(theta) ** 4
     right = math.cos(theta) ** (2 / alpha**2 - 2)
     printed = math.cos(theta) ** (1 / alpha**2 - 2)
-    assert right == pytest.approx(beckmann, rel=0.01)
+    assert right == pytest.approx(beckmann, rel=NEAR_THE_NORMAL)
     assert printed > 1.1 * beckmann
     assert float(distribution.blinn_phong_exponent(alpha)) == pytest.approx(198)
 
@@ -265,8 +288,8 @@ def test_the_code_of_appendix_b_is_pi_f_cos_and_equation_1_is_four_times_f() -> 
     )  # fmt: skip
     f = model.eval(wi, wo)[:, 0]
     code, equation = appendix_b(wi, wo, 1.5, 2.0, 0.4)
-    np.testing.assert_allclose(code, np.pi * f * wi[:, 2], rtol=1e-9)
-    np.testing.assert_allclose(equation, 4 * f, rtol=1e-9)
+    np.testing.assert_allclose(code, np.pi * f * wi[:, 2], rtol=DOUBLE_DIVIDED)
+    np.testing.assert_allclose(equation, 4 * f, rtol=DOUBLE_DIVIDED)
 
 
 def hlsl_refract(i: Array, n: Array, eta: float) -> Array:
@@ -285,19 +308,19 @@ def test_a_coat_as_printed_mirrors_what_is_below() -> None:
         for w in (wi, wo)
     ]
     for p, r in zip(printed, right, strict=True):
-        np.testing.assert_allclose(p * [-1, -1, 1], r, rtol=1e-12)
+        np.testing.assert_allclose(p * [-1, -1, 1], r, rtol=DOUBLE)
     metal = gonio.model("torrance_sparrow", alpha=0.2, anisotropy=0.8)
-    np.testing.assert_allclose(metal.eval(*printed), metal.eval(*right), rtol=1e-9)
+    np.testing.assert_allclose(metal.eval(*printed), metal.eval(*right), rtol=DOUBLE_DIVIDED)
     flake = gonio.model("car_paint", flake_x=0.5, eta=1.0, metal_alpha=0.2)
     mirrored = [w * [-1, -1, 1] for w in (wi, wo)]
-    assert flake.eval(*mirrored)[0] != pytest.approx(flake.eval(wi, wo)[0], rel=0.5)
+    assert flake.eval(*mirrored)[0] != pytest.approx(flake.eval(wi, wo)[0], rel=HALF)
 
 
 def test_the_refracted_cosine_brightens_the_lower_highlight() -> None:
-    for degrees, known in ((60, 1.6), (89, 43)):
+    for degrees, known in ((60, 1.63), (89, 42.7)):
         mu = math.cos(math.radians(degrees))
         inside = math.sqrt(1 - (1 - mu * mu) / 1.5**2)
-        assert inside / mu == pytest.approx(known, rel=0.03)
+        assert inside / mu == pytest.approx(known, rel=TWO_DIGITS)
 
 
 def test_what_a_coat_as_printed_reflects_of_white_light() -> None:
@@ -312,7 +335,7 @@ def test_what_a_coat_as_printed_reflects_of_white_light() -> None:
         (compressed | {"bounces": "diffuse"}, 1),
     ):
         coat = gonio.model("weidlich_wilkie", **white, **options)
-        assert 0.04 + integrate.albedo(coat.eval, 0.0)[0] == pytest.approx(known, abs=5e-4)
+        assert 0.04 + integrate.albedo(coat.eval, 0.0)[0] == pytest.approx(known, abs=decimals(3))
 
 
 def test_the_printed_flake_tilts_less_than_the_described_one() -> None:
@@ -320,10 +343,12 @@ def test_the_printed_flake_tilts_less_than_the_described_one() -> None:
     up = np.array([0, 0, 1.0])
     printed, described = up + (up + flake), up + flake
     for normal, known in ((printed, 9.9), (described, 15.0)):
-        assert math.degrees(math.atan2(normal[0], normal[2])) == pytest.approx(known, abs=0.05)
+        assert math.degrees(math.atan2(normal[0], normal[2])) == pytest.approx(
+            known, abs=decimals(1)
+        )
     slope = math.tan(math.radians(30))
     found = [
         float(elementwise(lambda s, a=a: getattr(tilt.flake_normal(s, 0 * s, 1 + 0 * s), a), slope))
         for a in "xz"
     ]  # type: ignore[misc]
-    assert math.degrees(math.atan2(*found)) == pytest.approx(15, abs=1e-6)
+    assert math.degrees(math.atan2(*found)) == pytest.approx(15, abs=SINGLE)
