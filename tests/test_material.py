@@ -312,3 +312,52 @@ def test_binary_and_missing_material_files_are_refused(tmp_path: Path) -> None:
     path.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(MaterialError, match="not a TOML file"):
         load_material(path)
+
+
+# --- normal maps and repeated pictures -------------------------------------------------------------
+
+
+def test_a_flat_normal_map_changes_nothing_and_a_tilted_one_turns_the_light(tmp_path: Path) -> None:
+    from PIL import Image
+
+    common = {"size": (24, 24), "spp": 16, "environment": "side"}
+    plain = render(gonio.Lambert(), **common)
+    # 128 / 255 is as near to 0.5 as 8 bits come: a tilt of 0.2 degrees
+    for name, code, limit in (("flat", (128, 128, 255), 0.02), ("tilted", (218, 128, 218), None)):
+        Image.new("RGB", (2, 2), code).save(tmp_path / f"{name}.png")
+        text = f'model = "lambert"\nnormal_map = "{name}.png"\n'
+        shown = render(load_material(write(tmp_path, text)), **common)
+        difference = np.abs(shown - plain).max()
+        assert difference < limit if limit else difference > 0.05
+
+
+def test_a_picture_repeats_as_often_as_the_file_says(tmp_path: Path) -> None:
+    from PIL import Image
+
+    stripes = np.zeros((1, 2, 3), np.uint8)
+    stripes[:, 1] = 255
+    Image.fromarray(stripes).save(tmp_path / "stripes.png")
+    Image.fromarray(np.tile(stripes, (1, 3, 1))).save(tmp_path / "more.png")
+    once = 'model = "lambert"\nrho = "more.png"\n'
+    thrice = 'model = "lambert"\ntexture_scale = [3, 1]\nrho = "stripes.png"\n'
+    common = {"size": (24, 24), "spp": 16, "environment": "white"}
+    # Pixels between texels are interpolated over another distance.
+    difference = render(load_material(write(tmp_path, once)), **common) - render(
+        load_material(write(tmp_path, thrice)), **common
+    )
+    assert np.abs(difference).mean() < 0.02
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('model = "eon"\ntexture_scale = 2\n', r":2: texture_scale is for pictures"),
+        ('model = "eon"\ntexture_scale = [1, 2, 3]\n', r":2: texture_scale is a number above 0"),
+        ('model = "eon"\ntexture_scale = 0\n', r":2: texture_scale is a number above 0"),
+        ('model = "eon"\nnormal_map = 3\n', r":2: normal_map is a picture in quotes"),
+        ('model = "eon"\nnormal_map = "n.png"\n', r":2: normal_map names a picture that does not"),
+    ],
+)
+def test_wrong_maps_and_scales_have_their_line(tmp_path: Path, text: str, message: str) -> None:
+    with pytest.raises(MaterialError, match=message):
+        load_material(write(tmp_path, text))

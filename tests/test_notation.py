@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -11,13 +12,14 @@ import pytest
 from click.testing import CliRunner, Result
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from PIL import Image
 
 import gonio
 from gonio.cli import main
 from gonio.fields import ModelError
 from gonio.materials import Material, MaterialError, library, load, load_model
 from gonio.materials.notation import hex_colour, model_text
-from gonio.materials.toml_file import to_toml
+from gonio.materials.toml_file import FLAKE_SETTINGS, to_toml
 from gonio.parts.metals import metal
 
 CLAY = """\
@@ -273,3 +275,32 @@ def test_eighteen_coats_are_written_at_once() -> None:
         model = gonio.WeidlichWilkie(base=model)
     assert repr(model).count("WeidlichWilkie") == 18  # 2^18 comparisons would take minutes
     assert model_text(model).count("weidlich_wilkie") == 18
+
+
+PAGE = Path(__file__).parent.parent / "docs" / "materials.md"
+
+
+def test_the_page_on_materials_has_every_key_and_its_texts_are_right(folder: Path) -> None:
+    text = PAGE.read_text(encoding="utf-8")
+    for name, declared in FLAKE_SETTINGS.items():
+        default = "" if name == "fade" else f" {declared.default:g}"
+        assert f"| `{name}` |{default} |" in text
+    for name in ("model", "description", "metal", "normal_map", "texture_scale", "growth"):
+        assert f"| `{name}` |" in text
+    for file in ("wear.png", "grain.png", "oak.png"):
+        Image.new("RGB", (2, 2), (128, 128, 255)).save(file)
+    example = text.split("```toml\n")[1].split("```")[0]
+    (folder / "oak.toml").write_text(example, encoding="utf-8")
+    assert load("oak.toml").textures.keys() == {"thickness", "base.rho"}
+    row = re.compile(r"^\| (`[^|]+`) \|", re.M)
+    for cell in row.findall(text.split("## In a file")[0]):
+        for shown in re.findall("`([^`]+)`", cell):
+            load(
+                shown.replace("my_model.py", "my_clay.py").replace(
+                    "oak.toml:roughness", "gold:alpha"
+                )
+            )
+    (folder / "oak.toml").write_text(example.replace("0.4", "7"), encoding="utf-8")
+    with pytest.raises(MaterialError) as caught:
+        load("oak.toml")
+    assert f"gonio: error: {caught.value}" in text

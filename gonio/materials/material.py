@@ -36,6 +36,10 @@ class Material:
     """Whether growth comes from the mesh, as a vertex attribute."""
     driven: str = ""
     """Path, with a dot behind, of the inner model that flakes and growth drive; "" for the model itself."""
+    normal_map: Path | None = None
+    """A picture of tangent-space normals, 0.5 + 0.5 n, x along u and y along v."""
+    texture_scale: tuple[float, float] = (1.0, 1.0)
+    """How often pictures repeat along the texture coordinates u and v."""
     changed: dict[str, Any] = field(default_factory=dict)
     """What was changed since the material was read, for its label."""
 
@@ -74,6 +78,11 @@ class Material:
         Raises:
             ModelError: a picture drives a parameter, which has no one value then.
         """
+        if self.normal_map is not None:
+            raise ModelError(
+                f"{self.name} has a normal map, {self.normal_map.name}, and here is no surface; write a "
+                "material file without it."
+            )
         if self.textures:
             path, picture = next(iter(self.textures.items()))
             raise ModelError(

@@ -40,6 +40,18 @@ def texture_values(picture: Path, channel: str | None, width: int) -> Pixels:
     return np.ascontiguousarray(values, np.float32)
 
 
+def stored_values(picture: Path) -> Pixels:
+    """The three channels of a picture as they are stored, shape (height, width, 3), such as normals.
+
+    Raises:
+        ImageError: the picture cannot be read, or has fewer channels.
+    """
+    image = _read(picture)
+    return np.ascontiguousarray(
+        np.stack([image.channel(c) for c in ("r", "g", "b")], axis=-1), np.float32
+    )
+
+
 def _only_channel(image: Image) -> str:
     first = image.pixels[..., :1]
     if image.colours == 3 and not np.array_equal(

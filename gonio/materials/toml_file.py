@@ -17,6 +17,7 @@ Materials that come with gonio lie beside this file.
 from __future__ import annotations
 
 import difflib
+import math
 import re
 import tomllib
 from collections.abc import Callable
@@ -80,6 +81,7 @@ def read(path: Path, resolve: Resolve) -> Material:
     description = table.pop("description", "")
     if not isinstance(description, str):
         raise reader.error("description", "description must be a text in quotes.")
+    normal_map, scale = reader.normal_map(table), reader.scale(table)
     flakes, grows = reader.flakes(table), reader.grows(table)
     found = reader.model(table)
     driven = ""
@@ -93,8 +95,19 @@ def read(path: Path, resolve: Resolve) -> Material:
         driven = paths[0].removesuffix(wanted)
     elif found.flakes or found.grows:  # of a material inside
         flakes, grows, driven = found.flakes, found.grows, found.driven
+    if scale is not None and not (found.textures or normal_map):
+        raise reader.error("texture_scale", "texture_scale is for pictures, and no line names one.")
     return Material(
-        path.stem, found.model, description, found.textures, found.channels, flakes, grows, driven
+        path.stem,
+        found.model,
+        description,
+        found.textures,
+        found.channels,
+        flakes,
+        grows,
+        driven,
+        normal_map or found.normal_map,
+        scale or found.texture_scale,
     )
 
 
@@ -127,6 +140,32 @@ class _Reader:
                 "flake_size", f"flake_size is larger than the map's size, {size}.", "flakes."
             )
         return settings or {"seed": 0}
+
+    def normal_map(self, table: dict[str, Any]) -> Path | None:
+        """The picture of normals that the file names, taken out."""
+        if "normal_map" not in table:
+            return None
+        value = table.pop("normal_map")
+        if not isinstance(value, str):
+            raise self.error("normal_map", f"normal_map is a picture in quotes, got {value!r}.")
+        declared = Parameter((0.5, 0.5, 1.0), 0, 1, "tangent-space normal", "normal_map", 3)
+        return self._texture(declared, value, "")[0]
+
+    def scale(self, table: dict[str, Any]) -> tuple[float, float] | None:
+        """How often pictures repeat, taken out; None where the file does not say it."""
+        if "texture_scale" not in table:
+            return None
+        value = table.pop("texture_scale")
+        numbers = value if isinstance(value, list) else [value, value]
+        if len(numbers) != 2 or not all(
+            isinstance(n, (int, float)) and not isinstance(n, bool) and 0 < n < math.inf
+            for n in numbers
+        ):
+            raise self.error(
+                "texture_scale",
+                f"texture_scale is a number above 0, or two for u and v, got {value!r}.",
+            )
+        return float(numbers[0]), float(numbers[1])
 
     def grows(self, table: dict[str, Any]) -> bool:
         """Whether the file says growth = "mesh", which is taken out."""
@@ -283,6 +322,10 @@ def to_toml(material: Material) -> str:
     for path in [p for p in sections if p]:
         if not sections[path][0].startswith("model = "):
             sections[path].insert(0, f'model = "{_at(material.model, path).name}"')
+    if material.normal_map is not None:
+        lines.append(f"normal_map = {_quoted(material.normal_map.as_posix())}")
+    if material.texture_scale != (1.0, 1.0):
+        lines.append(f"texture_scale = {_value(material.texture_scale)}")
     if material.grows:
         lines.append('growth = "mesh"')
     text = "\n".join(lines) + "\n"

@@ -11,7 +11,7 @@ from gonio.fields import ModelError, is_array
 from gonio.images import Pixels
 from gonio.materials import Material
 from gonio.materials.material import GROWTH_PARAMETER
-from gonio.materials.texture_file import texture_values
+from gonio.materials.texture_file import stored_values, texture_values
 from gonio.materials.toml_file import FLAKE_SETTINGS
 from gonio.mitsuba.properties import PLUGIN, PREFIX
 from gonio.mitsuba.register import is_registered, register
@@ -57,7 +57,7 @@ def _(material: Material) -> dict[str, Any]:
     for path, picture in material.textures.items():
         outer, _, name = path.rpartition(".")
         values = texture_values(picture, material.channels.get(path), widths[path])
-        _at(made, outer)[name] = _bitmap(values)
+        _at(made, outer)[name] = _bitmap(values, material.texture_scale)
     if material.flakes:
         settings = dict(material.flakes)
         tiles, fade = (
@@ -67,6 +67,9 @@ def _(material: Material) -> dict[str, Any]:
         _at(made, material.driven).update(flake_texture(flake_map(**settings), tiles, fade))
     if material.grows:
         _at(made, material.driven)[GROWTH_PARAMETER] = growth_texture()
+    if material.normal_map is not None:
+        normals = _bitmap(stored_values(material.normal_map), material.texture_scale)
+        made = {"type": "normalmap", "normalmap": normals, "bsdf": made}
     return made
 
 
@@ -77,8 +80,9 @@ def _at(made: dict[str, Any], path: str) -> dict[str, Any]:
     return made
 
 
-def _bitmap(values: Pixels) -> dict[str, Any]:
-    return {"type": "bitmap", "bitmap": mi.Bitmap(values), "raw": True}
+def _bitmap(values: Pixels, scale: tuple[float, float]) -> dict[str, Any]:
+    repeated = mi.ScalarTransform4f().scale([*scale, 1])
+    return {"type": "bitmap", "bitmap": mi.Bitmap(values), "raw": True, "to_uv": repeated}
 
 
 @node.register

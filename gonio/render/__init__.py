@@ -106,7 +106,11 @@ def _textured(shown: Shown) -> list[str]:
     """What of a material is laid out by texture coordinates."""
     if not isinstance(shown, Material):
         return []
-    return [*shown.textures, *(["the flakes"] if shown.flakes else [])]
+    return [
+        *shown.textures,
+        *(["the normal map"] if shown.normal_map else []),
+        *(["the flakes"] if shown.flakes else []),
+    ]
 
 
 def _without_diffuse(material: Shown) -> Shown:
