@@ -33,6 +33,7 @@ from gonio.backend import BackendError as BackendError
 from gonio.backend import use as use
 from gonio.fields import ModelError as ModelError
 from gonio.lang import Sample as Sample
+from gonio.materials import load as load
 from gonio.model import Model as Model
 from gonio.model import child as child
 from gonio.model import model as model
