@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable
+import functools
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -26,40 +28,66 @@ def rgb(value: Colour | float) -> Nodes:
     return {"type": "rgb", "value": list(value) if isinstance(value, tuple) else [value] * 3}
 
 
-def _softbox(
-    azimuth: float,
-    elevation: float,
-    distance: float,
-    size: tuple[float, float],
-    irradiance: float,
-    colour: Colour = (1.0, 1.0, 1.0),
-    shape: str = "rectangle",
-    share: float = 1.0,
-) -> Nodes:
+@dataclass(frozen=True)
+class Lamp:
     """A flat lamp (rectangle or disk) turned towards the ball.
 
     Angles in degrees as in `direction`; size: full width and height; irradiance: what arrives at
     the ball's centre on a surface that faces the lamp (a white Lambertian then shows 1/pi of it).
     share: how often the lamp is chosen for a shadow ray, relative to the others.
     """
-    import mitsuba as mi
 
-    centre = np.array([0.0, BALL_CENTRE, 0.0])
-    place = centre + distance * direction(azimuth, elevation)
-    area = size[0] * size[1] * (1.0 if shape == "rectangle" else np.pi / 4)
-    radiance = irradiance * distance**2 / area
-    to_world = mi.ScalarTransform4f().look_at(
-        origin=place.tolist(), target=centre.tolist(), up=[0, 1, 0]
-    ) @ mi.ScalarTransform4f().scale([size[0] / 2, size[1] / 2, 1])
-    return {
-        "type": shape,
-        "to_world": to_world,
-        "emitter": {
-            "type": "area",
-            "radiance": rgb((radiance * colour[0], radiance * colour[1], radiance * colour[2])),
-            "sampling_weight": share,
-        },
-    }
+    azimuth: float
+    elevation: float
+    distance: float
+    size: tuple[float, float]
+    irradiance: float
+    colour: Colour = (1.0, 1.0, 1.0)
+    shape: str = "rectangle"
+    share: float = 1.0
+
+    @property
+    def centre(self) -> Floats:
+        """Where it is."""
+        middle = np.array([0.0, BALL_CENTRE, 0.0])
+        return middle + self.distance * direction(self.azimuth, self.elevation)
+
+    @property
+    def half_axes(self) -> tuple[Floats, Floats]:
+        """From the centre to two edges; their cross product points where the lamp shines."""
+        forward = -direction(self.azimuth, self.elevation)
+        left = np.cross([0.0, 1.0, 0.0], forward)
+        left /= np.linalg.norm(left)
+        return self.size[0] / 2 * left, self.size[1] / 2 * np.cross(forward, left)
+
+    @property
+    def area(self) -> float:
+        """Of the lamp's face."""
+        return self.size[0] * self.size[1] * (1.0 if self.shape == "rectangle" else np.pi / 4)
+
+    @property
+    def radiance(self) -> Colour:
+        """In every direction in front of it."""
+        r, g, b = self.colour
+        grey = self.irradiance * self.distance**2 / self.area
+        return grey * r, grey * g, grey * b
+
+    def to_mitsuba(self) -> Nodes:
+        """The lamp as a scene node."""
+        import mitsuba as mi
+
+        to_world = mi.ScalarTransform4f().look_at(
+            origin=self.centre.tolist(), target=[0, BALL_CENTRE, 0], up=[0, 1, 0]
+        ) @ mi.ScalarTransform4f().scale([self.size[0] / 2, self.size[1] / 2, 1])
+        return {
+            "type": self.shape,
+            "to_world": to_world,
+            "emitter": {
+                "type": "area",
+                "radiance": rgb(self.radiance),
+                "sampling_weight": self.share,
+            },
+        }
 
 
 def surround(radiance: float | Colour, share: float = 1.0) -> Nodes:
@@ -72,11 +100,11 @@ def surround(radiance: float | Colour, share: float = 1.0) -> Nodes:
 GROUND_GREY = 0.32
 
 
-def _sweep() -> Triangles:
-    """The paper backdrop of a studio: floor, curve and wall in one piece, smooth."""
+def sweep(steps: int = 96) -> Triangles:
+    """The paper backdrop of a studio: floor, curve (in so many steps) and wall in one piece, smooth."""
     front, back, length, height, half_width = 14.0, -3.0, 13.0, 16.0, 24.0
     # The slope eases in and out along the curve; a plain quarter circle shows a line at both ends.
-    t = np.linspace(0, 1, 97)
+    t = np.linspace(0, 1, steps + 1)
     slope = np.pi / 2 * t**2 * (3 - 2 * t)
 
     def along(speed: Floats) -> Floats:
@@ -103,7 +131,7 @@ def _sweep() -> Triangles:
     )
 
 
-def _disk(radius: float, segments: int = 256) -> Triangles:
+def disk(radius: float, segments: int = 256) -> Triangles:
     """A flat round plate at y = 0; v runs from its middle to its rim."""
     profile = np.array([(0.0, 0.0), (radius, 0.0)])
     return lathe(profile, np.array([(0.0, 1.0), (0.0, 1.0)]), segments)
@@ -130,7 +158,7 @@ def fading_ground(colour: Colour) -> Any:
     }
     matte = {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": rgb(colour)}}
     mask = {"type": "mask", "opacity": texture, "bsdf": matte}
-    return _disk(FADE_TO).to_mitsuba("ground", mask)
+    return disk(FADE_TO).to_mitsuba("ground", mask)
 
 
 def grey(value: float) -> Nodes:
@@ -138,89 +166,85 @@ def grey(value: float) -> Nodes:
     return {"type": "diffuse", "reflectance": rgb(value)}
 
 
-def _studio_ground() -> Nodes:
-    return {"ground": _sweep().to_mitsuba("ground", grey(GROUND_GREY))}
-
+# Grounds that are meshes; the argument is how finely their curves are divided.
+GROUNDS: dict[str, Callable[..., Triangles]] = {
+    "sweep": sweep,
+    "plain": functools.partial(disk, 120.0),
+}
 
 KEY, WARM, COOL = (1.0, 0.975, 0.94), (1.0, 0.94, 0.86), (0.9, 0.95, 1.0)
 
 
-def _studio() -> Nodes:
-    """Big key from the upper left, weak fill from the right, a strip behind for the rim."""
-    return {
-        "key": _softbox(-54, 42, 6.0, (4.6, 4.6), 2.9, KEY, share=4),
-        "fill": _softbox(72, 16, 7.0, (2.4, 6.0), 0.25, COOL),
-        "rim": _softbox(128, 48, 7.0, (5.0, 2.0), 1.0, WARM, share=2),
-        "surround": surround(0.09, share=0),
-        **_studio_ground(),
-    }
+@dataclass(frozen=True)
+class Environment:
+    """Lamps by name, what surrounds all, the ground; or a clear sky with its sun."""
+
+    lamps: Mapping[str, Lamp] = field(default_factory=dict)
+    surround: Colour | float = 0.0
+    ground: str | Colour = "sweep"
+    """One of GROUNDS, or the colour of one that fades into what is behind it."""
+    sky: tuple[float, float] | None = None
+    """Azimuth and elevation of the sun of Mitsuba's sky."""
 
 
-def _sun() -> Nodes:
-    """A hard, warm sun from the side over the studio's dim cool surround."""
-    return {
-        # 2 degrees across: four times the real sun, so that its shadows' edges are still seen
-        "sun": _softbox(-62, 38, 16.0, (0.56, 0.56), 2.8, (1.0, 0.94, 0.85), "disk"),
-        "surround": surround((0.08, 0.1, 0.13), share=0),
-        **_studio_ground(),
-    }
+ENVIRONMENTS: dict[str, Environment] = {
+    # Big key from the upper left, weak fill from the right, a strip behind for the rim
+    "studio": Environment(
+        {
+            "key": Lamp(-54, 42, 6.0, (4.6, 4.6), 2.9, KEY, share=4),
+            "fill": Lamp(72, 16, 7.0, (2.4, 6.0), 0.25, COOL),
+            "rim": Lamp(128, 48, 7.0, (5.0, 2.0), 1.0, WARM, share=2),
+        },
+        surround=0.09,
+    ),
+    # A hard, warm sun from the side over the studio's dim cool surround. 2 degrees across: four times the
+    # real sun, so that its shadows' edges are still seen
+    "sun": Environment(
+        {"sun": Lamp(-62, 38, 16.0, (0.56, 0.56), 2.8, (1.0, 0.94, 0.85), "disk")},
+        surround=(0.08, 0.1, 0.13),
+    ),
+    # One small lamp beside the camera: what flattens a rough diffuse ball into a disk
+    "front": Environment({"lamp": Lamp(6, 22, 9.0, (1.2, 1.2), 2.6, shape="disk")}, surround=0.02),
+    # One small lamp at a right angle to the view: what shows the terminator
+    "side": Environment({"lamp": Lamp(90, 14, 9.0, (1.2, 1.2), 2.6, shape="disk")}, surround=0.02),
+    # Radiance 1 from everywhere
+    "white": Environment(surround=1.0, ground=(0.85, 0.85, 0.85)),
+    # Mitsuba's sun and clear sky over wide grey ground
+    "sunsky": Environment(sky=(-55, 38), ground="plain"),
+}
+
+SKY_SCALE = 1.7  # brings white in the sun to about 0.9
+SUN_APERTURE = 2.0  # degrees
 
 
-def _front() -> Nodes:
-    """One small lamp beside the camera: what flattens a rough diffuse ball into a disk."""
-    return {
-        "lamp": _softbox(6, 22, 9.0, (1.2, 1.2), 2.6, shape="disk"),
-        "surround": surround(0.02, share=0),
-        **_studio_ground(),
-    }
-
-
-def _side() -> Nodes:
-    """One small lamp at a right angle to the view: what shows the terminator."""
-    return {
-        "lamp": _softbox(90, 14, 9.0, (1.2, 1.2), 2.6, shape="disk"),
-        "surround": surround(0.02, share=0),
-        **_studio_ground(),
-    }
-
-
-def _white() -> Nodes:
-    """Radiance 1 from everywhere."""
-    return {"surround": surround(1.0), "ground": fading_ground((0.85, 0.85, 0.85))}
-
-
-def _sunsky() -> Nodes:
-    """Mitsuba's sun and clear sky over wide grey ground."""
+def sky_node(azimuth: float, elevation: float) -> Nodes:
+    """Mitsuba's clear sky with the sun at these angles."""
     import mitsuba as mi
 
     if "mono" in str(mi.variant()):
         raise ValueError("environment 'sunsky' needs colour; use an rgb or spectral variant")
-    sun = direction(-55, 38)
     return {
-        "sky": {
-            "type": "sunsky",
-            "sun_direction": sun.tolist(),
-            "turbidity": 3.5,
-            "albedo": rgb(GROUND_GREY),
-            "sun_aperture": 2.0,
-            "to_world": mi.ScalarTransform4f().rotate([1, 0, 0], -90),  # its zenith is +z
-            "sky_scale": SKY_SCALE,
-            "sun_scale": SKY_SCALE,
-        },
-        "ground": _disk(120.0).to_mitsuba("ground", grey(GROUND_GREY)),
+        "type": "sunsky",
+        "sun_direction": direction(azimuth, elevation).tolist(),
+        "turbidity": 3.5,
+        "albedo": rgb(GROUND_GREY),
+        "sun_aperture": SUN_APERTURE,
+        "to_world": mi.ScalarTransform4f().rotate([1, 0, 0], -90),  # its zenith is +z
+        "sky_scale": SKY_SCALE,
+        "sun_scale": SKY_SCALE,
     }
 
 
-SKY_SCALE = 1.7  # brings white in the sun to about 0.9
-
-ENVIRONMENTS: dict[str, Callable[[], Nodes]] = {
-    "studio": _studio,
-    "sun": _sun,
-    "front": _front,
-    "side": _side,
-    "white": _white,
-    "sunsky": _sunsky,
-}
+def _nodes(environment: Environment) -> Nodes:
+    nodes: Nodes = {name: lamp.to_mitsuba() for name, lamp in environment.lamps.items()}
+    if environment.sky is not None:
+        nodes["sky"] = sky_node(*environment.sky)
+    else:
+        nodes["surround"] = surround(environment.surround, share=0 if nodes else 1)
+    ground = environment.ground
+    if isinstance(ground, tuple):
+        return nodes | {"ground": fading_ground(ground)}
+    return nodes | {"ground": GROUNDS[ground]().to_mitsuba("ground", grey(GROUND_GREY))}
 
 
 def environment_nodes(environment: str | Path, turn: float = 0.0, view: float = 0.0) -> Nodes:
@@ -235,7 +259,7 @@ def environment_nodes(environment: str | Path, turn: float = 0.0, view: float = 
     if is_own(environment):
         if turn:
             raise ValueError(f"environment {name!r} is not a picture that could be turned")
-        return ENVIRONMENTS[name]()
+        return _nodes(ENVIRONMENTS[name])
     pixels = picture_of(environment)
     return {
         "sky": _picture_light(pixels, turn),
