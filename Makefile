@@ -14,6 +14,9 @@ PROVE_PACKAGES := glslangValidator=glslang-tools spirv-opt=spirv-tools libEGL.so
     libGL.so.1=libgl1 libvulkan.so.1=libvulkan1 libvulkan_lvp.so=mesa-vulkan-drivers libSM.so.6=libsm6 \
     libXi.so.6=libxi6 libXfixes.so.3=libxfixes3 libXrender.so.1=libxrender1 libxkbcommon.so.0=libxkbcommon0
 
+# The browser in which 'gonio view' is tested, and what builds its script again.
+VIEW_PACKAGES := chromium=chromium node=nodejs npm=npm
+
 .PHONY: help demo test format bench golden layers clean
 
 help:
@@ -52,8 +55,9 @@ $(VENV)/.installed: pyproject.toml constraints.txt | $(VENV)/bin/python
 	touch $@
 
 $(VENV)/.installed-test: $(VENV)/.installed
-	PYTHON=$(PYTHON) sh .ci/system-packages g++ $(PROVE_PACKAGES)
+	PYTHON=$(PYTHON) sh .ci/system-packages g++ $(PROVE_PACKAGES) $(VIEW_PACKAGES)
 	$(INSTALL) -e '.[test]'
+	npm ci --prefix gonio/view/web --ignore-scripts --no-audit --no-fund --silent
 	$(INSTALL) --no-deps slangtorch 'bpy; python_version == "3.11"'
 	touch $@
 

@@ -29,7 +29,6 @@ from gonio import parts as parts
 from gonio import plot as plot
 from gonio import quadrature as quadrature
 from gonio import reference as reference
-from gonio import reproduce as reproduce
 from gonio.backend import BackendError as BackendError
 from gonio.backend import use as use
 from gonio.fields import ModelError as ModelError

@@ -24,7 +24,6 @@ FLOORS = (
     {"render", "check"},
     {"bake", "compare"},
     {"bench"},
-    {"reproduce"},
     {"cli"},
 )
 

@@ -14,19 +14,14 @@ from gonio.plot.errors import error
 from gonio.plot.kinds import KINDS, albedo, plot, polar, surface
 from gonio.plot.numbers import CHANNELS, RGB
 from gonio.plot.output import SUFFIXES, Plot, check_output
-from gonio.plot.panels import DEGREES, SIGNED, Curve, Panel, of_panels
 from gonio.plot.sampling import sampling
 from gonio.plot.terms import distribution, fresnel, masking
 
 __all__ = [
     "CHANNELS",
-    "DEGREES",
     "KINDS",
     "RGB",
-    "SIGNED",
     "SUFFIXES",
-    "Curve",
-    "Panel",
     "Plot",
     "albedo",
     "cartesian",
@@ -35,7 +30,6 @@ __all__ = [
     "error",
     "fresnel",
     "masking",
-    "of_panels",
     "plot",
     "polar",
     "sampling",

@@ -1,0 +1,292 @@
+"""What the page knows of a model: its shaders, its manifest, its maps, its text; and the page itself."""
+
+from __future__ import annotations
+
+import base64
+import functools
+import gzip
+import html
+import json
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gonio.description import describe, summary
+from gonio.export.manifest import loader, manifest
+from gonio.export.printer import Printer
+from gonio.export.targets import TARGETS
+from gonio.export.text import export
+from gonio.fields import ModelError
+from gonio.materials import Material, library, load, load_material, toml_file
+from gonio.materials.model_file import is_model_file
+from gonio.materials.notation import assign, split
+from gonio.materials.texture_file import texture_values
+from gonio.mitsuba.textures import flake_map
+from gonio.model import Model, models
+from gonio.parts.metals import metal, metals
+from gonio.version import __version__
+from gonio.view.scene import environments, fade, packed, shapes
+
+WEB = Path(__file__).parent / "web"
+
+# Of what the page's two graphics interfaces understand.
+SHADERS = ("wgsl", "essl")
+
+# The name that the page's passes call a model by.
+NAME = "model"
+
+# Coats that a text may nest: more would only make shaders that no driver finishes.
+DEPTH_MAX = 6
+
+TEXT_MAX = 4096  # characters of a model's text
+
+MAP_SIZE_MAX = 512  # pixels a side
+
+
+class UnknownModelError(ModelError):
+    """A text that names nothing that the page may show."""
+
+
+class Names:
+    """What a page may show: gonio's models and materials, and files that its user named."""
+
+    def __init__(self, files: Iterable[str] = ()) -> None:
+        """Files by the names that the page calls them by; others are never opened."""
+        self.files = tuple(files)
+
+    def start(self, text: str) -> Model | Material:
+        """The model or material in front of a text's colon."""
+        name, _ = split(text)
+        return load(name) if name in self.files else self._known(name)
+
+    def _known(self, name: str) -> Model | Material:
+        """What comes with gonio: a name of anything else never opens a file, nor runs one."""
+        if name not in models() and name not in library():
+            if is_model_file(name) or name.endswith(".toml") or "/" in name or "\\" in name:
+                raise UnknownModelError(
+                    f"{name} was not named when 'gonio view' was started; start it with that file."
+                )
+            raise toml_file.unknown(name, library())
+        return load(name)
+
+    def find(self, text: str) -> Model | Material:
+        """A model or material with its changes, such as "eon:roughness=1".
+
+        Raises:
+            ModelError: too long or too deep, an unknown name, or a value out of range.
+        """
+        if len(text) > TEXT_MAX:
+            raise ModelError(f"the text of a model has at most {TEXT_MAX} characters.")
+        name, pieces = split(text)
+        if any(piece.partition("=")[0].count(".") > DEPTH_MAX for piece in pieces):
+            raise ModelError(f"models can lie {DEPTH_MAX} deep here.")
+        return assign(self.start(name), pieces, self._known)
+
+
+def payload(names: Names, text: str) -> dict[str, Any]:
+    """All that the page needs to show a model.
+
+    Raises:
+        ModelError, ExportError: what cannot be shown; the message is for the page.
+    """
+    return payload_of(names, text, names.find(text))
+
+
+def payload_of(names: Names, text: str, what: Model | Material) -> dict[str, Any]:
+    """The same for what a text means."""
+    model = what.model if isinstance(what, Material) else what
+    about = manifest(what, NAME, refusals=False)
+    made = {language: export({NAME: model}, language)[0] for language in SHADERS}
+    start = names.start(text)
+    return about | {
+        "text": text,
+        "name": split(text)[0],
+        "plain": _is_plain(what),
+        "code": {language: e.source for language, e in made.items()},
+        "load": {language: loader(e) for language, e in made.items()},
+        "members": [m.path for m in made["wgsl"].entry.members],
+        "start": dict(_values(start.model if isinstance(start, Material) else start)),
+        "hooks": _hooks(about, made),
+        "maps": _maps(what) if isinstance(what, Material) else None,
+        "about": _about(model),
+    }
+
+
+def _values(model: Model, prefix: str = "") -> Iterable[tuple[str, Any]]:
+    for name in model.fields:
+        value = getattr(model, name)
+        if isinstance(value, Model):
+            yield prefix + name, value.name
+            yield from _values(value, f"{prefix}{name}.")
+        else:
+            yield prefix + name, value
+
+
+def _is_plain(what: Model | Material) -> bool:
+    """Whether the material has the same values everywhere."""
+    return isinstance(what, Model) or not (what.textures or what.flakes or what.grows)
+
+
+def _about(model: Model) -> list[dict[str, Any]]:
+    """Source, claims and caveats of a model and of those inside it."""
+    found = []
+    seen = set()
+    while True:
+        if model.name not in seen:
+            seen.add(model.name)
+            about = describe(type(model))
+            found.append(
+                {
+                    k: about[k]
+                    for k in ("name", "title", "description", "source", "claims", "caveats")
+                }
+            )
+        inner = [getattr(model, name) for name in model.fields]
+        below = [value for value in inner if isinstance(value, Model)]
+        if not below:
+            return found
+        model = below[0]
+
+
+# --- maps ----------------------------------------------------------------------------------------------
+
+
+def _hooks(about: Mapping[str, Any], made: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """The manifest's hooks with the layer of the map and the member's name in each language."""
+    widths = {p["path"]: p["width"] for p in about["parameters"]}
+    hooks: list[dict[str, Any]] = []
+    textures = 0
+    for hook in about["hooks"]:
+        source = hook["source"]
+        row = {"path": hook["path"], "source": source, "layer": 0, "channel": 0}
+        if source == "flakes":
+            row |= {
+                "channel": hook["channel"],
+                "tiles": float(hook.get("tiles", toml_file.FLAKE_SETTINGS["tiles"].default)),
+            }
+        elif source == "texture":
+            # Behind the flakes' layer, if there is one
+            row["layer"] = textures + any(h["source"] == "flakes" for h in about["hooks"])
+            textures += 1
+        hooks.append(row)
+        if source == "flakes" and hook["channel"] == 0 and hook.get("fade"):
+            outer = hook["path"].rpartition("flake_x")[0]
+            unit = float(hook["fade"])
+            hooks.append({"path": f"{outer}distance", "source": "viewer", "unit": unit})
+    read = {m.path for m in made["wgsl"].entry.members}
+    found = [hook | {"width": widths[hook["path"]]} for hook in hooks if hook["path"] in read]
+    for hook in found:
+        hook["members"] = {
+            language: ".".join(
+                Printer(TARGETS[language], NAME).name(part) for part in hook["path"].split(".")
+            )
+            for language in made
+        }
+    return found
+
+
+def _maps(material: Material) -> dict[str, Any] | None:
+    """Maps of one size, in layers: flakes first, then one for each texture."""
+    layers: list[Any] = []
+    widths = {path: declared.width for path, declared, _ in material.model.parameters()}
+    if material.flakes:
+        settings = {k: v for k, v in material.flakes.items() if k not in ("tiles", "fade")}
+        layers.append(flake_map(**settings))
+    for path, picture in material.textures.items():
+        layers.append(_picture(picture, material.channels.get(path), widths[path]))
+    if not layers:
+        return None
+    size, channels = max(len(layer) for layer in layers), max(layer.shape[-1] for layer in layers)
+    stacked = np.zeros((len(layers), size, size, channels))
+    for place, layer in zip(stacked, layers, strict=True):
+        at = (np.arange(size) * len(layer)) // size
+        place[..., : layer.shape[-1]] = layer[np.ix_(at, at)]
+    return {
+        "size": size,
+        "layers": len(layers),
+        "channels": channels,
+        "half": packed(stacked, "<f2"),
+    }
+
+
+@functools.lru_cache(maxsize=32)
+def _picture(path: Path, channel: str | None, width: int) -> Any:
+    """What a texture gives, (n, n, width), averaged to a square of at most MAP_SIZE_MAX a side."""
+    values: Any = texture_values(path, channel, width)
+    size = min(max(values.shape[:2]), MAP_SIZE_MAX)
+    for axis in (0, 1):
+        count = values.shape[axis]
+        if count <= size:
+            values = np.take(values, (np.arange(size) * count) // size, axis)
+        else:
+            starts = (np.arange(size) * count) // size
+            sums = np.add.reduceat(values, starts, axis)
+            shape = [1, 1, 1]
+            shape[axis] = size
+            values = sums / np.diff(np.append(starts, count)).reshape(shape)
+    return values
+
+
+# --- the page ------------------------------------------------------------------------------------------
+
+
+def catalogue(names: Names) -> list[dict[str, str]]:
+    """What the page's lists show: files first, then models, then materials."""
+    found = [{"name": name, "kind": "file", "summary": name} for name in names.files]
+    found += [
+        {"name": name, "kind": "model", "summary": summary(cls)} for name, cls in models().items()
+    ]
+    found += [
+        {"name": name, "kind": "material", "summary": load_material(name).description}
+        for name in library()
+    ]
+    return found
+
+
+def start(names: Names, texts: Iterable[str]) -> dict[str, Any]:
+    """What the page knows when it opens."""
+    return {
+        "gonio": __version__,
+        "catalogue": catalogue(names),
+        "shapes": shapes(),
+        "environments": environments(),
+        "fade": fade(),
+        "metals": {word: metal(symbol) for symbol, word in metals().items()},
+        "show": list(texts),
+        "models": {text: payload(names, text) for text in texts},
+    }
+
+
+def embedded(data: Mapping[str, Any]) -> str:
+    """Data for the inside of a script element: base64 of gzip of JSON, which cannot end that element."""
+    text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return base64.b64encode(gzip.compress(text.encode(), 9, mtime=0)).decode("ascii")
+
+
+def document(title: str, script: str, data: str = "") -> str:
+    """The page: everything in it is made by its script."""
+    return (
+        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width,initial-scale=1">'
+        f'<link rel="icon" href="data:,"><title>{html.escape(title)}</title>{data}</head><body>{script}'
+        "<noscript>This page needs JavaScript.</noscript></body></html>\n"
+    )
+
+
+def viewer_script() -> str:
+    """The built script of the page."""
+    return (WEB / "viewer.js").read_text(encoding="utf-8")
+
+
+def saved(names: Names, texts: Iterable[str], extra: Mapping[str, Any] | None = None) -> str:
+    """One file with everything in it, which works from file://."""
+    shown = list(texts)
+    data = start(names, shown) | {"saved": True} | dict(extra or {})
+    script = viewer_script().replace("</script", "<\\/script")
+    return document(
+        f"{', '.join(shown)} – gonio view",
+        f'<script type="module">{script}</script>',
+        f'<script type="application/octet-stream" id="gonio-data">{embedded(data)}</script>',
+    )

@@ -1,0 +1,39 @@
+// The settings of the trace pass, rows of four numbers:
+//  0 width, height, sample, seed      1 camera, tan of half the height's angle   2 right, aspect
+//  3 up, furnace                      4 forward, depth                           5 surround, is there a picture of light
+//  6 turn's cosine and sine, lamps, share of the picture's samples               7 -, nodes, radii where ground fades (0: none)
+//  8 the core's centre and radius (0: none)    9 first line, last line, estimator, -   10 picture's size
+// 11 colour of the fading ground
+// 12 + 4 k: lamp k's centre and shape (0 rectangle, 1 disk); half axis, area; half axis, share; radiance
+
+export const ESTIMATORS = { both: 0, model: 1, light: 2 };
+const LAMPS = 8;
+
+export function frame({ width, height, sample, seed = 1, view, light, furnace, scene, estimator = "both", depth }) {
+    const U = new Float32Array(4 * 44);
+    const row = (k, ...values) => U.set(values, 4 * k);
+    const { origin, forward, right, up, half, aspect } = view;
+    row(0, width, height, sample, seed);
+    row(1, ...origin, half);
+    row(2, ...right, aspect);
+    row(3, ...up, furnace ? 1 : 0);
+    row(4, ...forward, depth ?? (furnace ? 256 : 12));
+    const lamps = furnace ? [] : light.lamps.slice(0, LAMPS);
+    const picture = !furnace && light.picture;
+    row(5, ...(furnace ? [1, 1, 1] : picture ? [1, 1, 1].map((x) => x * (light.scale ?? 1)) : light.surround), picture ? 1 : 0);
+    const turn = ((light.turn ?? 0) * Math.PI) / 180;
+    row(6, Math.cos(turn), Math.sin(turn), lamps.length, picture ? (lamps.length ? 0.5 : 1) : 0);
+    row(7, 0, scene.count, ...(furnace ? [0, 0] : light.fade));
+    row(11, ...(light.groundColour ?? [0, 0, 0]), 0);
+    row(8, ...(scene.core?.centre ?? [0, 0, 0]), scene.core?.radius ?? 0);
+    row(9, 0, 0, ESTIMATORS[estimator], 0);
+    if (picture) row(10, picture.width, picture.height, 0, 0);
+    const shares = lamps.reduce((sum, lamp) => sum + lamp.share, 0);
+    lamps.forEach((lamp, k) => {
+        row(12 + 4 * k, ...lamp.centre, lamp.shape === "disk" ? 1 : 0);
+        row(13 + 4 * k, ...lamp.a, lamp.area);
+        row(14 + 4 * k, ...lamp.b, lamp.share / shares);
+        row(15 + 4 * k, ...lamp.radiance, 0);
+    });
+    return U;
+}

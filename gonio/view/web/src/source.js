@@ -1,0 +1,104 @@
+// Where models come from: a live server, a saved page, or a notebook.
+
+/** Base64 of little-endian numbers as a typed array. */
+export function unpacked(text, Kind) {
+    const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+    return new Kind(bytes.buffer);
+}
+
+/** Sixteen-bit floats as thirty-two-bit ones. */
+export function fromHalf(bits) {
+    return Float32Array.from(bits, (h) => {
+        const sign = h & 0x8000 ? -1 : 1, exponent = (h >> 10) & 31, fraction = h & 1023;
+        if (exponent === 0) return sign * fraction * 2 ** -24;
+        if (exponent === 31) return fraction ? NaN : sign * Infinity;
+        return sign * (1 + fraction / 1024) * 2 ** (exponent - 15);
+    });
+}
+
+/** `gonio view`: models are made when they are asked for. */
+export class Server {
+    live = true;
+
+    constructor(token) { this.token = token; }
+
+    async #ask(route, body) {
+        let answer;
+        try {
+            answer = await fetch(route, {
+                method: "POST", body: JSON.stringify(body),
+                headers: { "Content-Type": "application/json", "X-Gonio-Token": this.token },
+            });
+        } catch {
+            throw new Error("gonio view is not running any more; start it again and reload this page.");
+        }
+        const result = await answer.json().catch(() => ({ error: `The server answered ${answer.status}.` }));
+        if (!answer.ok) throw Object.assign(new Error(result.error), result);
+        return result;
+    }
+
+    start() { return this.#ask("/api/start", {}); }
+    model(text) { return this.#ask("/api/model", { text }); }
+    options(text) { return this.#ask("/api/options", { text }); }
+    code(text, language) { return this.#ask("/api/code", { text, language }).then((r) => r.text); }
+
+    /** Calls back when a file that a model comes from has changed. */
+    async watch(changed) {
+        for (;;) {
+            try {
+                const answer = await fetch("/api/changes", { method: "POST", body: "{}", headers: { "Content-Type": "application/json", "X-Gonio-Token": this.token } });
+                if (!answer.ok) return;
+                const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
+                for (let rest = ""; ; ) {
+                    const { value, done } = await reader.read();
+                    if (done) break;
+                    const parts = (rest + value).split("\n\n");
+                    rest = parts.pop();
+                    for (const part of parts) if (part.startsWith("data: ")) changed(JSON.parse(part.slice(6)));
+                }
+            } catch { /* the server has ended, or sleeps */ }
+            await new Promise((resolve) => setTimeout(resolve, 2000));
+        }
+    }
+}
+
+/** A saved page: what it holds, and nothing else. */
+export class Saved {
+    live = false;
+
+    constructor(data) { this.data = data; }
+
+    async start() { return this.data; }
+
+    async model(text) {
+        const [name, rest = ""] = [text.split(":")[0], text.slice(text.indexOf(":") + 1)];
+        const base = this.data.models[text] ?? Object.values(this.data.models).find((m) => m.name === name);
+        if (!base) throw new Error(`This saved page holds ${this.data.show.join(" and ")} alone; 'gonio view' has all models.`);
+        const pieces = new Map(text.includes(":") ? rest.split(",").map((piece) => [piece.slice(0, piece.indexOf("=")), piece.slice(piece.indexOf("=") + 1)]) : []);
+        for (const { path, value, default: first } of base.models) if ((pieces.get(path) ?? base.start[path] ?? first) !== value) throw new Error("This saved page has its layers as they are; 'gonio view' changes them.");
+        const chosen = base.options.map((o) => [o.path, pieces.get(o.path) ?? base.start[o.path] ?? o.default]);
+        const found = chosen.every(([path, value], i) => base.options[i].value === value) ? base : this.#variant(base, `${name}|${chosen.map(([path, value]) => `${path}=${value}`).join()}`);
+        const parameters = found.parameters.map((p) => {
+            const start = pieces.has(p.path) ? pieces.get(p.path).split("/").map(Number) : [base.start[p.path] ?? p.default].flat();
+            return { ...p, value: Array.from({ length: p.width }, (_, c) => start[c] ?? start[0]) };
+        });
+        return { ...found, parameters };
+    }
+
+    #variant(base, key) {
+        const variant = this.data.variants?.[key];
+        if (!variant) throw new Error("This saved page has no shader for that choice; 'gonio view' has them all.");
+        const block = (language) => variant[language].map((i) => this.data.pool[language][i]).join("\n\n");
+        return { ...base, ...variant.about, code: { wgsl: block("wgsl"), essl: block("essl") } };
+    }
+
+    async options(text) { return (await this.model(text)).options; }
+
+    async code(text, language) {
+        const found = (await this.model(text)).code[language];
+        if (found === undefined) throw new Error("This saved page holds WGSL and GLSL ES only; 'gonio view' has every language.");
+        return found;
+    }
+
+    watch() {}
+}
