@@ -6,9 +6,19 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.tolerances import DOUBLE_DIVIDED
 
 import gonio
 from gonio import conversions as c
+
+# Gotanda prints 2.22222 for 20/9 in B, which is 1e-6 of it.
+TWENTY_NINTHS = 2e-6
+
+# A quotient of two sums in double precision.
+A_FEW_ROUNDINGS = 1e-14
+
+# tan(theta) is theta to this at the 0.01 radians of the test's sigma, many times over.
+SMALL_ANGLES = 1e-3
 
 
 def test_perceptual_roughness_squares_to_alpha():
@@ -32,8 +42,8 @@ def test_sigma_of_triace_gives_its_eq23_the_coefficients_of_qon():
     n, wi, wo = 30.0, np.array([0.6, 0, 0.8]), np.array([0.28, 0, 0.96])
     sigma = c.sigma_from_shininess(n)
     triace = gonio.TriAceOrenNayar(shininess=n, variant="eq23").eval(wi, wo)
-    # Gotanda prints 2.22222 for 20/9 in B, which is 1e-6 of it; both are float64 here.
-    np.testing.assert_allclose(gonio.QON(sigma=sigma).eval(wi, wo), triace, rtol=2e-6)
+    # Both are float64 here.
+    np.testing.assert_allclose(gonio.QON(sigma=sigma).eval(wi, wo), triace, rtol=TWENTY_NINTHS)
 
 
 def test_r_weighs_the_retro_reflection_like_qon():
@@ -41,12 +51,12 @@ def test_r_weighs_the_retro_reflection_like_qon():
     r = c.r_from_sigma(sigma)
     A = 1 - 0.5 * 0.49 / (0.49 + 0.33)
     B = 0.45 * 0.49 / (0.49 + 0.09)
-    assert r == pytest.approx(B / A, rel=1e-14)
+    assert r == pytest.approx(B / A, rel=A_FEW_ROUNDINGS)
     # s/t is 0 at right angles and 0.5 / 0.5 = 1 here, so the ratio of the two values is 1 + B/A.
     flat, retro = np.array([0, 0, 1.0]), np.array([math.sqrt(0.5), 0, math.sqrt(0.5)])
     for model in (gonio.QON(sigma=sigma), gonio.FON(roughness=r)):
         ratio = model.eval(retro, retro)[0] / model.eval(flat, retro)[0]
-        assert ratio == pytest.approx(1 + B / A / math.sqrt(2), rel=1e-9)
+        assert ratio == pytest.approx(1 + B / A / math.sqrt(2), rel=DOUBLE_DIVIDED)
 
 
 def test_small_facet_angles_have_twice_the_variance_in_beckmanns_slope():
@@ -55,7 +65,7 @@ def test_small_facet_angles_have_twice_the_variance_in_beckmanns_slope():
     theta = np.linspace(0, 0.1, 200001)
     weight = np.exp(-(theta**2) / (2 * sigma**2)) * np.cos(theta) * np.sin(theta)
     slope = np.sum(weight * np.tan(theta) ** 2) / np.sum(weight)
-    assert c.alpha_from_sigma(sigma) == pytest.approx(math.sqrt(slope), rel=1e-3)
+    assert c.alpha_from_sigma(sigma) == pytest.approx(math.sqrt(slope), rel=SMALL_ANGLES)
 
 
 # Floats above 1e-6, since squares and their differences lose the smaller ones.
@@ -72,7 +82,7 @@ PAIRS = [
 @given(data=st.data())
 def test_there_and_back_is_the_same(there, back, low, high, data):
     x = data.draw(st.floats(low, high))
-    assert back(there(x)) == pytest.approx(x, rel=1e-9)
+    assert back(there(x)) == pytest.approx(x, rel=DOUBLE_DIVIDED)
 
 
 @pytest.mark.parametrize(("there", "back", "low", "high"), PAIRS)
