@@ -15,7 +15,6 @@ from gonio.mitsuba.nodes import node
 from gonio.parts.metals import metal
 from gonio.render import render
 from gonio.render.sheets import write_sheet
-from gonio.render.user_scene import render_scene
 
 # What the library has to offer: a kind, and how many of it there are at least.
 KINDS = {
@@ -138,15 +137,6 @@ def test_names_of_models_and_materials_are_found() -> None:
         gonio.load("eno")
     with pytest.raises(FileNotFoundError, match=r"did you mean 'gold'\? 'gonio list --materials'"):
         load_material("golt")
-
-
-def test_generated_textures_are_refused_for_scene_files(tmp_path: Path) -> None:
-    path = tmp_path / "scene.xml"
-    path.write_text('<scene version="3.0.0"><shape type="sphere" id="ball"/></scene>')
-    with pytest.raises(
-        ValueError, match="car_paint_red_weak has textures that are made for the mesh"
-    ):
-        render_scene(path, {"ball": load_material("car_paint_red_weak")})
 
 
 def test_a_sheet_shows_every_material(tmp_path: Path) -> None:

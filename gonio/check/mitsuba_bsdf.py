@@ -154,31 +154,35 @@ class _Bound:
 
 
 def _load(mi: Any, description: str) -> tuple[str, Any]:
-    """Name and BSDF."""
+    """Name and BSDF; the files that it names are looked for beside its own."""
+    from gonio.mitsuba.xml_files import files_from, reason
+
     text = description.strip()
-    name = text
+    name, folder = text, Path()
     if text.endswith((".xml", ".json")):
         path = Path(text)
         if not path.is_file():
             raise ValueError(f"there is no file {path}; give a BSDF as XML or JSON.")
-        name, text = path.stem, path.read_text(encoding="utf-8").strip()
+        name, folder = path.stem, path.parent
+        text = path.read_text(encoding="utf-8-sig").strip()
     try:
         if text.startswith("{"):
             node = cast(dict[str, Any], json.loads(text))
             name = str(node.get("type", name)) if name == description.strip() else name
-            found = mi.load_dict(node)
+            with files_from(folder):
+                found = mi.load_dict(node)
         elif text.startswith("<"):
             text = re.sub(r"^<\?xml[^>]*\?>\s*", "", text)
             if match := re.match(r"<bsdf\b(?![^>]*\bversion=)", text):
                 text = f'<bsdf version="3.0.0"{text[match.end() :]}'
             kind = re.search(r'type="([^"]+)"', text)
             name = kind[1] if kind and name == description.strip() else name
-            found = mi.load_string(text)
+            with files_from(folder):
+                found = mi.load_string(text)
         else:
             found = mi.load_dict({"type": text})
     except (RuntimeError, ValueError, TypeError) as error:
-        reason = " ".join(str(error).split())
-        raise ValueError(f"Mitsuba cannot load {name!r} as a BSDF: {reason}") from None
+        raise ValueError(f"Mitsuba cannot load {name!r} as a BSDF: {reason(error)}") from None
     if not isinstance(found, mi.BSDF):
         raise ValueError(f"{name!r} is no BSDF but a {type(found).__name__}.")
     return name, found

@@ -26,6 +26,14 @@ from gonio.cli.program import (
     help="Give a shape or bsdf of the scene this model; again for more.",
 )
 @param_option
+@click.option(
+    "-D",
+    "--define",
+    "defined",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="A parameter of the scene ($NAME), as Mitsuba has it; again for more.",
+)
 @spp_option(None)
 @click.option("--size", type=Size(), metavar="N|WxH", help="Pixels (default: the scene's).")
 @seed_option
@@ -36,6 +44,7 @@ def command(
     scene: str,
     assignments: tuple[str, ...],
     params: tuple[str, ...],
+    defined: tuple[str, ...],
     spp: int | None,
     size: tuple[int, int] | None,
     seed: int,
@@ -51,6 +60,7 @@ def command(
     Examples:
       gonio scene room.xml --assign wall=eon:roughness=0.8 -o room.png
       gonio scene room.xml --size 320x240 --spp 16
+      gonio scene room.xml -D lamp=3.5 -o bright.png
     """
     from gonio.materials import load
     from gonio.render.picture import check_format, write_picture
@@ -62,10 +72,18 @@ def command(
         if not (name and equals and value):
             raise click.UsageError(f"--assign {text} is not ID=MODEL, such as wall=eon")
         assigned[name] = load(value, params)
+    define = {}
+    for text in defined:
+        name, equals, value = text.partition("=")
+        if not (name and equals):
+            raise click.UsageError(f"-D {text} is not NAME=VALUE, such as -D spp=64")
+        define[name] = value
     target = Path(output or f"{Path(scene).stem}.png")
     check_format(target)
     check_look(target, exposure, tone)
     with progress("rendering") as step:
-        pixels = render_scene(scene, assigned, size=size, spp=spp, seed=seed, progress=step)
+        pixels = render_scene(
+            scene, assigned, define=define, size=size, spp=spp, seed=seed, progress=step
+        )
     write_picture(target, pixels, exposure=exposure or 0.0, tone=tone or "linear")
     click.echo(target)

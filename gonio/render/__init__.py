@@ -7,7 +7,6 @@ Mitsuba scene, `gonio.render.picture` for files.
 from __future__ import annotations
 
 import dataclasses
-import functools
 import sys
 import types
 from pathlib import Path
@@ -19,6 +18,7 @@ from gonio.materials import Material, load
 from gonio.model import Model
 from gonio.reference import Stack
 from gonio.render.diffusion import diffuse_on_screen
+from gonio.render.growth import add_to, textured
 from gonio.render.passes import Progress, integrate, ready_mitsuba
 from gonio.render.picture import Picture
 from gonio.render.stage import TESTED, shader_ball
@@ -70,7 +70,7 @@ def render(
     def built(shown: Shown) -> Any:
         placed = shader_ball(
             node(shown),
-            textured=_textured(shown),
+            textured=textured(shown),
             environment=environment,
             mesh=mesh,
             size=size,
@@ -79,7 +79,9 @@ def render(
             **stage,
         )
         if isinstance(shown, Material) and shown.grows:
-            _grow(placed)
+            for name in TESTED:
+                if name in placed:
+                    add_to(placed[name])
         # Mitsuba's optimizations leave lamps in an order that changes from run to run, and so the noise.
         return mi.load_dict(placed, optimize=False)
 
@@ -100,17 +102,6 @@ def render(
     glossy = integrate(without, spp, seed, half(1))
     spread = diffuse_on_screen(full[..., :3] - glossy, *_seen(loaded), millimetre=diffusion)
     return np.concatenate([glossy + spread, full[..., 3:]], axis=2, dtype=np.float32).view(Picture)
-
-
-def _textured(shown: Shown) -> list[str]:
-    """What of a material is laid out by texture coordinates."""
-    if not isinstance(shown, Material):
-        return []
-    return [
-        *shown.textures,
-        *(["the normal map"] if shown.normal_map else []),
-        *(["the flakes"] if shown.flakes else []),
-    ]
 
 
 def _without_diffuse(material: Shown) -> Shown:
@@ -158,29 +149,6 @@ def _seen(loaded: Any) -> tuple[Any, Any, Any]:
         points.reshape(height, width, 3),
         areas.reshape(height, width),
         surface.reshape(height, width),
-    )
-
-
-def _grow(placed: dict[str, Any]) -> None:
-    """Put growth on the meshes under test, for materials that grow in cavities."""
-    import mitsuba as mi
-
-    from gonio.mitsuba.textures import add_growth
-
-    for name in TESTED:
-        if name in placed:
-            buffers = mi.traverse(placed[name])
-            positions, faces = (np.array(buffers[key]) for key in ("vertex_positions", "faces"))
-            growth = _growth(positions.tobytes(), faces.tobytes(), positions.dtype, faces.dtype)
-            add_growth(placed[name], growth)
-
-
-@functools.lru_cache(maxsize=8)  # a second or two each; the steps of a series have the same meshes
-def _growth(positions: bytes, faces: bytes, real: Any, integer: Any) -> Any:
-    from gonio.mitsuba.textures import growth_map
-
-    return growth_map(
-        np.frombuffer(positions, real).reshape(-1, 3), np.frombuffer(faces, integer).reshape(-1, 3)
     )
 
 

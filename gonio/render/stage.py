@@ -84,7 +84,8 @@ def _fitted(points: Floats, view: tuple[float, float], size: tuple[int, int]) ->
     return np.asarray(centre[0] * right + centre[1] * up - back * towards)
 
 
-def _check_size(size: tuple[int, int]) -> tuple[int, int]:
+def check_size(size: tuple[int, int]) -> tuple[int, int]:
+    """Width and height, or a ValueError for what is no size of a picture."""
     try:
         width, height = (int(s) for s in size)
     except (TypeError, ValueError):
@@ -94,7 +95,7 @@ def _check_size(size: tuple[int, int]) -> tuple[int, int]:
     return width, height
 
 
-def _for_both_sides(bsdf: Any) -> Any:
+def for_both_sides(bsdf: Any) -> Any:
     """The BSDF, made two-sided unless it lets light through."""
     import mitsuba as mi
 
@@ -148,7 +149,7 @@ def shader_ball(
 
     if mi.variant() is None:
         raise ValueError("no Mitsuba variant is set; call mitsuba.set_variant('llvm_ad_rgb') first")
-    size = _check_size(size)
+    size = check_size(size)
     if spp < 1 or max_depth < 1:
         raise ValueError(f"spp and max_depth must be at least 1, not {spp} and {max_depth}")
     if furnace and (transparent or not ground or environment_turn):
@@ -178,7 +179,7 @@ def shader_ball(
                 f"mesh {mesh} has no texture coordinates, and {' and '.join(textured)} of the material "
                 "needs them; use --uv box or --uv sphere to have some"
             )
-        scene["mesh"] = shape.to_mitsuba("mesh", _for_both_sides(material))
+        scene["mesh"] = shape.to_mitsuba("mesh", for_both_sides(material))
         place = _fitted(shape.positions[np.unique(shape.faces)], camera, size)
         target = place - direction(*camera)
     if furnace:

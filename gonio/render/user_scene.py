@@ -9,14 +9,17 @@ from typing import Any
 
 from gonio.materials import Material
 from gonio.model import Model
+from gonio.render.growth import add_to, has_triangles, textured
 from gonio.render.passes import Progress, integrate, ready_mitsuba
 from gonio.render.picture import Picture
+from gonio.render.stage import check_size, for_both_sides
 
 
 def render_scene(
     path: str | Path,
     assign: Mapping[str, Model | Material],
     *,
+    define: Mapping[str, str] | None = None,
     size: tuple[int, int] | None = None,
     spp: int | None = None,
     seed: int = 0,
@@ -24,22 +27,27 @@ def render_scene(
 ) -> Picture:
     """Render the user's own Mitsuba scene with some of its materials replaced.
 
+    Files that the scene names are looked for beside the file that names them, then beside the scene.
+
     Args:
         path: the scene's XML file. It is read, never written.
-        assign: models by the id of a shape or of a BSDF in the scene.
+        assign: models by the id of a shape or of a BSDF in the scene or in what it includes.
+        define: values of the scene's parameters, which it writes as $name.
         size: width and height; the scene's own by default.
         spp: samples per pixel; the scene's own by default.
         seed: of the random numbers.
         progress: called after each pass.
 
     Returns:
-        Linear RGB radiance, float32, shape (height, width, 3).
+        Linear RGB radiance, float32, shape (height, width, 3), whatever format the film has.
 
     Raises:
         FileNotFoundError: no such file.
         ValueError: not a Mitsuba scene, or an id that is not in it (with those that are).
     """
-    mi = ready_mitsuba()
+    ready_mitsuba()
+    from gonio.mitsuba.xml_files import files_from, reason
+
     path = Path(path)
     if not path.is_file():
         raise FileNotFoundError(f"there is no scene file {path}.")
@@ -49,85 +57,132 @@ def render_scene(
         raise ValueError(f"{path} is not an XML file: {error}.") from None
     if root.tag != "scene":
         raise ValueError(f"{path} is not a Mitsuba scene: its root is <{root.tag}>, not <scene>.")
-    _assign(root, assign, path)
-    if size is not None:
-        _resize(root, size)
-    resolver = mi.file_resolver()
-    resolver.append(str(path.parent.resolve()))
-    try:
-        loaded = mi.load_string(ET.tostring(root, encoding="unicode"))
-    except RuntimeError as error:
-        raise ValueError(f"{path} does not load: {str(error).splitlines()[-1]}") from error
-    if spp is None:
-        spp = int(loaded.sensors()[0].sampler().sample_count()) if loaded.sensors() else 0
-    if not loaded.sensors():
-        raise ValueError(f"{path} has no <sensor>; add one to say from where to look.")
-    return integrate(loaded, spp, seed, progress).view(Picture)
+    with files_from(path.parent):
+        try:
+            loaded = _Scene(path, define or {}).loaded(assign, size)
+        except RuntimeError as error:
+            raise ValueError(f"{path} does not load: {reason(error)}.") from error
+        if not loaded.sensors():
+            raise ValueError(f"{path} has no <sensor>; add one to say from where to look.")
+        if spp is None:
+            spp = int(loaded.sensors()[0].sampler().sample_count())
+        try:
+            return integrate(loaded, spp, seed, progress).view(Picture)
+        except RuntimeError as error:
+            raise ValueError(f"{path} cannot be rendered: {reason(error)}.") from error
 
 
-def _assign(root: ET.Element, assign: Mapping[str, Model | Material], path: Path) -> None:
-    """Replace the BSDFs of an XML scene; the elements are found by the id of a shape or BSDF."""
-    ids = {e.get("id"): e for e in root.iter() if e.tag in {"shape", "bsdf"} and e.get("id")}
-    parents = {child: parent for parent in root.iter() for child in parent}
-    for name, material in assign.items():
-        if name not in ids:
-            known = ", ".join(sorted(str(i) for i in ids)) or "none: give the shape an id"
-            raise ValueError(f"{path} has no shape or bsdf with the id {name!r}; ids: {known}.")
-        element = ids[name]
-        plugin = _xml(material)
-        if element.tag == "bsdf":
-            plugin.set("id", name)
-            parent = parents[element]
-            parent[list(parent).index(element)] = plugin
-            continue
-        for child in list(element):
-            target = ids.get(child.get("id")) if child.tag == "ref" else child
-            if target is not None and target.tag == "bsdf":
-                element.remove(child)
-        element.append(plugin)
+class _Scene:
+    """A scene as Mitsuba's parser has it: one node for each object, includes and parameters resolved."""
 
+    def __init__(self, path: Path, define: Mapping[str, str]) -> None:
+        import mitsuba as mi
 
-def _xml(material: Model | Material) -> ET.Element:
-    """A material as an XML <bsdf>, two-sided as most scenes expect."""
-    if isinstance(material, Material) and (material.flakes or material.grows):
-        raise ValueError(
-            f"{material.name} has textures that are made for the mesh it is on, which a scene file cannot "
-            "hold; use --mesh, or write textures with gonio.mitsuba.textures and name them in the scene."
-        )
-    from gonio.mitsuba import node
+        self.mi = mi
+        self.path = path
+        self.config = mi.parser.ParserConfig(mi.variant())
+        # Merged shapes would lose their names, and change their order from run to run.
+        self.config.merge_equivalent = self.config.merge_meshes = False
+        self.state = mi.parser.parse_file(self.config, str(path.resolve()), **define)
+        mi.parser.transform_all(self.config, self.state)
 
-    outer = ET.Element("bsdf", type="twosided")
-    _fill(ET.SubElement(outer, "bsdf"), node(material))
-    return outer
+    def loaded(self, assign: Mapping[str, Model | Material], size: tuple[int, int] | None) -> Any:
+        """The scene with its materials and its size replaced."""
+        self._find_files()
+        made = {name: self._assign(name, material) for name, material in assign.items()}
+        if size is not None:
+            self._resize(check_size(size))
+        found = self.mi.parser.instantiate(self.config, self.state)
+        scene = found[0] if isinstance(found, list) else found
+        for name, bsdf in made.items():
+            self._complete(scene, assign[name], bsdf)
+        return scene
 
+    def _of(self, *types: str) -> list[Any]:
+        wanted = [getattr(self.mi.ObjectType, name) for name in types]
+        return [node for node in self.state.nodes if node.type in wanted]
 
-def _fill(inner: ET.Element, node: Mapping[str, Any]) -> None:
-    """Write a plug-in's dict into an XML <bsdf>."""
-    inner.set("type", node["type"])
-    for name, value in node.items():
-        if name == "type":
-            continue
-        if isinstance(value, dict) and value["type"].startswith("gonio_"):
-            _fill(ET.SubElement(inner, "bsdf", name=name), value)
-            continue
-        if isinstance(value, dict) and value["type"] == "rgb":
-            text = ", ".join(repr(float(v)) for v in value["value"])
-            ET.SubElement(inner, "rgb", name=name, value=text)
-        elif isinstance(value, dict):
-            texture = ET.SubElement(inner, "texture", type=value["type"], name=name)
-            filename = str(Path(value["filename"]).resolve())
-            ET.SubElement(texture, "string", name="filename", value=filename)
-            ET.SubElement(texture, "boolean", name="raw", value=str(value["raw"]).lower())
-        elif isinstance(value, str):
-            ET.SubElement(inner, "string", name=name, value=value)
+    def _children(self, node: Any) -> dict[str, Any]:
+        """Nodes that a node refers to, by the property that does."""
+        reference = self.mi.Properties.Type.ResolvedReference
+        return {
+            name: self.state.nodes[node.props[name].index()]
+            for name in list(node.props.keys())
+            if node.props.type(name) == reference
+        }
+
+    def _find_files(self) -> None:
+        """Make the names of files absolute that lie beside the file that names them."""
+        text = self.mi.Properties.Type.String
+        for node in self.state.nodes:
+            if "filename" not in node.props or node.props.type("filename") != text:
+                continue
+            beside = Path(str(self.state.files[node.file_index])).parent / node.props["filename"]
+            if beside.is_file():
+                node.props["filename"] = str(beside.resolve())
+
+    def _assign(self, name: str, material: Model | Material) -> Any:
+        """Put a material in the place of a BSDF, or of the BSDFs of a shape; the material's BSDF."""
+        from gonio.mitsuba import node as as_dict
+
+        named = {n.props.id(): n for n in self._of("Shape", "BSDF") if n.props.id()}
+        if name not in named:
+            own = sorted(i for i in named if not i.startswith("_"))
+            known = ", ".join(own) or "none: give the shape an id"
+            raise ValueError(
+                f"{self.path} has no shape or bsdf with the id {name!r}; ids: {known}."
+            )
+        bsdf = for_both_sides(self.mi.load_dict(as_dict(material)))
+        target = named[name]
+        if target.type == self.mi.ObjectType.Shape:
+            for key, child in self._children(target).items():
+                if child.type == self.mi.ObjectType.BSDF:
+                    del target.props[key]
+            target.props["bsdf"] = bsdf
         else:
-            ET.SubElement(inner, "float", name=name, value=repr(value))
+            for node in self.state.nodes:
+                for key, child in self._children(node).items():
+                    if child.props.id() == name and child.type == self.mi.ObjectType.BSDF:
+                        node.props[key] = bsdf
+        return bsdf
+
+    def _complete(self, scene: Any, material: Model | Material, bsdf: Any) -> None:
+        """Growth for the meshes that wear a material which grows; an error where uvs are missing."""
+        for shape in scene.shapes():
+            if shape.bsdf() != bsdf:
+                continue
+            mesh = has_triangles(shape)
+            if mesh and not shape.has_vertex_texcoords() and (what := textured(material)):
+                raise ValueError(
+                    f"{self.path}: a mesh has no texture coordinates, and {' and '.join(what)} of "
+                    f"{material.name} needs them."
+                )
+            if isinstance(material, Material) and material.grows:
+                if not mesh:
+                    raise ValueError(
+                        f"{self.path}: {material.name} grows in the cavities of meshes, and a shape "
+                        "that wears it is none."
+                    )
+                add_to(shape)
+
+    def _resize(self, size: tuple[int, int]) -> None:
+        for sensor in self._of("Sensor"):
+            films = [
+                n for n in self._children(sensor).values() if n.type == self.mi.ObjectType.Film
+            ]
+            for film in films:
+                before = [film.props.get(key, default) for key, default in _FILM_SIZE.items()]
+                for corner in ("offset", "size"):
+                    for axis, (new, old) in enumerate(zip(size, before, strict=True)):
+                        key = f"crop_{corner}_{'xy'[axis]}" if corner == "offset" else _CROP[axis]
+                        if key in film.props:
+                            film.props[key] = int(film.props[key]) * new // int(old)
+                film.props["width"], film.props["height"] = size
+            if not films:
+                sensor.props["film"] = self.mi.load_dict(
+                    {"type": "hdrfilm", "width": size[0], "height": size[1]}
+                )
 
 
-def _resize(root: ET.Element, size: tuple[int, int]) -> None:
-    for film in root.iter("film"):
-        for child in list(film):
-            if child.get("name") in {"width", "height"}:
-                film.remove(child)
-        for name, value in zip(("width", "height"), size, strict=True):
-            ET.SubElement(film, "integer", name=name, value=str(value))
+_FILM_SIZE = {"width": 768, "height": 576}  # Mitsuba's own, where a film does not say
+_CROP = ("crop_width", "crop_height")
