@@ -37,7 +37,7 @@ INV_TWO_PI = 1 / TWO_PI
 
 # Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
 # 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-MU_MIN = 1e-18
+MU_MIN = 1e-18  # cosine of the horizon
 
 
 def vec2(x: Float, y: Float) -> Vec2:

@@ -140,7 +140,7 @@ def test_names_comments_and_docstrings_survive() -> None:
         "const C1 = 0.2877934;  // A_F = 1 / (1 + C1 r)",
         "// (1 - E_i)(1 - E_o) / (1 - <E>) / pi, of which r^2 A_F^2 / (r A_F) remains",
         "roughness: f32,  // unitless r; not the Oren-Nayar angle sigma; 0 to 1, default 0.5",
-        f"made by gonio {gonio.__version__} from gonio/models/eon.py",
+        "made by gonio from gonio/models/eon.py",
     ):
         assert kept in found
 
@@ -267,8 +267,7 @@ def test_slang_has_methods_behind_an_interface() -> None:
 
 def test_wgsl_selects_and_glsl_asks() -> None:
     assert "select(1.0, wo.x * inv, tilted)" in text("eon", "wgsl")
-    # A branch that computes would be a jump as "tilted ? wo.x * inv : 1.0", and both are computed anyway
-    assert "mix(1.0, wo.x * inv, tilted)" in text("eon", "glsl")
+    assert "tilted ? wo.x * inv : 1.0" in text("eon", "glsl")
     assert "tilted ? wo.x * inv : 1.0" in text("eon", "hlsl")
     assert " ? " not in re.sub(r"//.*", "", text("disney", "wgsl"))
 
@@ -309,8 +308,8 @@ def test_methods_of_the_class_above_stand_beside_those_that_replace_them(tmp_pat
         assert f"return 0.5 * {call} + 0.25 * {call};" in found
         assert "2.0 * " in found
     again = text(model, "glsl")
-    assert "float dimmed_loss(Dimmed params, float mu) {" in again
-    assert "return 2.0 * dimmed_eon_loss(params, mu);" in again
+    assert "float dimmed_loss(float mu) {" in again
+    assert "return 2.0 * dimmed_loss_exact(mu);" in again  # what EON's own passes on to
 
 
 def test_names_that_the_text_needs_itself_are_changed(tmp_path: Path) -> None:
@@ -397,7 +396,7 @@ REFUSED = [
         "np.sin",
         "import numpy as np",
     ),
-    ("        return self.rho * abs(wi.z)", "'abs' is not known here", "abs", ""),
+    ("        return self.rho * abs(wi.z)", "write absolute(x)", "abs", ""),
     (
         "        if wi.z > 0.5:\n            return self.rho\n        return self.rho",
         "select",
@@ -426,7 +425,7 @@ REFUSED = [
     ("        wi = wo\n        return self.rho", "argument wi", "wi = wo", ""),
     ("        return self.rho * select(self.width, 1, 0)", "select's condition", "select(", ""),
     ("        return self.rho * dot(wi, 1, 2)", "2 arguments are expected", "dot(", ""),
-    ("        return vec3(1, 2)", "z missing", "vec3(1, 2)", ""),
+    ("        return vec3(1, 2)", "'z' missing", "vec3(1, 2)", ""),
     ("        return self.rho * (not wi.z)", "~", "not wi.z", ""),
     ("        return self.rho * (wi.z > 0 and wo.z > 0)", "&", "wi.z > 0 and wo.z > 0", ""),
     (
@@ -556,7 +555,7 @@ def test_another_name_lets_a_model_be_exported_twice() -> None:
     [
         (["eon"], "add --to"),
         (["--to", "glsl"], "name a model"),
-        (["eno", "--to", "glsl"], "did you mean 'eon'"),
+        (["eno", "--to", "glsl"], "did you mean the model 'eon'"),
         (["eon", "eon", "--to", "glsl"], "two exports are called 'eon'"),
         (["eon", "--to", "glsl", "--to", "wgsl", "-o", "one.txt"], "give a folder"),
         (["eon", "--to", "glsl", "-o", "no/such/folder/eon.glsl"], "create it first"),
@@ -589,7 +588,9 @@ def test_every_material_can_be_exported() -> None:
     # Each in one language: all languages have the models themselves above
     for name, language in zip(library(), itertools.cycle(LANGUAGES), strict=False):
         exported = export(choose([name]).models, language)[0]
-        assert len(exported.entry.members) == len(list(load_material(name).model.parameters()))
+        paths = [path for path, _, _ in load_material(name).model.parameters()]
+        given = [member.path for member in exported.entry.members]
+        assert given == [path for path in paths if path in given]
         assert all(
             member.path.split(".")[-1] in exported.source for member in exported.entry.members
         )

@@ -13,6 +13,13 @@ class Member:
     """Where it is, such as "base.rho" for the rho of the inner model `base`."""
     width: int
     """1 or 3."""
+    name: str = ""
+    """What it is called in the text, which has names of its own for some words; empty: its path."""
+
+    @property
+    def place(self) -> str:
+        """Where it is in the text."""
+        return self.name or self.path
 
 
 @dataclass(frozen=True)

@@ -1,31 +1,26 @@
-"""From Python expressions to typed ones: names, arithmetic, comparisons and calls.
+"""From Python expressions to typed ones: names, attributes, arithmetic and comparisons.
 
-An expression is something that has a value in the shader, or something that only the exporter sees:
-options, modules, functions. `gonio.export.statements` reads what stands around expressions.
+What is called stands in `gonio.export.calls`, what is around expressions in `gonio.export.statements`.
 """
 
 from __future__ import annotations
 
 import ast
+import builtins
+import functools
 import inspect
 import operator
 import re
 import types
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, NoReturn, Protocol, cast
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable
+from typing import Any, NoReturn, Protocol
 
-from gonio import lang
-from gonio.export import library
 from gonio.export.source import Source, source
 from gonio.export.tree import (
     SELF,
     Access,
-    Builtin,
-    Call,
     Constant,
-    Construction,
-    ExportError,
     Expr,
     Function,
     Negation,
@@ -36,8 +31,21 @@ from gonio.export.tree import (
     Type,
     Variable,
 )
-from gonio.export.vocabulary import RULES, VECTORS, widest
-from gonio.fields import Parameter
+from gonio.export.values import (
+    SAME,
+    Many,
+    Method,
+    Static,
+    Value,
+    exact,
+    is_number,
+    misfit,
+    shown,
+    single,
+    spoken,
+    truth,
+)
+from gonio.export.vocabulary import VECTORS, widest
 from gonio.model import Model
 
 # `eval` without the test for the horizon.
@@ -53,8 +61,14 @@ SIGNATURES: dict[str, tuple[tuple[tuple[str, Type], ...], Type | None]] = {
     "mean_albedo": ((), "vec3"),
 }
 
-ARITHMETIC: dict[type, str] = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
-COMPARISON: dict[type, str] = {
+# What a shader may ask of `gonio.model.Model` itself.
+OF_EVERY_MODEL = {*SIGNATURES, "at_least_as_rough", "name"}
+
+# Terms and brackets of one statement; Python's own stack holds some five times as many.
+DEPTH_MAX = 100
+
+OPERATORS: dict[type, str] = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
+COMPARED: dict[type, str] = {
     ast.Lt: "<",
     ast.LtE: "<=",
     ast.Gt: ">",
@@ -81,8 +95,11 @@ INSTEAD = {
     ast.IfExp: "select(condition, yes, no), which computes both",
     ast.Lambda: "a function with a name",
     ast.ListComp: "one statement for each element",
+    ast.SetComp: "one statement for each element",
+    ast.DictComp: "one statement for each element",
     ast.GeneratorExp: "one statement for each element",
     ast.List: "variables, or vec2 and vec3",
+    ast.Set: "variables, or vec2 and vec3",
     ast.Dict: "variables",
     ast.JoinedStr: "nothing; text has no meaning in a shader",
     ast.Try: "nothing; shaders have no exceptions",
@@ -90,41 +107,44 @@ INSTEAD = {
     ast.Assert: "the check in __init__; shaders have no exceptions",
     ast.With: "plain statements",
     ast.FunctionDef: "a function of the module or a method",
+    ast.AsyncFunctionDef: "a function of the module or a method",
+    ast.ClassDef: "a class of the module",
+    ast.Import: "the import at the top of the file",
+    ast.ImportFrom: "the import at the top of the file",
+    ast.Match: "if and elif on an option",
+    ast.Delete: "nothing; names that are not used cost nothing",
     ast.Subscript: "v.x, v.y, v.z, or unpack the results: a, b = f(x)",
     ast.NamedExpr: "an assignment of its own",
+    ast.Starred: "each value by its name",
+    ast.Yield: "return",
+    ast.YieldFrom: "return",
+    ast.Await: "the call alone",
     ast.Global: "a named number of the module, which is never changed",
-    ast.AugAssign: "x = x + ...",
-    ast.AnnAssign: "x = ...",
+    ast.Nonlocal: "a named number of the module, which is never changed",
+}
+
+# The same for Python's own functions.
+BUILTINS = {
+    "abs": "absolute(x)",
+    "min": "minimum(a, b)",
+    "max": "maximum(a, b)",
+    "pow": "power(x, exponent)",
+    "sum": "a + b + c",
+    "float": "the value alone; all numbers are floats",
+    "int": "x - fract(x) for the whole part",
+    "round": "x + 0.5 - fract(x + 0.5)",
+    "divmod": "fract, and what is left",
+    "bool": "a comparison",
+    "tuple": "return a, b",
+    "print": "nothing; a shader cannot print",
+    "len": "the number itself",
+    "zip": "one statement for each element",
+    "enumerate": "for i in range(8): ...",
 }
 
 
-@dataclass(frozen=True)
-class Static:
-    """A value that is known when the shader is made: an option, a module, a function."""
-
-    value: Any
-
-
-@dataclass(frozen=True)
-class Method:
-    """A method of a model that is not called yet."""
-
-    model: Expr
-    name: str
-
-
-@dataclass(frozen=True)
-class Many:
-    """Several values, as `return a, b` gives them."""
-
-    values: tuple[Expr, ...]
-
-
-Value = Expr | Static | Method | Many
-
-
 class Collector(Protocol):
-    """Where the functions that an expression calls are collected, each once."""
+    """Where the functions and structs that an expression needs are collected, each once."""
 
     lacking: frozenset[str]
     """Functions of the vocabulary that are taken from the library."""
@@ -137,29 +157,31 @@ class Collector(Protocol):
         arguments: Iterable[Type | Static],
         owner: Struct | None = None,
         method: str = "",
+        guarded: bool = True,
     ) -> Function:
         """A Python function as it is for some types of arguments."""
+        ...
+
+    def is_open(
+        self, function: types.FunctionType, arguments: Iterable[Type | Static], owner: Struct | None
+    ) -> bool:
+        """Whether the function is being read, so that to call it would be to call itself."""
+        ...
+
+    def record(self, cls: type, given: tuple[Type | Static, ...]) -> Struct:
+        """The struct of a NamedTuple with these types of members."""
         ...
 
     def results(self, function: str, names: tuple[str, ...], given: tuple[Type, ...]) -> Struct:
         """The struct for several results of a function."""
         ...
 
-
-class Changed(Variable):
-    """A copy of a model's struct with other members: only as a whole statement."""
-
-    model: Expr
-    members: dict[str, Expr]
-
-    def __init__(self, model: Expr, kind: Type, members: dict[str, Expr]) -> None:
-        """Of a model's value, with some members changed."""
-        super().__init__("rougher", kind)
-        object.__setattr__(self, "model", model)
-        object.__setattr__(self, "members", members)
+    def power(self, exponent: int, kind: Type) -> Function:
+        """A function that multiplies a value with itself."""
+        ...
 
 
-class Expressions:
+class Expressions(ABC):
     """Reads the expressions of one function."""
 
     def __init__(
@@ -172,23 +194,36 @@ class Expressions:
         self.owner = owner
         self.self_name = ""  # what the method calls its model
         self.scope: dict[str, Type | Static] = {}
+        self.arguments: frozenset[str] = frozenset()  # names of the function's own
+        # Arguments that are directions above the horizon, and of these or in it
+        self.tested: frozenset[str] = frozenset()
+        self.upper: frozenset[str] = frozenset()
+        # Names that hold plain numbers of Python, such as the variable of a loop
+        self.plain: set[str] = set()
+        # Arguments that are exponents, where Python's own numbers mean more than a shader's
+        self.exponents: set[str] = set()
 
     def refuse(self, node: ast.AST, message: str) -> NoReturn:
         """Raise an error that shows the place."""
-        line, start = getattr(node, "lineno", 1), getattr(node, "col_offset", 0)
-        text = self.source.lines[line - 1]
-        # ast counts bytes
-        column = len(text.encode()[:start].decode(errors="ignore"))
-        end = getattr(node, "end_col_offset", start + 1)
-        same = getattr(node, "end_lineno", line) == line
-        width = len(text.encode()[start:end].decode(errors="ignore")) if same else 1
-        marked = f"{text.rstrip()}\n{' ' * column}{'^' * max(width, 1)}"
-        raise ExportError(f"{self.source.path}:{line}:{column + 1}: {message}\n{marked}")
+        raise self.source.complaint(node, message)
 
     def _unknown(self, node: ast.AST) -> NoReturn:
         instead = INSTEAD.get(type(node), "assignments, returns and calls (docs/language.md)")
         kind = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(node).__name__).lower()
         self.refuse(node, f"this ({kind}) cannot be exported; write {instead}.")
+
+    def _check_depth(self, node: ast.AST) -> None:
+        """Refuse what is nested so deeply that neither Python nor a shader's compiler can follow."""
+        level: list[ast.AST] = [node]
+        for _ in range(DEPTH_MAX):
+            level = [child for inner in level for child in ast.iter_child_nodes(inner)]
+            if not level:
+                return
+        self.refuse(
+            node,
+            f"more than {DEPTH_MAX} terms or brackets in one statement; write it as several: "
+            "total = total + ...",
+        )
 
     def _coerce(self, node: ast.AST, expr: Expr, wanted: Type) -> Expr:
         if expr.type == wanted:
@@ -203,21 +238,25 @@ class Expressions:
 
     def _expr(self, node: ast.expr, value: Value) -> Expr:
         if isinstance(value, Static):
-            if isinstance(value.value, bool) or not isinstance(value.value, (int, float)):
+            if not is_number(value.value):
                 self.refuse(node, f"{shown(value.value)} has no value in a shader.")
-            return Number(float(value.value))
+            return self._number(node, value.value)
         if isinstance(value, Method):
             self.refuse(node, "a method must be called.")
         if isinstance(value, Many):
             self.refuse(node, "several values where one is expected; unpack them first.")
         return value
 
+    def _number(self, node: ast.AST, value: Any) -> Number:
+        wrong = misfit(value)
+        if wrong:
+            self.refuse(node, f"{wrong}.")
+        return Number(value)
+
     def value(self, node: ast.expr) -> Value:
         """Read an expression, which may be something that only the exporter sees."""
         if isinstance(node, ast.Constant):
-            if isinstance(node.value, (int, float)) and not isinstance(node.value, bool):
-                return Number(float(node.value))
-            return Static(node.value)
+            return self._number(node, node.value) if is_number(node.value) else Static(node.value)
         if isinstance(node, ast.Name):
             return self._name(node)
         if isinstance(node, ast.Attribute):
@@ -227,11 +266,7 @@ class Expressions:
         if isinstance(node, ast.BinOp):
             return self._binary(node)
         if isinstance(node, ast.BoolOp):
-            values = [self.value(v) for v in node.values]
-            if not all(isinstance(v, Static) for v in values):
-                self.refuse(node, "'and' and 'or' are for options; masks are joined with & and |.")
-            known = [v.value for v in values if isinstance(v, Static)]
-            return Static(all(known) if isinstance(node.op, ast.And) else any(known))
+            return self._either(node)
         if isinstance(node, ast.Compare):
             return self._compare(node)
         if isinstance(node, ast.Call):
@@ -242,18 +277,32 @@ class Expressions:
                 return Static(tuple(v.value for v in values if isinstance(v, Static)))
             return Many(tuple(self._expr(n, v) for n, v in zip(node.elts, values, strict=True)))
         if isinstance(node, ast.IfExp):
-            test = self.value(node.test)
-            if isinstance(test, Static):
+            test = truth(self.value(node.test))
+            if test is not None:
                 return self.value(node.body if test.value else node.orelse)
         self._unknown(node)
 
-    def _static_number(self, node: ast.expr) -> float:
-        value = self.value(node)
-        if isinstance(value, (Number, Constant)):
-            return value.value
-        if isinstance(value, Static) and isinstance(value.value, (int, float)):
-            return float(value.value)
-        self.refuse(node, "this number must be known when the shader is made.")
+    @abstractmethod
+    def _call(self, node: ast.Call) -> Value:
+        """Read a call."""
+
+    @abstractmethod
+    def _property(self, node: ast.Attribute, model: Expr, found: property) -> Value:
+        """Read the value of a model's property."""
+
+    def _either(self, node: ast.BoolOp) -> Value:
+        """a or b, a and b: one of the two values, as in Python."""
+        for i, operand in enumerate(node.values):
+            value = self.value(operand)
+            known = truth(value)
+            last = i == len(node.values) - 1
+            if known is None and not (last and i):
+                self.refuse(node, "'and' and 'or' are for options; masks are joined with & and |.")
+            if last or known is None or bool(known.value) is isinstance(node.op, ast.Or):
+                return value
+        raise AssertionError("no operands")
+
+    # --- names -------------------------------------------------------------------------------------
 
     def _name(self, node: ast.Name) -> Value:
         if node.id in self.scope:
@@ -261,26 +310,51 @@ class Expressions:
             if isinstance(known, Static):
                 return known
             return Variable(SELF if node.id == self.self_name else node.id, known)
+        code = self.python.__code__
+        if node.id in code.co_freevars:
+            self.refuse(
+                node,
+                f"{node.id!r} belongs to the function around this one; pass it as an argument, or make it "
+                "a name of the module.",
+            )
+        if node.id in code.co_varnames or node.id in code.co_cellvars:
+            self.refuse(
+                node,
+                f"{node.id!r} has no value here, or one that is known inside a loop or another branch "
+                "only; give it a value before.",
+            )
         names = self.python.__globals__
-        if node.id not in names:
-            self.refuse(node, f"{node.id!r} is not known here; shaders have no Python builtins.")
-        return self._global(node.id, names[node.id], self.source)
+        if node.id in names:
+            return self._global(node, node.id, names[node.id], self.source)
+        if hasattr(builtins, node.id):
+            instead = BUILTINS.get(node.id, "the functions of gonio.lang")
+            self.refuse(node, f"a shader has no {node.id!r} of Python; write {instead}.")
+        self.refuse(
+            node, f"{node.id!r} is not known here; import it, or give it a value before this line."
+        )
 
-    def _global(self, name: str, value: Any, file: Source) -> Value:
-        if isinstance(value, (int, float)) and not isinstance(value, bool):
-            if not name.isascii() or "__" in name:
-                raise ExportError(f"{file.path}: shading languages do not take the name {name!r}.")
-            return Constant(name, float(value), comments_of(name, file))
-        return Static(value)
+    def _global(self, node: ast.AST, name: str, value: Any, file: Source | None) -> Value:
+        if not is_number(value):
+            return Static(value)
+        wrong = misfit(value)
+        if wrong:
+            self.refuse(node, f"{name}: {wrong}.")
+        comments, place = _described(name, file)
+        return Constant(name, value, comments, place)
+
+    # --- attributes --------------------------------------------------------------------------------
 
     def _attribute(self, node: ast.Attribute) -> Value:
         value = self.value(node.value)
         if isinstance(value, Static):
-            if not hasattr(value.value, node.attr):
+            try:
+                found = getattr(value.value, node.attr)
+            except AttributeError:
                 self.refuse(node, f"{shown(value.value)} has no {node.attr!r}.")
-            found = getattr(value.value, node.attr)
             if isinstance(value.value, types.ModuleType):
-                return self._global(node.attr, found, source(str(value.value.__file__)))
+                path = str(getattr(value.value, "__file__", ""))
+                file = source(path) if path.endswith(".py") else None
+                return self._global(node, node.attr, found, file)
             return Static(found)
         expr = self._expr(node.value, value)
         kind = expr.type
@@ -288,6 +362,9 @@ class Expressions:
             for member in kind.members:
                 if member.name == node.attr:
                     return Access(expr, member.name, member.type)
+            for name, fixed in kind.fixed:
+                if name == node.attr:
+                    return Static(fixed)
             if kind.model is not None:
                 return self._of_model(node, expr, kind.model)
         elif kind in ("vec2", "vec3") and node.attr in "xyz"[: VECTORS[str(kind)]]:
@@ -295,337 +372,179 @@ class Expressions:
         self.refuse(node, f"a {spoken(kind)} has no {node.attr!r}.")
 
     def _of_model(self, node: ast.Attribute, expr: Expr, model: Model) -> Value:
-        if not hasattr(model, node.attr):
-            self.refuse(node, f"{model.name} has no {node.attr!r}.")
-        found = getattr(model, node.attr)
-        if callable(found):
-            return Method(expr, node.attr)
-        if isinstance(found, (int, float)) and not isinstance(found, bool):
-            return Constant(node.attr, float(found))
+        """What a model has besides its parameters: options, methods, and what its class defines."""
+        name = node.attr
+        if name in model.fields:
+            return Static(getattr(model, name))
+        cls = next((c for c in type(model).__mro__ if name in vars(c)), None)
+        if cls is None:
+            if hasattr(model, name):
+                self.refuse(
+                    node,
+                    f"{name!r} is set when a model is made, and unknown in kernels; make it a parameter, "
+                    "an option or a name of the class.",
+                )
+            self.refuse(node, f"{model.name} has no {name!r}.")
+        found = vars(cls)[name]
+        if cls in Model.__mro__ and name not in OF_EVERY_MODEL:
+            self.refuse(node, f"{name!r} has no meaning in a shader; use parameters and options.")
+        if isinstance(found, property):
+            return self._property(node, expr, found)
+        if isinstance(found, staticmethod):
+            return Static(found.__func__)
+        if isinstance(found, types.FunctionType):
+            return Method(expr, name, found)
+        if isinstance(found, (functools.cached_property, classmethod)) or (
+            hasattr(found, "__get__") and not isinstance(found, type)
+        ):
+            kind = type(found).__name__
+            self.refuse(node, f"{name!r} is a {kind}; write a method, or a plain @property.")
+        if is_number(found):
+            wrong = misfit(found)
+            if wrong:
+                self.refuse(node, f"{name}: {wrong}.")
+            return Constant(name, found)
         return Static(found)
+
+    # --- operators ---------------------------------------------------------------------------------
 
     def _unary(self, node: ast.UnaryOp) -> Value:
         value = self.value(node.operand)
-        if isinstance(value, Static) and isinstance(node.op, ast.Not):
-            return Static(not value.value)
         if isinstance(node.op, ast.Not):
-            self.refuse(node, "'not' is for options; a mask is inverted with ~.")
+            known = truth(value)
+            if known is None:
+                self.refuse(node, "'not' is for options; a mask is inverted with ~.")
+            return Static(not known.value)
         expr = self._expr(node.operand, value)
-        if isinstance(node.op, ast.UAdd):
-            return expr
-        masks = expr.type in ("bool", "bool3")
+        if expr.type == "bool3":
+            self.refuse(node, "a mask of a colour cannot be inverted; swap the branches of select.")
+        masks = expr.type == "bool"
         wrong = isinstance(expr.type, Struct) or expr.type == "vec2"
         if masks != isinstance(node.op, ast.Invert) or wrong:
             self.refuse(node, f"this cannot be done with a {spoken(expr.type)}.")
+        if isinstance(node.op, ast.UAdd):
+            return expr
         if isinstance(expr, Number):
             return Number(-expr.value)
         return Negation(expr, expr.type)
 
     def _binary(self, node: ast.BinOp) -> Value:
-        left, right = self.expr(node.left), self.expr(node.right)
+        return self._operation(node, node.op, self.expr(node.left), self.expr(node.right))
+
+    def _operation(self, node: ast.AST, op: ast.operator, left: Expr, right: Expr) -> Expr:
+        """Two values joined by an operator."""
         kinds = (left.type, right.type)
-        if isinstance(node.op, ast.Pow):
-            if not all(isinstance(e, (Number, Constant)) for e in (left, right)):
-                self.refuse(node, "** is for numbers; write x * x, or power(x, exponent).")
-            return Number(self._static_number(node.left) ** self._static_number(node.right))
-        if isinstance(node.op, (ast.BitAnd, ast.BitOr)):
+        if isinstance(op, ast.Pow):
+            return self._power_of_numbers(node, left, right)
+        if isinstance(op, (ast.BitAnd, ast.BitOr)):
             if kinds != ("bool", "bool"):
                 self.refuse(node, "& and | join two masks of numbers.")
-            return Operation("&&" if isinstance(node.op, ast.BitAnd) else "||", left, right, "bool")
-        symbol = ARITHMETIC.get(type(node.op))
+            return Operation("&&" if isinstance(op, ast.BitAnd) else "||", left, right, "bool")
+        symbol = OPERATORS.get(type(op))
         if symbol is None:
-            self.refuse(node, "only + - * / can be exported, and & | ~ for masks.")
+            self.refuse(node, "only + - * / can be exported, and & | ~ for masks; see fract(x).")
         if "vec2" in kinds:
             self.refuse(node, "a Vec2 is a pair of numbers; compute with its x and y.")
         if any(k not in ("float", "vec3") for k in kinds):
             self.refuse(node, f"a {spoken(kinds[0])} {symbol} a {spoken(kinds[1])} has no meaning.")
-        return self._simplified(symbol, left, right, widest(kinds))
+        return self._of_numbers(node, simplified(symbol, left, right, widest(kinds)))
 
-    @staticmethod
-    def _simplified(symbol: str, left: Expr, right: Expr, kind: Type) -> Expr:
-        """0 * x is 0 and 0 + x is x: in Python they give a number the shape of an array."""
+    def _power_of_numbers(self, node: ast.AST, left: Expr, right: Expr) -> Number:
+        try:
+            base, exponent = exact(left), exact(right)
+            if base is None or exponent is None:
+                self.refuse(node, "** is for numbers; write x * x, or power(x, exponent).")
+            if abs(exponent) > 4096:  # else Python may compute for hours
+                raise OverflowError
+            return self._number(node, base**exponent)
+        except ArithmeticError as error:
+            self.refuse(node, f"Python cannot compute this ({error}).")
 
-        def is_zero(expr: Expr) -> bool:
-            inner = expr.value if isinstance(expr, Splat) else expr
-            return isinstance(inner, Number) and inner.value == 0
-
-        def wide(expr: Expr) -> Expr:
-            return expr if expr.type == kind else Splat(expr, kind)
-
-        if symbol == "*" and (is_zero(left) or is_zero(right)):
-            return wide(Number(0))
-        if symbol == "+" and (is_zero(left) or is_zero(right)):
-            return wide(right if is_zero(left) else left)
-        if symbol == "-" and is_zero(right):
-            return wide(left)
-        if symbol == "-" and is_zero(left) and isinstance(right, Number):
-            return wide(Number(-right.value))
-        return Operation(symbol, left, right, kind)
+    def _of_numbers(self, node: ast.AST, expr: Expr) -> Expr:
+        """An operation between numbers alone, written out unless single precision would change it."""
+        try:
+            value = exact(expr)
+        except ArithmeticError as error:
+            self.refuse(node, f"Python cannot compute this ({error}).")
+        if value is None or isinstance(expr, Number):
+            return expr
+        number = self._number(node, value)
+        if abs(single(expr) - value) <= SAME * abs(value):
+            return expr
+        return number
 
     def _compare(self, node: ast.Compare) -> Value:
         if len(node.ops) != 1:
-            self.refuse(node, "one comparison at a time; join two with &.")
+            self.refuse(node, "one comparison at a time; join two with &: (a < b) & (b < c).")
         left, right = self.value(node.left), self.value(node.comparators[0])
-        op = type(node.ops[0])
+        op = node.ops[0]
         if isinstance(left, Static) or isinstance(right, Static):
-            if not (isinstance(left, Static) and isinstance(right, Static)):
+            one, other = truth(left), truth(right)
+            if one is None or other is None:
                 self.refuse(node, "an option is compared with its values only.")
-            return Static(STATIC_COMPARISON[op](left.value, right.value))
+            single_object = any(v is None or isinstance(v, bool) for v in (one.value, other.value))
+            if isinstance(op, (ast.Is, ast.IsNot)) and not single_object:
+                self.refuse(node, "'is' compares objects; write == or != to compare values.")
+            try:
+                return Static(STATIC_COMPARISON[type(op)](one.value, other.value))
+            except TypeError as error:
+                self.refuse(node, f"Python cannot compare these ({error}).")
         a = self._expr(node.left, left)
         b = self._expr(node.comparators[0], right)
-        if op not in COMPARISON or any(e.type not in ("float", "vec3") for e in (a, b)):
+        if type(op) not in COMPARED:
+            self.refuse(node, "'is' and 'in' are for options; numbers are compared by == or <.")
+        if any(e.type not in ("float", "vec3") for e in (a, b)):
             self.refuse(node, f"a {spoken(a.type)} and a {spoken(b.type)} cannot be compared.")
         kind = widest((a.type, b.type))
         a, b = self._coerce(node, a, kind), self._coerce(node, b, kind)
-        return Operation(COMPARISON[op], a, b, "bool3" if kind == "vec3" else "bool")
+        return Operation(COMPARED[type(op)], a, b, "bool3" if kind == "vec3" else "bool")
 
-    # --- calls ---
-
-    def _call(self, node: ast.Call) -> Value:
-        above = self._inherited(node.func)
-        if above is not None and self.owner is not None:
-            return self._inherited_call(node, above, self.owner, node.args)
-        callee = self.value(node.func)
-        if isinstance(callee, Method):
-            return self._method_call(node, callee)
-        if not isinstance(callee, Static):
-            self.refuse(node, "this cannot be called.")
-        function = callee.value
-        name = getattr(function, "__name__", "")
-        if function is lang.Sample:
-            arguments = self._arguments(node, ["wi", "pdf"], {})
-            wi, pdf = (self._expr(n, v) for n, v in arguments)
-            wi = self._coerce(node, wi, "vec3")
-            return Construction((wi, self._coerce(node, pdf, "float")), self.reader.sample)
-        if isinstance(function, types.FunctionType):
-            if self.owner is not None and self._is_method_of_a_class(node, function):
-                return self._inherited_call(node, function, self.owner, node.args[1:])
-            if function.__module__ == lang.__name__ and name in RULES:
-                return self._builtin(node, name)
-            if self._is_ours(function):
-                return self._function_call(node, function)
-        self.refuse(
-            node.func,
-            f"{ast.unparse(node.func)} is not in the vocabulary; use the functions of gonio.lang, or "
-            "your own functions made of them.",
-        )
-
-    def _inherited(self, node: ast.expr) -> types.FunctionType | None:
-        """The method behind super().name, if that is what is called."""
-        if not (
-            isinstance(node, ast.Attribute)
-            and isinstance(node.value, ast.Call)
-            and isinstance(node.value.func, ast.Name)
-            and node.value.func.id == "super"
-            and self.owner is not None
-        ):
-            return None
-        classes = type(self.owner.model).__mro__
-        here = next(
-            i
-            for i, cls in enumerate(classes)
-            if any(inspect.unwrap(f) is self.python for f in vars(cls).values() if callable(f))
-        )
-        for cls in classes[here + 1 :]:
-            if node.attr in vars(cls) and cls is not Model:
-                return cast(types.FunctionType, vars(cls)[node.attr])
-        self.refuse(node, f"no class above this one has a method {node.attr!r}.")
-
-    def _is_method_of_a_class(self, node: ast.Call, function: types.FunctionType) -> bool:
-        """Whether a call is Class.method(self, ...), with a model's class."""
-        first = node.args[0] if node.args else None
-        is_self = isinstance(first, ast.Name) and first.id == self.self_name
-        return is_self and (function.__name__ in SIGNATURES and hasattr(function, "__wrapped__"))
-
-    def _inherited_call(
-        self,
-        node: ast.Call,
-        function: types.FunctionType,
-        owner: Struct,
-        arguments: Sequence[ast.expr],
-    ) -> Expr:
-        """A method of a class above, for this model: its own function beside the one that replaces it."""
-        plain = cast(types.FunctionType, inspect.unwrap(function))
-        names = list(inspect.signature(plain).parameters)[1:]
-        call = ast.copy_location(ast.Call(node.func, list(arguments), node.keywords), node)
-        passed, kinds = self._typed(self._arguments(call, names, {}))
-        made = self.reader.function_for(plain, kinds, owner)
-        return Call(made, (Variable(SELF, owner), *passed), made.result)
-
-    @staticmethod
-    def _is_ours(function: types.FunctionType) -> bool:
-        """Whether it is a function of gonio's parts, or of the model's own files."""
-        package = function.__module__.partition(".")[0]
-        path = function.__code__.co_filename
-        if package == "gonio":
-            return (
-                ".parts." in function.__module__
-                or ".models." in function.__module__
-                or (function.__module__ == library.__name__)
-            )
-        return "site-packages" not in path and "/lib/python" not in path and path.endswith(".py")
-
-    def _arguments(
-        self, node: ast.Call, names: list[str], defaults: Mapping[str, Any]
-    ) -> list[tuple[ast.expr, Value]]:
-        given: dict[str, tuple[ast.expr, Value]] = {}
-        if len(node.args) > len(names):
-            self.refuse(node, f"{len(names)} arguments are expected: {', '.join(names)}.")
-        for name, argument in zip(names, node.args, strict=False):
-            if isinstance(argument, ast.Starred):
-                self.refuse(argument, "name each argument.")
-            given[name] = (argument, self.value(argument))
-        for keyword in node.keywords:
-            if keyword.arg is None or keyword.arg not in names or keyword.arg in given:
-                self.refuse(node, f"the arguments are {', '.join(names)}.")
-            given[keyword.arg] = (keyword.value, self.value(keyword.value))
-        for name, default in defaults.items():
-            if name not in given:
-                number = isinstance(default, (int, float)) and not isinstance(default, bool)
-                given[name] = (node, Number(float(default)) if number else Static(default))
-        missing = [n for n in names if n not in given]
-        if missing:
-            self.refuse(node, f"{', '.join(missing)} missing.")
-        return [given[n] for n in names]
-
-    def _typed(
-        self, arguments: list[tuple[ast.expr, Value]]
-    ) -> tuple[list[Expr], list[Type | Static]]:
-        """Arguments that are passed, and what a function is specialised for."""
-        passed: list[Expr] = []
-        kinds: list[Type | Static] = []
-        for node, value in arguments:
-            if isinstance(value, Static) and not isinstance(value.value, (int, float)):
-                kinds.append(value)
-                continue
-            expr = self._expr(node, value)
-            passed.append(expr)
-            kinds.append(expr.type)
-        return passed, kinds
-
-    def _function_call(self, node: ast.Call, function: types.FunctionType) -> Expr:
-        signature = inspect.signature(function)
-        defaults = {
-            n: p.default for n, p in signature.parameters.items() if p.default is not p.empty
-        }
-        arguments = self._arguments(node, list(signature.parameters), defaults)
-        passed, kinds = self._typed(arguments)
-        made = self.reader.function_for(function, kinds)
-        return Call(made, tuple(passed), made.result)
-
-    def _method_call(self, node: ast.Call, method: Method) -> Value:
-        owner = method.model.type
-        assert isinstance(owner, Struct)
-        if method.name == "at_least_as_rough":
-            return self._rougher(node, method.model, owner)
-        function = method_of(owner, method.name)
-        names = list(inspect.signature(function).parameters)[1:]
-        arguments = self._arguments(node, names, {})
-        passed, kinds = self._typed(arguments)
-        if method.name in SIGNATURES:
-            for (name, kind), expr in zip(SIGNATURES[method.name][0], passed, strict=True):
-                if expr.type != kind:
-                    self.refuse(node, f"{name} must be a {spoken(kind)}.")
-            made = self.reader.function_for(function, kinds, owner, method.name)
-        else:
-            made = self.reader.function_for(function, kinds, owner)
-        return Call(made, (method.model, *passed), made.result)
-
-    def _rougher(self, node: ast.Call, model: Expr, owner: Struct) -> Expr:
-        """A copy of a model with wider highlights, each parameter by the function that it declares."""
-        ((at, value),) = self._arguments(node, ["alpha"], {})
-        alpha = self._expr(at, value)
-        assert owner.model is not None
-        members: dict[str, Expr] = {}
-        for name, declared in owner.model.fields.items():
-            if isinstance(declared, Parameter) and declared.rougher is not None:
-                own = Access(model, name, "float")
-                function = cast(types.FunctionType, declared.rougher)
-                made = self.reader.function_for(function, ["float", "float"])
-                members[name] = Call(made, (own, alpha), made.result)
-        return Changed(model, owner, members) if members else model
-
-    def _builtin(self, node: ast.Call, name: str) -> Expr:
-        rule = RULES[name]
-        arguments = self._arguments(node, _names(name), {})
-        if len(arguments) != rule.count:
-            self.refuse(node, f"{name} takes {rule.count} arguments.")
-        values = [self._expr(n, v) for n, v in arguments]
-        if name in ("vec2", "vec3"):
-            kind: Type = "vec2" if name == "vec2" else "vec3"
-            if any(v.type != "float" for v in values):
-                self.refuse(node, f"{name} takes {rule.count} numbers.")
-            return Construction(tuple(values), kind)
-        if name == "select":
-            return self._select(node, *values)
-        kinds = tuple(v.type for v in values)
-        allowed = ("float", "vec3") if rule.vectors else ("float",)
-        for kind in kinds:
-            if kind not in allowed:
-                self.refuse(node, f"{name} cannot take a {spoken(kind)}.")
-        if name in self.reader.lacking:
-            made = self.reader.function_for(getattr(library, name), kinds)
-            return Call(made, tuple(values), made.result)
-        if rule.splat:
-            values = [self._coerce(node, v, widest(kinds)) for v in values]
-        return Builtin(name, tuple(values), rule.result(kinds))
-
-    def _select(self, node: ast.Call, condition: Expr, yes: Expr, no: Expr) -> Expr:
-        if condition.type not in ("bool", "bool3"):
+    def _check_name(self, node: ast.AST, name: str) -> None:
+        """Refuse what no shading language takes as a name."""
+        if name == SELF:
+            self.refuse(node, f"{SELF} is the struct of parameters in shaders; use another name.")
+        if not name.isascii() or "__" in name:
             self.refuse(
-                node, "select's condition is a comparison, or comparisons joined by & and |."
+                node,
+                f"shading languages do not take the name {name!r}; use letters of the English alphabet, "
+                "digits and single underscores.",
             )
-        kinds = (yes.type, no.type)
-        if kinds == ("bool", "bool"):
-            self.refuse(node, "select between numbers or vectors; join masks with & and |.")
-        if any(k not in ("float", "vec2", "vec3") for k in kinds):
-            self.refuse(node, "select between numbers or vectors.")
-        kind: Type = "vec3" if condition.type == "bool3" else widest(kinds)
-        yes, no = self._coerce(node, yes, kind), self._coerce(node, no, kind)
-        return Builtin("select", (condition, yes, no), kind)
 
 
-def method_of(owner: Struct, name: str) -> types.FunctionType:
-    """The function that a model's author wrote, without the contract around it."""
-    method = inspect.unwrap(getattr(type(owner.model), "eval" if name == UNTESTED else name))
-    if method is inspect.unwrap(Model.albedo):
-        return cast(types.FunctionType, library.sampled_albedo)
-    if method is inspect.unwrap(Model.mean_albedo) and owner.model is not None:
-        raise ExportError(
-            f"{owner.model.name} has no closed form of its mean albedo, which shading code cannot "
-            "integrate; choose another base, or an option that does not need it."
-        )
-    if isinstance(method, types.FunctionType):
-        return method
-    raise ExportError(f"{type(owner.model).__name__}.{name} is no method.")
+def simplified(symbol: str, left: Expr, right: Expr, kind: Type) -> Expr:
+    """An operation without what changes nothing: 0 * x is 0, 1 * x and 0 + x are x."""
+
+    def is_(expr: Expr, value: float) -> bool:
+        inner = expr.value if isinstance(expr, Splat) else expr
+        return isinstance(inner, Number) and inner.value == value
+
+    def wide(expr: Expr) -> Expr:
+        return expr if expr.type == kind else Splat(expr, kind)
+
+    if symbol == "*" and (is_(left, 0) or is_(right, 0)):
+        return wide(Number(0))
+    if symbol == "*" and (is_(left, 1) or is_(right, 1)):
+        return wide(right if is_(left, 1) else left)
+    if symbol == "/" and is_(right, 1):
+        return wide(left)
+    if symbol == "+" and (is_(left, 0) or is_(right, 0)):
+        return wide(right if is_(left, 0) else left)
+    if symbol == "-" and is_(right, 0):
+        return wide(left)
+    if symbol == "-" and is_(left, 0) and isinstance(right, Number):
+        return wide(Number(-right.value))
+    return Operation(symbol, left, right, kind)
 
 
-def _names(builtin: str) -> list[str]:
-    return list(inspect.signature(getattr(lang, builtin)).parameters)
-
-
-def comments_of(name: str, file: Source) -> tuple[str, ...]:
-    """The comments of a named number, from the file that defines it."""
+def _described(name: str, file: Source | None) -> tuple[tuple[str, ...], tuple[str, int, int]]:
+    """The comments of a named number and its place, from the file that defines it."""
+    if file is None:
+        return (), ("", 0, 0)
     comments = file.constant_comments(name)
     if comments is not None:
-        return comments
+        return comments, (file.path, *file.constant_place(name))
     module = file.imported_from(name)
-    if module is None:
-        return ()
-    found = inspect.getsourcefile(__import__(module, fromlist=["_"]))
-    return () if found is None else comments_of(name, source(found))
-
-
-def spoken(kind: Type) -> str:
-    """A type in words."""
-    if isinstance(kind, Struct):
-        return kind.name
-    return {"float": "number", "bool": "mask", "bool3": "mask of a colour"}.get(kind, kind)
-
-
-def shown(value: Any) -> str:
-    """What only the exporter sees, in words."""
-    if isinstance(value, types.ModuleType):
-        return f"the module {value.__name__}"
-    name = getattr(value, "__name__", None)
-    return name if name is not None else repr(value)
+    found = None
+    if module is not None:
+        found = inspect.getsourcefile(__import__(module, fromlist=["_"]))
+    return ((), ("", 0, 0)) if found is None else _described(name, source(found))

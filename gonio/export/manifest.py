@@ -17,7 +17,7 @@ from typing import Any
 
 from gonio.description import module_notes, summary
 from gonio.export.entry import Entry, Export
-from gonio.export.printer import INDENT, Printer
+from gonio.export.printer import INDENT
 from gonio.export.read import Reader
 from gonio.export.targets import TARGETS, Target
 from gonio.export.text import FUNCTIONS, export
@@ -406,9 +406,8 @@ def loader(made: Export) -> str:
 def _assignments(
     made: Export, target: Target, array: str, result: str, outside: str
 ) -> Iterator[str]:
-    printer = Printer(target, made.entry.prefix)
     for index, member in enumerate(made.entry.members):
-        place = f"{result}.{'.'.join(printer.name(part) for part in member.path.split('.'))}"
+        place = f"{result}.{member.place}"
         item = f"{array}[{index}]"
         if made.language == "cpp":
             x, y, z = (f"{item}[{c}]" for c in range(3))

@@ -16,8 +16,10 @@ from typing import Any
 from xml.sax.saxutils import quoteattr
 
 from gonio.description import summary
+from gonio.export.comments import plain_text
 from gonio.export.entry import Export
-from gonio.export.printer import INDENT, Printer, fold, number, plain_text
+from gonio.export.names import legal
+from gonio.export.printer import INDENT, fold, number
 from gonio.export.targets import ESSL, GLSL_WORDS, HLSL_WORDS, MSL_WORDS, SLANG_WORDS
 from gonio.export.text import export, nested
 from gonio.export.tree import SELF, ExportError
@@ -182,13 +184,13 @@ class _Node:
         entry = self.export.entry
         parameters = ["ClosureData closureData", "float weight"]
         fill = [f"{entry.struct} {SELF};"]
-        printer = Printer(PORTABLE, self.name)
+        places = {member.path: member.place for member in entry.members}
         for name, (path, declared, _) in self.inputs.items():
-            local = f"{name}_" if name in LOCALS else printer.name(name)
+            local = legal(name, PORTABLE.reserved | LOCALS)
             kind = "vec3" if declared.width == 3 else "float"
             parameters.append(f"{kind} {local}")
-            member = ".".join(printer.name(part) for part in path.split("."))
-            fill.append(f"{SELF}.{member} = {_limited(declared, local)};")
+            if path in places:
+                fill.append(f"{SELF}.{places[path]} = {_limited(declared, local)};")
         parameters += ["vec3 N", *(["vec3 X"] if self.anisotropic else []), "inout BSDF bsdf"]
         frame = _TANGENT if self.anisotropic else _ANY_TANGENT
         wrapper = f"{frame}\n{_WRAPPER}".format(

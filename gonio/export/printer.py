@@ -8,16 +8,17 @@ from __future__ import annotations
 
 import math
 import re
-import textwrap
-import unicodedata
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from gonio import lang
+from gonio.export.comments import comment, named, plain_text
+from gonio.export.names import Names, legal
 from gonio.export.targets import Target
 from gonio.export.tree import (
+    METHODS,
     SELF,
     Access,
     Assign,
@@ -44,9 +45,8 @@ from gonio.export.tree import (
     walk,
 )
 
-# Code is folded to WIDTH. Comments may be as wide as they are in gonio's files, and are not folded twice.
+# Code is folded to this width.
 WIDTH = 100
-COMMENT_WIDTH = 112
 INDENT = "    "
 
 # A broken line keeps at least so much in front: a name and an equals sign alone read badly.
@@ -58,19 +58,6 @@ LEVELS = {"||": OR, "&&": AND, "+": SUM, "-": SUM, "*": PRODUCT, "/": PRODUCT}
 
 # Numbers of the vocabulary are written small: many engines have macros called PI or INV_PI.
 SHARED_CONSTANTS = frozenset(n for n in vars(lang) if n.isupper())
-
-ASCII = str.maketrans(
-    {"–": "-", "—": "-", "−": "-", "·": "*", "∫": "integral of ", "≤": "<=", "≥": ">=", "²": "^2"}
-    | {"³": "^3", "π": "pi", "θ": "theta", "φ": "phi", "α": "alpha", "μ": "mu", "τ": "tau"}
-    | {"ω": "omega", "σ": "sigma", "ρ": "rho", "×": "x", "’": "'", "“": '"', "”": '"', "…": "..."}
-    | {"Λ": "Lambda", "λ": "lambda", "ε": "eps", "δ": "delta", "β": "beta", "η": "eta", "ß": "ss"}
-)
-
-
-def plain_text(text: str) -> str:
-    """Text in ASCII, because some compilers stumble over anything else, in comments as well."""
-    text = unicodedata.normalize("NFKD", text.translate(ASCII))
-    return text.encode("ascii", "ignore").decode()
 
 
 def number(value: float, suffix: str) -> str:
@@ -99,16 +86,30 @@ def number(value: float, suffix: str) -> str:
 class Printer:
     """Writes structs and functions in one language."""
 
-    def __init__(self, target: Target, prefix: str) -> None:
-        """Begin a text; the prefix is that of helpers."""
+    def __init__(
+        self,
+        target: Target,
+        prefix: str,
+        functions: Sequence[Function] = (),
+        structs: Sequence[Struct] = (),
+    ) -> None:
+        """Begin a text of some functions and structs; the prefix is that of helpers."""
         self.target = target
         self.prefix = prefix
         self.helpers: dict[str, None] = {}
-        # Functions that the text calls: a variable of the same name would hide them
-        self.called = set(re.findall(r"(\w+)\(", " ".join(target.spellings.values())))
-        self.names: dict[str, str] = {}
+        self.functions = functions
+        spelled = [*target.spellings.values(), target.select, target.select3, target.splat]
+        spelled += [*target.comparisons.values(), target.select_computed, target.to_float]
+        # What the text calls: a variable of the same name would hide it
+        called = set(re.findall(r"(\w+)\(", " ".join(spelled)))
+        called |= {f.name for f in functions} | {s.name for s in structs}
+        called |= {f"{prefix}_{name}" for name in target.helpers} | {SELF}
+        self.reserved = target.reserved | called | set(target.types.values())
+        self.members: dict[int, dict[str, str]] = {}
+        self.names: dict[str, str] = {}  # of variables in the function at hand
+        self.constant_names: dict[tuple[str, float], str] = {}
+        self.taken = Names(self.reserved)
         self.inside: Function | None = None
-        self.used: set[str] = set()  # names in the function at hand
         self.said: set[tuple[str, ...]] = set()  # comments of numbers that are in the text
 
     # --- types and names ---------------------------------------------------------------------------
@@ -128,10 +129,37 @@ class Printer:
                 self._need(helper[:-1])
 
     def name(self, name: str) -> str:
-        """A local name, changed where the language has a meaning of its own for it."""
-        if name in self.names:
-            return self.names[name]
-        return f"{name}_" if name in self.target.reserved or name in self.called else name
+        """A variable's name, changed where the language has a meaning of its own for it."""
+        return self.names.get(name) or legal(name, self.reserved)
+
+    def member(self, struct: Struct, name: str) -> str:
+        """The name of a struct's member."""
+        if id(struct) not in self.members:
+            names = Names(self.target.reserved | set(self.target.types.values()) | {struct.name})
+            self.members[id(struct)] = {m.name: names.give(m.name) for m in struct.members}
+        return self.members[id(struct)][name]
+
+    def path(self, struct: Struct, path: str) -> str:
+        """A path such as "base.rho" with the names of the members."""
+        found = []
+        for part in path.split("."):
+            found.append(self.member(struct, part))
+            kind = next(m.type for m in struct.members if m.name == part)
+            struct = kind if isinstance(kind, Struct) else struct
+        return ".".join(found)
+
+    def spoken(self) -> dict[str, str]:
+        """What comments call functions and numbers, and what these are called in the text."""
+        owner = self.inside.owner if self.inside is not None else None
+        found: dict[str, str] = {}
+        for function in self.functions:
+            if function.owner is None or function.owner is owner:
+                methods = self.target.methods and function.owner is not None
+                name = self._method(function) if methods else function.name
+                if function.owner is owner or function.plain not in found:
+                    found[function.plain] = name
+        found |= {name: printed for (name, _), printed in self.constant_names.items()}
+        return found | self.names
 
     # --- expressions -------------------------------------------------------------------------------
 
@@ -145,10 +173,12 @@ class Printer:
             text = number(expr.value, self.target.suffix)
             return text, SIGN if text.startswith("-") else POSTFIX
         if isinstance(expr, Constant):
-            return self.name(expr.name), POSTFIX
+            return self.constant_names[expr.name, expr.value], POSTFIX
         if isinstance(expr, Variable):
             if self._is_this(expr):
                 return "this", POSTFIX
+            if expr.name == SELF:
+                return SELF, POSTFIX
             return self.name(expr.name), POSTFIX
         if isinstance(expr, Access):
             return f"{self.expr(expr.value, POSTFIX)}.{self._member(expr)}", POSTFIX
@@ -159,6 +189,9 @@ class Printer:
         if isinstance(expr, Splat):
             self._need("splat")
             kind = self.type(expr.type)
+            if self.target.splat_plain and _is_plain(expr.value):
+                value = self.expr(expr.value)
+                return self.target.splat_plain.format(value, type=kind), POSTFIX
             return self.target.splat.format(self.expr(expr.value), type=kind), POSTFIX
         if isinstance(expr, Builtin):
             return self._builtin(expr)
@@ -168,7 +201,8 @@ class Printer:
 
     def _member(self, expr: Access) -> str:
         """Components have their own names; members of structs may need another one."""
-        return self.name(expr.name) if isinstance(expr.value.type, Struct) else expr.name
+        kind = expr.value.type
+        return self.member(kind, expr.name) if isinstance(kind, Struct) else expr.name
 
     def _is_this(self, expr: Expr) -> bool:
         return (
@@ -255,7 +289,7 @@ class Printer:
     def _select(self, expr: Builtin) -> tuple[str, int]:
         condition, yes, no = expr.arguments
         spelling = self.target.select
-        if not (_is_plain(yes) and _is_plain(no)):
+        if expr.type != "float" and not (_is_plain(yes) and _is_plain(no)):
             spelling = self.target.select_computed or spelling
         if condition.type == "bool3":
             spelling = self.target.select3
@@ -274,9 +308,7 @@ class Printer:
         kind = self.type(expr.type)
         if isinstance(expr.type, Struct):
             if not self.target.record:
-                raise ExportError(
-                    f"{self.target.title} makes a {kind} in a statement of its own; return it directly."
-                )
+                raise AssertionError(f"{kind} is made in a statement of its own")
             return self.target.record.format(type=kind, arguments=arguments), POSTFIX
         if expr.type == "vec2" and self.target.types["vec2"] == self.target.types["vec3"]:
             arguments += f", {number(0, self.target.suffix)}"  # no type for two numbers
@@ -291,67 +323,85 @@ class Printer:
 
     def _method(self, function: Function) -> str:
         assert function.owner is not None
-        name = function.method.lstrip("_")
-        taken = {m.name for m in function.owner.members}
-        return f"{name}_" if name in taken else name
+        name = function.method.strip("_")
+        taken = {self.member(function.owner, m.name) for m in function.owner.members}
+        # As methods they may be called what is reserved elsewhere, such as sample
+        reserved = frozenset() if name in METHODS else self.target.reserved
+        return legal(name, reserved | taken)
 
     # --- statements --------------------------------------------------------------------------------
 
-    def body(self, function: Function) -> list[str]:
-        """The lines of a function's body."""
+    def begin(self, function: Function) -> list[Constant]:
+        """Give everything in a function its name; return the named numbers that it uses."""
         self.inside = function
-        statements = function.body
-        if not self.target.result_struct_members:
-            statements = self._hoisted(function, statements)
-        constants = _constants(statements)
-        self.used = {n for n, _ in function.parameters} | _assigned(statements)
-        self.used |= {c.name for c in constants}
-        self.names = self._constant_names(constants)
-        lines: list[str] = []
+        if not self.target.constants_in_file:
+            self.constant_names = {}
+        self.taken = Names(self.reserved | set(self.constant_names.values()))
+        variables = [n for n, _ in function.parameters if n != SELF]
+        variables += [n for n in _assigned(function.body) if n not in variables]
+        self.names = {}
+        # Those that keep their name first
+        for name in sorted(variables, key=lambda n: legal(n, self.reserved) != n):
+            self.names[name] = self.taken.give(name)
+        constants = constants_of(function.body)
+        if not self.target.constants_in_file:
+            self.name_constants(constants, self.taken)
+        return constants
+
+    def name_constants(self, constants: Iterable[Constant], names: Names) -> None:
+        """Numbers of the vocabulary are written small, unless that name is taken."""
         for constant in constants:
-            text = self.target.constant.format(
-                type=self.type("float"),
-                name=self.name(constant.name),
-                value=number(constant.value, self.target.suffix),
-            )
-            # Once in a file: a comment may stand above several numbers, and a number in many functions
-            new = () if constant.comments in self.said else constant.comments
-            lines += self._with_comments(text, new)
-            self.said.add(constant.comments)
+            shared = constant.name in SHARED_CONSTANTS
+            name = constant.name.lower() if shared else constant.name
+            self.constant_names[constant.name, constant.value] = names.give(name)
+
+    def body(self, function: Function, constants: Sequence[Constant]) -> list[str]:
+        """The lines of a function's body."""
+        statements = self._prepared(function.body)
+        lines = [] if self.target.constants_in_file else self.constants(constants)
         changing = _changing(statements)
         for statement in statements:
             lines += self.statement(statement, changing)
-        self.names = {}
-        self.inside = None
         return lines
 
-    def _constant_names(self, constants: Sequence[Constant]) -> dict[str, str]:
-        """Numbers of the vocabulary are written small, unless that name is taken."""
-        found: dict[str, str] = {}
+    def constants(self, constants: Sequence[Constant]) -> list[str]:
+        """The declarations of named numbers, with their comments."""
+        lines: list[str] = []
+        last: tuple[str, ...] = ()
         for constant in constants:
-            small = constant.name.lower()
-            if constant.name in SHARED_CONSTANTS and small not in self.used:
-                found[constant.name] = small
-        return found
+            text = self.target.constant.format(
+                type=self.type("float"),
+                name=self.constant_names[constant.name, constant.value],
+                value=number(constant.value, self.target.suffix),
+            )
+            # Long ones once in a file; one comment may stand above several numbers
+            comments = constant.comments
+            long = len(comments) > 1 or len(text) + len("".join(comments)) > WIDTH - 8
+            if comments == last or (long and comments in self.said):
+                comments = ()
+            lines += self._with_comments(text, comments)
+            self.said.add(constant.comments)
+            last = constant.comments
+        return lines
 
     def _with_comments(self, line: str, comments: tuple[str, ...]) -> list[str]:
         """A line with one short comment behind it, or its comments above."""
         if len(comments) == 1:
-            beside = f"{line}  // {plain_text(comments[0])}"
+            beside = f"{line}  // {named(plain_text(comments[0]), self.spoken())}"
             if len(beside) + len(INDENT) <= WIDTH:
                 return [beside]
-        return [*comment(comments), line]
+        return [*comment(comments, self.spoken()), line]
 
     def statement(self, statement: Statement, changing: set[str]) -> list[str]:
         """The lines of one statement, with its comments."""
         lines = self._statement(statement, changing)
         if statement.trailing and lines:
             if isinstance(statement, ReturnIf):
-                lines[0] += f"  // {statement.trailing}"
+                lines[0] += f"  // {plain_text(statement.trailing)}"
             else:
                 together = self._with_comments(lines[-1], (statement.trailing,))
                 lines = [*together[:-1], *lines[:-1], together[-1]]
-        lines = [*comment(statement.comments), *lines]
+        lines = [*comment(statement.comments, self.spoken()), *lines]
         return ["", *lines] if statement.blank else lines
 
     def _statement(self, statement: Statement, changing: set[str]) -> list[str]:
@@ -359,7 +409,9 @@ class Printer:
             return self._assign(statement, changing)
         if isinstance(statement, SetMember):
             value = self.expr(statement.value)
-            return fold(f"{self.name(statement.variable)}.{self.name(statement.member)} = {value};")
+            assert isinstance(statement.struct, Struct)
+            member = self.member(statement.struct, statement.member)
+            return fold(f"{self.name(statement.variable)}.{member} = {value};")
         if isinstance(statement, Return):
             return self._return(statement.value)
         if isinstance(statement, ReturnIf):
@@ -374,44 +426,60 @@ class Printer:
         return []
 
     def _assign(self, statement: Assign, changing: set[str]) -> list[str]:
-        value, name = self.expr(statement.value), self.name(statement.name)
+        name = self.name(statement.name)
+        if self._is_made(statement.value):
+            return self._make(name, statement.value)
+        value = self.expr(statement.value)
         if not statement.declares:
             return fold(f"{name} = {value};")
         template = self.target.variable if statement.name in changing else self.target.local
         kind = self.type(statement.value.type)
         return fold(template.format(type=kind, name=name, value=value))
 
+    def _is_made(self, value: Expr) -> bool:
+        """Whether a value is a struct that takes a statement for each member."""
+        made = isinstance(value, Construction) and isinstance(value.type, Struct)
+        return made and not self.target.record
+
+    def _make(self, name: str, value: Expr) -> list[str]:
+        assert isinstance(value, Construction)
+        assert isinstance(value.type, Struct)
+        lines = [self.target.uninitialized.format(type=value.type.name, name=name)]
+        for member, part in zip(value.type.members, value.arguments, strict=True):
+            lines += fold(f"{name}.{self.member(value.type, member.name)} = {self.expr(part)};")
+        return lines
+
     def _return(self, value: Expr) -> list[str]:
-        if not isinstance(value, Construction) or not isinstance(value.type, Struct):
+        if not self._is_made(value):
             return fold(f"return {self.expr(value)};")
-        if self.target.record:
-            return fold(f"return {self.expr(value)};")
-        kind, name = value.type, "result"
-        while name in self.used:
-            name += "_"
-        lines = [self.target.uninitialized.format(type=kind.name, name=name)]
-        for member, part in zip(kind.members, value.arguments, strict=True):
-            lines += fold(f"{name}.{self.name(member.name)} = {self.expr(part)};")
-        return [*lines, f"return {name};"]
+        name = Names(self.taken.taken).give("result")
+        return [*self._make(name, value), f"return {name};"]
 
     def _repeat(self, statement: Repeat, changing: set[str]) -> list[str]:
-        name = self.name(statement.variable)
-        index = f"{statement.variable}_step"
-        while index in self.used:
-            index += "_"
+        index = self.taken.give(f"{statement.variable}_step")
         start = self.target.to_float.format(index)
-        local = self.target.local.format(type=self.type("float"), name=name, value=start)
+        template = self.target.variable if statement.variable in changing else self.target.local
+        name = self.name(statement.variable)
+        local = template.format(type=self.type("float"), name=name, value=start)
         lines = [self.target.loop.format(index=index, count=statement.count), INDENT + local]
         for inner in statement.body:
             lines += [INDENT + line if line else "" for line in self.statement(inner, changing)]
         return [*lines, "}"]
 
-    def _hoisted(
-        self, function: Function, statements: Sequence[Statement]
-    ) -> tuple[Statement, ...]:
-        """Members are taken of variables only: what else they are taken of becomes a variable."""
-        used = {n for n, _ in function.parameters} | _assigned(statements)
+    def _prepared(self, statements: Sequence[Statement]) -> tuple[Statement, ...]:
+        """What a language cannot have inside an expression becomes a variable before it.
+
+        That is the member of a call's result, and a struct made of its members.
+        """
+        if self.target.record and self.target.result_struct_members:
+            return tuple(statements)
         found: list[Statement] = []
+
+        def variable(expr: Expr, name: str) -> Expr:
+            name = self.taken.give(name)
+            self.names[name] = name
+            found.append(Assign(name, expr))
+            return Variable(name, expr.type)
 
         def hoist(expr: Expr) -> Expr:
             expr = rebuilt(expr, hoist)
@@ -419,18 +487,27 @@ class Printer:
                 base = "part"
                 if isinstance(expr.value, Call):
                     base = expr.value.function.method.strip("_")
-                names = (f"{base}_value", *(f"{base}_value_{i}" for i in range(2, 1000)))
-                name = next(n for n in names if n not in used)
-                used.add(name)
-                found.append(Assign(name, expr.value))
-                expr = Access(Variable(name, expr.value.type), expr.name, expr.type)
+                if not self.target.result_struct_members or self._is_made(expr.value):
+                    expr = Access(variable(expr.value, f"{base}_value"), expr.name, expr.type)
+            if isinstance(expr, (Call, Construction)):
+                arguments = tuple(
+                    variable(a, "made") if self._is_made(a) else a for a in expr.arguments
+                )
+                expr = replace(expr, arguments=arguments)
             return expr
 
         for statement in statements:
             if isinstance(statement, Repeat):
-                statement = replace(statement, body=self._hoisted(function, statement.body))
+                statement = replace(statement, body=self._prepared(statement.body))
             elif isinstance(statement, (Assign, SetMember, Return)):
-                statement = replace(statement, value=hoist(statement.value))
+                value = hoist(statement.value)
+                at_once = isinstance(statement, Return)
+                if isinstance(statement, Assign):
+                    at_once = statement.declares
+                if self._is_made(value) and not at_once:
+                    # Made aside: the values may ask for the members that are set
+                    value = variable(value, "made")
+                statement = replace(statement, value=value)
             elif isinstance(statement, ReturnIf):
                 statement = replace(statement, condition=hoist(statement.condition))
             found.append(statement)
@@ -441,7 +518,7 @@ class Printer:
     def function(self, function: Function) -> list[str]:
         """A function with its description."""
         target = self.target
-        self.inside = function
+        constants = self.begin(function)
         parameters = function.parameters
         name = function.name
         if target.methods and function.owner is not None:
@@ -451,12 +528,15 @@ class Printer:
             template = target.parameter
             if isinstance(kind, Struct) and kind.model is not None:
                 template = target.struct_parameter
-            texts.append(template.format(type=self.type(kind), name=self.name(n)))
+            name_ = n if n == SELF else self.name(n)
+            texts.append(template.format(type=self.type(kind), name=name_))
         head = target.function.format(
             result=self.type(function.result), name=name, parameters=", ".join(texts)
         )
-        body = [INDENT + line if line else "" for line in self.body(function)]
-        return [*comment(function.doc), *fold(head), *body, "}"]
+        body = [INDENT + line if line else "" for line in self.body(function, constants)]
+        lines = [*comment(function.doc, self.spoken()), *fold(head), *body, "}"]
+        self.names, self.inside = {}, None
+        return lines
 
     def struct(
         self, struct: Struct, bases: str = "", methods: Iterable[Function] = ()
@@ -466,9 +546,9 @@ class Printer:
         lines.append(self.target.struct.format(name=struct.name, bases=bases))
         for member in struct.members:
             text = self.target.member.format(
-                type=self.type(member.type), name=self.name(member.name)
+                type=self.type(member.type), name=self.member(struct, member.name)
             )
-            comments = (member.doc,) if member.doc else ()
+            comments = (member.doc.rstrip("."),) if member.doc else ()
             lines += [INDENT + line for line in self._with_comments(text, comments)]
         for method in methods:
             lines += ["", *(INDENT + line if line else "" for line in self.function(method))]
@@ -496,24 +576,30 @@ def _joins(expr: Expr) -> str:
     return ""
 
 
-def _constants(statements: Sequence[Statement]) -> list[Constant]:
-    found: dict[str, Constant] = {}
+def constants_of(statements: Sequence[Statement]) -> list[Constant]:
+    """The named numbers in some statements, in the order of their files."""
+    found: dict[tuple[str, float], Constant] = {}
     for expr in walk(tuple(statements)):
         if isinstance(expr, Constant):
-            known = found.setdefault(expr.name, expr)
-            if known.value != expr.value:
-                raise ExportError(f"two different numbers are called {expr.name}; rename one.")
-    return list(found.values())
+            found.setdefault((expr.name, expr.value), expr)
+    return in_order(found.values())
 
 
-def _assigned(statements: Sequence[Statement]) -> set[str]:
-    found: set[str] = set()
+def in_order(constants: Iterable[Constant]) -> list[Constant]:
+    """Named numbers file by file as they are first used, and in a file as they stand there."""
+    found = list(constants)
+    files = [c.place[0] for c in found]
+    return sorted(found, key=lambda c: (files.index(c.place[0]), c.place[1:]))
+
+
+def _assigned(statements: Sequence[Statement]) -> list[str]:
+    found: dict[str, None] = {}
     for statement in statements:
         if isinstance(statement, Assign):
-            found.add(statement.name)
+            found[statement.name] = None
         elif isinstance(statement, Repeat):
-            found |= {statement.variable} | _assigned(statement.body)
-    return found
+            found |= dict.fromkeys([statement.variable, *_assigned(statement.body)])
+    return list(found)
 
 
 def _changing(statements: Sequence[Statement]) -> set[str]:
@@ -526,19 +612,6 @@ def _changing(statements: Sequence[Statement]) -> set[str]:
             found.add(statement.variable)
         elif isinstance(statement, Repeat):
             found |= _changing(statement.body)
-    return found
-
-
-def comment(lines: Iterable[str]) -> list[str]:
-    """Comment lines, folded to the width of the page."""
-    found: list[str] = []
-    for line in lines:
-        text = plain_text(line).rstrip()
-        indent = " " * (len(text) - len(text.lstrip()))
-        found += [
-            f"// {part}"
-            for part in textwrap.wrap(text, COMMENT_WIDTH - 7, subsequent_indent=indent)
-        ] or ["//"]
     return found
 
 

@@ -8,15 +8,35 @@ companions only: `gonio.export.statements` and `gonio.export.expressions`.
 
 from __future__ import annotations
 
+import ast
 import inspect
 import re
 import types
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, cast
 
-from gonio.export.expressions import SIGNATURES, UNTESTED, Static, method_of
+from gonio.export import library
+from gonio.export.calls import PRODUCT_MAX, method_of, written
+from gonio.export.expressions import SIGNATURES, UNTESTED
+from gonio.export.source import source
 from gonio.export.statements import Body
-from gonio.export.tree import ExportError, Function, Member, Struct, Type
+from gonio.export.tree import (
+    Assign,
+    Builtin,
+    ExportError,
+    Expr,
+    Function,
+    Member,
+    Number,
+    Operation,
+    Return,
+    Splat,
+    Statement,
+    Struct,
+    Type,
+    Variable,
+)
+from gonio.export.values import Static
 from gonio.fields import Option, Parameter
 from gonio.model import Child, Model
 
@@ -34,20 +54,22 @@ def camel(name: str) -> str:
 class Reader:
     """Collects the functions and structs of one export, each once, callees before callers."""
 
-    def __init__(self, prefix: str, lacking: frozenset[str]) -> None:
+    def __init__(self, prefix: str, lacking: frozenset[str], roots: Iterable[str] = ()) -> None:
         """Begin an export.
 
         Args:
             prefix: of shared functions and types.
             lacking: functions of the vocabulary that are taken from the library.
+            roots: prefixes of the models that are exported, whose names are theirs.
         """
         self.prefix = prefix
         self.lacking = lacking
+        self._roots = {camel(name) for name in roots}
         self.structs: list[Struct] = []
         self.functions: list[Function] = []
         self.sample = self._add(
             Struct(
-                camel(prefix) + "Sample",
+                self._struct_name("Sample"),
                 (
                     Member("wi", "vec3", "direction towards the light, unit, local frame"),
                     Member("pdf", "float", "its density in 1/sr; 0 marks a wasted sample"),
@@ -58,7 +80,8 @@ class Reader:
         self._models: dict[Any, Struct] = {}
         self._read: dict[Any, Function] = {}
         self._results: dict[Any, Struct] = {}
-        self._names: dict[str, types.CodeType] = {}
+        self._powers: dict[tuple[int, Type], Function] = {}
+        self._names: dict[str, types.CodeType | None] = {}
         self._methods: set[str] = set()  # what the models' methods are called
         self._open: list[Any] = []
 
@@ -98,7 +121,8 @@ class Reader:
         text = [f"{doc}: {(type(model).__doc__ or '').strip().splitlines()[0]}"]
         if options:
             text.append(f"Exported with {', '.join(options)}.")
-        struct = Struct(camel(prefix), tuple(members), tuple(text), model, prefix)
+        name = self._struct_name("", prefix) if title else self._struct_name(prefix, "")
+        struct = Struct(name, tuple(members), tuple(text), model, prefix)
         own = {name for cls in type(model).__mro__ for name in vars(cls)}
         self._methods |= {f"{prefix}_{name.strip('_')}" for name in own}
         self._models[key] = struct
@@ -109,33 +133,46 @@ class Reader:
         parameters, _ = SIGNATURES[name]
         return self.function_for(method_of(owner, name), [t for _, t in parameters], owner, name)
 
+    def is_open(
+        self, function: types.FunctionType, arguments: Iterable[Type | Static], owner: Struct | None
+    ) -> bool:
+        """Whether the function is being read, so that to call it would be to call itself."""
+        return (function, owner, tuple(arguments)) in self._open
+
     def function_for(
         self,
         function: types.FunctionType,
         arguments: Iterable[Type | Static],
         owner: Struct | None = None,
         method: str = "",
+        guarded: bool = True,
     ) -> Function:
-        """A Python function as it is for some types of arguments; those of a model get its struct first."""
+        """A Python function as it is for some types of arguments; those of a model get its struct first.
+
+        With `method`, one of SIGNATURES, it begins with the test for the horizon, unless not `guarded`.
+        """
         given = tuple(arguments)
-        key = (function, owner, given, method == UNTESTED)
+        guarded = guarded and method not in ("", UNTESTED)
+        key = (function, owner, given, guarded)
         if key in self._read:
             return self._read[key]
-        if key in self._open:
-            place = f"{function.__code__.co_filename}:{function.__code__.co_firstlineno}"
+        self._open.append((function, owner, given))
+        try:
+            made = Body(self, function, given, owner, method, guarded).read()
+        except RecursionError:
             raise ExportError(
-                f"{place}: {function.__name__} calls itself, which shading languages do not allow; "
-                "write a loop over a fixed number of steps."
-            )
-        self._open.append(key)
-        made = Body(self, function, given, owner, method).read()
+                f"{function.__code__.co_filename}:{function.__code__.co_firstlineno}: functions call each "
+                f"other too deeply to be read, down to {function.__name__}; call fewer."
+            ) from None
         self._open.pop()
-        plain = method or function.__name__
-        inherited = (
-            owner is not None and inspect.unwrap(getattr(type(owner.model), plain)) is not function
-        )
-        made.name = self._name(function, given, owner, plain, inherited and not method)
-        if inherited and not method:
+        plain = "eval_above" if method == UNTESTED else method or function.__name__
+        inherited = False
+        if owner is not None and function is not library.sampled_albedo:
+            name = "eval" if method == UNTESTED else plain
+            own = inspect.getattr_static(type(owner.model), name, None)
+            inherited = written(name, own) is not function
+        made.name = self._name(function, given, owner, plain, inherited)
+        if inherited:
             made.method = f"{function.__module__.rpartition('.')[2]}_{plain}"
         self._read[key] = made
         self.functions.append(made)
@@ -175,14 +212,102 @@ class Reader:
         """The struct for several results of a function."""
         key = (function, names, given)
         if key not in self._results:
-            name = camel(f"{self.prefix}_{function.strip('_')}")
-            taken = {s.name for s in self.structs}
-            name = next(n for n in (name, *(f"{name}{i}" for i in range(2, 100))) if n not in taken)
+            plain = function.strip("_")
             members = tuple(Member(n, t) for n, t in zip(names, given, strict=True))
+            struct = Struct(self._struct_name(plain), members, (f"What {plain} returns.",))
+            self._results[key] = self._add(struct)
+        return self._results[key]
+
+    def record(self, cls: type, given: tuple[Type | Static, ...]) -> Struct:
+        """The struct of a NamedTuple with these types of members, with its name and descriptions."""
+        key = (cls, given)
+        if key not in self._results:
+            names = cast(Any, cls)._fields
+            doc, docs = described(cls)
+            members, fixed = [], []
+            for name, kind in zip(names, given, strict=True):
+                if isinstance(kind, Static):
+                    fixed.append((name, kind.value))
+                else:
+                    members.append(Member(name, kind, docs.get(name, "")))
             self._results[key] = self._add(
-                Struct(name, members, (f"Results of {function.strip('_')}.",))
+                Struct(
+                    self._struct_name(cls.__name__),
+                    tuple(members),
+                    doc,
+                    fixed=tuple(fixed),
+                    order=names,
+                )
             )
         return self._results[key]
+
+    def _struct_name(self, name: str, prefix: str | None = None) -> str:
+        """A type's name that no other has, made of the prefix and a function's or class's name."""
+        wanted = camel(self.prefix if prefix is None else prefix) + camel(name)
+        taken = {s.name for s in self.structs} | (self._roots - {wanted if not name else ""})
+        return next(
+            n for n in (wanted, *(f"{wanted}{i}" for i in range(2, 1000))) if n not in taken
+        )
+
+    def power(self, exponent: int, kind: Type) -> Function:
+        """A function that multiplies a value with itself: right for negative values too."""
+        key = (exponent, kind)
+        if key not in self._powers:
+            x = Variable("x", kind)
+            body: list[Statement] = []
+
+            def product(n: int) -> Expr:
+                if n == 1:
+                    return x
+                if f"x{n}" not in {s.name for s in body if isinstance(s, Assign)}:
+                    half = n // 2
+                    value = Operation("*", product(half), product(n - half), kind)
+                    body.append(Assign(f"x{n}", value))
+                return Variable(f"x{n}", kind)
+
+            if exponent <= PRODUCT_MAX:
+                value = product(exponent)
+                last = body.pop()
+                assert isinstance(last, Assign)
+                value = last.value
+            else:
+                even: Expr = Number(exponent - exponent % 2)
+                if kind != "float":
+                    even = Splat(even, kind)
+                value = Builtin("power", (Builtin("absolute", (x,), kind), even), kind)
+                if exponent % 2:
+                    value = Operation("*", x, value, kind)
+            doc = (f"x to the power {exponent}, for negative x as well.",)
+            made = Function("", doc, (("x", kind),), kind, (*body, Return(value)), method="power")
+            name = f"{self.prefix}_power_{exponent}" + ("" if kind == "float" else "_rgb")
+            made.name = next(
+                n for n in (name, *(f"{name}_{i}" for i in range(2, 100))) if n not in self._names
+            )
+            self._names[made.name] = None
+            self._powers[key] = made
+            self.functions.append(made)
+        return self._powers[key]
+
+
+def described(cls: type) -> tuple[tuple[str, ...], dict[str, str]]:
+    """The descriptions of a NamedTuple and of its members, from the file that defines it."""
+    try:
+        file = source(str(inspect.getsourcefile(cls)))
+    except (TypeError, ExportError):
+        return (), {}
+    for node in ast.walk(file.tree):
+        if isinstance(node, ast.ClassDef) and node.name == cls.__name__:
+            docs = {}
+            for line, after in zip(node.body, node.body[1:], strict=False):
+                if (
+                    isinstance(line, ast.AnnAssign)
+                    and isinstance(line.target, ast.Name)
+                    and isinstance(after, ast.Expr)
+                    and isinstance(after.value, ast.Constant)
+                ):
+                    docs[line.target.id] = " ".join(str(after.value.value).split())
+            return tuple((ast.get_docstring(node) or "").splitlines()), docs
+    return (), {}
 
 
 def _kind(model: Model) -> Any:

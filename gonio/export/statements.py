@@ -7,25 +7,22 @@ from __future__ import annotations
 
 import ast
 import types
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import NoReturn
 
 from gonio import lang
-from gonio.export.expressions import (
-    SIGNATURES,
-    Changed,
-    Collector,
-    Expressions,
-    Many,
-    Method,
-    Static,
-    Value,
-)
+from gonio.export.aliases import aliases, same
+from gonio.export.calls import Calls
+from gonio.export.expressions import SIGNATURES, UNTESTED, Collector
+from gonio.export.source import source
 from gonio.export.tree import (
     SELF,
     Access,
     Assign,
     Builtin,
     Call,
+    Constant,
     Construction,
     Expr,
     Function,
@@ -41,16 +38,18 @@ from gonio.export.tree import (
     Struct,
     Type,
     Variable,
+    children,
     inside,
     walk,
 )
+from gonio.export.values import Changed, Many, Method, Static, Value, truth
 from gonio.model import Model
 
 # More steps than this are a mistake, or hang a graphics driver.
 STEPS_MAX = 2**16
 
 
-class Body(Expressions):
+class Body(Calls):
     """Reads one function."""
 
     def __init__(
@@ -60,10 +59,12 @@ class Body(Expressions):
         given: tuple[Type | Static, ...],
         owner: Struct | None,
         method: str,
+        guarded: bool,
     ) -> None:
-        """Begin a function for some types of arguments."""
+        """Begin a function for some types of arguments; `guarded` ones test for the horizon."""
         super().__init__(reader, function, owner)
         self.method = method
+        self.guarded = guarded
         self.node = self.source.function(function)
         self.parameters: list[tuple[str, Type]] = []
         self.statements: list[Statement] = []
@@ -72,32 +73,51 @@ class Body(Expressions):
         self.pending: tuple[str, ...] = ()  # comments for the next statement
         self.branch_taken = True  # whether the branch that ends right above was taken
         self.used = {n.id for n in ast.walk(self.node) if isinstance(n, ast.Name)}
+        # Names whose value no other name has: `x += y` changes it in place
+        self.own: set[str] = set()
+        self.loops: list[_Loop] = []
         self._bind(given)
 
     def _bind(self, given: tuple[Type | Static, ...]) -> None:
         arguments = self.node.args
         if arguments.vararg or arguments.kwarg:
             self.refuse(self.node, "*args and **kwargs have no meaning in a shader; name each one.")
-        names = [a.arg for a in (*arguments.posonlyargs, *arguments.args)]
+        names = [a.arg for a in (*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs)]
         if self.owner is not None:
+            if not names:
+                self.refuse(self.node, "a method takes its model first: self.")
             self.parameters.append((SELF, self.owner))
             self.scope[names[0]] = self.owner
             self.self_name = names[0]
             names = names[1:]
+        if self.method in SIGNATURES and len(names) != len(given):
+            expected = ", ".join(["self", *(n for n, _ in SIGNATURES[self.method][0])])
+            self.refuse(self.node, f"{self.node.name} takes {expected} and nothing else.")
         self._check_name(self.node, self.node.name.strip("_"))
         for name, value in zip(names, given, strict=True):
             self._check_name(self.node, name)
             self.scope[name] = value
             if not isinstance(value, Static):
                 self.parameters.append((name, value))
+        self.arguments = frozenset(names)
+        self._know_directions(names)
+
+    def _know_directions(self, names: Sequence[str]) -> None:
+        """Which arguments are directions above the horizon: shown by a test, or promised."""
+        if self.method in ("eval", "pdf", UNTESTED):
+            self.tested = frozenset(names)
+        elif self.method == "sample":
+            self.tested = frozenset(names[:1])
+        elif self.method == "albedo":
+            self.upper = frozenset(names)
 
     def read(self) -> Function:
         """The function, checked."""
-        if self.method in ("eval", "pdf"):
+        if self.guarded and self.method in ("eval", "pdf"):
             self._guard("wi", "wo", "<=")
-        elif self.method == "sample":
+        elif self.guarded and self.method == "sample":
             self._guard("wo", "", "<=")
-        elif self.method == "albedo":
+        elif self.guarded and self.method == "albedo":
             self._guard("wo", "", "<")
         statements = self.node.body
         doc = ast.get_docstring(self.node)
@@ -124,6 +144,12 @@ class Body(Expressions):
             _without_unused(tuple(self.statements)),
             self.owner,
             self.method or self.node.name,
+            self.node.name,
+            frozenset(
+                i
+                for i, (name, _) in enumerate(self.parameters[self.owner is not None :])
+                if name in self.exponents
+            ),
         )
 
     def _end(self, node: ast.FunctionDef) -> int:
@@ -138,13 +164,13 @@ class Body(Expressions):
 
     def _guard(self, first: str, second: str, comparison: str) -> None:
         """Everything is zero below the horizon: the contract of `gonio.model`."""
-        names = [a.arg for a in self.node.args.args][1:]
+        names = [name for name, _ in self.parameters[1:]]
         known = dict(zip([n for n, _ in SIGNATURES[self.method][0]], names, strict=True))
         height: Expr = Access(Variable(known[first], "vec3"), "z", "float")
         if second:
             other = Access(Variable(known[second], "vec3"), "z", "float")
             height = Builtin("minimum", (height, other), "float")
-        horizon = Number(0 if self.method == "albedo" else lang.MU_MIN)
+        horizon = Number(0) if self.method == "albedo" else self._horizon()
         condition = Operation(comparison, height, horizon, "bool")
         zero: Expr = Number(0)
         if self.method == "sample":
@@ -154,6 +180,15 @@ class Body(Expressions):
             zero = Splat(zero, "vec3")
         where = "below the horizon" if self.method == "albedo" else "in the horizon or below"
         self.statements.append(ReturnIf(condition, zero, trailing=where))
+
+    @staticmethod
+    def _horizon() -> Expr:
+        """The cosine that begins the horizon, by its name."""
+        file = source(str(lang.__file__))
+        comments = file.constant_comments("MU_MIN") or ()
+        return Constant(
+            "MU_MIN", lang.MU_MIN, comments, (file.path, *file.constant_place("MU_MIN"))
+        )
 
     # --- statements --------------------------------------------------------------------------------
 
@@ -210,10 +245,17 @@ class Body(Expressions):
 
     def statement(self, node: ast.stmt) -> None:
         """Read one statement."""
+        if not isinstance(node, (ast.If, ast.For)):
+            self._check_depth(node)
         if isinstance(node, ast.Return):
             self._return(node)
-        elif isinstance(node, ast.Assign) and len(node.targets) == 1:
-            self._assign(node, node.targets[0])
+        elif isinstance(node, ast.Assign):
+            self._assign(node)
+        elif isinstance(node, ast.AugAssign):
+            self._augment(node)
+        elif isinstance(node, ast.AnnAssign) and node.value is not None and node.simple:
+            assert isinstance(node.target, ast.Name)
+            self._store(node, node.target.id, self._result(node.value))
         elif isinstance(node, ast.If):
             self._if(node)
         elif isinstance(node, ast.For):
@@ -222,12 +264,19 @@ class Body(Expressions):
             return
         elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
             self.refuse(node, "text that is not the function's docstring; write it as a comment.")
+        elif isinstance(node, ast.Expr):
+            if isinstance(node.value, ast.Call):
+                self.refuse(
+                    node, "a call whose result is not used does nothing in a shader; leave it out."
+                )
+            self._unknown(node.value)
         else:
             self._unknown(node)
 
     def _if(self, node: ast.If) -> None:
-        test = self.value(node.test)
-        if not isinstance(test, Static):
+        self._check_depth(node.test)
+        test = truth(self.value(node.test))
+        if test is None:
             self.refuse(
                 node.test,
                 "this condition is not known when the shader is made; write select(condition, yes, no).",
@@ -266,24 +315,45 @@ class Body(Expressions):
             isinstance(call, ast.Call)
             and isinstance(call.func, ast.Name)
             and call.func.id == "range"
+            and "range" not in self.scope
+            and "range" not in self.python.__globals__
             and len(call.args) == 1
+            and not call.keywords
             and isinstance(node.target, ast.Name)
             and not node.orelse
         ):
             self.refuse(node, "only 'for i in range(count)' can be exported.")
-        count = self._static_number(call.args[0])
-        if count != int(count) or not 0 < count <= STEPS_MAX:
-            self.refuse(call, f"the number of steps must be from 1 to {STEPS_MAX}, got {count:g}.")
-        self._check_name(node, node.target.id)
-        outside = dict(self.scope)
-        self.scope[node.target.id] = "float"
+        count = self._steps(call.args[0])
+        name = node.target.id
+        self._check_name(node, name)
+        if name in self.scope or name in self.arguments:
+            self.refuse(node.target, f"{name!r} has a value already, which the loop would change.")
+        outside, plain = dict(self.scope), set(self.plain)
+        self.scope[name] = "float"
+        self.plain.add(name)
         kept, self.statements = self.statements, []
+        self.loops.append(_Loop(frozenset(outside)))
         self.block(node.body, node.lineno)
         if self.done:
             self.refuse(node, "a loop cannot return; return its result after it.")
+        loop = self.loops.pop()
+        for changed, at in loop.changed.items():
+            if changed in loop.shared:
+                self._refuse_in_place(at, changed)
         body, self.statements = tuple(self.statements), kept
-        self.scope = outside
-        self.statements.append(Repeat(node.target.id, int(count), body))
+        self.scope, self.plain = outside, self.plain & plain
+        self.own &= set(outside)
+        self.statements.append(Repeat(name, count, body))
+
+    def _steps(self, node: ast.expr) -> int:
+        known = truth(self.value(node))
+        if known is None or isinstance(known.value, bool) or not isinstance(known.value, int):
+            self.refuse(node, "this whole number must be known when the shader is made.")
+        if not 0 < known.value <= STEPS_MAX:
+            self.refuse(
+                node, f"the number of steps must be from 1 to {STEPS_MAX}, got {known.value}."
+            )
+        return known.value
 
     def _return(self, node: ast.Return) -> None:
         if node.value is None:
@@ -301,7 +371,7 @@ class Body(Expressions):
         expr = self._expr(node.value, value)
         if isinstance(expr, Changed):
             name = self._fresh("rougher")
-            self._change(name, expr)
+            self._change(node, name, expr)
             expr = Variable(name, expr.type)
         if self.method in SIGNATURES and self.result is not None:
             expr = self._coerce(node, expr, self.result)
@@ -309,31 +379,45 @@ class Body(Expressions):
             if expr.type is not self.reader.sample:
                 self.refuse(node, "sample returns Sample(wi, pdf).")
             expr = self._waste_below(expr)
+        if isinstance(expr.type, str) and expr.type in ("bool", "bool3") and self.method:
+            self.refuse(node, "a mask is no result of this method.")
         self.statements.append(Return(expr))
         self.result = expr.type
         self.done = True
 
     def _waste_below(self, expr: Expr) -> Expr:
-        """Sample(wi, pdf) with pdf = 0 where wi is below the horizon; `self.pdf` sees to it itself."""
-        if not isinstance(expr, Construction):
-            self.refuse(self.node, "sample ends with 'return Sample(wi, pdf)'.")
-        wi, pdf = expr.arguments
-        if isinstance(pdf, Call) and pdf.function.method == "pdf":
+        """A sample with pdf = 0 where wi is below the horizon; a model's `sample` sees to it itself."""
+        if isinstance(expr, Call) and _is_contract(expr, "sample"):
             return expr
-        if not isinstance(wi, Variable):
+        if not isinstance(expr, Construction):
+            if not isinstance(expr, Variable):
+                name = self._fresh("drawn")
+                self.statements.append(Assign(name, expr))
+                expr = Variable(name, expr.type)
+            expr = Construction(
+                (Access(expr, "wi", "vec3"), Access(expr, "pdf", "float")), expr.type
+            )
+        wi, pdf = expr.arguments
+        if not isinstance(wi, (Variable, Access)):
             name = self._fresh("wi")
             self.statements.append(Assign(name, wi))
             wi = Variable(name, "vec3")
-        above = Operation(">", Access(wi, "z", "float"), Number(lang.MU_MIN), "bool")
+        if _is_contract(pdf, "pdf") and same(children(pdf)[1], wi):
+            return Construction((wi, pdf), expr.type)
+        above = Operation(">", Access(wi, "z", "float"), self._horizon(), "bool")
         masked = Builtin("select", (above, pdf, Number(0)), "float")
         return Construction((wi, masked), expr.type)
 
     def _result_names(self, node: ast.expr) -> tuple[str, ...]:
         assert isinstance(node, ast.Tuple)
         names = [n.id if isinstance(n, ast.Name) else "" for n in node.elts]
-        if all(names) and len(set(names)) == len(names):
-            return tuple(names)
-        return ("first", "second", "third", "fourth", "fifth", "sixth")[: len(names)]
+        if not all(names) or len(set(names)) != len(names):
+            self.refuse(
+                node,
+                "what is returned has no names; give each value one (return weight, pdf), or return a "
+                "NamedTuple.",
+            )
+        return tuple(names)
 
     def _fresh(self, name: str) -> str:
         """A local name that the function does not use; its type is set by the caller."""
@@ -342,15 +426,65 @@ class Body(Expressions):
         self.used.add(name)
         return name
 
-    def _assign(self, node: ast.Assign, target: ast.expr) -> None:
-        if isinstance(target, ast.Name):
-            self._store(node, target.id, self._result(node.value))
-        elif isinstance(target, ast.Tuple) and all(isinstance(t, ast.Name) for t in target.elts):
-            names = [t.id for t in target.elts if isinstance(t, ast.Name)]
-            value = self._result(node.value)
-            self._unpack(node, names, value)
+    def _assign(self, node: ast.Assign) -> None:
+        value = self._result(node.value)
+        for i, target in enumerate(node.targets):
+            if isinstance(target, ast.Name):
+                self._store(node, target.id, value)
+                if i + 1 < len(node.targets) and not isinstance(value, (Static, Method, Many)):
+                    value = Variable(target.id, value.type)  # computed once
+            elif isinstance(target, ast.Tuple) and len(node.targets) == 1:
+                names = [t.id for t in target.elts if isinstance(t, ast.Name)]
+                if len(names) != len(target.elts):
+                    self.refuse(target, "only names can be assigned; unpack once more below.")
+                self._unpack(node, names, value)
+            else:
+                self.refuse(target, "only a name, or names separated by commas, can be assigned.")
+
+    def _augment(self, node: ast.AugAssign) -> None:
+        """x += y, which changes x in place: in Python other names may have its value, and change too."""
+        target = node.target
+        if not isinstance(target, ast.Name):
+            self.refuse(
+                target, "only a name can be changed; write v = vec3(...) with what changes."
+            )
+        name = target.id
+        if name in self.arguments or name == self.self_name:
+            self.refuse(
+                node,
+                f"{name} is an argument, which Python would change for the caller as well; write "
+                f"{name}_changed = ...",
+            )
+        known = self.scope.get(name)
+        if known is None or isinstance(known, Static):
+            self.refuse(node, f"{name} has no value here that could be changed.")
+        if name not in self.own:
+            self._refuse_in_place(node, name)
+        for loop in self.loops:
+            if name in loop.outside:
+                loop.changed.setdefault(name, node)
+        value = self._operation(node, node.op, Variable(name, known), self.expr(node.value))
+        self._store(node, name, value)
+
+    def _refuse_in_place(self, node: ast.AugAssign, name: str) -> NoReturn:
+        self.refuse(
+            node,
+            f"{name} may be the value of another name too, which Python changes with it; write "
+            f"{name} = {name} {_SIGNS.get(type(node.op), '+')} ...",
+        )
+
+    def _note_sharing(self, name: str, value: Expr) -> None:
+        """Take note of which names may have one value: a += b would change it for all of them."""
+        shared = aliases(value)
+        self.own -= shared
+        for loop in self.loops:
+            loop.shared |= shared
+        if shared:
+            self.own.discard(name)
+            for loop in self.loops:
+                loop.shared.add(name)
         else:
-            self.refuse(target, "only a name, or names separated by commas, can be assigned.")
+            self.own.add(name)
 
     def _result(self, node: ast.expr) -> Value:
         value = self.value(node)
@@ -359,83 +493,128 @@ class Body(Expressions):
         return value
 
     def _unpack(self, node: ast.Assign, names: list[str], value: Value) -> None:
+        if isinstance(value, Static) and isinstance(value.value, tuple):
+            if len(value.value) != len(names):
+                self.refuse(node, f"{len(names)} names for {len(value.value)} values.")
+            for name, known in zip(names, value.value, strict=True):
+                self._store(node, name, Static(known))
+            return
         if isinstance(value, Many):
             values = list(value.values)
             if len(values) != len(names):
                 self.refuse(node, f"{len(names)} names for {len(values)} values.")
-            for i, v in enumerate(values[1:], 1):
-                used = {e.name for e in inside(v) if isinstance(e, Variable)}
-                if used & set(names[:i]):
-                    self.refuse(node, "a value uses a name that is assigned here; write two lines.")
+            for i, v in enumerate(values):
+                # All values are taken before the first name gets its own: a, b = b, a
+                if {e.name for e in inside(v) if isinstance(e, Variable)} & set(names[:i]):
+                    label = self._fresh(f"new_{names[i].strip('_')}")
+                    self._store(node, label, v)
+                    values[i] = Variable(label, v.type)
             for name, v in zip(names, values, strict=True):
                 if name != "_":
                     self._store(node, name, v)
             return
         expr = self._expr(node.value, value)
         kind = expr.type
-        if not isinstance(kind, Struct) or len(kind.members) != len(names):
+        if not isinstance(kind, Struct) or kind.model is not None:
+            self.refuse(node, f"this is not {len(names)} values.")
+        if len(kind.members) + len(kind.fixed) != len(names):
             self.refuse(node, f"this is not {len(names)} values.")
         if not isinstance(expr, Variable):
             label = expr.function.method.strip("_") if isinstance(expr, Call) else "several"
             label = self._fresh(f"{label}_result")
             self.statements.append(Assign(label, expr))
             expr = Variable(label, kind)
-        for name, member in zip(names, kind.members, strict=True):
+        types = {m.name: m.type for m in kind.members}
+        fixed = dict(kind.fixed)
+        for name, member in zip(names, kind.order or types, strict=True):
             if name != "_":
-                self._store(node, name, Access(expr, member.name, member.type))
-
-    def _check_name(self, node: ast.AST, name: str) -> None:
-        """Refuse what no shading language takes as a name."""
-        if name == SELF:
-            self.refuse(node, f"{SELF} is the struct of parameters in shaders; use another name.")
-        if not name.isascii() or "__" in name or name.startswith("gl_"):
-            self.refuse(
-                node,
-                f"shading languages do not take the name {name!r}; use letters of the English alphabet, "
-                "digits and single underscores.",
-            )
+                known = Static(fixed[member]) if member in fixed else None
+                self._store(node, name, known or Access(expr, member, types[member]))
 
     def _store(self, node: ast.stmt, name: str, value: Value) -> None:
         self._check_name(node, name)
+        known = self.scope.get(name)
+        repeated = any(name in loop.outside for loop in self.loops)
         if isinstance(value, (Static, Method)):
-            if (
-                isinstance(value, Method)
-                or isinstance(self.scope.get(name, value), Static) is False
-            ):
+            if isinstance(value, Method):
+                self.refuse(node, "a method must be called.")
+            if not isinstance(known, Static) and known is not None:
                 self.refuse(node, f"{name} cannot be a number here and something else there.")
+            if repeated:
+                self.refuse(
+                    node,
+                    f"{name} changes from step to step, but is known when the shader is made; make it "
+                    "a number, or write the first step before the loop.",
+                )
             self.scope[name] = value
             return
         if isinstance(value, Many):
             self.refuse(node, f"several values for one name; unpack them: {name}_1, {name}_2 = ...")
+        if name in self.arguments or name == self.self_name:
+            self.refuse(node, f"the argument {name} cannot be assigned; use another name.")
+        if isinstance(known, Static) and repeated:
+            self.refuse(node, f"{name} cannot be a number here and something else there.")
         if isinstance(value, Changed):
-            self._change(name, value)
+            self._change(node, name, value)
             return
-        known = self.scope.get(name)
+        self._note_sharing(name, value)
+        names = {e.name for e in inside(value) if isinstance(e, Variable)}
+        dynamic = (Access, Call)
+        if names <= self.plain and not any(isinstance(e, dynamic) for e in inside(value)):
+            self.plain.add(name)
+        else:
+            self.plain.discard(name)
         if known is None or isinstance(known, Static):
             self.scope[name] = value.type
             self.statements.append(Assign(name, value))
             return
-        if any(name == parameter for parameter, _ in self.parameters):
-            self.refuse(node, f"the argument {name} cannot be assigned; use another name.")
         value = self._coerce(node, value, known)
         self.statements.append(Assign(name, value, declares=False))
 
-    def _change(self, name: str, value: Changed) -> None:
+    def _change(self, node: ast.stmt, name: str, value: Changed) -> None:
+        """A copy of a model, and then its changed members."""
+        known = self.scope.get(name)
+        self.own.discard(name)
+        if known is not None:
+            if known is not value.type:
+                self.refuse(node, f"{name} is another model already; use another name.")
+            if any(isinstance(e, Variable) and e.name == name for e in inside(value.model)):
+                self.refuse(node, f"{name} is changed by itself; use another name.")
         self.scope[name] = value.type
-        self.statements.append(Assign(name, value.model))
+        self.statements.append(Assign(name, value.model, declares=known is None))
         for member, expr in value.members.items():
-            self.statements.append(SetMember(name, member, expr))
+            assert isinstance(value.type, Struct)
+            self.statements.append(SetMember(name, member, expr, value.type))
+
+
+@dataclass
+class _Loop:
+    """What is known of a loop whose body is being read."""
+
+    outside: frozenset[str]
+    """Names that have a value before it."""
+    shared: set[str] = field(default_factory=set)
+    """Names that come to have the value of another one in it."""
+    changed: dict[str, ast.AugAssign] = field(default_factory=dict)
+    """Names from outside that are changed in place."""
+
+
+_SIGNS: dict[type, str] = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
+
+
+def _is_contract(expr: Expr, method: str) -> bool:
+    """Whether it calls a model's own eval, sample or pdf, which is 0 below the horizon."""
+    if not isinstance(expr, Call):
+        return False
+    return expr.function.owner is not None and expr.function.method == method
 
 
 def _without_unused(statements: tuple[Statement, ...]) -> tuple[Statement, ...]:
     """Without variables that only the branches not taken would use."""
     while True:
         used = {e.name for e in walk(statements) if isinstance(e, Variable)}
-        kept = tuple(
-            s
-            for s in statements
-            if not (isinstance(s, Assign) and s.declares and s.name not in used)
-        )
+        used |= {s.variable for s in statements if isinstance(s, SetMember)}
+        kept = tuple(s for s in statements if not (isinstance(s, Assign) and s.name not in used))
         if len(kept) == len(statements):
             return kept
         statements = kept

@@ -18,7 +18,14 @@ def _words(text: str) -> frozenset[str]:
     return frozenset(text.split())
 
 
+# Of C and C++, whose words and macros any shading language may take up, or the program around a shader.
 C_WORDS = _words(
+    "alignas alignof and and_eq asm atomic_uint bitand bitor catch char16_t char32_t char8_t class compl "
+    "concept consteval constexpr constinit const_cast co_await co_return co_yield decltype delete "
+    "dynamic_cast explicit export friend module mutable nan noexcept not not_eq nullptr or or_eq "
+    "reinterpret_cast requires static_assert static_cast thread_local typeid typename virtual wchar_t xor "
+    "xor_eq union NULL EOF NAN INFINITY HUGE_VAL HUGE_VALF MAXFLOAT PI TAU errno stdin stdout stderr "
+    "linux unix i386 VULKAN GL_ES HLSL SLANG TRUE FALSE row_major column_major main "
     "auto bool break case char const continue default do double else enum extern false float for goto "
     "if inline int long namespace new operator private protected public register return short signed "
     "sizeof static struct switch template this throw true try typedef union unsigned using void "
@@ -32,13 +39,16 @@ GLSL_WORDS = C_WORDS | _words(
     "uint uniform uvec2 varying vec2 vec3 vec4 writeonly main"
 )
 HLSL_WORDS = C_WORDS | _words(
-    "asm BlendState Buffer cbuffer centroid class column_major compile discard dword export float2 "
-    "float3 fxgroup groupshared half in inout interface line lineadj linear matrix min16float "
+    "asm ByteAddressBuffer RWTexture2D RWByteAddressBuffer RWBuffer StructuredBuffer "
+    "RWStructuredBuffer ConstantBuffer BlendState Buffer cbuffer centroid class column_major compile "
+    "discard dword export float2 float3 "
+    "fxgroup groupshared half in inout interface line lineadj linear matrix min16float "
     "nointerpolation noperspective out packoffset pass pixelfragment point precise register row_major "
     "sample sampler shared snorm string Texture2D tbuffer technique texture triangle uint uniform "
     "unorm unsigned vector main"
 )
 WGSL_WORDS = C_WORDS | _words(
+    "continuing nil varying storage workgroup function "
     "abstract active alias alignas alignof array as asm asm_fragment async atomic attribute auto "
     "await become bitcast cast catch class co_await co_return co_yield coherent column_major common "
     "compile compile_fragment concept const_assert const_cast consteval constexpr constinit crate "
@@ -111,6 +121,8 @@ class Target:
     struct_end: str = "};"
     vector: str = "{type}({arguments})"
     splat: str = "{type}({0})"
+    splat_plain: str = ""
+    """The same for a name or a number; empty: as `splat`."""
     record: str = "{type}({arguments})"
     """A struct from its members; empty if that takes a declaration."""
     select: str = ""
@@ -123,6 +135,8 @@ class Target:
     """Of vectors, by operator; empty: the operators themselves."""
     loop: str = "for (int {index} = 0; {index} < {count}; ++{index}) {{"
     to_float: str = "float({0})"
+    constants_in_file: bool = False
+    """Whether named numbers stand once in the file, in a namespace where they clash with no others."""
     mixed: bool = True
     """Whether a vector and a number can be added, multiplied ..."""
     result_struct_members: bool = True
@@ -209,7 +223,8 @@ HLSL = Target(
         "fract": "frac({0})",
         "fma": "mad({0}, {1}, {2})",
     },
-    splat="({type})({0})",
+    splat="({0}).xxx",
+    splat_plain="float3({0}, {0}, {0})",
     record="",
     select3="{p}_select({0}, {1}, {2})",
     helpers={
@@ -263,6 +278,8 @@ SLANG = Target(
     types=HLSL_TYPES,
     reserved=SLANG_WORDS,
     spellings=HLSL.spellings,
+    splat=HLSL.splat,
+    splat_plain=HLSL.splat_plain,
     record="",
     select3="select({0}, {1}, {2})",
     methods=True,
@@ -349,6 +366,7 @@ CPP = Target(
     library=frozenset({"erfinv", "twice_atan_over"}),
     suffix="f",
     constant="constexpr {type} {name} = {value};",
+    constants_in_file=True,
     function="inline {result} {name}({parameters}) {{",
     struct_parameter="const {type}& {name}",
     vector="{type}{{{arguments}}}",
@@ -393,6 +411,8 @@ OSL = Target(
         "<=": "{p}_not_less({1}, {0})",
         ">": "{p}_less({1}, {0})",
         ">=": "{p}_not_less({0}, {1})",
+        "==": "{p}_equal({0}, {1})",
+        "!=": "{p}_not_equal({0}, {1})",
     },
     result_struct_members=False,
     shader=True,
@@ -416,6 +436,18 @@ vector {p}_less(vector a, vector b) {
 // A mask: 1 where a >= b, else 0.
 vector {p}_not_less(vector a, vector b) {
     return vector(a[0] >= b[0], a[1] >= b[1], a[2] >= b[2]);
+}
+""",
+        "equal": """\
+// A mask: 1 where a = b, else 0.
+vector {p}_equal(vector a, vector b) {
+    return vector(a[0] == b[0], a[1] == b[1], a[2] == b[2]);
+}
+""",
+        "not_equal": """\
+// A mask: 0 where a = b, else 1.
+vector {p}_not_equal(vector a, vector b) {
+    return vector(a[0] != b[0], a[1] != b[1], a[2] != b[2]);
 }
 """,
     },

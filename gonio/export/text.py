@@ -11,19 +11,32 @@ from pathlib import Path
 from typing import Any
 
 from gonio.export import library
+from gonio.export.comments import comment, plain_text
 from gonio.export.entry import Entry, Export, Member
-from gonio.export.printer import INDENT, WIDTH, Printer, comment, number, plain_text
+from gonio.export.names import Names, legal
+from gonio.export.printer import INDENT, WIDTH, Printer, constants_of, in_order, number
 from gonio.export.read import Reader, camel
 from gonio.export.targets import TARGETS, Target
-from gonio.export.tree import SELF, ExportError, Function, Struct, walk
+from gonio.export.tidy import members, tidy
+from gonio.export.tree import METHODS, SELF, Call, ExportError, Function, Struct, walk
 from gonio.fields import Parameter
 from gonio.model import Child, Model
-from gonio.version import __version__
 
-FUNCTIONS = ("eval", "sample", "pdf", "albedo")
+FUNCTIONS = METHODS
 
 # Prefix of what several models of one export share.
 SHARED = "gonio"
+
+# Exported code is the model's, and under the licence of gonio, which allows any use.
+LICENCE = "SPDX-License-Identifier: Apache-2.0"
+
+# What functions are for, by the method that asks for them.
+PURPOSES = {"eval": "evaluation", "sample": "sampling", "pdf": "sampling", "albedo": "albedo"}
+
+# What a shader of OSL calls its own inputs, outputs and variables.
+SHADER_NAMES = frozenset(
+    ("wi", "wo", "u1", "u2", "f", "sampled_wi", "sampled_pdf", "pdf", "albedo")
+)
 
 # How exact the albedo of models without a closed form is, of white: see docs/language.md.
 SAMPLED_ALBEDO = 5e-3
@@ -67,13 +80,16 @@ def export(
             raise ExportError(
                 f"the prefix {name!r} cannot begin a name; use letters, digits and single underscores."
             )
-    shared = prefix or (next(iter(models)) if len(models) == 1 else SHARED)
-    reader = Reader(shared, target.library)
+    # Names that begin with gl_ belong to OpenGL
+    models = {legal(name).rstrip("_"): model for name, model in models.items()}
+    shared = legal(prefix or (next(iter(models)) if len(models) == 1 else SHARED)).rstrip("_")
+    reader = Reader(shared, target.library, models)
     roots = [reader.model(model, name, title=name) for name, model in models.items()]
     wanted = [reader.method(root, name) for root in roots for name in FUNCTIONS if name in only]
-    text = _Text(target, shared, reader, roots, wanted, embed).write()
+    functions = tidy(reader.functions, wanted, reader.sample, target.methods)
+    text = _Text(target, shared, reader, functions, roots, wanted, embed)
     return [
-        Export(target.name, text, _entry(shared, reader, root, only), _albedo_error(root, only))
+        Export(target.name, text.source, text.entry(root, only), _albedo_error(root, only))
         for root in roots
     ]
 
@@ -84,14 +100,6 @@ def _target(name: str) -> Target:
         did = f"did you mean {near[0]!r}? " if near else ""
         raise ExportError(f"no language {name!r}; {did}there are {', '.join(TARGETS)}.")
     return TARGETS[name]
-
-
-def _entry(shared: str, reader: Reader, root: Struct, only: Sequence[str]) -> Entry:
-    model = root.model
-    assert model is not None
-    members = tuple(Member(path, declared.width) for path, declared, _ in model.parameters())
-    functions = tuple(f for f in FUNCTIONS if f in only)
-    return Entry(root.prefix, root.name, reader.sample.name, _namespace(shared), members, functions)
 
 
 def _namespace(shared: str) -> str:
@@ -112,6 +120,7 @@ class _Text:
         target: Target,
         prefix: str,
         reader: Reader,
+        functions: Sequence[Function],
         roots: Sequence[Struct],
         wanted: Sequence[Function],
         embed: bool,
@@ -119,22 +128,41 @@ class _Text:
         self.target = target
         self.prefix = prefix
         self.reader = reader
+        self.functions = functions
         self.roots = roots
         self.wanted = wanted
         self.embed = embed
-        self.printer = Printer(target, prefix)
-
-    def write(self) -> str:
-        """The text."""
         used = self._used_structs()
-        structs = [s for s in self.reader.structs if s in used]
+        self.structs = [s for s in reader.structs if s in used]
+        self.printer = Printer(target, prefix, functions, self.structs)
+        self.ports: dict[str, str] = {}  # what a shader calls its parameters, by path
+        self.source = self._write()
+
+    def entry(self, root: Struct, only: Sequence[str]) -> Entry:
+        """The names of what a model's part of the text defines."""
+        found = []
+        for path, member in members(root):
+            name = self.ports.get(path) or self.printer.path(root, path)
+            found.append(Member(path, 3 if member.type == "vec3" else 1, name))
+        functions = tuple(f for f in FUNCTIONS if f in only)
+        return Entry(
+            root.prefix,
+            root.name,
+            self.reader.sample.name,
+            _namespace(self.prefix),
+            tuple(found),
+            functions,
+        )
+
+    def _write(self) -> str:
         blocks: list[list[str]] = []
-        free = list(self.reader.functions)
+        if self.target.constants_in_file:
+            blocks += self._constants()
         if self.target.methods:
-            blocks += self._with_methods(structs, free)
+            blocks += self._with_methods()
         else:
-            blocks += [self.printer.struct(s) for s in structs]
-            blocks += [self.printer.function(f) for f in free]
+            blocks += [self.printer.struct(s) for s in self.structs]
+            blocks += self._under_headings(self.functions)
         if self.embed:
             blocks += [self._embedded(root) for root in self.roots]
         if self.target.shader:
@@ -155,34 +183,69 @@ class _Text:
         text = "\n".join(part if part.endswith("\n") else part + "\n" for part in parts)
         return text + self.target.foot.format(namespace=namespace)
 
+    def _constants(self) -> list[list[str]]:
+        """All named numbers, where the language has a namespace for them."""
+        found = in_order(
+            {(c.name, c.value): c for f in self.functions for c in constants_of(f.body)}.values()
+        )
+        names = Names(self.printer.reserved)
+        self.printer.name_constants(found, names)
+        return [self.printer.constants(found)] if found else []
+
+    def _under_headings(self, functions: Sequence[Function]) -> list[list[str]]:
+        """Functions, with a heading where those for another purpose begin."""
+        purposes = self._purposes()
+        blocks, last = [], ""
+        for function in functions:
+            lines = self.printer.function(function)
+            if (purpose := purposes[id(function)]) != last and len(set(purposes.values())) > 1:
+                lines = [*_heading(purpose), *lines]
+            last = purpose
+            blocks.append(lines)
+        return blocks
+
+    def _purposes(self) -> dict[int, str]:
+        """What each function is for: the first that asks for it says it."""
+        found: dict[int, str] = {}
+        for method, purpose in PURPOSES.items():
+            todo = [f for f in self.wanted if f.method == method]
+            while todo:
+                function = todo.pop()
+                if id(function) not in found:
+                    found[id(function)] = purpose
+                    todo += [e.function for e in walk(function.body) if isinstance(e, Call)]
+        return found
+
     def _used_structs(self) -> set[Struct]:
         used: set[Struct] = set(self.roots)
-        for function in self.reader.functions:
+        for function in self.functions:
             kinds = [kind for _, kind in function.parameters] + [function.result]
             kinds += [expr.type for expr in walk(function.body)]
             used |= {kind for kind in kinds if isinstance(kind, Struct)}
         for struct in list(used):
-            used |= {m.type for m in _members(struct) if isinstance(m.type, Struct)}
+            used |= set(_inner(struct))
         return used
 
-    def _with_methods(self, structs: Sequence[Struct], free: list[Function]) -> list[list[str]]:
+    def _with_methods(self) -> list[list[str]]:
         """Structs with methods, and an interface for what a renderer calls."""
-        interface = f"I{camel(self.prefix)}Brdf"
-        plain = [s for s in structs if s.model is None]
+        names = Names(self.printer.reserved)
+        interface = names.give(f"I{camel(self.prefix)}Brdf")
+        plain = [s for s in self.structs if s.model is None]
         blocks = [self.printer.struct(s) for s in plain]
         lines = comment(("What a renderer asks of a model.",))
         lines.append(f"interface {interface} {{")
         for function in self.wanted[: len(self.wanted) // len(self.roots)]:
             result = self.printer.type(function.result)
             parameters = ", ".join(
-                f"{self.printer.type(kind)} {name}" for name, kind in function.parameters[1:]
+                f"{self.printer.type(kind)} {legal(name, self.printer.reserved)}"
+                for name, kind in function.parameters[1:]
             )
             lines.append(f"{INDENT}{result} {function.method}({parameters});")
         blocks.append([*lines, "}"])
-        blocks += [self.printer.function(f) for f in free if f.owner is None]
-        for struct in structs:
+        blocks += self._under_headings([f for f in self.functions if f.owner is None])
+        for struct in self.structs:
             if struct.model is not None:
-                methods = [f for f in free if f.owner is struct]
+                methods = [f for f in self.functions if f.owner is struct]
                 bases = f" : {interface}" if struct in self.roots else ""
                 blocks.append(self.printer.struct(struct, bases, methods))
         return blocks
@@ -191,14 +254,15 @@ class _Text:
         """A function that gives the parameters of a material."""
         assert root.model is not None
         result, target = "material", self.target
+        names = Names({f.name for f in self.functions})
         lines = comment((f"The parameters of {root.prefix}.",))
-        lines.append(
-            target.function.format(result=root.name, name=f"{root.prefix}_material", parameters="")
-        )
+        name = names.give(f"{root.prefix}_material")
+        lines.append(target.function.format(result=root.name, name=name, parameters=""))
         lines.append(INDENT + target.uninitialized.format(type=root.name, name=result))
-        for path, declared, value in root.model.parameters():
-            names = ".".join(self.printer.name(part) for part in path.split("."))
-            lines.append(f"{INDENT}{result}.{names} = {self._value(declared, value)};")
+        values = {path: (declared, value) for path, declared, value in root.model.parameters()}
+        for path, _ in members(root):
+            value = self._value(*values[path])
+            lines.append(f"{INDENT}{result}.{self.printer.path(root, path)} = {value};")
         return [*lines, f"{INDENT}return {result};", "}"]
 
     def _value(self, declared: Parameter, value: Any) -> str:
@@ -218,8 +282,11 @@ class _Text:
         model = root.model
         assert model is not None
         inputs, fill = [], []
-        for path, declared, value in model.parameters():
-            name = self.printer.name(path.replace(".", "_"))
+        values = {path: (declared, value) for path, declared, value in model.parameters()}
+        taken = Names(self.printer.reserved | SHADER_NAMES)
+        for path, _ in members(root):
+            declared, value = values[path]
+            name = self.ports[path] = taken.give(path.replace(".", "_"))
             default = self._value(declared, value)
             kind = "float"
             given = name
@@ -228,8 +295,7 @@ class _Text:
                 given = f"vector({name}[0], {name}[1], {name}[2])"
             note = plain_text(f"{declared.doc}; {declared.range_text()}")
             inputs.append((f"{kind} {name} = {default}", note))
-            names = ".".join(self.printer.name(part) for part in path.split("."))
-            fill.append(f"{SELF}.{names} = {given};")
+            fill.append(f"{SELF}.{self.printer.path(root, path)} = {given};")
         inputs += [
             ("vector wi = vector(0, 0, 1)", "direction towards the light"),
             ("vector wo = vector(0, 0, 1)", "direction towards the viewer"),
@@ -270,7 +336,7 @@ class _Text:
                 ]
         ports = inputs + outputs
         lines = comment(("All values of the model, for the given directions.",))
-        lines.append(f"shader {root.prefix}(")
+        lines.append(f"shader {legal(root.prefix, self.printer.reserved)}(")
         for i, (text, note) in enumerate(ports):
             end = "," if i + 1 < len(ports) else ""
             line = f"{INDENT}{text}{end}  // {note}"
@@ -293,7 +359,7 @@ class _Text:
                 if paragraph[0] not in lines:
                     lines += [*paragraph, ""]
         lines += [
-            f"{self.target.title}, made by gonio {__version__} from {self._files()}.",
+            f"{self.target.title}, made by gonio from {self._files()}.",
             "wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose",
             "normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.",
         ]
@@ -303,7 +369,27 @@ class _Text:
             lines.append(
                 "albedo has no closed form here; it takes many evaluations, for tables and previews."
             )
-        return comment(lines)
+        return [f"// {self._licence()}", *comment(lines), *self._usage()]
+
+    def _licence(self) -> str:
+        own = all(type(m).__module__.startswith("gonio.") for r in self.roots for m in _nested(r))
+        return LICENCE if own else f"{LICENCE}, as far as it is gonio's"
+
+    def _usage(self) -> list[str]:
+        """How the text is used, in a line or two."""
+        if self.target.shader:
+            return []
+        root = self.roots[0]
+        first = next((f for f in self.wanted if f.method == "eval"), self.wanted[0])
+        arguments = ", ".join(n for n, _ in first.parameters[1:])
+        made = self.target.uninitialized.format(type=root.name, name=SELF)
+        path, _ = next(iter(members(root)))
+        scope = f"{_namespace(self.prefix)}::" if self.target.constants_in_file else ""
+        call = f"{scope}{first.name}({SELF}, {arguments})"
+        if self.target.methods:
+            call = f"{SELF}.{first.method}({arguments})"
+        filled = f"{SELF}.{self.printer.path(root, path)} = ...;"
+        return [f"// Usage: {scope}{made} {filled} ... {call}"]
 
     def _files(self) -> str:
         names: dict[str, None] = {}
@@ -314,11 +400,20 @@ class _Text:
         return ", ".join(names)
 
 
-def _members(struct: Struct) -> Iterator[Any]:
+def _inner(struct: Struct) -> Iterator[Struct]:
     for member in struct.members:
-        yield member
         if isinstance(member.type, Struct):
-            yield from _members(member.type)
+            yield member.type
+            yield from _inner(member.type)
+
+
+def _nested(root: Struct) -> Iterator[Model]:
+    assert root.model is not None
+    yield from nested(root.model)
+
+
+def _heading(text: str) -> list[str]:
+    return [f"// {f'---- {text} ':-<{WIDTH - 8}}", ""]
 
 
 def _is_sampled(function: Function) -> bool:

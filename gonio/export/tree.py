@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
     from gonio.model import Model
@@ -12,12 +12,15 @@ if TYPE_CHECKING:
 # Name of the struct of parameters where a function gets it.
 SELF = "params"
 
+# What users call of a model, under these names in every language.
+METHODS = ("eval", "sample", "pdf", "albedo")
+
 
 class ExportError(ValueError):
     """Something that cannot be exported, with its place in the Python file and what to write instead."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Struct:
     """A type with members: a model's parameters, a sample, or the results of a function."""
 
@@ -28,6 +31,10 @@ class Struct:
     """The model whose parameters these are."""
     prefix: str = ""
     """Of the functions that belong to the model, such as "eon"."""
+    fixed: tuple[tuple[str, Any], ...] = ()
+    """Members that are known when the shader is made, and stand in no struct of it."""
+    order: tuple[str, ...] = ()
+    """All members as Python unpacks them; empty: as they stand here."""
 
 
 Type = Literal["float", "vec2", "vec3", "bool", "bool3"] | Struct
@@ -60,6 +67,8 @@ class Constant:
     name: str
     value: float
     comments: tuple[str, ...] = ()
+    place: tuple[str, int, int] = ("", 0, 0)
+    """File, line and column of its definition, by which such numbers are ordered."""
     type: Type = "float"
 
 
@@ -174,6 +183,7 @@ class SetMember(Statement):
     variable: str
     member: str
     value: Expr
+    struct: Struct
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,6 +231,12 @@ class Function:
     """The model it is a method of; its first parameter is the model's struct."""
     method: str = ""
     """Its name as a method, such as "eval"."""
+    plain: str = ""
+    """Its name in Python."""
+    exponents: frozenset[int] = frozenset()
+    """Which arguments are exponents of `power`."""
+    kept: tuple[bool, ...] = ()
+    """Which arguments are left, once some were dropped because nothing reads them."""
 
 
 def walk(statements: tuple[Statement, ...]) -> Iterator[Expr]:

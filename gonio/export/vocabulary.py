@@ -30,8 +30,8 @@ class Rule:
     result: Callable[[tuple[Type, ...]], Type] = widest
     splat: bool = True
     """Whether numbers among the arguments are repeated to the width of the vectors."""
-    vectors: bool = True
-    """Whether it takes vectors."""
+    takes: tuple[Type, ...] = ("float", "vec3")
+    """Types of the arguments."""
 
 
 def _float(types: tuple[Type, ...]) -> Type:
@@ -48,21 +48,21 @@ RULES: dict[str, Rule] = {
     "sqrt": Rule(1),
     "safe_sqrt": Rule(1),
     "smooth_sqrt": Rule(1),
-    "safe_acos": Rule(1, vectors=False),
-    "safe_asin": Rule(1, vectors=False),
-    "twice_atan_over": Rule(1, vectors=False),
+    "safe_acos": Rule(1, takes=("float",)),
+    "safe_asin": Rule(1, takes=("float",)),
+    "twice_atan_over": Rule(1, takes=("float",)),
     "sin": Rule(1),
     "cos": Rule(1),
     "exp": Rule(1),
     "log": Rule(1),
     "power": Rule(2),
-    "erf": Rule(1, vectors=False),
-    "erfinv": Rule(1, vectors=False),
+    "erf": Rule(1, takes=("float",)),
+    "erfinv": Rule(1, takes=("float",)),
     "fma": Rule(3),
-    "dot": Rule(2, _float, splat=False),
-    "length": Rule(1, _float),
-    "normalize": Rule(1),
-    # Not per component; read.py knows them by name.
+    "dot": Rule(2, _float, splat=False, takes=("vec3",)),
+    "length": Rule(1, _float, takes=("vec3",)),
+    "normalize": Rule(1, takes=("vec3",)),
+    # Not per component; gonio.export.calls knows them by name.
     "select": Rule(3),
     "vec2": Rule(2),
     "vec3": Rule(3),

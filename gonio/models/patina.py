@@ -178,4 +178,6 @@ class Patina(Model):
         kept = absorbed_least(self._depth(), wo_t)
         below = grown * average(T * kept * F_metal) + LOBE_MIN
         inside = diffuse + below
-        return shares(bare, coat + inside), shares(coat, inside), shares(diffuse, below)
+        P_bare, P_coat = shares(bare, coat + inside), shares(coat, inside)
+        P_diffuse = shares(diffuse, below)
+        return P_bare, P_coat, P_diffuse

@@ -9,6 +9,8 @@ exact absorption; F_trans takes its part from the lower layer's diffuse reflecti
 turns off.
 """
 
+from typing import NamedTuple
+
 from gonio.claims import Claims, kink, known
 from gonio.lang import (
     INV_PI,
@@ -47,6 +49,15 @@ from gonio.parts.triace import blinn_phong_highlight
 
 # Smallest share of the samples that a highlight gets: it bounds their weights.
 LOBE_SHARE_MIN = 0.1
+
+
+class BottomFresnel(NamedTuple):
+    """What Fresnel leaves of the lower layer's reflection, both crossings of the upper surface included."""
+
+    glossy: Float
+    """Factor of the glossy reflection (Eq. 4 or 5)."""
+    matte: Float
+    """Factor of the matte reflection (Eq. 9)."""
 
 
 class TriAceLayered(Model):
@@ -143,9 +154,13 @@ class TriAceLayered(Model):
         return {"F, upper layer": F_top, "lower layer": glossy}
 
     def _alphas(self) -> tuple[Float, Float]:
-        return blinn_phong_alpha(self.top_shininess), blinn_phong_alpha(self.bottom_shininess)
+        top, bottom = (
+            blinn_phong_alpha(self.top_shininess),
+            blinn_phong_alpha(self.bottom_shininess),
+        )
+        return top, bottom
 
-    def _bottom_fresnel(self, cos_h: Float) -> tuple[Float, Float]:
+    def _bottom_fresnel(self, cos_h: Float) -> BottomFresnel:
         """Factors of the lower layer's glossy and matte reflection (Eq. 4 or 5, and Eq. 9)."""
         n1, n2 = self.top_eta, self.bottom_eta
         if self.bottom_fresnel == "exact":
@@ -161,8 +176,8 @@ class TriAceLayered(Model):
             if self.top_transmission == "on":
                 glossy = T * inner
         if self.top_transmission == "on":
-            return glossy, T * (1 - inner)
-        return glossy, 1 - glossy
+            return BottomFresnel(glossy, T * (1 - inner))
+        return BottomFresnel(glossy, 1 - glossy)
 
     def _depth(self) -> Color:
         return optical_depth(self.sigma_a, self.thickness)
@@ -182,7 +197,8 @@ class TriAceLayered(Model):
     def _coefficients(self) -> tuple[Float, Float]:
         """A' and B of Eq. 25."""
         n = self.bottom_shininess
-        return 1 - 1 / (2 + 0.65 * n), 1 / (2.22222 + 0.1 * n)
+        A, B = 1 - 1 / (2 + 0.65 * n), 1 / (2.22222 + 0.1 * n)
+        return A, B
 
     def _roughness(self) -> Float:
         A, B = self._coefficients()
@@ -199,4 +215,5 @@ class TriAceLayered(Model):
         lower = bottom + diffuse
         # Half vectors away from the normal reflect more than this estimate, which is made for the normal.
         P_top = shares(maximum(top, LOBE_SHARE_MIN * lower), lower)
-        return P_top, shares(maximum(bottom, LOBE_SHARE_MIN * diffuse), diffuse)
+        P_bottom = shares(maximum(bottom, LOBE_SHARE_MIN * diffuse), diffuse)
+        return P_top, P_bottom

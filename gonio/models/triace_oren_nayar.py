@@ -6,6 +6,8 @@ The course gives the radiance f cos(theta_i); this is f. Where eq24 passes throu
 negative value, float32 keeps an absolute accuracy of 1e-6 rho / pi, not a relative one.
 """
 
+from typing import NamedTuple
+
 from gonio.claims import UNBOUNDED, Claims, kink, known
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3
 from gonio.model import Model, option, param
@@ -20,6 +22,15 @@ from gonio.parts.oren_nayar import (
     s_over_t_qualitative,
     tangential_dot,
 )
+
+
+class Coefficients(NamedTuple):
+    """The two numbers of the qualitative model."""
+
+    A: Float
+    """A', of the constant term."""
+    B: Float
+    """B, of the term that depends on the azimuth."""
 
 
 class TriAceOrenNayar(Model):
@@ -93,10 +104,10 @@ class TriAceOrenNayar(Model):
             return self.rho * A
         return self.rho * (A + B * MEAN_G_FUJII)
 
-    def _coefficients(self) -> tuple[Float, Float]:
+    def _coefficients(self) -> Coefficients:
         """A' and B: QON's with sigma^2 = 2 / n, and 0.65 for 0.33 in A' since Eq. 24."""
         n = self.shininess
         B = 1 / (2.22222 + 0.1 * n)
         if self.variant == "eq23":
-            return 1 - 1 / (2 + 0.33 * n), B
-        return 1 - 1 / (2 + 0.65 * n), B
+            return Coefficients(1 - 1 / (2 + 0.33 * n), B)
+        return Coefficients(1 - 1 / (2 + 0.65 * n), B)

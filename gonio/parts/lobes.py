@@ -4,6 +4,8 @@ The one-sample mixture: a lobe is chosen with a probability near its share of th
 number that chose it is stretched back to [0, 1) and used again, and the density is the whole mixture's.
 """
 
+from typing import NamedTuple
+
 from gonio.lang import (
     MU_MIN,
     Color,
@@ -64,12 +66,21 @@ def share(first: Float, second: Float) -> Float:
     return shares(first, second).x
 
 
-def choose(probability: Float, u: Vec2) -> tuple[Mask, Vec2]:
-    """Whether the first of two lobes is taken, and fresh random numbers made of the used ones."""
+class Choice(NamedTuple):
+    """Which of two lobes a sample is taken from."""
+
+    is_first: Mask
+    """Whether it is the first one."""
+    u: Vec2
+    """Fresh random numbers, made of those that chose."""
+
+
+def choose(probability: Float, u: Vec2) -> Choice:
+    """Choose the first of two lobes with a probability, and make fresh random numbers of the used ones."""
     first = u.x < probability
     below = u.x / maximum(probability, SHARE_MIN)
     above = (u.x - probability) / maximum(1 - probability, SHARE_MIN)
-    return first, vec2(clamp(select(first, below, above), 0, RANDOM_MAX), u.y)
+    return Choice(first, vec2(clamp(select(first, below, above), 0, RANDOM_MAX), u.y))
 
 
 def sample_ggx_lobe(wo: Vec3, alpha_x: Float, alpha_y: Float, u: Vec2) -> Vec3:

@@ -78,4 +78,6 @@ MEAN_G_FUJII = 2 / 3 - 28 / (15 * PI)
 def qualitative_coefficients(sigma: Float, offset: float) -> tuple[Float, Float]:
     """A and B of Eq. 3. sigma: angle in radians; offset: 0.33, or 0.57 for the footnote's variant."""
     s2 = sigma * sigma
-    return 1 - 0.5 * s2 / (s2 + offset), 0.45 * s2 / (s2 + 0.09)
+    A = 1 - 0.5 * s2 / (s2 + offset)
+    B = 0.45 * s2 / (s2 + 0.09)
+    return A, B

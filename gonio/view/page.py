@@ -15,8 +15,6 @@ import numpy as np
 
 from gonio.description import describe, summary
 from gonio.export.manifest import loader, manifest
-from gonio.export.printer import Printer
-from gonio.export.targets import TARGETS
 from gonio.export.text import export
 from gonio.fields import ModelError
 from gonio.materials import Material, library, load, load_material, toml_file
@@ -179,10 +177,8 @@ def _hooks(about: Mapping[str, Any], made: Mapping[str, Any]) -> list[dict[str, 
     found = [hook | {"width": widths[hook["path"]]} for hook in hooks if hook["path"] in read]
     for hook in found:
         hook["members"] = {
-            language: ".".join(
-                Printer(TARGETS[language], NAME).name(part) for part in hook["path"].split(".")
-            )
-            for language in made
+            language: next(m.place for m in of.entry.members if m.path == hook["path"])
+            for language, of in made.items()
         }
     return found
 

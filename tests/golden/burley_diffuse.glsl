@@ -1,12 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
 // Burley diffuse: the diffuse lobe of Disney's principled model.
 //
 // Source: Burley, "Physically-based shading at Disney", SIGGRAPH 2012 course notes, section 5.3.
-// The albedo's closed form is ours: the BRDF is a polynomial in cosines once 2 cos^2(theta_d) is written
-// as 1 + dot(wi, wo), so it can be integrated term by term.
+// The albedo's closed form is ours: the BRDF is a polynomial in cosines once 2 cos^2(theta_d) is written as
+// 1 + dot(wi, wo), so it can be integrated term by term.
 //
-// GLSL 4.5, made by gonio 0.1.0 from gonio/models/burley_diffuse.py.
+// GLSL 4.5, made by gonio from gonio/models/burley_diffuse.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// Usage: BurleyDiffuse params; params.rho = ...; ... burley_diffuse_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct BurleyDiffuseSample {
@@ -20,6 +22,8 @@ struct BurleyDiffuse {
     float roughness;  // perceptual roughness, not alpha; 0 to 1, default 0.5
 };
 
+// ---- evaluation ----------------------------------------------------------------------------
+
 // (1 - cos_theta)^5 of Schlick's approximation.
 float burley_diffuse_schlick_weight(float cos_theta) {
     float k = 1.0 - cos_theta;
@@ -30,7 +34,8 @@ float burley_diffuse_schlick_weight(float cos_theta) {
 // BRDF value in 1/sr, without the cosine.
 vec3 burley_diffuse_eval(BurleyDiffuse params, vec3 wi, vec3 wo) {
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3(0.0);
     }
     // F90 = 0.5 + 2 roughness cos^2(theta_d), and 2 cos^2(theta_d) = 1 + dot(wi, wo)
@@ -40,6 +45,8 @@ vec3 burley_diffuse_eval(BurleyDiffuse params, vec3 wi, vec3 wo) {
     return params.rho * (inv_pi * fresnel_i * fresnel_o);
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // A direction with density cos(theta) / pi.
 vec3 burley_diffuse_sample_cosine(vec2 u) {
     const float two_pi = 6.2831855;
@@ -48,7 +55,7 @@ vec3 burley_diffuse_sample_cosine(vec2 u) {
     return vec3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of burley_diffuse_sample_cosine in 1/sr, for w above the horizon.
 float burley_diffuse_pdf_cosine(vec3 w) {
     const float inv_pi = 0.31830987;
     return w.z * inv_pi;
@@ -56,22 +63,26 @@ float burley_diffuse_pdf_cosine(vec3 w) {
 
 // Cosine-weighted: the weight is the product of two Fresnel factors of at most 2.5.
 BurleyDiffuseSample burley_diffuse_sample(BurleyDiffuse params, vec3 wo, vec2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return BurleyDiffuseSample(vec3(0.0, 0.0, 1.0), 0.0);
     }
     vec3 wi = burley_diffuse_sample_cosine(u);
-    return BurleyDiffuseSample(wi, mix(0.0, burley_diffuse_pdf_cosine(wi), wi.z > 1.0e-18));
+    return BurleyDiffuseSample(wi, wi.z > mu_min ? burley_diffuse_pdf_cosine(wi) : 0.0);
 }
 
-// Density of `sample` in 1/sr.
+// Density of burley_diffuse_sample in 1/sr.
 float burley_diffuse_pdf(BurleyDiffuse params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     return burley_diffuse_pdf_cosine(wi);
 }
 
-// Integral of `eval` times the cosine.
+// ---- albedo --------------------------------------------------------------------------------
+
+// Integral of burley_diffuse_eval times the cosine.
 vec3 burley_diffuse_albedo(BurleyDiffuse params, vec3 wo) {
     const float I1 = 0.023809524;  // Integrals of (1 - mu)^5 mu^k over mu in [0, 1], k = 1, 2, 3.
     const float I2 = 0.005952381;

@@ -1,12 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
 // Burley diffuse: the diffuse lobe of Disney's principled model.
 //
 // Source: Burley, "Physically-based shading at Disney", SIGGRAPH 2012 course notes, section 5.3.
-// The albedo's closed form is ours: the BRDF is a polynomial in cosines once 2 cos^2(theta_d) is written
-// as 1 + dot(wi, wo), so it can be integrated term by term.
+// The albedo's closed form is ours: the BRDF is a polynomial in cosines once 2 cos^2(theta_d) is written as
+// 1 + dot(wi, wo), so it can be integrated term by term.
 //
-// C++, made by gonio 0.1.0 from gonio/models/burley_diffuse.py.
+// C++, made by gonio from gonio/models/burley_diffuse.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// Usage: gonio_burley_diffuse::BurleyDiffuse params; params.rho = ...; ... gonio_burley_diffuse::burley_diffuse_eval(params, wi, wo)
 
 #pragma once
 #include <math.h>
@@ -33,6 +35,14 @@ inline Vec3 operator*(Vec3 a, float b) {
     return Vec3{a.x * b, a.y * b, a.z * b};
 }
 
+constexpr float two_pi = 6.2831855f;
+constexpr float inv_pi = 0.31830987f;
+constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
+// Integrals of (1 - mu)^5 mu^k over mu in [0, 1], k = 1, 2, 3.
+constexpr float I1 = 0.023809524f;
+constexpr float I2 = 0.005952381f;
+constexpr float I3 = 0.001984127f;
+
 // A sampled direction and its density.
 struct BurleyDiffuseSample {
     Vec3 wi;  // direction towards the light, unit, local frame
@@ -45,6 +55,8 @@ struct BurleyDiffuse {
     float roughness;  // perceptual roughness, not alpha; 0 to 1, default 0.5
 };
 
+// ---- evaluation ----------------------------------------------------------------------------
+
 // (1 - cos_theta)^5 of Schlick's approximation.
 inline float burley_diffuse_schlick_weight(float cos_theta) {
     float k = 1.0f - cos_theta;
@@ -54,8 +66,7 @@ inline float burley_diffuse_schlick_weight(float cos_theta) {
 
 // BRDF value in 1/sr, without the cosine.
 inline Vec3 burley_diffuse_eval(const BurleyDiffuse& params, Vec3 wi, Vec3 wo) {
-    constexpr float inv_pi = 0.31830987f;
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
     // F90 = 0.5 + 2 roughness cos^2(theta_d), and 2 cos^2(theta_d) = 1 + dot(wi, wo)
@@ -65,43 +76,41 @@ inline Vec3 burley_diffuse_eval(const BurleyDiffuse& params, Vec3 wi, Vec3 wo) {
     return params.rho * (inv_pi * fresnel_i * fresnel_o);
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // A direction with density cos(theta) / pi.
 inline Vec3 burley_diffuse_sample_cosine(Vec2 u) {
-    constexpr float two_pi = 6.2831855f;
     float r = sqrtf(fmaxf(u.x, 0.0f));
     float phi = two_pi * u.y;
     return Vec3{r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u.x, 0.0f))};
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of burley_diffuse_sample_cosine in 1/sr, for w above the horizon.
 inline float burley_diffuse_pdf_cosine(Vec3 w) {
-    constexpr float inv_pi = 0.31830987f;
     return w.z * inv_pi;
 }
 
 // Cosine-weighted: the weight is the product of two Fresnel factors of at most 2.5.
 inline BurleyDiffuseSample burley_diffuse_sample(const BurleyDiffuse& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 1.0e-18f) {  // in the horizon or below
+    if (wo.z <= mu_min) {  // in the horizon or below
         return BurleyDiffuseSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     Vec3 wi = burley_diffuse_sample_cosine(u);
-    return BurleyDiffuseSample{wi, wi.z > 1.0e-18f ? burley_diffuse_pdf_cosine(wi) : 0.0f};
+    return BurleyDiffuseSample{wi, wi.z > mu_min ? burley_diffuse_pdf_cosine(wi) : 0.0f};
 }
 
-// Density of `sample` in 1/sr.
+// Density of burley_diffuse_sample in 1/sr.
 inline float burley_diffuse_pdf(const BurleyDiffuse& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0f;
     }
     return burley_diffuse_pdf_cosine(wi);
 }
 
-// Integral of `eval` times the cosine.
+// ---- albedo --------------------------------------------------------------------------------
+
+// Integral of burley_diffuse_eval times the cosine.
 inline Vec3 burley_diffuse_albedo(const BurleyDiffuse& params, Vec3 wo) {
-    // Integrals of (1 - mu)^5 mu^k over mu in [0, 1], k = 1, 2, 3.
-    constexpr float I1 = 0.023809524f;
-    constexpr float I2 = 0.005952381f;
-    constexpr float I3 = 0.001984127f;
     if (wo.z < 0.0f) {  // below the horizon
         return splat(0.0f);
     }

@@ -1,12 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
 // Burley diffuse: the diffuse lobe of Disney's principled model.
 //
 // Source: Burley, "Physically-based shading at Disney", SIGGRAPH 2012 course notes, section 5.3.
-// The albedo's closed form is ours: the BRDF is a polynomial in cosines once 2 cos^2(theta_d) is written
-// as 1 + dot(wi, wo), so it can be integrated term by term.
+// The albedo's closed form is ours: the BRDF is a polynomial in cosines once 2 cos^2(theta_d) is written as
+// 1 + dot(wi, wo), so it can be integrated term by term.
 //
-// HLSL, made by gonio 0.1.0 from gonio/models/burley_diffuse.py.
+// HLSL, made by gonio from gonio/models/burley_diffuse.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// Usage: BurleyDiffuse params; params.rho = ...; ... burley_diffuse_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct BurleyDiffuseSample {
@@ -20,6 +22,8 @@ struct BurleyDiffuse {
     float roughness;  // perceptual roughness, not alpha; 0 to 1, default 0.5
 };
 
+// ---- evaluation ----------------------------------------------------------------------------
+
 // (1 - cos_theta)^5 of Schlick's approximation.
 float burley_diffuse_schlick_weight(float cos_theta) {
     float k = 1.0 - cos_theta;
@@ -30,8 +34,9 @@ float burley_diffuse_schlick_weight(float cos_theta) {
 // BRDF value in 1/sr, without the cosine.
 float3 burley_diffuse_eval(BurleyDiffuse params, float3 wi, float3 wo) {
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
-        return (float3)(0.0);
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return float3(0.0, 0.0, 0.0);
     }
     // F90 = 0.5 + 2 roughness cos^2(theta_d), and 2 cos^2(theta_d) = 1 + dot(wi, wo)
     float rise = params.roughness * (1.0 + dot(wi, wo)) - 0.5;
@@ -39,6 +44,8 @@ float3 burley_diffuse_eval(BurleyDiffuse params, float3 wi, float3 wo) {
     float fresnel_o = 1.0 + rise * burley_diffuse_schlick_weight(wo.z);
     return params.rho * (inv_pi * fresnel_i * fresnel_o);
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // A direction with density cos(theta) / pi.
 float3 burley_diffuse_sample_cosine(float2 u) {
@@ -48,7 +55,7 @@ float3 burley_diffuse_sample_cosine(float2 u) {
     return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of burley_diffuse_sample_cosine in 1/sr, for w above the horizon.
 float burley_diffuse_pdf_cosine(float3 w) {
     const float inv_pi = 0.31830987;
     return w.z * inv_pi;
@@ -56,7 +63,8 @@ float burley_diffuse_pdf_cosine(float3 w) {
 
 // Cosine-weighted: the weight is the product of two Fresnel factors of at most 2.5.
 BurleyDiffuseSample burley_diffuse_sample(BurleyDiffuse params, float3 wo, float2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         BurleyDiffuseSample result;
         result.wi = float3(0.0, 0.0, 1.0);
         result.pdf = 0.0;
@@ -65,25 +73,28 @@ BurleyDiffuseSample burley_diffuse_sample(BurleyDiffuse params, float3 wo, float
     float3 wi = burley_diffuse_sample_cosine(u);
     BurleyDiffuseSample result;
     result.wi = wi;
-    result.pdf = wi.z > 1.0e-18 ? burley_diffuse_pdf_cosine(wi) : 0.0;
+    result.pdf = wi.z > mu_min ? burley_diffuse_pdf_cosine(wi) : 0.0;
     return result;
 }
 
-// Density of `sample` in 1/sr.
+// Density of burley_diffuse_sample in 1/sr.
 float burley_diffuse_pdf(BurleyDiffuse params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     return burley_diffuse_pdf_cosine(wi);
 }
 
-// Integral of `eval` times the cosine.
+// ---- albedo --------------------------------------------------------------------------------
+
+// Integral of burley_diffuse_eval times the cosine.
 float3 burley_diffuse_albedo(BurleyDiffuse params, float3 wo) {
     const float I1 = 0.023809524;  // Integrals of (1 - mu)^5 mu^k over mu in [0, 1], k = 1, 2, 3.
     const float I2 = 0.005952381;
     const float I3 = 0.001984127;
     if (wo.z < 0.0) {  // below the horizon
-        return (float3)(0.0);
+        return float3(0.0, 0.0, 0.0);
     }
     float r = params.roughness;
     float a = r - 0.5;

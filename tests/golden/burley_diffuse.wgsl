@@ -1,12 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
 // Burley diffuse: the diffuse lobe of Disney's principled model.
 //
 // Source: Burley, "Physically-based shading at Disney", SIGGRAPH 2012 course notes, section 5.3.
-// The albedo's closed form is ours: the BRDF is a polynomial in cosines once 2 cos^2(theta_d) is written
-// as 1 + dot(wi, wo), so it can be integrated term by term.
+// The albedo's closed form is ours: the BRDF is a polynomial in cosines once 2 cos^2(theta_d) is written as
+// 1 + dot(wi, wo), so it can be integrated term by term.
 //
-// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/burley_diffuse.py.
+// WGSL (WebGPU), made by gonio from gonio/models/burley_diffuse.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// Usage: var params: BurleyDiffuse; params.rho = ...; ... burley_diffuse_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct BurleyDiffuseSample {
@@ -20,6 +22,8 @@ struct BurleyDiffuse {
     roughness: f32,  // perceptual roughness, not alpha; 0 to 1, default 0.5
 }
 
+// ---- evaluation ----------------------------------------------------------------------------
+
 // (1 - cos_theta)^5 of Schlick's approximation.
 fn burley_diffuse_schlick_weight(cos_theta: f32) -> f32 {
     let k = 1.0 - cos_theta;
@@ -30,7 +34,8 @@ fn burley_diffuse_schlick_weight(cos_theta: f32) -> f32 {
 // BRDF value in 1/sr, without the cosine.
 fn burley_diffuse_eval(params: BurleyDiffuse, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
     // F90 = 0.5 + 2 roughness cos^2(theta_d), and 2 cos^2(theta_d) = 1 + dot(wi, wo)
@@ -40,6 +45,8 @@ fn burley_diffuse_eval(params: BurleyDiffuse, wi: vec3f, wo: vec3f) -> vec3f {
     return params.rho * (inv_pi * fresnel_i * fresnel_o);
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // A direction with density cos(theta) / pi.
 fn burley_diffuse_sample_cosine(u: vec2f) -> vec3f {
     const two_pi = 6.2831855;
@@ -48,7 +55,7 @@ fn burley_diffuse_sample_cosine(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of burley_diffuse_sample_cosine in 1/sr, for w above the horizon.
 fn burley_diffuse_pdf_cosine(w: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     return w.z * inv_pi;
@@ -56,22 +63,26 @@ fn burley_diffuse_pdf_cosine(w: vec3f) -> f32 {
 
 // Cosine-weighted: the weight is the product of two Fresnel factors of at most 2.5.
 fn burley_diffuse_sample(params: BurleyDiffuse, wo: vec3f, u: vec2f) -> BurleyDiffuseSample {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return BurleyDiffuseSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let wi = burley_diffuse_sample_cosine(u);
-    return BurleyDiffuseSample(wi, select(0.0, burley_diffuse_pdf_cosine(wi), wi.z > 1.0e-18));
+    return BurleyDiffuseSample(wi, select(0.0, burley_diffuse_pdf_cosine(wi), wi.z > mu_min));
 }
 
-// Density of `sample` in 1/sr.
+// Density of burley_diffuse_sample in 1/sr.
 fn burley_diffuse_pdf(params: BurleyDiffuse, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     return burley_diffuse_pdf_cosine(wi);
 }
 
-// Integral of `eval` times the cosine.
+// ---- albedo --------------------------------------------------------------------------------
+
+// Integral of burley_diffuse_eval times the cosine.
 fn burley_diffuse_albedo(params: BurleyDiffuse, wo: vec3f) -> vec3f {
     const I1 = 0.023809524;  // Integrals of (1 - mu)^5 mu^k over mu in [0, 1], k = 1, 2, 3.
     const I2 = 0.005952381;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Car paint: metal flakes of all directions under a tinted clear coat.
 //
 // Source: Elek, "Layered materials in real-time rendering", CESCG 2010, section 4.1: the layered model of
@@ -6,14 +7,15 @@
 // flake_y are numbers here, and a texture gives each point its own.
 // Deviations: by default light that leaves the coat spreads by 1 / eta^2, without which the metal is eta^2
 // times too bright; both crossings of the surface count at the mean normal, because 1 - F(wo.H) lets too
-// much
-// of a tilted flake's light through; and a flake counts as much as both light and viewer see of it, so that
-// the model stays reciprocal. Options restore all three. The metal's index is taken relative to the coat.
+// much of a tilted flake's light through; and a flake counts as much as both light and viewer see of it, so
+// that the model stays reciprocal. Options restore all three. The metal's index is taken relative to the
+// coat.
 //
-// GLSL 4.5, made by gonio 0.1.0 from gonio/models/car_paint.py.
+// GLSL 4.5, made by gonio from gonio/models/car_paint.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: CarPaint params; params.eta = ...; ... car_paint_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct CarPaintSample {
@@ -21,8 +23,8 @@ struct CarPaintSample {
     float pdf;  // its density in 1/sr; 0 marks a wasted sample
 };
 
-// car_paint: One flake's worth of metallic paint; a map of flakes makes it sparkle. Reciprocal.
-// Exported with transmission='both_ways', solid_angle='compressed', flake_cosine='reciprocal'.
+// car_paint: One flake's worth of metallic paint; a map of flakes makes it sparkle. Reciprocal. Exported
+// with transmission='both_ways', solid_angle='compressed', flake_cosine='reciprocal'.
 struct CarPaint {
     float eta;  // index of the clear coat; 1 to 3, default 1.5
     float alpha;  // slope width of the coat's facets; 0.0001 to 1, default 0.03
@@ -38,11 +40,13 @@ struct CarPaint {
     float distance;  // of the viewer; above 1 it evens out the flakes; 0 to 1000000, default 1
 };
 
-// Results of choose.
-struct CarPaintChoose {
-    bool first;
-    vec2 second;
+// Which of two lobes a sample is taken from.
+struct CarPaintChoice {
+    bool is_first;  // Whether it is the first one
+    vec2 u;  // Fresh random numbers, made of those that chose
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float car_paint_cos_half(vec3 wi, vec3 wo) {
@@ -52,12 +56,12 @@ float car_paint_cos_half(vec3 wi, vec3 wo) {
 
 // Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
 float car_paint_F_denser(float cos_theta, float eta) {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
-    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
+    // is reached at the edge of total internal reflection, where the true derivative is infinite.
     const float ROOT_MIN = 1.0e-16;
     // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
-    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2),
-    // so that the mean of both squares is a product.
+    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
+    // that the mean of both squares is a product.
     float c = cos_theta;
     float contrast = (eta - 1.0) * (eta + 1.0);
     float sin2 = 1.0 - c * c;
@@ -73,7 +77,7 @@ float car_paint_F_denser(float cos_theta, float eta) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 car_paint_half_vector(vec3 wi, vec3 wo) {
     vec3 h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which car_paint_cos_half needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -105,16 +109,16 @@ float car_paint_ggx_facets(vec3 wi, vec3 wo, float alpha) {
 
 // eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
 float car_paint_refracted_cos2(float mu, float eta) {
-    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and
-    // at the critical one, little else is left.
+    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and at
+    // the critical one, little else is left.
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
 float car_paint_transmittance_denser(float mu, float eta) {
     const float ROOT_MIN = 1.0e-16;
-    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
-    // with q = c g + sin^2(theta)
+    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2 with q
+    // = c g + sin^2(theta)
     float g = sqrt(max(car_paint_refracted_cos2(mu, eta), ROOT_MIN));
     float s = mu + g;
     float p = mu * g;
@@ -132,10 +136,6 @@ vec3 car_paint_optical_depth(vec3 sigma_a, float thickness) {
     return sigma_a * vec3(thickness, thickness, thickness);
 }
 
-vec3 car_paint_depth(CarPaint params) {
-    return car_paint_optical_depth(params.sigma_a, params.thickness);
-}
-
 // exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
 // wi, wo: refracted directions. depth: absorption times thickness.
@@ -150,10 +150,6 @@ vec3 car_paint_absorbed(vec3 depth, vec3 wi, vec3 wo) {
 vec3 car_paint_flake_normal(float slope_x, float slope_y, float distance) {
     vec3 flake = normalize(vec3(slope_x, slope_y, 1.0));
     return normalize(vec3(flake.x, flake.y, flake.z + max(distance, 1.0)));
-}
-
-vec3 car_paint_normal(CarPaint params) {
-    return car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
 }
 
 float car_paint_flake_alpha(CarPaint params) {
@@ -173,10 +169,8 @@ vec3 car_paint_to_tilted(vec3 w, vec3 n) {
 }
 
 // w, or the flake's normal in place of a direction behind it, which is masked elsewhere.
-vec3 car_paint_facing(CarPaint params, vec3 w) {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const float mu_min = 1.0e-18;
+vec3 car_paint_facing(vec3 w) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     return mix(vec3(0.0, 0.0, 1.0), w, bvec3(w.z > mu_min));
 }
 
@@ -212,12 +206,12 @@ float car_paint_seen(float cos_tilted, float mu) {
 
 // The metal's BRDF in the flake's frame.
 vec3 car_paint_flake(CarPaint params, vec3 wi_t, vec3 wo_t) {
-    vec3 n = car_paint_normal(params);
+    vec3 n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
     float alpha = car_paint_flake_alpha(params);
     vec3 tilted_i = car_paint_to_tilted(wi_t, n);
     vec3 tilted_o = car_paint_to_tilted(wo_t, n);
-    vec3 wi = car_paint_facing(params, tilted_i);
-    vec3 wo = car_paint_facing(params, tilted_o);
+    vec3 wi = car_paint_facing(tilted_i);
+    vec3 wo = car_paint_facing(tilted_o);
     vec3 F = car_paint_F_conductor(car_paint_cos_half(wi, wo), params.metal_eta / params.eta,
         params.metal_k / params.eta);
     float visible = car_paint_seen(tilted_i.z, wi_t.z) * car_paint_seen(tilted_o.z, wo_t.z);
@@ -227,7 +221,8 @@ vec3 car_paint_flake(CarPaint params, vec3 wi_t, vec3 wo_t) {
 
 // Eq. 2 with a tilted base: BRDF value in 1/sr, without the cosine.
 vec3 car_paint_eval(CarPaint params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3(0.0);
     }
     float cos_h = car_paint_cos_half(wi, wo);
@@ -238,11 +233,14 @@ vec3 car_paint_eval(CarPaint params, vec3 wi, vec3 wo) {
     through = through / (params.eta * params.eta);
     vec3 wi_t = car_paint_refract(wi, params.eta);
     vec3 wo_t = car_paint_refract(wo, params.eta);
-    vec3 kept = car_paint_absorbed(car_paint_depth(params), wi_t, wo_t);
+    vec3 kept = car_paint_absorbed(car_paint_optical_depth(params.sigma_a, params.thickness), wi_t,
+        wo_t);
     return coat + car_paint_flake(params, wi_t, wo_t) * (kept * through);
 }
 
-// The most that `absorbed` leaves of light that goes out along wo: it came in along the normal.
+// ---- sampling ------------------------------------------------------------------------------
+
+// The most that car_paint_absorbed leaves of light that goes out along wo: it came in along the normal.
 vec3 car_paint_absorbed_least(vec3 depth, vec3 wo) {
     vec3 up = vec3(0.0, 0.0, 1.0);
     return car_paint_absorbed(depth, up, wo);
@@ -263,15 +261,15 @@ float car_paint_raised(float probability) {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 vec2 car_paint_lobes_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+    // can be seen is that small.
     const float BLACK = 1.0e-20;
     float inv = 1.0 / (first + second + BLACK);
     float a = car_paint_raised((first + BLACK) * inv);
     float b = car_paint_raised(second * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
     bool smaller = first < second;
-    return vec2(mix(1.0 - b, a, smaller), mix(b, 1.0 - a, smaller));
+    return vec2(smaller ? a : 1.0 - b, smaller ? 1.0 - a : b);
 }
 
 // Probabilities of the coat and of the flake.
@@ -283,15 +281,17 @@ vec2 car_paint_shares(CarPaint params, vec3 wo, vec3 wo_t) {
     const float LOBE_MIN = 1.0e-12;
     float mu = wo.z;
     float below = car_paint_transmittance_denser(mu, params.eta)
-        * car_paint_average(car_paint_absorbed_least(car_paint_depth(params), wo_t));
-    vec3 tilted = car_paint_to_tilted(wo_t, car_paint_normal(params));
+        * car_paint_average(car_paint_absorbed_least(car_paint_optical_depth(params.sigma_a,
+            params.thickness), wo_t));
+    vec3 tilted = car_paint_to_tilted(wo_t,
+        car_paint_flake_normal(params.flake_x, params.flake_y, params.distance));
     float lit = tilted.z > 0.0 ? below : 0.0;
     float coat = max(car_paint_F_denser(wo.z, params.eta), COAT_SHARE_MIN * below + LOBE_MIN);
     return car_paint_lobes_shares(coat, lit);
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-CarPaintChoose car_paint_choose(float probability, vec2 u) {
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+CarPaintChoice car_paint_choose(float probability, vec2 u) {
     // Smallest probability that is divided by: a random number falls below it once in a million million.
     const float SHARE_MIN = 1.0e-12;
     // The largest float32 below 1, up to which random numbers go.
@@ -299,10 +299,10 @@ CarPaintChoose car_paint_choose(float probability, vec2 u) {
     bool first = u.x < probability;
     float below = u.x / max(probability, SHARE_MIN);
     float above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
-    return CarPaintChoose(first, vec2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y));
+    return CarPaintChoice(first, vec2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y));
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// A normal with density G1(wo) max(wo . m, 0) car_paint_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
 vec3 car_paint_sample_ggx_visible(vec3 wo, float alpha_x, float alpha_y, vec2 u) {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const float RANDOM_MARGIN = 5.9604645e-8;
@@ -331,7 +331,7 @@ vec3 car_paint_sample_ggx_lobe(vec3 wo, float alpha_x, float alpha_y, vec2 u) {
     return vec3(w.x, w.y, abs(w.z));
 }
 
-// The inverse of `to_tilted`.
+// The inverse of car_paint_to_tilted.
 vec3 car_paint_from_tilted(vec3 w, vec3 n) {
     return car_paint_half_turn(vec3(-w.x, -w.y, w.z), n);
 }
@@ -343,9 +343,9 @@ float car_paint_critical_cosine(float eta) {
 
 // The outer direction for a direction inside: refracted, or spread out if it cannot leave.
 vec3 car_paint_leave(vec3 w, float eta) {
-    const float mu_min = 1.0e-18;
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+    // its reciprocal still fits into a float32.
     const float SIN2_MIN = 1.0e-18;
     // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
     const float LEAVE_MIN = 1.0e-12;
@@ -357,29 +357,29 @@ vec3 car_paint_leave(vec3 w, float eta) {
     float sin2 = w.x * w.x + w.y * w.y;
     float scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
     // A sample above the horizon stays there, however flat.
-    z = mix(-1.0, max(z, LEAVE_MIN), w.z > 0.0);
+    z = w.z > 0.0 ? max(z, LEAVE_MIN) : -1.0;
     return normalize(vec3(w.x * scale, w.y * scale, z));
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at car_paint_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 float car_paint_pdf_ggx_visible(vec3 wo, vec3 m, float alpha_x, float alpha_y) {
     return car_paint_D_ggx(m, alpha_x, alpha_y)
         / (2.0 * (wo.z + car_paint_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density inside the coat of the flake's part of `sample`.
+// Density inside the coat of the flake's part of car_paint_sample.
 float car_paint_pdf_flake(CarPaint params, vec3 wi_t, vec3 wo_t) {
-    vec3 n = car_paint_normal(params);
+    vec3 n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
     float alpha = car_paint_flake_alpha(params);
     vec3 tilted_i = car_paint_to_tilted(wi_t, n);
     vec3 tilted_o = car_paint_to_tilted(wo_t, n);
-    vec3 wi = car_paint_facing(params, tilted_i);
-    vec3 wo = car_paint_facing(params, tilted_o);
+    vec3 wi = car_paint_facing(tilted_i);
+    vec3 wo = car_paint_facing(tilted_o);
     float density = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(wi, wo), alpha, alpha);
     return tilted_i.z > 0.0 && wi_t.z > 0.0 ? density : 0.0;
 }
 
-// The inner direction that `leave` spreads to w; z = 0 for eta <= 1, which has none.
+// The inner direction that car_paint_leave spreads to w; z = 0 for eta <= 1, which has none.
 vec3 car_paint_gather(vec3 w, float eta) {
     const float SIN2_MIN = 1.0e-18;
     float k = car_paint_critical_cosine(eta);
@@ -387,22 +387,22 @@ vec3 car_paint_gather(vec3 w, float eta) {
     float sin2 = w.x * w.x + w.y * w.y;
     float scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
     bool near = sin2 < SIN2_MIN;  // no azimuth: any is right
-    float x = mix(w.x * scale, sqrt(max(1.0 - z * z, 0.0)), near);
-    return vec3(x, mix(w.y * scale, 0.0, near), z);
+    float x = near ? sqrt(max(1.0 - z * z, 0.0)) : w.x * scale;
+    return vec3(x, near ? 0.0 : w.y * scale, z);
 }
 
-// Density of `leave` at w, from the inner density at w_t = refract(w) and at gather(w).
+// Density of car_paint_leave at w, from the inner density at w_t = refract(w) and at gather(w).
 float car_paint_pdf_leave(float pdf_refracted, float pdf_gathered, vec3 w, vec3 w_t,
     float eta) {
-    // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
-    // k^2, and the cosines are k mu and mu.
+    // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by k^2,
+    // and the cosines are k mu and mu.
     return pdf_refracted * w.z / (eta * eta * w_t.z)
         + pdf_gathered * car_paint_critical_cosine(eta);
 }
 
-// Density of `sample_ggx_lobe` in 1/sr.
+// Density of car_paint_sample_ggx_lobe in 1/sr.
 float car_paint_pdf_ggx_lobe(vec3 wi, vec3 wo, float alpha_x, float alpha_y) {
-    const float mu_min = 1.0e-18;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     float straight = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(wi, wo), alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
@@ -414,9 +414,10 @@ float car_paint_pdf_ggx_lobe(vec3 wi, vec3 wo, float alpha_x, float alpha_y) {
     return straight + (exists ? folded : 0.0);
 }
 
-// Density of `sample` in 1/sr.
+// Density of car_paint_sample in 1/sr.
 float car_paint_pdf(CarPaint params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     vec3 wi_t = car_paint_refract(wi, params.eta);
@@ -431,17 +432,18 @@ float car_paint_pdf(CarPaint params, vec3 wi, vec3 wo) {
 
 // Visible normals of the coat, or of the flake and then out through the coat.
 CarPaintSample car_paint_sample(CarPaint params, vec3 wo, vec2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return CarPaintSample(vec3(0.0, 0.0, 1.0), 0.0);
     }
-    vec3 n = car_paint_normal(params);
+    vec3 n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
     vec3 wo_t = car_paint_refract(wo, params.eta);
-    CarPaintChoose choose_result = car_paint_choose(car_paint_shares(params, wo, wo_t).x, u);
-    bool on_coat = choose_result.first;
-    vec2 v = choose_result.second;
+    CarPaintChoice choose_result = car_paint_choose(car_paint_shares(params, wo, wo_t).x, u);
+    bool on_coat = choose_result.is_first;
+    vec2 v = choose_result.u;
     vec3 w_coat = car_paint_sample_ggx_lobe(wo, params.alpha, params.alpha, v);
     float alpha = car_paint_flake_alpha(params);
-    vec3 tilted = car_paint_facing(params, car_paint_to_tilted(wo_t, n));
+    vec3 tilted = car_paint_facing(car_paint_to_tilted(wo_t, n));
     vec3 flake = car_paint_mirror(tilted, car_paint_sample_ggx_visible(tilted, alpha, alpha, v));
     // What the flake mirrors behind itself is wasted.
     vec3 down = vec3(0.0, 0.0, -1.0);
@@ -451,16 +453,18 @@ CarPaintSample car_paint_sample(CarPaint params, vec3 wo, vec2 u) {
     return CarPaintSample(wi, car_paint_pdf(params, wi, wo));
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 vec3 car_paint_albedo(CarPaint params, vec3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const float HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in car_paint_albedo: a Fibonacci number, and the golden ratio.
     const float ALBEDO_SAMPLES = 987.0;
     const float GOLDEN = 0.618034;
-    const float mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const float HORIZON = 1.0e-6;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return vec3(0.0);
     }
@@ -470,7 +474,7 @@ vec3 car_paint_albedo(CarPaint params, vec3 wo) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         CarPaintSample drawn = car_paint_sample(params, w, u);
-        float weight = mix(0.0, drawn.wi.z / max(drawn.pdf, mu_min), drawn.pdf > 0.0);
+        float weight = drawn.pdf > 0.0 ? drawn.wi.z / max(drawn.pdf, mu_min) : 0.0;
         total = total + car_paint_eval(params, drawn.wi, w) * weight;
     }
     return total / ALBEDO_SAMPLES;

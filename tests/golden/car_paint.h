@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Car paint: metal flakes of all directions under a tinted clear coat.
 //
 // Source: Elek, "Layered materials in real-time rendering", CESCG 2010, section 4.1: the layered model of
@@ -6,14 +7,15 @@
 // flake_y are numbers here, and a texture gives each point its own.
 // Deviations: by default light that leaves the coat spreads by 1 / eta^2, without which the metal is eta^2
 // times too bright; both crossings of the surface count at the mean normal, because 1 - F(wo.H) lets too
-// much
-// of a tilted flake's light through; and a flake counts as much as both light and viewer see of it, so that
-// the model stays reciprocal. Options restore all three. The metal's index is taken relative to the coat.
+// much of a tilted flake's light through; and a flake counts as much as both light and viewer see of it, so
+// that the model stays reciprocal. Options restore all three. The metal's index is taken relative to the
+// coat.
 //
-// C++, made by gonio 0.1.0 from gonio/models/car_paint.py.
+// C++, made by gonio from gonio/models/car_paint.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: gonio_car_paint::CarPaint params; params.eta = ...; ... gonio_car_paint::car_paint_eval(params, wi, wo)
 
 #pragma once
 #include <math.h>
@@ -117,14 +119,49 @@ inline Vec3 exp(Vec3 a) {
     return Vec3{expf(a.x), expf(a.y), expf(a.z)};
 }
 
+// Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
+// is reached at the edge of total internal reflection, where the true derivative is infinite.
+constexpr float ROOT_MIN = 1.0e-16f;
+constexpr float two_pi = 6.2831855f;
+constexpr float inv_pi = 0.31830987f;
+constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
+// Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+// can be seen is that small.
+constexpr float BLACK = 1.0e-20f;
+// The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+// its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+constexpr float SHARE_LEAST = 0.1f;
+constexpr float ESTIMATE_TRUST = 50.0f;
+// Smallest probability that is divided by: a random number falls below it once in a million million.
+constexpr float SHARE_MIN = 1.0e-12f;
+// The largest float32 below 1, up to which random numbers go.
+constexpr float RANDOM_MAX = 0.99999994f;
+// The coat gets at least a tenth as many samples as the metal: facets reflect more than the mean surface
+// where they are tilted, and this bounds their weight.
+constexpr float COAT_SHARE_MIN = 0.1f;
+// Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
+constexpr float LOBE_MIN = 1.0e-12f;
+// Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
+constexpr float LEAVE_MIN = 1.0e-12f;
+// Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+constexpr float RANDOM_MARGIN = 5.9604645e-8f;
+// Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+// its reciprocal still fits into a float32.
+constexpr float SIN2_MIN = 1.0e-18f;
+// Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+constexpr float ALBEDO_SAMPLES = 987.0f;
+constexpr float GOLDEN = 0.618034f;
+// Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+constexpr float HORIZON = 1.0e-6f;
+
 // A sampled direction and its density.
 struct CarPaintSample {
     Vec3 wi;  // direction towards the light, unit, local frame
     float pdf;  // its density in 1/sr; 0 marks a wasted sample
 };
 
-// car_paint: One flake's worth of metallic paint; a map of flakes makes it sparkle. Reciprocal.
-// Exported with transmission='both_ways', solid_angle='compressed', flake_cosine='reciprocal'.
+// car_paint: One flake's worth of metallic paint; a map of flakes makes it sparkle. Reciprocal. Exported
+// with transmission='both_ways', solid_angle='compressed', flake_cosine='reciprocal'.
 struct CarPaint {
     float eta;  // index of the clear coat; 1 to 3, default 1.5
     float alpha;  // slope width of the coat's facets; 0.0001 to 1, default 0.03
@@ -140,11 +177,13 @@ struct CarPaint {
     float distance;  // of the viewer; above 1 it evens out the flakes; 0 to 1000000, default 1
 };
 
-// Results of choose.
-struct CarPaintChoose {
-    bool first;
-    Vec2 second;
+// Which of two lobes a sample is taken from.
+struct CarPaintChoice {
+    bool is_first;  // Whether it is the first one
+    Vec2 u;  // Fresh random numbers, made of those that chose
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float car_paint_cos_half(Vec3 wi, Vec3 wo) {
@@ -154,12 +193,9 @@ inline float car_paint_cos_half(Vec3 wi, Vec3 wo) {
 
 // Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
 inline float car_paint_F_denser(float cos_theta, float eta) {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
-    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
-    constexpr float ROOT_MIN = 1.0e-16f;
     // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
-    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2),
-    // so that the mean of both squares is a product.
+    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
+    // that the mean of both squares is a product.
     float c = cos_theta;
     float contrast = (eta - 1.0f) * (eta + 1.0f);
     float sin2 = 1.0f - c * c;
@@ -175,12 +211,11 @@ inline float car_paint_F_denser(float cos_theta, float eta) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 car_paint_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which car_paint_cos_half needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
 inline float car_paint_D_ggx(Vec3 m, float alpha_x, float alpha_y) {
-    constexpr float inv_pi = 0.31830987f;
     // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
     Vec3 v = Vec3{m.x / alpha_x, m.y / alpha_y, m.z};
     float s = dot(v, v);
@@ -207,16 +242,15 @@ inline float car_paint_ggx_facets(Vec3 wi, Vec3 wo, float alpha) {
 
 // eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
 inline float car_paint_refracted_cos2(float mu, float eta) {
-    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and
-    // at the critical one, little else is left.
+    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and at
+    // the critical one, little else is left.
     return fmaf(mu, mu, (eta - 1.0f) * (eta + 1.0f));
 }
 
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
 inline float car_paint_transmittance_denser(float mu, float eta) {
-    constexpr float ROOT_MIN = 1.0e-16f;
-    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
-    // with q = c g + sin^2(theta)
+    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2 with q
+    // = c g + sin^2(theta)
     float g = sqrtf(fmaxf(car_paint_refracted_cos2(mu, eta), ROOT_MIN));
     float s = mu + g;
     float p = mu * g;
@@ -234,10 +268,6 @@ inline Vec3 car_paint_optical_depth(Vec3 sigma_a, float thickness) {
     return sigma_a * Vec3{thickness, thickness, thickness};
 }
 
-inline Vec3 car_paint_depth(const CarPaint& params) {
-    return car_paint_optical_depth(params.sigma_a, params.thickness);
-}
-
 // exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
 // wi, wo: refracted directions. depth: absorption times thickness.
@@ -252,10 +282,6 @@ inline Vec3 car_paint_absorbed(Vec3 depth, Vec3 wi, Vec3 wo) {
 inline Vec3 car_paint_flake_normal(float slope_x, float slope_y, float distance) {
     Vec3 flake = normalize(Vec3{slope_x, slope_y, 1.0f});
     return normalize(Vec3{flake.x, flake.y, flake.z + fmaxf(distance, 1.0f)});
-}
-
-inline Vec3 car_paint_normal(const CarPaint& params) {
-    return car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
 }
 
 inline float car_paint_flake_alpha(const CarPaint& params) {
@@ -275,16 +301,12 @@ inline Vec3 car_paint_to_tilted(Vec3 w, Vec3 n) {
 }
 
 // w, or the flake's normal in place of a direction behind it, which is masked elsewhere.
-inline Vec3 car_paint_facing(const CarPaint& params, Vec3 w) {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    constexpr float mu_min = 1.0e-18f;
+inline Vec3 car_paint_facing(Vec3 w) {
     return w.z > mu_min ? w : Vec3{0.0f, 0.0f, 1.0f};
 }
 
 // Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
 inline Vec3 car_paint_F_conductor(float cos_theta, Vec3 eta, Vec3 k) {
-    constexpr float ROOT_MIN = 1.0e-16f;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     float c = cos_theta;
     // A trace of absorption keeps the roots below from 0
@@ -314,12 +336,12 @@ inline float car_paint_seen(float cos_tilted, float mu) {
 
 // The metal's BRDF in the flake's frame.
 inline Vec3 car_paint_flake(const CarPaint& params, Vec3 wi_t, Vec3 wo_t) {
-    Vec3 n = car_paint_normal(params);
+    Vec3 n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
     float alpha = car_paint_flake_alpha(params);
     Vec3 tilted_i = car_paint_to_tilted(wi_t, n);
     Vec3 tilted_o = car_paint_to_tilted(wo_t, n);
-    Vec3 wi = car_paint_facing(params, tilted_i);
-    Vec3 wo = car_paint_facing(params, tilted_o);
+    Vec3 wi = car_paint_facing(tilted_i);
+    Vec3 wo = car_paint_facing(tilted_o);
     Vec3 F = car_paint_F_conductor(car_paint_cos_half(wi, wo), params.metal_eta / params.eta,
         params.metal_k / params.eta);
     float visible_ = car_paint_seen(tilted_i.z, wi_t.z) * car_paint_seen(tilted_o.z, wo_t.z);
@@ -328,7 +350,7 @@ inline Vec3 car_paint_flake(const CarPaint& params, Vec3 wi_t, Vec3 wo_t) {
 
 // Eq. 2 with a tilted base: BRDF value in 1/sr, without the cosine.
 inline Vec3 car_paint_eval(const CarPaint& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
     float cos_h = car_paint_cos_half(wi, wo);
@@ -339,11 +361,14 @@ inline Vec3 car_paint_eval(const CarPaint& params, Vec3 wi, Vec3 wo) {
     through = through / (params.eta * params.eta);
     Vec3 wi_t = car_paint_refract(wi, params.eta);
     Vec3 wo_t = car_paint_refract(wo, params.eta);
-    Vec3 kept = car_paint_absorbed(car_paint_depth(params), wi_t, wo_t);
+    Vec3 kept = car_paint_absorbed(car_paint_optical_depth(params.sigma_a, params.thickness), wi_t,
+        wo_t);
     return coat + car_paint_flake(params, wi_t, wo_t) * (kept * through);
 }
 
-// The most that `absorbed` leaves of light that goes out along wo: it came in along the normal.
+// ---- sampling ------------------------------------------------------------------------------
+
+// The most that car_paint_absorbed leaves of light that goes out along wo: it came in along the normal.
 inline Vec3 car_paint_absorbed_least(Vec3 depth, Vec3 wo) {
     Vec3 up = Vec3{0.0f, 0.0f, 1.0f};
     return car_paint_absorbed(depth, up, wo);
@@ -355,18 +380,11 @@ inline float car_paint_average(Vec3 color) {
 }
 
 inline float car_paint_raised(float probability) {
-    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
-    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
-    constexpr float SHARE_LEAST = 0.1f;
-    constexpr float ESTIMATE_TRUST = 50.0f;
     return fmaxf(probability, fminf(SHARE_LEAST, ESTIMATE_TRUST * probability));
 }
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 inline Vec2 car_paint_lobes_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
-    constexpr float BLACK = 1.0e-20f;
     float inv = 1.0f / (first + second + BLACK);
     float a = car_paint_raised((first + BLACK) * inv);
     float b = car_paint_raised(second * inv);
@@ -377,37 +395,27 @@ inline Vec2 car_paint_lobes_shares(float first, float second) {
 
 // Probabilities of the coat and of the flake.
 inline Vec2 car_paint_shares(const CarPaint& params, Vec3 wo, Vec3 wo_t) {
-    // The coat gets at least a tenth as many samples as the metal: facets reflect more than the mean surface
-    // where they are tilted, and this bounds their weight.
-    constexpr float COAT_SHARE_MIN = 0.1f;
-    // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
-    constexpr float LOBE_MIN = 1.0e-12f;
     float mu = wo.z;
     float below = car_paint_transmittance_denser(mu, params.eta)
-        * car_paint_average(car_paint_absorbed_least(car_paint_depth(params), wo_t));
-    Vec3 tilted = car_paint_to_tilted(wo_t, car_paint_normal(params));
+        * car_paint_average(car_paint_absorbed_least(car_paint_optical_depth(params.sigma_a,
+            params.thickness), wo_t));
+    Vec3 tilted = car_paint_to_tilted(wo_t,
+        car_paint_flake_normal(params.flake_x, params.flake_y, params.distance));
     float lit = tilted.z > 0.0f ? below : 0.0f;
     float coat = fmaxf(car_paint_F_denser(wo.z, params.eta), COAT_SHARE_MIN * below + LOBE_MIN);
     return car_paint_lobes_shares(coat, lit);
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-inline CarPaintChoose car_paint_choose(float probability, Vec2 u) {
-    // Smallest probability that is divided by: a random number falls below it once in a million million.
-    constexpr float SHARE_MIN = 1.0e-12f;
-    // The largest float32 below 1, up to which random numbers go.
-    constexpr float RANDOM_MAX = 0.99999994f;
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+inline CarPaintChoice car_paint_choose(float probability, Vec2 u) {
     bool first = u.x < probability;
     float below = u.x / fmaxf(probability, SHARE_MIN);
     float above = (u.x - probability) / fmaxf(1.0f - probability, SHARE_MIN);
-    return CarPaintChoose{first, Vec2{fminf(fmaxf(first ? below : above, 0.0f), RANDOM_MAX), u.y}};
+    return CarPaintChoice{first, Vec2{fminf(fmaxf(first ? below : above, 0.0f), RANDOM_MAX), u.y}};
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// A normal with density G1(wo) max(wo . m, 0) car_paint_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
 inline Vec3 car_paint_sample_ggx_visible(Vec3 wo, float alpha_x, float alpha_y, Vec2 u) {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    constexpr float RANDOM_MARGIN = 5.9604645e-8f;
-    constexpr float two_pi = 6.2831855f;
     Vec3 w = normalize(Vec3{alpha_x * wo.x, alpha_y * wo.y, wo.z});
     // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
     // u = 1 would be the facet opposite to w, whose half vector has no direction
@@ -432,7 +440,7 @@ inline Vec3 car_paint_sample_ggx_lobe(Vec3 wo, float alpha_x, float alpha_y, Vec
     return Vec3{w.x, w.y, fabsf(w.z)};
 }
 
-// The inverse of `to_tilted`.
+// The inverse of car_paint_to_tilted.
 inline Vec3 car_paint_from_tilted(Vec3 w, Vec3 n) {
     return car_paint_half_turn(Vec3{-w.x, -w.y, w.z}, n);
 }
@@ -444,12 +452,6 @@ inline float car_paint_critical_cosine(float eta) {
 
 // The outer direction for a direction inside: refracted, or spread out if it cannot leave.
 inline Vec3 car_paint_leave(Vec3 w, float eta) {
-    constexpr float mu_min = 1.0e-18f;
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
-    constexpr float SIN2_MIN = 1.0e-18f;
-    // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
-    constexpr float LEAVE_MIN = 1.0e-12f;
     float k = car_paint_critical_cosine(eta);
     bool refracted = w.z > k;
     float spread = fminf(w.z / fmaxf(k, mu_min), 1.0f);
@@ -462,27 +464,26 @@ inline Vec3 car_paint_leave(Vec3 w, float eta) {
     return normalize(Vec3{w.x * scale, w.y * scale, z});
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at car_paint_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 inline float car_paint_pdf_ggx_visible(Vec3 wo, Vec3 m, float alpha_x, float alpha_y) {
     return car_paint_D_ggx(m, alpha_x, alpha_y)
         / (2.0f * (wo.z + car_paint_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density inside the coat of the flake's part of `sample`.
+// Density inside the coat of the flake's part of car_paint_sample.
 inline float car_paint_pdf_flake(const CarPaint& params, Vec3 wi_t, Vec3 wo_t) {
-    Vec3 n = car_paint_normal(params);
+    Vec3 n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
     float alpha = car_paint_flake_alpha(params);
     Vec3 tilted_i = car_paint_to_tilted(wi_t, n);
     Vec3 tilted_o = car_paint_to_tilted(wo_t, n);
-    Vec3 wi = car_paint_facing(params, tilted_i);
-    Vec3 wo = car_paint_facing(params, tilted_o);
+    Vec3 wi = car_paint_facing(tilted_i);
+    Vec3 wo = car_paint_facing(tilted_o);
     float density = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(wi, wo), alpha, alpha);
     return tilted_i.z > 0.0f && wi_t.z > 0.0f ? density : 0.0f;
 }
 
-// The inner direction that `leave` spreads to w; z = 0 for eta <= 1, which has none.
+// The inner direction that car_paint_leave spreads to w; z = 0 for eta <= 1, which has none.
 inline Vec3 car_paint_gather(Vec3 w, float eta) {
-    constexpr float SIN2_MIN = 1.0e-18f;
     float k = car_paint_critical_cosine(eta);
     float z = k * w.z;
     float sin2 = w.x * w.x + w.y * w.y;
@@ -492,18 +493,17 @@ inline Vec3 car_paint_gather(Vec3 w, float eta) {
     return Vec3{x, near ? 0.0f : w.y * scale, z};
 }
 
-// Density of `leave` at w, from the inner density at w_t = refract(w) and at gather(w).
+// Density of car_paint_leave at w, from the inner density at w_t = refract(w) and at gather(w).
 inline float car_paint_pdf_leave(float pdf_refracted, float pdf_gathered, Vec3 w, Vec3 w_t,
     float eta) {
-    // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
-    // k^2, and the cosines are k mu and mu.
+    // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by k^2,
+    // and the cosines are k mu and mu.
     return pdf_refracted * w.z / (eta * eta * w_t.z)
         + pdf_gathered * car_paint_critical_cosine(eta);
 }
 
-// Density of `sample_ggx_lobe` in 1/sr.
+// Density of car_paint_sample_ggx_lobe in 1/sr.
 inline float car_paint_pdf_ggx_lobe(Vec3 wi, Vec3 wo, float alpha_x, float alpha_y) {
-    constexpr float mu_min = 1.0e-18f;
     float straight = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(wi, wo), alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
@@ -515,9 +515,9 @@ inline float car_paint_pdf_ggx_lobe(Vec3 wi, Vec3 wo, float alpha_x, float alpha
     return straight + (exists ? folded : 0.0f);
 }
 
-// Density of `sample` in 1/sr.
+// Density of car_paint_sample in 1/sr.
 inline float car_paint_pdf(const CarPaint& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0f;
     }
     Vec3 wi_t = car_paint_refract(wi, params.eta);
@@ -532,17 +532,17 @@ inline float car_paint_pdf(const CarPaint& params, Vec3 wi, Vec3 wo) {
 
 // Visible normals of the coat, or of the flake and then out through the coat.
 inline CarPaintSample car_paint_sample(const CarPaint& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 1.0e-18f) {  // in the horizon or below
+    if (wo.z <= mu_min) {  // in the horizon or below
         return CarPaintSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
-    Vec3 n = car_paint_normal(params);
+    Vec3 n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
     Vec3 wo_t = car_paint_refract(wo, params.eta);
-    CarPaintChoose choose_result = car_paint_choose(car_paint_shares(params, wo, wo_t).x, u);
-    bool on_coat = choose_result.first;
-    Vec2 v = choose_result.second;
+    CarPaintChoice choose_result = car_paint_choose(car_paint_shares(params, wo, wo_t).x, u);
+    bool on_coat = choose_result.is_first;
+    Vec2 v = choose_result.u;
     Vec3 w_coat = car_paint_sample_ggx_lobe(wo, params.alpha, params.alpha, v);
     float alpha = car_paint_flake_alpha(params);
-    Vec3 tilted = car_paint_facing(params, car_paint_to_tilted(wo_t, n));
+    Vec3 tilted = car_paint_facing(car_paint_to_tilted(wo_t, n));
     Vec3 flake = car_paint_mirror(tilted, car_paint_sample_ggx_visible(tilted, alpha, alpha, v));
     // What the flake mirrors behind itself is wasted.
     Vec3 down = Vec3{0.0f, 0.0f, -1.0f};
@@ -552,16 +552,12 @@ inline CarPaintSample car_paint_sample(const CarPaint& params, Vec3 wo, Vec2 u) 
     return CarPaintSample{wi, car_paint_pdf(params, wi, wo)};
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 inline Vec3 car_paint_albedo(const CarPaint& params, Vec3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    constexpr float HORIZON = 1.0e-6f;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
-    constexpr float ALBEDO_SAMPLES = 987.0f;
-    constexpr float GOLDEN = 0.618034f;
-    constexpr float mu_min = 1.0e-18f;
     if (wo.z < 0.0f) {  // below the horizon
         return splat(0.0f);
     }

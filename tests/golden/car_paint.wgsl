@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Car paint: metal flakes of all directions under a tinted clear coat.
 //
 // Source: Elek, "Layered materials in real-time rendering", CESCG 2010, section 4.1: the layered model of
@@ -6,14 +7,15 @@
 // flake_y are numbers here, and a texture gives each point its own.
 // Deviations: by default light that leaves the coat spreads by 1 / eta^2, without which the metal is eta^2
 // times too bright; both crossings of the surface count at the mean normal, because 1 - F(wo.H) lets too
-// much
-// of a tilted flake's light through; and a flake counts as much as both light and viewer see of it, so that
-// the model stays reciprocal. Options restore all three. The metal's index is taken relative to the coat.
+// much of a tilted flake's light through; and a flake counts as much as both light and viewer see of it, so
+// that the model stays reciprocal. Options restore all three. The metal's index is taken relative to the
+// coat.
 //
-// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/car_paint.py.
+// WGSL (WebGPU), made by gonio from gonio/models/car_paint.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: var params: CarPaint; params.eta = ...; ... car_paint_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct CarPaintSample {
@@ -21,8 +23,8 @@ struct CarPaintSample {
     pdf: f32,  // its density in 1/sr; 0 marks a wasted sample
 }
 
-// car_paint: One flake's worth of metallic paint; a map of flakes makes it sparkle. Reciprocal.
-// Exported with transmission='both_ways', solid_angle='compressed', flake_cosine='reciprocal'.
+// car_paint: One flake's worth of metallic paint; a map of flakes makes it sparkle. Reciprocal. Exported
+// with transmission='both_ways', solid_angle='compressed', flake_cosine='reciprocal'.
 struct CarPaint {
     eta: f32,  // index of the clear coat; 1 to 3, default 1.5
     alpha: f32,  // slope width of the coat's facets; 0.0001 to 1, default 0.03
@@ -38,11 +40,13 @@ struct CarPaint {
     distance: f32,  // of the viewer; above 1 it evens out the flakes; 0 to 1000000, default 1
 }
 
-// Results of choose.
-struct CarPaintChoose {
-    first: bool,
-    second: vec2f,
+// Which of two lobes a sample is taken from.
+struct CarPaintChoice {
+    is_first: bool,  // Whether it is the first one
+    u: vec2f,  // Fresh random numbers, made of those that chose
 }
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn car_paint_cos_half(wi: vec3f, wo: vec3f) -> f32 {
@@ -52,12 +56,12 @@ fn car_paint_cos_half(wi: vec3f, wo: vec3f) -> f32 {
 
 // Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
 fn car_paint_F_denser(cos_theta: f32, eta: f32) -> f32 {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
-    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
+    // is reached at the edge of total internal reflection, where the true derivative is infinite.
     const ROOT_MIN = 1.0e-16;
     // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
-    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2),
-    // so that the mean of both squares is a product.
+    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
+    // that the mean of both squares is a product.
     let c = cos_theta;
     let contrast = (eta - 1.0) * (eta + 1.0);
     let sin2 = 1.0 - c * c;
@@ -73,7 +77,7 @@ fn car_paint_F_denser(cos_theta: f32, eta: f32) -> f32 {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn car_paint_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which car_paint_cos_half needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -105,16 +109,16 @@ fn car_paint_ggx_facets(wi: vec3f, wo: vec3f, alpha: f32) -> f32 {
 
 // eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
 fn car_paint_refracted_cos2(mu: f32, eta: f32) -> f32 {
-    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and
-    // at the critical one, little else is left.
+    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and at
+    // the critical one, little else is left.
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
 fn car_paint_transmittance_denser(mu: f32, eta: f32) -> f32 {
     const ROOT_MIN = 1.0e-16;
-    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
-    // with q = c g + sin^2(theta)
+    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2 with q
+    // = c g + sin^2(theta)
     let g = sqrt(max(car_paint_refracted_cos2(mu, eta), ROOT_MIN));
     let s = mu + g;
     let p = mu * g;
@@ -132,10 +136,6 @@ fn car_paint_optical_depth(sigma_a: vec3f, thickness: f32) -> vec3f {
     return sigma_a * vec3f(thickness, thickness, thickness);
 }
 
-fn car_paint_depth(params: CarPaint) -> vec3f {
-    return car_paint_optical_depth(params.sigma_a, params.thickness);
-}
-
 // exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
 // wi, wo: refracted directions. depth: absorption times thickness.
@@ -150,10 +150,6 @@ fn car_paint_absorbed(depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
 fn car_paint_flake_normal(slope_x: f32, slope_y: f32, distance: f32) -> vec3f {
     let flake = normalize(vec3f(slope_x, slope_y, 1.0));
     return normalize(vec3f(flake.x, flake.y, flake.z + max(distance, 1.0)));
-}
-
-fn car_paint_normal(params: CarPaint) -> vec3f {
-    return car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
 }
 
 fn car_paint_flake_alpha(params: CarPaint) -> f32 {
@@ -173,10 +169,8 @@ fn car_paint_to_tilted(w: vec3f, n: vec3f) -> vec3f {
 }
 
 // w, or the flake's normal in place of a direction behind it, which is masked elsewhere.
-fn car_paint_facing(params: CarPaint, w: vec3f) -> vec3f {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const mu_min = 1.0e-18;
+fn car_paint_facing(w: vec3f) -> vec3f {
+    const mu_min = 1.0e-18;  // cosine of the horizon
     return select(vec3f(0.0, 0.0, 1.0), w, w.z > mu_min);
 }
 
@@ -212,12 +206,12 @@ fn car_paint_seen(cos_tilted: f32, mu: f32) -> f32 {
 
 // The metal's BRDF in the flake's frame.
 fn car_paint_flake(params: CarPaint, wi_t: vec3f, wo_t: vec3f) -> vec3f {
-    let n = car_paint_normal(params);
+    let n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
     let alpha = car_paint_flake_alpha(params);
     let tilted_i = car_paint_to_tilted(wi_t, n);
     let tilted_o = car_paint_to_tilted(wo_t, n);
-    let wi = car_paint_facing(params, tilted_i);
-    let wo = car_paint_facing(params, tilted_o);
+    let wi = car_paint_facing(tilted_i);
+    let wo = car_paint_facing(tilted_o);
     let F = car_paint_F_conductor(car_paint_cos_half(wi, wo), params.metal_eta / params.eta,
         params.metal_k / params.eta);
     let visible = car_paint_seen(tilted_i.z, wi_t.z) * car_paint_seen(tilted_o.z, wo_t.z);
@@ -227,7 +221,8 @@ fn car_paint_flake(params: CarPaint, wi_t: vec3f, wo_t: vec3f) -> vec3f {
 
 // Eq. 2 with a tilted base: BRDF value in 1/sr, without the cosine.
 fn car_paint_eval(params: CarPaint, wi: vec3f, wo: vec3f) -> vec3f {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
     let cos_h = car_paint_cos_half(wi, wo);
@@ -238,11 +233,14 @@ fn car_paint_eval(params: CarPaint, wi: vec3f, wo: vec3f) -> vec3f {
     through = through / (params.eta * params.eta);
     let wi_t = car_paint_refract(wi, params.eta);
     let wo_t = car_paint_refract(wo, params.eta);
-    let kept = car_paint_absorbed(car_paint_depth(params), wi_t, wo_t);
+    let kept = car_paint_absorbed(car_paint_optical_depth(params.sigma_a, params.thickness), wi_t,
+        wo_t);
     return coat + car_paint_flake(params, wi_t, wo_t) * (kept * through);
 }
 
-// The most that `absorbed` leaves of light that goes out along wo: it came in along the normal.
+// ---- sampling ------------------------------------------------------------------------------
+
+// The most that car_paint_absorbed leaves of light that goes out along wo: it came in along the normal.
 fn car_paint_absorbed_least(depth: vec3f, wo: vec3f) -> vec3f {
     let up = vec3f(0.0, 0.0, 1.0);
     return car_paint_absorbed(depth, up, wo);
@@ -263,8 +261,8 @@ fn car_paint_raised(probability: f32) -> f32 {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 fn car_paint_lobes_shares(first: f32, second: f32) -> vec2f {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+    // can be seen is that small.
     const BLACK = 1.0e-20;
     let inv = 1.0 / (first + second + BLACK);
     let a = car_paint_raised((first + BLACK) * inv);
@@ -283,25 +281,27 @@ fn car_paint_shares(params: CarPaint, wo: vec3f, wo_t: vec3f) -> vec2f {
     const LOBE_MIN = 1.0e-12;
     let mu = wo.z;
     let below = car_paint_transmittance_denser(mu, params.eta)
-        * car_paint_average(car_paint_absorbed_least(car_paint_depth(params), wo_t));
-    let tilted = car_paint_to_tilted(wo_t, car_paint_normal(params));
+        * car_paint_average(car_paint_absorbed_least(car_paint_optical_depth(params.sigma_a,
+            params.thickness), wo_t));
+    let tilted = car_paint_to_tilted(wo_t,
+        car_paint_flake_normal(params.flake_x, params.flake_y, params.distance));
     let lit = select(0.0, below, tilted.z > 0.0);
     let coat = max(car_paint_F_denser(wo.z, params.eta), COAT_SHARE_MIN * below + LOBE_MIN);
     return car_paint_lobes_shares(coat, lit);
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-fn car_paint_choose(probability: f32, u: vec2f) -> CarPaintChoose {
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+fn car_paint_choose(probability: f32, u: vec2f) -> CarPaintChoice {
     // Smallest probability that is divided by: a random number falls below it once in a million million.
     const SHARE_MIN = 1.0e-12;
     const RANDOM_MAX = 0.99999994;  // The largest float32 below 1, up to which random numbers go.
     let first = u.x < probability;
     let below = u.x / max(probability, SHARE_MIN);
     let above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
-    return CarPaintChoose(first, vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
+    return CarPaintChoice(first, vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// A normal with density G1(wo) max(wo . m, 0) car_paint_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
 fn car_paint_sample_ggx_visible(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const RANDOM_MARGIN = 5.9604645e-8;
@@ -330,7 +330,7 @@ fn car_paint_sample_ggx_lobe(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) ->
     return vec3f(w.x, w.y, abs(w.z));
 }
 
-// The inverse of `to_tilted`.
+// The inverse of car_paint_to_tilted.
 fn car_paint_from_tilted(w: vec3f, n: vec3f) -> vec3f {
     return car_paint_half_turn(vec3f(-w.x, -w.y, w.z), n);
 }
@@ -342,9 +342,9 @@ fn car_paint_critical_cosine(eta: f32) -> f32 {
 
 // The outer direction for a direction inside: refracted, or spread out if it cannot leave.
 fn car_paint_leave(w: vec3f, eta: f32) -> vec3f {
-    const mu_min = 1.0e-18;
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+    // its reciprocal still fits into a float32.
     const SIN2_MIN = 1.0e-18;
     // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
     const LEAVE_MIN = 1.0e-12;
@@ -360,25 +360,25 @@ fn car_paint_leave(w: vec3f, eta: f32) -> vec3f {
     return normalize(vec3f(w.x * scale, w.y * scale, z));
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at car_paint_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 fn car_paint_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
     return car_paint_D_ggx(m, alpha_x, alpha_y)
         / (2.0 * (wo.z + car_paint_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density inside the coat of the flake's part of `sample`.
+// Density inside the coat of the flake's part of car_paint_sample.
 fn car_paint_pdf_flake(params: CarPaint, wi_t: vec3f, wo_t: vec3f) -> f32 {
-    let n = car_paint_normal(params);
+    let n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
     let alpha = car_paint_flake_alpha(params);
     let tilted_i = car_paint_to_tilted(wi_t, n);
     let tilted_o = car_paint_to_tilted(wo_t, n);
-    let wi = car_paint_facing(params, tilted_i);
-    let wo = car_paint_facing(params, tilted_o);
+    let wi = car_paint_facing(tilted_i);
+    let wo = car_paint_facing(tilted_o);
     let density = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(wi, wo), alpha, alpha);
     return select(0.0, density, tilted_i.z > 0.0 && wi_t.z > 0.0);
 }
 
-// The inner direction that `leave` spreads to w; z = 0 for eta <= 1, which has none.
+// The inner direction that car_paint_leave spreads to w; z = 0 for eta <= 1, which has none.
 fn car_paint_gather(w: vec3f, eta: f32) -> vec3f {
     const SIN2_MIN = 1.0e-18;
     let k = car_paint_critical_cosine(eta);
@@ -390,18 +390,18 @@ fn car_paint_gather(w: vec3f, eta: f32) -> vec3f {
     return vec3f(x, select(w.y * scale, 0.0, near), z);
 }
 
-// Density of `leave` at w, from the inner density at w_t = refract(w) and at gather(w).
+// Density of car_paint_leave at w, from the inner density at w_t = refract(w) and at gather(w).
 fn car_paint_pdf_leave(pdf_refracted: f32, pdf_gathered: f32, w: vec3f, w_t: vec3f,
     eta: f32) -> f32 {
-    // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
-    // k^2, and the cosines are k mu and mu.
+    // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by k^2,
+    // and the cosines are k mu and mu.
     return pdf_refracted * w.z / (eta * eta * w_t.z)
         + pdf_gathered * car_paint_critical_cosine(eta);
 }
 
-// Density of `sample_ggx_lobe` in 1/sr.
+// Density of car_paint_sample_ggx_lobe in 1/sr.
 fn car_paint_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    const mu_min = 1.0e-18;
+    const mu_min = 1.0e-18;  // cosine of the horizon
     let straight = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(wi, wo), alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     let exists = wo.z > wi.z;
@@ -413,9 +413,10 @@ fn car_paint_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f
     return straight + select(0.0, folded, exists);
 }
 
-// Density of `sample` in 1/sr.
+// Density of car_paint_sample in 1/sr.
 fn car_paint_pdf(params: CarPaint, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     let wi_t = car_paint_refract(wi, params.eta);
@@ -430,17 +431,18 @@ fn car_paint_pdf(params: CarPaint, wi: vec3f, wo: vec3f) -> f32 {
 
 // Visible normals of the coat, or of the flake and then out through the coat.
 fn car_paint_sample(params: CarPaint, wo: vec3f, u: vec2f) -> CarPaintSample {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return CarPaintSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
-    let n = car_paint_normal(params);
+    let n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
     let wo_t = car_paint_refract(wo, params.eta);
     let choose_result = car_paint_choose(car_paint_shares(params, wo, wo_t).x, u);
-    let on_coat = choose_result.first;
-    let v = choose_result.second;
+    let on_coat = choose_result.is_first;
+    let v = choose_result.u;
     let w_coat = car_paint_sample_ggx_lobe(wo, params.alpha, params.alpha, v);
     let alpha = car_paint_flake_alpha(params);
-    let tilted = car_paint_facing(params, car_paint_to_tilted(wo_t, n));
+    let tilted = car_paint_facing(car_paint_to_tilted(wo_t, n));
     let flake = car_paint_mirror(tilted, car_paint_sample_ggx_visible(tilted, alpha, alpha, v));
     // What the flake mirrors behind itself is wasted.
     let down = vec3f(0.0, 0.0, -1.0);
@@ -450,16 +452,18 @@ fn car_paint_sample(params: CarPaint, wo: vec3f, u: vec2f) -> CarPaintSample {
     return CarPaintSample(wi, car_paint_pdf(params, wi, wo));
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 fn car_paint_albedo(params: CarPaint, wo: vec3f) -> vec3f {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in car_paint_albedo: a Fibonacci number, and the golden ratio.
     const ALBEDO_SAMPLES = 987.0;
     const GOLDEN = 0.618034;
-    const mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const HORIZON = 1.0e-6;
+    const mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return vec3f(0.0);
     }

@@ -1,17 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
 // Disney: the principled model of 2012, all eleven parameters.
 //
 // Source: Burley, "Physically-based shading at Disney", SIGGRAPH 2012 course notes, section 5 and appendix
-// B,
-// and its reference code disney.brdf. In the notes the masking of the highlight has its own width
+// B, and its reference code disney.brdf. In the notes the masking of the highlight has its own width
 // (0.5 + roughness / 2)^2, the same along x and y; the code was changed later to the highlight's own
-// widths,
-// which masking="anisotropic" gives.
+// widths, which masking="anisotropic" gives.
 // Deviation: base_color is linear here, the code takes it with a gamma of 2.2.
 //
-// C++, made by gonio 0.1.0 from gonio/models/disney.py.
+// C++, made by gonio from gonio/models/disney.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: gonio_disney::Disney params; params.base_color = ...; ... gonio_disney::disney_eval(params, wi, wo)
 
 #pragma once
 #include <math.h>
@@ -79,6 +79,43 @@ inline Vec3 lerp(Vec3 a, Vec3 b, Vec3 c) {
     return Vec3{lerp(a.x, b.x, c.x), lerp(a.y, b.y, c.y), lerp(a.z, b.z, c.z)};
 }
 
+// The reference code's numbers: smallest width of the highlight, F0 at specular 1, and for the clearcoat
+// its widths without and with gloss, that of its masking, F0 (index 1.5), and strength.
+constexpr float ALPHA_DISNEY = 0.001f;
+constexpr float F0_SPECULAR = 0.08f;
+constexpr float COAT_ALPHA_SATIN = 0.1f;
+constexpr float COAT_ALPHA_GLOSS = 0.001f;
+constexpr float COAT_ALPHA_MASKING = 0.25f;
+constexpr float COAT_F0 = 0.04f;
+constexpr float COAT_STRENGTH = 0.25f;
+// Estimate of the white sheen's albedo, for the choice of lobes only.
+constexpr float SHEEN_ALBEDO = 0.06f;
+constexpr float LUMINANCE_MIN = 1.0e-18f;  // Smallest luminance that is divided by.
+constexpr float two_pi = 6.2831855f;
+constexpr float inv_pi = 0.31830987f;
+constexpr float inv_two_pi = 0.15915494f;
+constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
+// Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+// can be seen is that small.
+constexpr float BLACK = 1.0e-20f;
+// The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+// its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+constexpr float SHARE_LEAST = 0.1f;
+constexpr float ESTIMATE_TRUST = 50.0f;
+// Smallest probability that is divided by: a random number falls below it once in a million million.
+constexpr float SHARE_MIN = 1.0e-12f;
+// The largest float32 below 1, up to which random numbers go.
+constexpr float RANDOM_MAX = 0.99999994f;
+// Below this the series needs eleven terms; above, the plain difference is exact to 2e-7 in float32.
+constexpr float EXPM1_SMALL = 0.3f;
+// Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+constexpr float RANDOM_MARGIN = 5.9604645e-8f;
+// Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+constexpr float ALBEDO_SAMPLES = 987.0f;
+constexpr float GOLDEN = 0.618034f;
+// Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+constexpr float HORIZON = 1.0e-6f;
+
 // A sampled direction and its density.
 struct DisneySample {
     Vec3 wi;  // direction towards the light, unit, local frame
@@ -103,17 +140,16 @@ struct Disney {
     float clearcoat_gloss;  // 0 for a satin clearcoat, 1 for a glossy one; 0 to 1, default 1
 };
 
-// Results of choose.
-struct DisneyChoose {
-    bool first;
-    Vec2 second;
+// Which of two lobes a sample is taken from.
+struct DisneyChoice {
+    bool is_first;  // Whether it is the first one
+    Vec2 u;  // Fresh random numbers, made of those that chose
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // alpha along x and y.
 inline Vec2 disney_widths(const Disney& params) {
-    // The reference code's numbers: smallest width of the highlight, F0 at specular 1, and for the clearcoat
-    // its widths without and with gloss, that of its masking, F0 (index 1.5), and strength.
-    constexpr float ALPHA_DISNEY = 0.001f;
     float alpha = params.roughness * params.roughness;
     float aspect = sqrtf(1.0f - 0.9f * params.anisotropic);
     return Vec2{fmaxf(alpha / aspect, ALPHA_DISNEY), fmaxf(alpha * aspect, ALPHA_DISNEY)};
@@ -122,12 +158,11 @@ inline Vec2 disney_widths(const Disney& params) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 disney_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which disney_cos_half needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
 inline float disney_D_ggx(Vec3 m, float alpha_x, float alpha_y) {
-    constexpr float inv_pi = 0.31830987f;
     // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
     Vec3 v = Vec3{m.x / alpha_x, m.y / alpha_y, m.z};
     float s = dot(v, v);
@@ -136,7 +171,6 @@ inline float disney_D_ggx(Vec3 m, float alpha_x, float alpha_y) {
 
 // The base colour's hue and saturation, with a luminance of 1.
 inline Vec3 disney_tint(const Disney& params) {
-    constexpr float LUMINANCE_MIN = 1.0e-18f;  // Smallest luminance that is divided by.
     Vec3 color = params.base_color;
     float luminance = dot(color, Vec3{0.3f, 0.6f, 0.1f});
     Vec3 tint = color / fmaxf(luminance, LUMINANCE_MIN);
@@ -144,7 +178,6 @@ inline Vec3 disney_tint(const Disney& params) {
 }
 
 inline Vec3 disney_f0(const Disney& params) {
-    constexpr float F0_SPECULAR = 0.08f;
     Vec3 dielectric = F0_SPECULAR * params.specular
         * lerp(splat(1.0f), disney_tint(params), splat(params.specular_tint));
     return lerp(dielectric, params.base_color, splat(params.metallic));
@@ -158,8 +191,8 @@ inline float disney_cos_half(Vec3 wi, Vec3 wo) {
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 inline float disney_schlick_weight_half(Vec3 wi, Vec3 wo) {
-    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
-    // weight keeps its digits where the two meet and it goes to 0.
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
+    // keeps its digits where the two meet and it goes to 0.
     Vec3 apart = wi - wo;
     float k = 0.25f * dot(apart, apart) / (1.0f + disney_cos_half(wi, wo));
     float k2 = k * k;
@@ -185,14 +218,11 @@ inline Vec3 disney_sheen(const Disney& params) {
 }
 
 inline float disney_coat_alpha(const Disney& params) {
-    constexpr float COAT_ALPHA_SATIN = 0.1f;
-    constexpr float COAT_ALPHA_GLOSS = 0.001f;
     return lerp(COAT_ALPHA_SATIN, COAT_ALPHA_GLOSS, params.clearcoat_gloss);
 }
 
 // `D_gtr1` for alpha up to 0.5, where nothing cancels in its norm.
 inline float disney_D_gtr1_narrow(Vec3 m, float alpha) {
-    constexpr float inv_pi = 0.31830987f;
     float a2 = alpha * alpha;
     Vec3 v = Vec3{m.x, m.y, alpha * m.z};
     return inv_pi * (a2 - 1.0f) / (logf(a2) * dot(v, v));
@@ -208,10 +238,6 @@ inline float disney_V_smith_ggx_round(Vec3 wi, Vec3 wo, float alpha) {
 
 // All but the highlight: diffuse, sheen and clearcoat, which are not stretched.
 inline Vec3 disney_eval_round(const Disney& params, Vec3 wi, Vec3 wo) {
-    constexpr float inv_pi = 0.31830987f;
-    constexpr float COAT_ALPHA_MASKING = 0.25f;
-    constexpr float COAT_STRENGTH = 0.25f;
-    constexpr float COAT_F0 = 0.04f;
     // Diffuse with retro-reflection
     float F_i = disney_schlick_weight(wi.z);
     float F_o = disney_schlick_weight(wo.z);
@@ -241,7 +267,7 @@ inline float disney_V(const Disney& params, Vec3 wi, Vec3 wo) {
 
 // BRDF value in 1/sr, without the cosine.
 inline Vec3 disney_eval(const Disney& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
     Vec2 widths = disney_widths(params);
@@ -249,6 +275,8 @@ inline Vec3 disney_eval(const Disney& params, Vec3 wi, Vec3 wo) {
     Vec3 F = lerp(disney_f0(params), splat(1.0f), splat(disney_schlick_weight_half(wi, wo)));
     return disney_eval_round(params, wi, wo) + F * (D * disney_V(params, wi, wo));
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // Mean of the three channels, by which lobes are weighed against each other.
 inline float disney_average(Vec3 color) {
@@ -262,24 +290,15 @@ inline float disney_highlight_albedo(const Disney& params, Vec3 wo) {
 
 // An estimate, for the choice of lobes.
 inline float disney_coat_albedo(const Disney& params, Vec3 wo) {
-    constexpr float COAT_STRENGTH = 0.25f;
-    constexpr float COAT_F0 = 0.04f;
     return COAT_STRENGTH * params.clearcoat * lerp(COAT_F0, 1.0f, disney_schlick_weight(wo.z));
 }
 
 inline float disney_raised(float probability) {
-    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
-    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
-    constexpr float SHARE_LEAST = 0.1f;
-    constexpr float ESTIMATE_TRUST = 50.0f;
     return fmaxf(probability, fminf(SHARE_LEAST, ESTIMATE_TRUST * probability));
 }
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 inline Vec2 disney_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
-    constexpr float BLACK = 1.0e-20f;
     float inv = 1.0f / (first + second + BLACK);
     float a = disney_raised((first + BLACK) * inv);
     float b = disney_raised(second * inv);
@@ -290,24 +309,18 @@ inline Vec2 disney_shares(float first, float second) {
 
 // Probabilities of the diffuse lobe and of the two others.
 inline Vec2 disney_diffuse_shares(const Disney& params, Vec3 wo) {
-    // Estimate of the white sheen's albedo, for the choice of lobes only.
-    constexpr float SHEEN_ALBEDO = 0.06f;
     Vec3 base = params.base_color + SHEEN_ALBEDO * disney_sheen(params);
     float diffuse = disney_average((1.0f - params.metallic) * base);
     return disney_shares(diffuse, disney_highlight_albedo(params, wo)
         + disney_coat_albedo(params, wo));
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-inline DisneyChoose disney_choose(float probability, Vec2 u) {
-    // Smallest probability that is divided by: a random number falls below it once in a million million.
-    constexpr float SHARE_MIN = 1.0e-12f;
-    // The largest float32 below 1, up to which random numbers go.
-    constexpr float RANDOM_MAX = 0.99999994f;
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+inline DisneyChoice disney_choose(float probability, Vec2 u) {
     bool first = u.x < probability;
     float below = u.x / fmaxf(probability, SHARE_MIN);
     float above = (u.x - probability) / fmaxf(1.0f - probability, SHARE_MIN);
-    return DisneyChoose{first, Vec2{fminf(fmaxf(first ? below : above, 0.0f), RANDOM_MAX), u.y}};
+    return DisneyChoice{first, Vec2{fminf(fmaxf(first ? below : above, 0.0f), RANDOM_MAX), u.y}};
 }
 
 // Probabilities of the highlight and of the clearcoat, if it is not the diffuse lobe.
@@ -317,8 +330,6 @@ inline Vec2 disney_specular_shares(const Disney& params, Vec3 wo) {
 
 // exp(x) - 1, exact where x is small.
 inline float disney_expm1(float x) {
-    // Below this the series needs eleven terms; above, the plain difference is exact to 2e-7 in float32.
-    constexpr float EXPM1_SMALL = 0.3f;
     float near = fmaxf(fminf(x, EXPM1_SMALL), -EXPM1_SMALL);
     // Taylor's series up to x^11 / 11!, error below 2e-15 for |x| < 0.3.
     float series = 1.0f + near / 8.0f
@@ -330,15 +341,12 @@ inline float disney_expm1(float x) {
 
 // A normal with a given slope and the azimuth 2 pi u.
 inline Vec3 disney_polar(float tan_theta, float u) {
-    constexpr float two_pi = 6.2831855f;
     float phi = two_pi * u;
     return normalize(Vec3{tan_theta * cosf(phi), tan_theta * sinf(phi), 1.0f});
 }
 
 // A normal with density D_gtr1 m.z. Burley, Eq. 5.
 inline Vec3 disney_sample_gtr1(float alpha, Vec2 u) {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    constexpr float RANDOM_MARGIN = 5.9604645e-8f;
     // sin^2 = alpha^2 (alpha^(-2 u) - 1) / (1 - alpha^2); both differences vanish at alpha = 1
     float a2 = alpha * alpha;
     float log_a2 = logf(a2);
@@ -357,10 +365,8 @@ inline Vec3 disney_mirror(Vec3 wo, Vec3 m) {
     return 2.0f * dot(wo, m) * m - wo;
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// A normal with density G1(wo) max(wo . m, 0) disney_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
 inline Vec3 disney_sample_ggx_visible(Vec3 wo, float alpha_x, float alpha_y, Vec2 u) {
-    constexpr float RANDOM_MARGIN = 5.9604645e-8f;
-    constexpr float two_pi = 6.2831855f;
     Vec3 w = normalize(Vec3{alpha_x * wo.x, alpha_y * wo.y, wo.z});
     // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
     // u = 1 would be the facet opposite to w, whose half vector has no direction
@@ -387,7 +393,6 @@ inline float disney_uniform_share(const Disney& params) {
 
 // A direction with density 1 / (2 pi).
 inline Vec3 disney_sample_uniform(Vec2 u) {
-    constexpr float two_pi = 6.2831855f;
     // z = 1 - u instead of u: random numbers lie in [0, 1), so z never becomes 0.
     float z = 1.0f - u.x;
     float r = sqrtf(fmaxf(u.x * (1.0f + z), 0.0f));
@@ -397,13 +402,12 @@ inline Vec3 disney_sample_uniform(Vec2 u) {
 
 // A direction with density cos(theta) / pi.
 inline Vec3 disney_sample_cosine(Vec2 u) {
-    constexpr float two_pi = 6.2831855f;
     float r = sqrtf(fmaxf(u.x, 0.0f));
     float phi = two_pi * u.y;
     return Vec3{r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u.x, 0.0f))};
 }
 
-// Density of `mirror` in 1/sr, if m has the given density and cos_h = wo . m.
+// Density of disney_mirror in 1/sr, if m has the given density and cos_h = wo . m.
 inline float disney_pdf_mirror(float density, float cos_h) {
     // Walter et al., Eq. 14
     return 0.25f * density / cos_h;
@@ -414,17 +418,14 @@ inline float disney_ggx_length(Vec3 w, float alpha_x, float alpha_y) {
     return length(Vec3{alpha_x * w.x, alpha_y * w.y, w.z});
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at disney_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 inline float disney_pdf_ggx_visible(Vec3 wo, Vec3 m, float alpha_x, float alpha_y) {
     return disney_D_ggx(m, alpha_x, alpha_y)
         / (2.0f * (wo.z + disney_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density of `sample_ggx_lobe` in 1/sr.
+// Density of disney_sample_ggx_lobe in 1/sr.
 inline float disney_pdf_ggx_lobe(Vec3 wi, Vec3 wo, float alpha_x, float alpha_y) {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    constexpr float mu_min = 1.0e-18f;
     float straight = disney_pdf_ggx_visible(wo, disney_half_vector(wi, wo), alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
@@ -435,21 +436,14 @@ inline float disney_pdf_ggx_lobe(Vec3 wi, Vec3 wo, float alpha_x, float alpha_y)
     return straight + (exists ? folded : 0.0f);
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of disney_sample_cosine in 1/sr, for w above the horizon.
 inline float disney_pdf_cosine(Vec3 w) {
-    constexpr float inv_pi = 0.31830987f;
     return w.z * inv_pi;
 }
 
-// Density of `sample_uniform` in 1/sr.
-inline float disney_pdf_uniform() {
-    constexpr float inv_two_pi = 0.15915494f;
-    return inv_two_pi;
-}
-
-// Density of `sample` in 1/sr.
+// Density of disney_sample in 1/sr.
 inline float disney_pdf(const Disney& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0f;
     }
     Vec2 widths = disney_widths(params);
@@ -459,41 +453,37 @@ inline float disney_pdf(const Disney& params, Vec3 wi, Vec3 wo) {
     float coat = disney_pdf_mirror(disney_D_gtr1_narrow(m, disney_coat_alpha(params)) * m.z,
         disney_cos_half(wi, wo));
     float specular = Q.x * disney_pdf_ggx_lobe(wi, wo, widths.x, widths.y) + Q.y * coat;
-    float diffuse = lerp(disney_pdf_cosine(wi), disney_pdf_uniform(), disney_uniform_share(params));
+    float diffuse = lerp(disney_pdf_cosine(wi), inv_two_pi, disney_uniform_share(params));
     return P.x * diffuse + P.y * specular;
 }
 
 // Cosine-weighted, a visible GGX normal or a clearcoat normal, by the estimated albedos.
 inline DisneySample disney_sample(const Disney& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 1.0e-18f) {  // in the horizon or below
+    if (wo.z <= mu_min) {  // in the horizon or below
         return DisneySample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     Vec2 widths = disney_widths(params);
-    DisneyChoose choose_result = disney_choose(disney_diffuse_shares(params, wo).x, u);
-    bool diffuse = choose_result.first;
-    Vec2 v = choose_result.second;
-    DisneyChoose choose_result_2 = disney_choose(disney_specular_shares(params, wo).x, v);
-    bool highlight = choose_result_2.first;
-    Vec2 w = choose_result_2.second;
+    DisneyChoice choose_result = disney_choose(disney_diffuse_shares(params, wo).x, u);
+    bool diffuse = choose_result.is_first;
+    Vec2 v = choose_result.u;
+    DisneyChoice choose_result_2 = disney_choose(disney_specular_shares(params, wo).x, v);
+    bool highlight = choose_result_2.is_first;
+    Vec2 w = choose_result_2.u;
     Vec3 coat = disney_mirror(wo, disney_sample_gtr1(disney_coat_alpha(params), w));
     Vec3 specular = highlight ? disney_sample_ggx_lobe(wo, widths.x, widths.y, w) : coat;
-    DisneyChoose choose_result_3 = disney_choose(disney_uniform_share(params), v);
-    bool uniform = choose_result_3.first;
-    Vec2 t = choose_result_3.second;
+    DisneyChoice choose_result_3 = disney_choose(disney_uniform_share(params), v);
+    bool uniform = choose_result_3.is_first;
+    Vec2 t = choose_result_3.u;
     Vec3 wi = diffuse ? (uniform ? disney_sample_uniform(t) : disney_sample_cosine(t)) : specular;
     return DisneySample{wi, disney_pdf(params, wi, wo)};
 }
+
+// ---- albedo --------------------------------------------------------------------------------
 
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 inline Vec3 disney_albedo(const Disney& params, Vec3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    constexpr float HORIZON = 1.0e-6f;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
-    constexpr float ALBEDO_SAMPLES = 987.0f;
-    constexpr float GOLDEN = 0.618034f;
-    constexpr float mu_min = 1.0e-18f;
     if (wo.z < 0.0f) {  // below the horizon
         return splat(0.0f);
     }

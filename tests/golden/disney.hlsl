@@ -1,17 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
 // Disney: the principled model of 2012, all eleven parameters.
 //
 // Source: Burley, "Physically-based shading at Disney", SIGGRAPH 2012 course notes, section 5 and appendix
-// B,
-// and its reference code disney.brdf. In the notes the masking of the highlight has its own width
+// B, and its reference code disney.brdf. In the notes the masking of the highlight has its own width
 // (0.5 + roughness / 2)^2, the same along x and y; the code was changed later to the highlight's own
-// widths,
-// which masking="anisotropic" gives.
+// widths, which masking="anisotropic" gives.
 // Deviation: base_color is linear here, the code takes it with a gamma of 2.2.
 //
-// HLSL, made by gonio 0.1.0 from gonio/models/disney.py.
+// HLSL, made by gonio from gonio/models/disney.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: Disney params; params.base_color = ...; ... disney_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct DisneySample {
@@ -37,11 +37,13 @@ struct Disney {
     float clearcoat_gloss;  // 0 for a satin clearcoat, 1 for a glossy one; 0 to 1, default 1
 };
 
-// Results of choose.
-struct DisneyChoose {
-    bool first;
-    float2 second;
+// Which of two lobes a sample is taken from.
+struct DisneyChoice {
+    bool is_first;  // Whether it is the first one
+    float2 u;  // Fresh random numbers, made of those that chose
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // alpha along x and y.
 float2 disney_widths(Disney params) {
@@ -56,7 +58,7 @@ float2 disney_widths(Disney params) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 float3 disney_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which disney_cos_half needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -74,14 +76,16 @@ float3 disney_tint(Disney params) {
     float3 color = params.base_color;
     float luminance = dot(color, float3(0.3, 0.6, 0.1));
     float3 tint = color / max(luminance, LUMINANCE_MIN);
-    return luminance > 0.0 ? tint : (float3)(1.0);
+    return luminance > 0.0 ? tint : float3(1.0, 1.0, 1.0);
 }
 
 float3 disney_f0(Disney params) {
     const float F0_SPECULAR = 0.08;
     float3 dielectric = F0_SPECULAR * params.specular
-        * lerp((float3)(1.0), disney_tint(params), (float3)(params.specular_tint));
-    return lerp(dielectric, params.base_color, (float3)(params.metallic));
+        * lerp(float3(1.0, 1.0, 1.0), disney_tint(params),
+            float3(params.specular_tint, params.specular_tint, params.specular_tint));
+    return lerp(dielectric, params.base_color,
+        float3(params.metallic, params.metallic, params.metallic));
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
@@ -92,8 +96,8 @@ float disney_cos_half(float3 wi, float3 wo) {
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 float disney_schlick_weight_half(float3 wi, float3 wo) {
-    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
-    // weight keeps its digits where the two meet and it goes to 0.
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
+    // keeps its digits where the two meet and it goes to 0.
     float3 apart = wi - wo;
     float k = 0.25 * dot(apart, apart) / (1.0 + disney_cos_half(wi, wo));
     float k2 = k * k;
@@ -115,7 +119,8 @@ float disney_schlick_complement(float c) {
 }
 
 float3 disney_sheen(Disney params) {
-    return params.sheen * lerp((float3)(1.0), disney_tint(params), (float3)(params.sheen_tint));
+    return params.sheen * lerp(float3(1.0, 1.0, 1.0), disney_tint(params),
+        float3(params.sheen_tint, params.sheen_tint, params.sheen_tint));
 }
 
 float disney_coat_alpha(Disney params) {
@@ -144,8 +149,8 @@ float disney_V_smith_ggx_round(float3 wi, float3 wo, float alpha) {
 float3 disney_eval_round(Disney params, float3 wi, float3 wo) {
     const float inv_pi = 0.31830987;
     const float COAT_ALPHA_MASKING = 0.25;
-    const float COAT_STRENGTH = 0.25;
     const float COAT_F0 = 0.04;
+    const float COAT_STRENGTH = 0.25;
     // Diffuse with retro-reflection
     float F_i = disney_schlick_weight(wi.z);
     float F_o = disney_schlick_weight(wo.z);
@@ -175,14 +180,18 @@ float disney_V(Disney params, float3 wi, float3 wo) {
 
 // BRDF value in 1/sr, without the cosine.
 float3 disney_eval(Disney params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
-        return (float3)(0.0);
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return float3(0.0, 0.0, 0.0);
     }
     float2 widths = disney_widths(params);
     float D = disney_D_ggx(disney_half_vector(wi, wo), widths.x, widths.y);
-    float3 F = lerp(disney_f0(params), (float3)(1.0), (float3)(disney_schlick_weight_half(wi, wo)));
+    float3 F = lerp(disney_f0(params), float3(1.0, 1.0, 1.0),
+        (disney_schlick_weight_half(wi, wo)).xxx);
     return disney_eval_round(params, wi, wo) + F * (D * disney_V(params, wi, wo));
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // Mean of the three channels, by which lobes are weighed against each other.
 float disney_average(float3 color) {
@@ -191,14 +200,14 @@ float disney_average(float3 color) {
 
 // An estimate, for the choice of lobes.
 float disney_highlight_albedo(Disney params, float3 wo) {
-    return disney_average(lerp(disney_f0(params), (float3)(1.0),
-        (float3)(disney_schlick_weight(wo.z))));
+    return disney_average(lerp(disney_f0(params), float3(1.0, 1.0, 1.0),
+        (disney_schlick_weight(wo.z)).xxx));
 }
 
 // An estimate, for the choice of lobes.
 float disney_coat_albedo(Disney params, float3 wo) {
-    const float COAT_STRENGTH = 0.25;
     const float COAT_F0 = 0.04;
+    const float COAT_STRENGTH = 0.25;
     return COAT_STRENGTH * params.clearcoat * lerp(COAT_F0, 1.0, disney_schlick_weight(wo.z));
 }
 
@@ -212,8 +221,8 @@ float disney_raised(float probability) {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 float2 disney_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+    // can be seen is that small.
     const float BLACK = 1.0e-20;
     float inv = 1.0 / (first + second + BLACK);
     float a = disney_raised((first + BLACK) * inv);
@@ -233,8 +242,8 @@ float2 disney_diffuse_shares(Disney params, float3 wo) {
         + disney_coat_albedo(params, wo));
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-DisneyChoose disney_choose(float probability, float2 u) {
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+DisneyChoice disney_choose(float probability, float2 u) {
     // Smallest probability that is divided by: a random number falls below it once in a million million.
     const float SHARE_MIN = 1.0e-12;
     // The largest float32 below 1, up to which random numbers go.
@@ -242,9 +251,9 @@ DisneyChoose disney_choose(float probability, float2 u) {
     bool first = u.x < probability;
     float below = u.x / max(probability, SHARE_MIN);
     float above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
-    DisneyChoose result;
-    result.first = first;
-    result.second = float2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y);
+    DisneyChoice result;
+    result.is_first = first;
+    result.u = float2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y);
     return result;
 }
 
@@ -295,7 +304,7 @@ float3 disney_mirror(float3 wo, float3 m) {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// A normal with density G1(wo) max(wo . m, 0) disney_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
 float3 disney_sample_ggx_visible(float3 wo, float alpha_x, float alpha_y, float2 u) {
     const float RANDOM_MARGIN = 5.9604645e-8;
     const float two_pi = 6.2831855;
@@ -341,7 +350,7 @@ float3 disney_sample_cosine(float2 u) {
     return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// Density of `mirror` in 1/sr, if m has the given density and cos_h = wo . m.
+// Density of disney_mirror in 1/sr, if m has the given density and cos_h = wo . m.
 float disney_pdf_mirror(float density, float cos_h) {
     // Walter et al., Eq. 14
     return 0.25 * density / cos_h;
@@ -352,17 +361,15 @@ float disney_ggx_length(float3 w, float alpha_x, float alpha_y) {
     return length(float3(alpha_x * w.x, alpha_y * w.y, w.z));
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at disney_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 float disney_pdf_ggx_visible(float3 wo, float3 m, float alpha_x, float alpha_y) {
     return disney_D_ggx(m, alpha_x, alpha_y)
         / (2.0 * (wo.z + disney_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density of `sample_ggx_lobe` in 1/sr.
+// Density of disney_sample_ggx_lobe in 1/sr.
 float disney_pdf_ggx_lobe(float3 wi, float3 wo, float alpha_x, float alpha_y) {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const float mu_min = 1.0e-18;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     float straight = disney_pdf_ggx_visible(wo, disney_half_vector(wi, wo), alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
@@ -373,21 +380,17 @@ float disney_pdf_ggx_lobe(float3 wi, float3 wo, float alpha_x, float alpha_y) {
     return straight + (exists ? folded : 0.0);
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of disney_sample_cosine in 1/sr, for w above the horizon.
 float disney_pdf_cosine(float3 w) {
     const float inv_pi = 0.31830987;
     return w.z * inv_pi;
 }
 
-// Density of `sample_uniform` in 1/sr.
-float disney_pdf_uniform() {
-    const float inv_two_pi = 0.15915494;
-    return inv_two_pi;
-}
-
-// Density of `sample` in 1/sr.
+// Density of disney_sample in 1/sr.
 float disney_pdf(Disney params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float inv_two_pi = 0.15915494;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     float2 widths = disney_widths(params);
@@ -397,30 +400,31 @@ float disney_pdf(Disney params, float3 wi, float3 wo) {
     float coat = disney_pdf_mirror(disney_D_gtr1_narrow(m, disney_coat_alpha(params)) * m.z,
         disney_cos_half(wi, wo));
     float specular = Q.x * disney_pdf_ggx_lobe(wi, wo, widths.x, widths.y) + Q.y * coat;
-    float diffuse = lerp(disney_pdf_cosine(wi), disney_pdf_uniform(), disney_uniform_share(params));
+    float diffuse = lerp(disney_pdf_cosine(wi), inv_two_pi, disney_uniform_share(params));
     return P.x * diffuse + P.y * specular;
 }
 
 // Cosine-weighted, a visible GGX normal or a clearcoat normal, by the estimated albedos.
 DisneySample disney_sample(Disney params, float3 wo, float2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         DisneySample result;
         result.wi = float3(0.0, 0.0, 1.0);
         result.pdf = 0.0;
         return result;
     }
     float2 widths = disney_widths(params);
-    DisneyChoose choose_result = disney_choose(disney_diffuse_shares(params, wo).x, u);
-    bool diffuse = choose_result.first;
-    float2 v = choose_result.second;
-    DisneyChoose choose_result_2 = disney_choose(disney_specular_shares(params, wo).x, v);
-    bool highlight = choose_result_2.first;
-    float2 w = choose_result_2.second;
+    DisneyChoice choose_result = disney_choose(disney_diffuse_shares(params, wo).x, u);
+    bool diffuse = choose_result.is_first;
+    float2 v = choose_result.u;
+    DisneyChoice choose_result_2 = disney_choose(disney_specular_shares(params, wo).x, v);
+    bool highlight = choose_result_2.is_first;
+    float2 w = choose_result_2.u;
     float3 coat = disney_mirror(wo, disney_sample_gtr1(disney_coat_alpha(params), w));
     float3 specular = highlight ? disney_sample_ggx_lobe(wo, widths.x, widths.y, w) : coat;
-    DisneyChoose choose_result_3 = disney_choose(disney_uniform_share(params), v);
-    bool uniform_ = choose_result_3.first;
-    float2 t = choose_result_3.second;
+    DisneyChoice choose_result_3 = disney_choose(disney_uniform_share(params), v);
+    bool uniform_ = choose_result_3.is_first;
+    float2 t = choose_result_3.u;
     float3 wi = diffuse ? (uniform_ ? disney_sample_uniform(t) : disney_sample_cosine(t))
         : specular;
     DisneySample result;
@@ -429,18 +433,20 @@ DisneySample disney_sample(Disney params, float3 wo, float2 u) {
     return result;
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 float3 disney_albedo(Disney params, float3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const float HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in disney_albedo: a Fibonacci number, and the golden ratio.
     const float ALBEDO_SAMPLES = 987.0;
     const float GOLDEN = 0.618034;
-    const float mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const float HORIZON = 1.0e-6;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
-        return (float3)(0.0);
+        return float3(0.0, 0.0, 0.0);
     }
     float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
     float3 total = float3(0.0, 0.0, 0.0);

@@ -1,17 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
 // Disney: the principled model of 2012, all eleven parameters.
 //
 // Source: Burley, "Physically-based shading at Disney", SIGGRAPH 2012 course notes, section 5 and appendix
-// B,
-// and its reference code disney.brdf. In the notes the masking of the highlight has its own width
+// B, and its reference code disney.brdf. In the notes the masking of the highlight has its own width
 // (0.5 + roughness / 2)^2, the same along x and y; the code was changed later to the highlight's own
-// widths,
-// which masking="anisotropic" gives.
+// widths, which masking="anisotropic" gives.
 // Deviation: base_color is linear here, the code takes it with a gamma of 2.2.
 //
-// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/disney.py.
+// WGSL (WebGPU), made by gonio from gonio/models/disney.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: var params: Disney; params.base_color = ...; ... disney_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct DisneySample {
@@ -36,11 +36,13 @@ struct Disney {
     clearcoat_gloss: f32,  // 0 for a satin clearcoat, 1 for a glossy one; 0 to 1, default 1
 }
 
-// Results of choose.
-struct DisneyChoose {
-    first: bool,
-    second: vec2f,
+// Which of two lobes a sample is taken from.
+struct DisneyChoice {
+    is_first: bool,  // Whether it is the first one
+    u: vec2f,  // Fresh random numbers, made of those that chose
 }
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // alpha along x and y.
 fn disney_widths(params: Disney) -> vec2f {
@@ -55,7 +57,7 @@ fn disney_widths(params: Disney) -> vec2f {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn disney_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which disney_cos_half needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -91,8 +93,8 @@ fn disney_cos_half(wi: vec3f, wo: vec3f) -> f32 {
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 fn disney_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
-    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
-    // weight keeps its digits where the two meet and it goes to 0.
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
+    // keeps its digits where the two meet and it goes to 0.
     let apart = wi - wo;
     let k = 0.25 * dot(apart, apart) / (1.0 + disney_cos_half(wi, wo));
     let k2 = k * k;
@@ -143,8 +145,8 @@ fn disney_V_smith_ggx_round(wi: vec3f, wo: vec3f, alpha: f32) -> f32 {
 fn disney_eval_round(params: Disney, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
     const COAT_ALPHA_MASKING = 0.25;
-    const COAT_STRENGTH = 0.25;
     const COAT_F0 = 0.04;
+    const COAT_STRENGTH = 0.25;
     // Diffuse with retro-reflection
     let F_i = disney_schlick_weight(wi.z);
     let F_o = disney_schlick_weight(wo.z);
@@ -174,7 +176,8 @@ fn disney_V(params: Disney, wi: vec3f, wo: vec3f) -> f32 {
 
 // BRDF value in 1/sr, without the cosine.
 fn disney_eval(params: Disney, wi: vec3f, wo: vec3f) -> vec3f {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
     let widths = disney_widths(params);
@@ -182,6 +185,8 @@ fn disney_eval(params: Disney, wi: vec3f, wo: vec3f) -> vec3f {
     let F = mix(disney_f0(params), vec3f(1.0), vec3f(disney_schlick_weight_half(wi, wo)));
     return disney_eval_round(params, wi, wo) + F * (D * disney_V(params, wi, wo));
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // Mean of the three channels, by which lobes are weighed against each other.
 fn disney_average(color: vec3f) -> f32 {
@@ -195,8 +200,8 @@ fn disney_highlight_albedo(params: Disney, wo: vec3f) -> f32 {
 
 // An estimate, for the choice of lobes.
 fn disney_coat_albedo(params: Disney, wo: vec3f) -> f32 {
-    const COAT_STRENGTH = 0.25;
     const COAT_F0 = 0.04;
+    const COAT_STRENGTH = 0.25;
     return COAT_STRENGTH * params.clearcoat * mix(COAT_F0, 1.0, disney_schlick_weight(wo.z));
 }
 
@@ -210,8 +215,8 @@ fn disney_raised(probability: f32) -> f32 {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 fn disney_shares(first: f32, second: f32) -> vec2f {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+    // can be seen is that small.
     const BLACK = 1.0e-20;
     let inv = 1.0 / (first + second + BLACK);
     let a = disney_raised((first + BLACK) * inv);
@@ -231,15 +236,15 @@ fn disney_diffuse_shares(params: Disney, wo: vec3f) -> vec2f {
         + disney_coat_albedo(params, wo));
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-fn disney_choose(probability: f32, u: vec2f) -> DisneyChoose {
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+fn disney_choose(probability: f32, u: vec2f) -> DisneyChoice {
     // Smallest probability that is divided by: a random number falls below it once in a million million.
     const SHARE_MIN = 1.0e-12;
     const RANDOM_MAX = 0.99999994;  // The largest float32 below 1, up to which random numbers go.
     let first = u.x < probability;
     let below = u.x / max(probability, SHARE_MIN);
     let above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
-    return DisneyChoose(first, vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
+    return DisneyChoice(first, vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
 }
 
 // Probabilities of the highlight and of the clearcoat, if it is not the diffuse lobe.
@@ -288,7 +293,7 @@ fn disney_mirror(wo: vec3f, m: vec3f) -> vec3f {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// A normal with density G1(wo) max(wo . m, 0) disney_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
 fn disney_sample_ggx_visible(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
     const RANDOM_MARGIN = 5.9604645e-8;
     const two_pi = 6.2831855;
@@ -334,7 +339,7 @@ fn disney_sample_cosine(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// Density of `mirror` in 1/sr, if m has the given density and cos_h = wo . m.
+// Density of disney_mirror in 1/sr, if m has the given density and cos_h = wo . m.
 fn disney_pdf_mirror(density: f32, cos_h: f32) -> f32 {
     // Walter et al., Eq. 14
     return 0.25 * density / cos_h;
@@ -345,17 +350,15 @@ fn disney_ggx_length(w: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
     return length(vec3f(alpha_x * w.x, alpha_y * w.y, w.z));
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at disney_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 fn disney_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
     return disney_D_ggx(m, alpha_x, alpha_y)
         / (2.0 * (wo.z + disney_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density of `sample_ggx_lobe` in 1/sr.
+// Density of disney_sample_ggx_lobe in 1/sr.
 fn disney_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const mu_min = 1.0e-18;
+    const mu_min = 1.0e-18;  // cosine of the horizon
     let straight = disney_pdf_ggx_visible(wo, disney_half_vector(wi, wo), alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     let exists = wo.z > wi.z;
@@ -366,21 +369,17 @@ fn disney_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 
     return straight + select(0.0, folded, exists);
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of disney_sample_cosine in 1/sr, for w above the horizon.
 fn disney_pdf_cosine(w: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     return w.z * inv_pi;
 }
 
-// Density of `sample_uniform` in 1/sr.
-fn disney_pdf_uniform() -> f32 {
-    const inv_two_pi = 0.15915494;
-    return inv_two_pi;
-}
-
-// Density of `sample` in 1/sr.
+// Density of disney_sample in 1/sr.
 fn disney_pdf(params: Disney, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const inv_two_pi = 0.15915494;
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     let widths = disney_widths(params);
@@ -390,42 +389,45 @@ fn disney_pdf(params: Disney, wi: vec3f, wo: vec3f) -> f32 {
     let coat = disney_pdf_mirror(disney_D_gtr1_narrow(m, disney_coat_alpha(params)) * m.z,
         disney_cos_half(wi, wo));
     let specular = Q.x * disney_pdf_ggx_lobe(wi, wo, widths.x, widths.y) + Q.y * coat;
-    let diffuse = mix(disney_pdf_cosine(wi), disney_pdf_uniform(), disney_uniform_share(params));
+    let diffuse = mix(disney_pdf_cosine(wi), inv_two_pi, disney_uniform_share(params));
     return P.x * diffuse + P.y * specular;
 }
 
 // Cosine-weighted, a visible GGX normal or a clearcoat normal, by the estimated albedos.
 fn disney_sample(params: Disney, wo: vec3f, u: vec2f) -> DisneySample {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return DisneySample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let widths = disney_widths(params);
     let choose_result = disney_choose(disney_diffuse_shares(params, wo).x, u);
-    let diffuse = choose_result.first;
-    let v = choose_result.second;
+    let diffuse = choose_result.is_first;
+    let v = choose_result.u;
     let choose_result_2 = disney_choose(disney_specular_shares(params, wo).x, v);
-    let highlight = choose_result_2.first;
-    let w = choose_result_2.second;
+    let highlight = choose_result_2.is_first;
+    let w = choose_result_2.u;
     let coat = disney_mirror(wo, disney_sample_gtr1(disney_coat_alpha(params), w));
     let specular = select(coat, disney_sample_ggx_lobe(wo, widths.x, widths.y, w), highlight);
     let choose_result_3 = disney_choose(disney_uniform_share(params), v);
-    let uniform = choose_result_3.first;
-    let t = choose_result_3.second;
+    let uniform = choose_result_3.is_first;
+    let t = choose_result_3.u;
     let wi = select(specular, select(disney_sample_cosine(t), disney_sample_uniform(t), uniform),
         diffuse);
     return DisneySample(wi, disney_pdf(params, wi, wo));
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 fn disney_albedo(params: Disney, wo: vec3f) -> vec3f {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in disney_albedo: a Fibonacci number, and the golden ratio.
     const ALBEDO_SAMPLES = 987.0;
     const GOLDEN = 0.618034;
-    const mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const HORIZON = 1.0e-6;
+    const mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return vec3f(0.0);
     }

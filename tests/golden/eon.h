@@ -1,16 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
 // EON: energy-preserving Oren-Nayar rough diffuse reflection.
 //
 // Source: Portsmouth, Kutz, Hill, "EON: A practical energy-preserving rough diffuse BRDF",
 // arXiv:2410.18026. Symbols and equation numbers are the paper's.
 // Deviations: every difference that the paper takes (1 - E_F, 1 - <E_F>, 1 + s) is rearranged so that
 // nothing cancels; the values are the same, but finite at the horizon and exact in float32.
-// Listing 1 keeps the loss 1 - E_F of its fit above 1e-7; `loss_fitted` does not and is -0.0016 at
-// grazing, so that values at cosines below 0.0015 differ by up to 4e-4 of themselves: the clamp would
-// put a kink there and gain nothing.
+// Listing 1 keeps the loss 1 - E_F of its fit above 1e-7; `loss_fitted` does not and is -0.0016 at grazing,
+// so that values at cosines below 0.0015 differ by up to 4e-4 of themselves: the clamp would put a kink
+// there and gain nothing.
 //
-// C++, made by gonio 0.1.0 from gonio/models/eon.py.
-// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
-// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// C++, made by gonio from gonio/models/eon.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose normal is
+// +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// Usage: gonio_eon::Eon params; params.rho = ...; ... gonio_eon::eon_eval(params, wi, wo)
 
 #pragma once
 #include <math.h>
@@ -66,26 +68,58 @@ inline Vec3 operator/(Vec3 a, Vec3 b) {
     return Vec3{a.x / b.x, a.y / b.y, a.z / b.z};
 }
 
+// 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+constexpr float ATAN_0 = 2.0f;
+constexpr float ATAN_1 = -0.66666144f;
+constexpr float ATAN_2 = 0.3998524f;
+constexpr float ATAN_3 = -0.28407288f;
+constexpr float ATAN_4 = 0.21281867f;
+constexpr float ATAN_5 = -0.15008585f;
+constexpr float ATAN_6 = 0.085383f;
+constexpr float ATAN_7 = -0.03213723f;
+constexpr float ATAN_8 = 0.005699773f;
+constexpr float pi = 3.1415927f;
+constexpr float two_pi = 6.2831855f;
+constexpr float inv_pi = 0.31830987f;
+constexpr float inv_two_pi = 0.15915494f;
+constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
+constexpr float C1 = 0.2877934f;  // A_F = 1 / (1 + C1 r)
+constexpr float C2 = 0.07248821f;  // the hemispherical mean of E_F is A_F (1 + C2 r)
+// Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
+// taken.
+constexpr float P_MIN = 1.0e-6f;
+// Up to this roughness `cltc_matched` is cosine sampling. A lobe sheared by d leaves a wedge of height r
+// above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine sampling
+// is of order r^2, and the smaller of the two below r = 3e-4.
+constexpr float R_COSINE = 1.0e-4f;
+// A sample that rounding pushed below the horizon is lifted to this cosine, 1/16 of a float32 epsilon.
+constexpr float Z_MIN = 7.450581e-9f;
+// Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+// its reciprocal still fits into a float32.
+constexpr float SIN2_MIN = 1.0e-18f;
+
 // A sampled direction and its density.
 struct EonSample {
     Vec3 wi;  // direction towards the light, unit, local frame
     float pdf;  // its density in 1/sr; 0 marks a wasted sample
 };
 
-// eon: Rough, clay-like diffuse. Reciprocal; white stays white; Lambert at roughness 0.
-// Exported with albedo_form='exact', color_shift='physical', sampler='cltc_matched'.
+// eon: Rough, clay-like diffuse. Reciprocal; white stays white; Lambert at roughness 0. Exported with
+// albedo_form='exact', color_shift='physical', sampler='cltc_matched'.
 struct Eon {
     Vec3 rho;  // single-scattering albedo, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
     float roughness;  // unitless r; not the Oren-Nayar angle sigma; 0 to 1, default 0.5
 };
 
-// Results of coefficients.
+// What coefficients returns.
 struct EonCoefficients {
     float a;
     float b;
     float c;
     float d;
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
 //
@@ -105,8 +139,8 @@ inline float eon_s_over_max(float s, Vec3 wi, Vec3 wo) {
 // 1 + r s/t with Eq. 11: the angular shape of FON and of EON's single scattering.
 inline float eon_fujii_shape(Vec3 wi, Vec3 wo, float r) {
     float s = eon_tangential_dot(wi, wo);
-    // 1 + s = (|t_i + t_o|^2 + mu_i^2 + mu_o^2) / 2 with the tangential parts t: nothing cancels when
-    // wi is the mirror direction of a grazing wo, where 1 + s goes to 0.
+    // 1 + s = (|t_i + t_o|^2 + mu_i^2 + mu_o^2) / 2 with the tangential parts t: nothing cancels when wi is the
+    // mirror direction of a grazing wo, where 1 + s goes to 0.
     float x = wi.x + wo.x;
     float y = wi.y + wo.y;
     float one_plus_s = 0.5f * (x * x + y * y + wi.z * wi.z + wo.z * wo.z);
@@ -115,16 +149,6 @@ inline float eon_fujii_shape(Vec3 wi, Vec3 wo, float r) {
 
 // 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
 inline float eon_twice_atan_over(float v) {
-    // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
-    constexpr float ATAN_4 = 0.21281867f;
-    constexpr float ATAN_5 = -0.15008585f;
-    constexpr float ATAN_6 = 0.085383f;
-    constexpr float ATAN_7 = -0.03213723f;
-    constexpr float ATAN_8 = 0.005699773f;
-    constexpr float ATAN_0 = 2.0f;
-    constexpr float ATAN_1 = -0.66666144f;
-    constexpr float ATAN_2 = 0.3998524f;
-    constexpr float ATAN_3 = -0.28407288f;
     float q = v * v;
     float p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
     return ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p)));
@@ -132,10 +156,9 @@ inline float eon_twice_atan_over(float v) {
 
 // pi C1 - G_F at cosine mu, from 0 at grazing to pi C1 at the normal: 1 - E_F = r A_F loss / pi.
 //
-// With 1 - s = mu^2 / (1 + s) every term of Eq. 13 that cancels against C1 can be collected, which
-// leaves a sum of positive terms.
+// With 1 - s = mu^2 / (1 + s) every term of Eq. 13 that cancels against C1 can be collected, which leaves a
+// sum of positive terms.
 inline float eon_loss_exact(float mu) {
-    constexpr float pi = 3.1415927f;
     // The angle is taken from s, not from mu: their rounding errors cancel at the normal
     float s = sqrtf(fmaxf(1.0f - mu * mu, 0.0f));
     float t = mu / (1.0f + s);  // tan(asin(mu) / 2)
@@ -143,14 +166,8 @@ inline float eon_loss_exact(float mu) {
     return t * (lost + s * eon_twice_atan_over(t));
 }
 
-inline float eon_loss(const Eon& params, float mu) {
-    return eon_loss_exact(mu);
-}
-
 // Multiple scattering in its colour, which is that of Eq. 19 over rho.
 inline Vec3 eon_shifted(const Eon& params, float multiple) {
-    constexpr float C1 = 0.2877934f;  // A_F = 1 / (1 + C1 r)
-    constexpr float C2 = 0.07248821f;  // the hemispherical mean of E_F is A_F (1 + C2 r)
     float r = params.roughness;
     float A_F = 1.0f / (1.0f + C1 * r);
     float mean_loss = (C1 - C2) * (A_F * r);  // 1 - <E_F>
@@ -159,10 +176,7 @@ inline Vec3 eon_shifted(const Eon& params, float multiple) {
 
 // Eq. 16 and 19: BRDF value in 1/sr, without the cosine.
 inline Vec3 eon_eval(const Eon& params, Vec3 wi, Vec3 wo) {
-    constexpr float C1 = 0.2877934f;
-    constexpr float inv_pi = 0.31830987f;
-    constexpr float C2 = 0.07248821f;
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
     float r = params.roughness;
@@ -170,22 +184,20 @@ inline Vec3 eon_eval(const Eon& params, Vec3 wi, Vec3 wo) {
     float single = inv_pi * A_F * eon_fujii_shape(wi, wo, r);
     // (1 - E_i)(1 - E_o) / (1 - <E>) / pi, of which r^2 A_F^2 / (r A_F) remains
     float white = inv_pi * inv_pi * inv_pi / (C1 - C2);
-    float multiple = white * (A_F * r) * eon_loss(params, wi.z) * eon_loss(params, wo.z);
+    float multiple = white * (A_F * r) * eon_loss_exact(wi.z) * eon_loss_exact(wo.z);
     return params.rho * (single + eon_shifted(params, multiple));
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 inline float eon_matched_roughness(float r) {
-    // Up to this roughness `cltc_matched` is cosine sampling. A lobe sheared by d leaves a wedge of height
-    // r above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine
-    // sampling is of order r^2, and the smaller of the two below r = 3e-4.
-    constexpr float R_COSINE = 1.0e-4f;
     return fmaxf(r - R_COSINE, 0.0f);
 }
 
 // How many samples `cltc_matched` gives to the uniform lobe: 0 at r = 0, at most 0.13.
 //
-// Fitted to the shares of least variance over (mu, r), on condition that the variance stays 4 %
-// below those of cosine sampling and of `cltc_uniform`. On average it is 5 % above the least.
+// Fitted to the shares of least variance over (mu, r), on condition that the variance stays 4 % below those
+// of cosine sampling and of `cltc_uniform`. On average it is 5 % above the least.
 inline float eon_matched_share(float mu, float r) {
     float k = 1.0f - mu;
     float steep = 0.0169f + k * (0.2136f + k * (0.445f * k - 0.2345f));
@@ -194,7 +206,6 @@ inline float eon_matched_share(float mu, float r) {
 
 // A direction with density 1 / (2 pi).
 inline Vec3 eon_sample_uniform(Vec2 u) {
-    constexpr float two_pi = 6.2831855f;
     // z = 1 - u instead of u: random numbers lie in [0, 1), so z never becomes 0.
     float z = 1.0f - u.x;
     float r = sqrtf(fmaxf(u.x * (1.0f + z), 0.0f));
@@ -224,9 +235,6 @@ inline float eon_kept_area(float d) {
 
 // Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
 inline Vec2 eon_azimuth(Vec3 wo) {
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
-    constexpr float SIN2_MIN = 1.0e-18f;
     float sin2 = wo.x * wo.x + wo.y * wo.y;
     bool tilted = sin2 > SIN2_MIN;
     float inv = 1.0f / sqrtf(fmaxf(sin2, SIN2_MIN));
@@ -250,9 +258,6 @@ inline Vec3 eon_transform(float x, float y, Vec3 wo, float r, float d) {
 
 // Clipped to the directions that M keeps above the horizon (Listing 3).
 inline Vec3 eon_sample_cltc(Vec3 wo, float r, Vec2 u) {
-    constexpr float two_pi = 6.2831855f;
-    // A sample that rounding pushed below the horizon is lifted to this cosine, 1/16 of a float32 epsilon.
-    constexpr float Z_MIN = 7.450581e-9f;
     EonCoefficients coefficients_result = eon_coefficients(wo.z, r);
     float d = coefficients_result.d;
     float R = sqrtf(fmaxf(u.x, 0.0f));
@@ -266,9 +271,6 @@ inline Vec3 eon_sample_cltc(Vec3 wo, float r, Vec2 u) {
 
 // CLTC mixed with as much of the uniform hemisphere as the roughness asks for.
 inline Vec3 eon_sample_cltc_matched(Vec3 wo, float r, Vec2 u) {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
-    // not taken.
-    constexpr float P_MIN = 1.0e-6f;
     float q = eon_matched_roughness(r);
     float P_u = eon_matched_share(wo.z, q);
     bool uniform = u.x < P_u;
@@ -278,14 +280,13 @@ inline Vec3 eon_sample_cltc_matched(Vec3 wo, float r, Vec2 u) {
     return uniform ? w_u : w_c;
 }
 
-// A direction relative to an azimuth (cosine, sine): the inverse of `from_frame`.
+// A direction relative to an azimuth (cosine, sine): the inverse of eon_from_frame.
 inline Vec3 eon_to_frame(Vec3 w, Vec2 axis) {
     return Vec3{axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z};
 }
 
-// Density of `_transform` for an unclipped cosine lobe (Eq. 23 and 24).
+// Density of eon_transform for an unclipped cosine lobe (Eq. 23 and 24).
 inline float eon_cltc_pdf(Vec3 wi, Vec3 wo, float r, float d) {
-    constexpr float inv_pi = 0.31830987f;
     EonCoefficients coefficients_result = eon_coefficients(wo.z, r);
     float a = coefficients_result.a;
     float b = coefficients_result.b;
@@ -298,28 +299,22 @@ inline float eon_cltc_pdf(Vec3 wi, Vec3 wo, float r, float d) {
     return inv_pi * det * det * inv2 * inv2 * fmaxf(h.z, 0.0f);
 }
 
-// Density of `sample_cltc`.
+// Density of eon_sample_cltc.
 inline float eon_pdf_cltc(Vec3 wi, Vec3 wo, float r) {
     EonCoefficients coefficients_result = eon_coefficients(wo.z, r);
     float d = coefficients_result.d;
     return eon_cltc_pdf(wi, wo, r, d) / eon_kept_area(d);
 }
 
-// Density of `sample_uniform` in 1/sr.
-inline float eon_pdf_uniform() {
-    constexpr float inv_two_pi = 0.15915494f;
-    return inv_two_pi;
-}
-
-// Density of `sample_cltc_matched`.
+// Density of eon_sample_cltc_matched.
 inline float eon_pdf_cltc_matched(Vec3 wi, Vec3 wo, float r) {
     float q = eon_matched_roughness(r);
-    return lerp(eon_pdf_cltc(wi, wo, q), eon_pdf_uniform(), eon_matched_share(wo.z, q));
+    return lerp(eon_pdf_cltc(wi, wo, q), inv_two_pi, eon_matched_share(wo.z, q));
 }
 
 // Density of the chosen sampler in 1/sr.
 inline float eon_pdf(const Eon& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0f;
     }
     float r = params.roughness;
@@ -328,11 +323,11 @@ inline float eon_pdf(const Eon& params, Vec3 wi, Vec3 wo) {
 
 // By default CLTC with a uniform lobe that fades with the roughness.
 //
-// Its variance is never above that of cosine sampling, nor of the paper's cltc_uniform: at
-// rho = 1, roughness 1 and viewers at 60, 85, 89 and 89.9 degrees cosine sampling has 11, 29,
-// 55 and 90 times as much. No weight is above 3.5; cltc_uniform keeps them below 1.52.
+// Its variance is never above that of cosine sampling, nor of the paper's cltc_uniform: at rho = 1,
+// roughness 1 and viewers at 60, 85, 89 and 89.9 degrees cosine sampling has 11, 29, 55 and 90 times as
+// much. No weight is above 3.5; cltc_uniform keeps them below 1.52.
 inline EonSample eon_sample(const Eon& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 1.0e-18f) {  // in the horizon or below
+    if (wo.z <= mu_min) {  // in the horizon or below
         return EonSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     float r = params.roughness;
@@ -340,24 +335,19 @@ inline EonSample eon_sample(const Eon& params, Vec3 wo, Vec2 u) {
     return EonSample{wi, eon_pdf(params, wi, wo)};
 }
 
-// Hemispherical mean of `_loss` over that of `loss_exact`.
-inline float eon_mean_loss_ratio(const Eon& params) {
-    return 1.0f;
-}
+// ---- albedo --------------------------------------------------------------------------------
 
 // rho E_F + rho_ms (1 - E_F), after Eq. 20: exactly 1 for rho = 1 and albedo_form='exact'.
 //
 // For 'fitted' this is the exact integral of the fitted BRDF.
 inline Vec3 eon_albedo(const Eon& params, Vec3 wo) {
-    constexpr float C1 = 0.2877934f;
-    constexpr float inv_pi = 0.31830987f;
     if (wo.z < 0.0f) {  // below the horizon
         return splat(0.0f);
     }
     float r = params.roughness;
     float A_F = 1.0f / (1.0f + C1 * r);
     float single = 1.0f - inv_pi * r * A_F * eon_loss_exact(wo.z);
-    float multiple = inv_pi * r * A_F * eon_loss(params, wo.z) * eon_mean_loss_ratio(params);
+    float multiple = inv_pi * r * A_F * eon_loss_exact(wo.z);
     return params.rho * (single + eon_shifted(params, multiple));
 }
 

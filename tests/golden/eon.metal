@@ -1,16 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
 // EON: energy-preserving Oren-Nayar rough diffuse reflection.
 //
 // Source: Portsmouth, Kutz, Hill, "EON: A practical energy-preserving rough diffuse BRDF",
 // arXiv:2410.18026. Symbols and equation numbers are the paper's.
 // Deviations: every difference that the paper takes (1 - E_F, 1 - <E_F>, 1 + s) is rearranged so that
 // nothing cancels; the values are the same, but finite at the horizon and exact in float32.
-// Listing 1 keeps the loss 1 - E_F of its fit above 1e-7; `loss_fitted` does not and is -0.0016 at
-// grazing, so that values at cosines below 0.0015 differ by up to 4e-4 of themselves: the clamp would
-// put a kink there and gain nothing.
+// Listing 1 keeps the loss 1 - E_F of its fit above 1e-7; `loss_fitted` does not and is -0.0016 at grazing,
+// so that values at cosines below 0.0015 differ by up to 4e-4 of themselves: the clamp would put a kink
+// there and gain nothing.
 //
-// Metal, made by gonio 0.1.0 from gonio/models/eon.py.
-// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
-// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// Metal, made by gonio from gonio/models/eon.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose normal is
+// +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// Usage: Eon params; params.rho = ...; ... eon_eval(params, wi, wo)
 
 #include <metal_stdlib>
 using namespace metal;
@@ -21,20 +23,22 @@ struct EonSample {
     float pdf;  // its density in 1/sr; 0 marks a wasted sample
 };
 
-// eon: Rough, clay-like diffuse. Reciprocal; white stays white; Lambert at roughness 0.
-// Exported with albedo_form='exact', color_shift='physical', sampler='cltc_matched'.
+// eon: Rough, clay-like diffuse. Reciprocal; white stays white; Lambert at roughness 0. Exported with
+// albedo_form='exact', color_shift='physical', sampler='cltc_matched'.
 struct Eon {
     float3 rho;  // single-scattering albedo, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
     float roughness;  // unitless r; not the Oren-Nayar angle sigma; 0 to 1, default 0.5
 };
 
-// Results of coefficients.
+// What coefficients returns.
 struct EonCoefficients {
     float a;
     float b;
     float c;
     float d;
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
 //
@@ -54,8 +58,8 @@ inline float eon_s_over_max(float s, float3 wi, float3 wo) {
 // 1 + r s/t with Eq. 11: the angular shape of FON and of EON's single scattering.
 inline float eon_fujii_shape(float3 wi, float3 wo, float r) {
     float s = eon_tangential_dot(wi, wo);
-    // 1 + s = (|t_i + t_o|^2 + mu_i^2 + mu_o^2) / 2 with the tangential parts t: nothing cancels when
-    // wi is the mirror direction of a grazing wo, where 1 + s goes to 0.
+    // 1 + s = (|t_i + t_o|^2 + mu_i^2 + mu_o^2) / 2 with the tangential parts t: nothing cancels when wi is the
+    // mirror direction of a grazing wo, where 1 + s goes to 0.
     float x = wi.x + wo.x;
     float y = wi.y + wo.y;
     float one_plus_s = 0.5 * (x * x + y * y + wi.z * wi.z + wo.z * wo.z);
@@ -64,16 +68,15 @@ inline float eon_fujii_shape(float3 wi, float3 wo, float r) {
 
 // 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
 inline float eon_twice_atan_over(float v) {
-    // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const float ATAN_0 = 2.0;  // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const float ATAN_1 = -0.66666144;
+    const float ATAN_2 = 0.3998524;
+    const float ATAN_3 = -0.28407288;
     const float ATAN_4 = 0.21281867;
     const float ATAN_5 = -0.15008585;
     const float ATAN_6 = 0.085383;
     const float ATAN_7 = -0.03213723;
     const float ATAN_8 = 0.005699773;
-    const float ATAN_0 = 2.0;
-    const float ATAN_1 = -0.66666144;
-    const float ATAN_2 = 0.3998524;
-    const float ATAN_3 = -0.28407288;
     float q = v * v;
     float p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
     return ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p)));
@@ -81,8 +84,8 @@ inline float eon_twice_atan_over(float v) {
 
 // pi C1 - G_F at cosine mu, from 0 at grazing to pi C1 at the normal: 1 - E_F = r A_F loss / pi.
 //
-// With 1 - s = mu^2 / (1 + s) every term of Eq. 13 that cancels against C1 can be collected, which
-// leaves a sum of positive terms.
+// With 1 - s = mu^2 / (1 + s) every term of Eq. 13 that cancels against C1 can be collected, which leaves a
+// sum of positive terms.
 inline float eon_loss_exact(float mu) {
     const float pi = 3.1415927;
     // The angle is taken from s, not from mu: their rounding errors cancel at the normal
@@ -90,10 +93,6 @@ inline float eon_loss_exact(float mu) {
     float t = mu / (1.0 + s);  // tan(asin(mu) / 2)
     float lost = mu * (pi / 2.0 - 2.0 / 3.0 - t * s * (1.0 / 3.0 * s + 2.0 / 3.0));
     return t * (lost + s * eon_twice_atan_over(t));
-}
-
-inline float eon_loss(Eon params, float mu) {
-    return eon_loss_exact(mu);
 }
 
 // Multiple scattering in its colour, which is that of Eq. 19 over rho.
@@ -108,10 +107,11 @@ inline float3 eon_shifted(Eon params, float multiple) {
 
 // Eq. 16 and 19: BRDF value in 1/sr, without the cosine.
 inline float3 eon_eval(Eon params, float3 wi, float3 wo) {
-    const float C1 = 0.2877934;
     const float inv_pi = 0.31830987;
-    const float C2 = 0.07248821;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    const float C1 = 0.2877934;  // A_F = 1 / (1 + C1 r)
+    const float C2 = 0.07248821;  // the hemispherical mean of E_F is A_F (1 + C2 r)
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return float3(0.0);
     }
     float r = params.roughness;
@@ -119,22 +119,24 @@ inline float3 eon_eval(Eon params, float3 wi, float3 wo) {
     float single = inv_pi * A_F * eon_fujii_shape(wi, wo, r);
     // (1 - E_i)(1 - E_o) / (1 - <E>) / pi, of which r^2 A_F^2 / (r A_F) remains
     float white = inv_pi * inv_pi * inv_pi / (C1 - C2);
-    float multiple = white * (A_F * r) * eon_loss(params, wi.z) * eon_loss(params, wo.z);
+    float multiple = white * (A_F * r) * eon_loss_exact(wi.z) * eon_loss_exact(wo.z);
     return params.rho * (single + eon_shifted(params, multiple));
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 inline float eon_matched_roughness(float r) {
-    // Up to this roughness `cltc_matched` is cosine sampling. A lobe sheared by d leaves a wedge of height
-    // r above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine
-    // sampling is of order r^2, and the smaller of the two below r = 3e-4.
+    // Up to this roughness `cltc_matched` is cosine sampling. A lobe sheared by d leaves a wedge of height r
+    // above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine sampling
+    // is of order r^2, and the smaller of the two below r = 3e-4.
     const float R_COSINE = 1.0e-4;
     return max(r - R_COSINE, 0.0);
 }
 
 // How many samples `cltc_matched` gives to the uniform lobe: 0 at r = 0, at most 0.13.
 //
-// Fitted to the shares of least variance over (mu, r), on condition that the variance stays 4 %
-// below those of cosine sampling and of `cltc_uniform`. On average it is 5 % above the least.
+// Fitted to the shares of least variance over (mu, r), on condition that the variance stays 4 % below those
+// of cosine sampling and of `cltc_uniform`. On average it is 5 % above the least.
 inline float eon_matched_share(float mu, float r) {
     float k = 1.0 - mu;
     float steep = 0.0169 + k * (0.2136 + k * (0.445 * k - 0.2345));
@@ -172,8 +174,8 @@ inline float eon_kept_area(float d) {
 
 // Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
 inline float2 eon_azimuth(float3 wo) {
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+    // its reciprocal still fits into a float32.
     const float SIN2_MIN = 1.0e-18;
     float sin2 = wo.x * wo.x + wo.y * wo.y;
     bool tilted = sin2 > SIN2_MIN;
@@ -214,8 +216,8 @@ inline float3 eon_sample_cltc(float3 wo, float r, float2 u) {
 
 // CLTC mixed with as much of the uniform hemisphere as the roughness asks for.
 inline float3 eon_sample_cltc_matched(float3 wo, float r, float2 u) {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
-    // not taken.
+    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
+    // taken.
     const float P_MIN = 1.0e-6;
     float q = eon_matched_roughness(r);
     float P_u = eon_matched_share(wo.z, q);
@@ -226,12 +228,12 @@ inline float3 eon_sample_cltc_matched(float3 wo, float r, float2 u) {
     return uniform ? w_u : w_c;
 }
 
-// A direction relative to an azimuth (cosine, sine): the inverse of `from_frame`.
+// A direction relative to an azimuth (cosine, sine): the inverse of eon_from_frame.
 inline float3 eon_to_frame(float3 w, float2 axis) {
     return float3(axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z);
 }
 
-// Density of `_transform` for an unclipped cosine lobe (Eq. 23 and 24).
+// Density of eon_transform for an unclipped cosine lobe (Eq. 23 and 24).
 inline float eon_cltc_pdf(float3 wi, float3 wo, float r, float d) {
     const float inv_pi = 0.31830987;
     EonCoefficients coefficients_result = eon_coefficients(wo.z, r);
@@ -246,28 +248,24 @@ inline float eon_cltc_pdf(float3 wi, float3 wo, float r, float d) {
     return inv_pi * det * det * inv2 * inv2 * max(h.z, 0.0);
 }
 
-// Density of `sample_cltc`.
+// Density of eon_sample_cltc.
 inline float eon_pdf_cltc(float3 wi, float3 wo, float r) {
     EonCoefficients coefficients_result = eon_coefficients(wo.z, r);
     float d = coefficients_result.d;
     return eon_cltc_pdf(wi, wo, r, d) / eon_kept_area(d);
 }
 
-// Density of `sample_uniform` in 1/sr.
-inline float eon_pdf_uniform() {
-    const float inv_two_pi = 0.15915494;
-    return inv_two_pi;
-}
-
-// Density of `sample_cltc_matched`.
+// Density of eon_sample_cltc_matched.
 inline float eon_pdf_cltc_matched(float3 wi, float3 wo, float r) {
+    const float inv_two_pi = 0.15915494;
     float q = eon_matched_roughness(r);
-    return mix(eon_pdf_cltc(wi, wo, q), eon_pdf_uniform(), eon_matched_share(wo.z, q));
+    return mix(eon_pdf_cltc(wi, wo, q), inv_two_pi, eon_matched_share(wo.z, q));
 }
 
 // Density of the chosen sampler in 1/sr.
 inline float eon_pdf(Eon params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     float r = params.roughness;
@@ -276,11 +274,12 @@ inline float eon_pdf(Eon params, float3 wi, float3 wo) {
 
 // By default CLTC with a uniform lobe that fades with the roughness.
 //
-// Its variance is never above that of cosine sampling, nor of the paper's cltc_uniform: at
-// rho = 1, roughness 1 and viewers at 60, 85, 89 and 89.9 degrees cosine sampling has 11, 29,
-// 55 and 90 times as much. No weight is above 3.5; cltc_uniform keeps them below 1.52.
+// Its variance is never above that of cosine sampling, nor of the paper's cltc_uniform: at rho = 1,
+// roughness 1 and viewers at 60, 85, 89 and 89.9 degrees cosine sampling has 11, 29, 55 and 90 times as
+// much. No weight is above 3.5; cltc_uniform keeps them below 1.52.
 inline EonSample eon_sample(Eon params, float3 wo, float2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return EonSample{float3(0.0, 0.0, 1.0), 0.0};
     }
     float r = params.roughness;
@@ -288,16 +287,13 @@ inline EonSample eon_sample(Eon params, float3 wo, float2 u) {
     return EonSample{wi, eon_pdf(params, wi, wo)};
 }
 
-// Hemispherical mean of `_loss` over that of `loss_exact`.
-inline float eon_mean_loss_ratio(Eon params) {
-    return 1.0;
-}
+// ---- albedo --------------------------------------------------------------------------------
 
 // rho E_F + rho_ms (1 - E_F), after Eq. 20: exactly 1 for rho = 1 and albedo_form='exact'.
 //
 // For 'fitted' this is the exact integral of the fitted BRDF.
 inline float3 eon_albedo(Eon params, float3 wo) {
-    const float C1 = 0.2877934;
+    const float C1 = 0.2877934;  // A_F = 1 / (1 + C1 r)
     const float inv_pi = 0.31830987;
     if (wo.z < 0.0) {  // below the horizon
         return float3(0.0);
@@ -305,6 +301,6 @@ inline float3 eon_albedo(Eon params, float3 wo) {
     float r = params.roughness;
     float A_F = 1.0 / (1.0 + C1 * r);
     float single = 1.0 - inv_pi * r * A_F * eon_loss_exact(wo.z);
-    float multiple = inv_pi * r * A_F * eon_loss(params, wo.z) * eon_mean_loss_ratio(params);
+    float multiple = inv_pi * r * A_F * eon_loss_exact(wo.z);
     return params.rho * (single + eon_shifted(params, multiple));
 }

@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 // FON: Fujii's simplified Oren-Nayar model.
 //
 // Source: Fujii, "A tiny improvement of Oren-Nayar reflectance model", 2013, in the form of Portsmouth,
 // Kutz, Hill, "EON", arXiv:2410.18026, Eq. 10 to 15.
 //
-// GLSL 4.5, made by gonio 0.1.0 from gonio/models/fon.py.
+// GLSL 4.5, made by gonio from gonio/models/fon.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// Usage: Fon params; params.rho = ...; ... fon_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct FonSample {
@@ -19,13 +21,15 @@ struct Fon {
     float roughness;  // unitless r; not the Oren-Nayar angle sigma; 0 to 1, default 0.5
 };
 
-// Results of coefficients.
+// What coefficients returns.
 struct FonCoefficients {
     float a;
     float b;
     float c;
     float d;
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
 //
@@ -45,31 +49,34 @@ float fon_s_over_max(float s, vec3 wi, vec3 wo) {
 // 1 + r s/t with Eq. 11: the angular shape of FON and of EON's single scattering.
 float fon_fujii_shape(vec3 wi, vec3 wo, float r) {
     float s = fon_tangential_dot(wi, wo);
-    // 1 + s = (|t_i + t_o|^2 + mu_i^2 + mu_o^2) / 2 with the tangential parts t: nothing cancels when
-    // wi is the mirror direction of a grazing wo, where 1 + s goes to 0.
+    // 1 + s = (|t_i + t_o|^2 + mu_i^2 + mu_o^2) / 2 with the tangential parts t: nothing cancels when wi is the
+    // mirror direction of a grazing wo, where 1 + s goes to 0.
     float x = wi.x + wo.x;
     float y = wi.y + wo.y;
     float one_plus_s = 0.5 * (x * x + y * y + wi.z * wi.z + wo.z * wo.z);
-    return 1.0 - r + r * mix(one_plus_s, 1.0 + fon_s_over_max(s, wi, wo), s > 0.0);
+    return 1.0 - r + r * (s > 0.0 ? 1.0 + fon_s_over_max(s, wi, wo) : one_plus_s);
 }
 
 // Eq. 10: BRDF value in 1/sr, without the cosine.
 vec3 fon_eval(Fon params, vec3 wi, vec3 wo) {
     const float inv_pi = 0.31830987;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     const float C1 = 0.2877934;  // A_F = 1 / (1 + C1 r)
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3(0.0);
     }
     float r = params.roughness;
     return params.rho * (inv_pi / (1.0 + C1 * r) * fon_fujii_shape(wi, wo, r));
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
 float fon_uniform_share(float mu, float r) {
     // Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32.
     const float R_MIN = 1.0e-37;
     float fit = 0.162925 + mu * (-0.372058 + (0.538233 - 0.290822 * mu) * mu);
-    return mix(0.0, pow(max(r, R_MIN), 0.1) * fit, r > 0.0);
+    return r > 0.0 ? pow(max(r, R_MIN), 0.1) * fit : 0.0;
 }
 
 // A direction with density 1 / (2 pi).
@@ -103,13 +110,13 @@ float fon_kept_area(float d) {
 
 // Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
 vec2 fon_azimuth(vec3 wo) {
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+    // its reciprocal still fits into a float32.
     const float SIN2_MIN = 1.0e-18;
     float sin2 = wo.x * wo.x + wo.y * wo.y;
     bool tilted = sin2 > SIN2_MIN;
     float inv = 1.0 / sqrt(max(sin2, SIN2_MIN));
-    return vec2(mix(1.0, wo.x * inv, tilted), mix(0.0, wo.y * inv, tilted));
+    return vec2(tilted ? wo.x * inv : 1.0, tilted ? wo.y * inv : 0.0);
 }
 
 // A direction given relative to an azimuth (cosine, sine), about the normal turned by it.
@@ -145,23 +152,23 @@ vec3 fon_sample_cltc(vec3 wo, float r, vec2 u) {
 
 // CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
 vec3 fon_sample_cltc_uniform(vec3 wo, float r, vec2 u) {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
-    // not taken.
+    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
+    // taken.
     const float P_MIN = 1.0e-6;
     float P_u = fon_uniform_share(wo.z, r);
     bool uniform_ = u.x < P_u;
-    float u1 = mix((u.x - P_u) / (1.0 - P_u), u.x / max(P_u, P_MIN), uniform_);
+    float u1 = uniform_ ? u.x / max(P_u, P_MIN) : (u.x - P_u) / (1.0 - P_u);
     vec3 w_u = fon_sample_uniform(vec2(u1, u.y));
     vec3 w_c = fon_sample_cltc(wo, r, vec2(u1, u.y));
     return uniform_ ? w_u : w_c;
 }
 
-// A direction relative to an azimuth (cosine, sine): the inverse of `from_frame`.
+// A direction relative to an azimuth (cosine, sine): the inverse of fon_from_frame.
 vec3 fon_to_frame(vec3 w, vec2 axis) {
     return vec3(axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z);
 }
 
-// Density of `_transform` for an unclipped cosine lobe (Eq. 23 and 24).
+// Density of fon_transform for an unclipped cosine lobe (Eq. 23 and 24).
 float fon_cltc_pdf(vec3 wi, vec3 wo, float r, float d) {
     const float inv_pi = 0.31830987;
     FonCoefficients coefficients_result = fon_coefficients(wo.z, r);
@@ -176,28 +183,24 @@ float fon_cltc_pdf(vec3 wi, vec3 wo, float r, float d) {
     return inv_pi * det * det * inv2 * inv2 * max(h.z, 0.0);
 }
 
-// Density of `sample_cltc`.
+// Density of fon_sample_cltc.
 float fon_pdf_cltc(vec3 wi, vec3 wo, float r) {
     FonCoefficients coefficients_result = fon_coefficients(wo.z, r);
     float d = coefficients_result.d;
     return fon_cltc_pdf(wi, wo, r, d) / fon_kept_area(d);
 }
 
-// Density of `sample_uniform` in 1/sr.
-float fon_pdf_uniform() {
-    const float inv_two_pi = 0.15915494;
-    return inv_two_pi;
-}
-
-// Density of `sample_cltc_uniform`.
+// Density of fon_sample_cltc_uniform.
 float fon_pdf_cltc_uniform(vec3 wi, vec3 wo, float r) {
+    const float inv_two_pi = 0.15915494;
     float P_u = fon_uniform_share(wo.z, r);
-    return mix(fon_pdf_cltc(wi, wo, r), fon_pdf_uniform(), P_u);
+    return mix(fon_pdf_cltc(wi, wo, r), inv_two_pi, P_u);
 }
 
-// Density of `sample` in 1/sr.
+// Density of fon_sample in 1/sr.
 float fon_pdf(Fon params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     return fon_pdf_cltc_uniform(wi, wo, params.roughness);
@@ -205,25 +208,27 @@ float fon_pdf(Fon params, vec3 wi, vec3 wo) {
 
 // EON's CLTC with a uniform lobe, made for the same shape.
 FonSample fon_sample(Fon params, vec3 wo, vec2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return FonSample(vec3(0.0, 0.0, 1.0), 0.0);
     }
     vec3 wi = fon_sample_cltc_uniform(wo, params.roughness, u);
     return FonSample(wi, fon_pdf(params, wi, wo));
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
 float fon_twice_atan_over(float v) {
-    // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const float ATAN_0 = 2.0;  // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const float ATAN_1 = -0.66666144;
+    const float ATAN_2 = 0.3998524;
+    const float ATAN_3 = -0.28407288;
     const float ATAN_4 = 0.21281867;
     const float ATAN_5 = -0.15008585;
     const float ATAN_6 = 0.085383;
     const float ATAN_7 = -0.03213723;
     const float ATAN_8 = 0.005699773;
-    const float ATAN_0 = 2.0;
-    const float ATAN_1 = -0.66666144;
-    const float ATAN_2 = 0.3998524;
-    const float ATAN_3 = -0.28407288;
     float q = v * v;
     float p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
     return ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p)));
@@ -235,7 +240,7 @@ float fon_safe_acos(float x) {
     float a = min(abs(x), 1.0);
     float v = sqrt(max((1.0 - a) * (1.0 + a), 0.0)) / (1.0 + a);
     float angle = v * fon_twice_atan_over(v);
-    return mix(angle, pi - angle, x < 0.0);
+    return x < 0.0 ? pi - angle : angle;
 }
 
 // Eq. 8: the integral of s/t (Eq. 4) times the cosine, at a cosine mu in [0, 1]; pi/2 at mu = 0.
@@ -253,7 +258,7 @@ float fon_G_fujii(float mu) {
 // Eq. 12.
 vec3 fon_albedo(Fon params, vec3 wo) {
     const float inv_pi = 0.31830987;
-    const float C1 = 0.2877934;
+    const float C1 = 0.2877934;  // A_F = 1 / (1 + C1 r)
     if (wo.z < 0.0) {  // below the horizon
         return vec3(0.0);
     }

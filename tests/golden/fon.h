@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 // FON: Fujii's simplified Oren-Nayar model.
 //
 // Source: Fujii, "A tiny improvement of Oren-Nayar reflectance model", 2013, in the form of Portsmouth,
 // Kutz, Hill, "EON", arXiv:2410.18026, Eq. 10 to 15.
 //
-// C++, made by gonio 0.1.0 from gonio/models/fon.py.
+// C++, made by gonio from gonio/models/fon.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// Usage: gonio_fon::Fon params; params.rho = ...; ... gonio_fon::fon_eval(params, wi, wo)
 
 #pragma once
 #include <math.h>
@@ -41,6 +43,22 @@ inline Vec3 operator*(Vec3 a, float b) {
     return Vec3{a.x * b, a.y * b, a.z * b};
 }
 
+constexpr float two_pi = 6.2831855f;
+constexpr float inv_pi = 0.31830987f;
+constexpr float inv_two_pi = 0.15915494f;
+constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
+constexpr float C1 = 0.2877934f;  // A_F = 1 / (1 + C1 r)
+// Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32.
+constexpr float R_MIN = 1.0e-37f;
+// Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
+// taken.
+constexpr float P_MIN = 1.0e-6f;
+// A sample that rounding pushed below the horizon is lifted to this cosine, 1/16 of a float32 epsilon.
+constexpr float Z_MIN = 7.450581e-9f;
+// Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+// its reciprocal still fits into a float32.
+constexpr float SIN2_MIN = 1.0e-18f;
+
 // A sampled direction and its density.
 struct FonSample {
     Vec3 wi;  // direction towards the light, unit, local frame
@@ -53,13 +71,15 @@ struct Fon {
     float roughness;  // unitless r; not the Oren-Nayar angle sigma; 0 to 1, default 0.5
 };
 
-// Results of coefficients.
+// What coefficients returns.
 struct FonCoefficients {
     float a;
     float b;
     float c;
     float d;
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
 //
@@ -79,8 +99,8 @@ inline float fon_s_over_max(float s, Vec3 wi, Vec3 wo) {
 // 1 + r s/t with Eq. 11: the angular shape of FON and of EON's single scattering.
 inline float fon_fujii_shape(Vec3 wi, Vec3 wo, float r) {
     float s = fon_tangential_dot(wi, wo);
-    // 1 + s = (|t_i + t_o|^2 + mu_i^2 + mu_o^2) / 2 with the tangential parts t: nothing cancels when
-    // wi is the mirror direction of a grazing wo, where 1 + s goes to 0.
+    // 1 + s = (|t_i + t_o|^2 + mu_i^2 + mu_o^2) / 2 with the tangential parts t: nothing cancels when wi is the
+    // mirror direction of a grazing wo, where 1 + s goes to 0.
     float x = wi.x + wo.x;
     float y = wi.y + wo.y;
     float one_plus_s = 0.5f * (x * x + y * y + wi.z * wi.z + wo.z * wo.z);
@@ -89,26 +109,23 @@ inline float fon_fujii_shape(Vec3 wi, Vec3 wo, float r) {
 
 // Eq. 10: BRDF value in 1/sr, without the cosine.
 inline Vec3 fon_eval(const Fon& params, Vec3 wi, Vec3 wo) {
-    constexpr float inv_pi = 0.31830987f;
-    constexpr float C1 = 0.2877934f;  // A_F = 1 / (1 + C1 r)
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
     float r = params.roughness;
     return params.rho * (inv_pi / (1.0f + C1 * r) * fon_fujii_shape(wi, wo, r));
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
 inline float fon_uniform_share(float mu, float r) {
-    // Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32.
-    constexpr float R_MIN = 1.0e-37f;
     float fit = 0.162925f + mu * (-0.372058f + (0.538233f - 0.290822f * mu) * mu);
     return r > 0.0f ? powf(fmaxf(r, R_MIN), 0.1f) * fit : 0.0f;
 }
 
 // A direction with density 1 / (2 pi).
 inline Vec3 fon_sample_uniform(Vec2 u) {
-    constexpr float two_pi = 6.2831855f;
     // z = 1 - u instead of u: random numbers lie in [0, 1), so z never becomes 0.
     float z = 1.0f - u.x;
     float r = sqrtf(fmaxf(u.x * (1.0f + z), 0.0f));
@@ -138,9 +155,6 @@ inline float fon_kept_area(float d) {
 
 // Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
 inline Vec2 fon_azimuth(Vec3 wo) {
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
-    constexpr float SIN2_MIN = 1.0e-18f;
     float sin2 = wo.x * wo.x + wo.y * wo.y;
     bool tilted = sin2 > SIN2_MIN;
     float inv = 1.0f / sqrtf(fmaxf(sin2, SIN2_MIN));
@@ -164,9 +178,6 @@ inline Vec3 fon_transform(float x, float y, Vec3 wo, float r, float d) {
 
 // Clipped to the directions that M keeps above the horizon (Listing 3).
 inline Vec3 fon_sample_cltc(Vec3 wo, float r, Vec2 u) {
-    constexpr float two_pi = 6.2831855f;
-    // A sample that rounding pushed below the horizon is lifted to this cosine, 1/16 of a float32 epsilon.
-    constexpr float Z_MIN = 7.450581e-9f;
     FonCoefficients coefficients_result = fon_coefficients(wo.z, r);
     float d = coefficients_result.d;
     float R = sqrtf(fmaxf(u.x, 0.0f));
@@ -180,9 +191,6 @@ inline Vec3 fon_sample_cltc(Vec3 wo, float r, Vec2 u) {
 
 // CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
 inline Vec3 fon_sample_cltc_uniform(Vec3 wo, float r, Vec2 u) {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
-    // not taken.
-    constexpr float P_MIN = 1.0e-6f;
     float P_u = fon_uniform_share(wo.z, r);
     bool uniform = u.x < P_u;
     float u1 = uniform ? u.x / fmaxf(P_u, P_MIN) : (u.x - P_u) / (1.0f - P_u);
@@ -191,14 +199,13 @@ inline Vec3 fon_sample_cltc_uniform(Vec3 wo, float r, Vec2 u) {
     return uniform ? w_u : w_c;
 }
 
-// A direction relative to an azimuth (cosine, sine): the inverse of `from_frame`.
+// A direction relative to an azimuth (cosine, sine): the inverse of fon_from_frame.
 inline Vec3 fon_to_frame(Vec3 w, Vec2 axis) {
     return Vec3{axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z};
 }
 
-// Density of `_transform` for an unclipped cosine lobe (Eq. 23 and 24).
+// Density of fon_transform for an unclipped cosine lobe (Eq. 23 and 24).
 inline float fon_cltc_pdf(Vec3 wi, Vec3 wo, float r, float d) {
-    constexpr float inv_pi = 0.31830987f;
     FonCoefficients coefficients_result = fon_coefficients(wo.z, r);
     float a = coefficients_result.a;
     float b = coefficients_result.b;
@@ -211,28 +218,22 @@ inline float fon_cltc_pdf(Vec3 wi, Vec3 wo, float r, float d) {
     return inv_pi * det * det * inv2 * inv2 * fmaxf(h.z, 0.0f);
 }
 
-// Density of `sample_cltc`.
+// Density of fon_sample_cltc.
 inline float fon_pdf_cltc(Vec3 wi, Vec3 wo, float r) {
     FonCoefficients coefficients_result = fon_coefficients(wo.z, r);
     float d = coefficients_result.d;
     return fon_cltc_pdf(wi, wo, r, d) / fon_kept_area(d);
 }
 
-// Density of `sample_uniform` in 1/sr.
-inline float fon_pdf_uniform() {
-    constexpr float inv_two_pi = 0.15915494f;
-    return inv_two_pi;
-}
-
-// Density of `sample_cltc_uniform`.
+// Density of fon_sample_cltc_uniform.
 inline float fon_pdf_cltc_uniform(Vec3 wi, Vec3 wo, float r) {
     float P_u = fon_uniform_share(wo.z, r);
-    return lerp(fon_pdf_cltc(wi, wo, r), fon_pdf_uniform(), P_u);
+    return lerp(fon_pdf_cltc(wi, wo, r), inv_two_pi, P_u);
 }
 
-// Density of `sample` in 1/sr.
+// Density of fon_sample in 1/sr.
 inline float fon_pdf(const Fon& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0f;
     }
     return fon_pdf_cltc_uniform(wi, wo, params.roughness);
@@ -240,12 +241,14 @@ inline float fon_pdf(const Fon& params, Vec3 wi, Vec3 wo) {
 
 // EON's CLTC with a uniform lobe, made for the same shape.
 inline FonSample fon_sample(const Fon& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 1.0e-18f) {  // in the horizon or below
+    if (wo.z <= mu_min) {  // in the horizon or below
         return FonSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     Vec3 wi = fon_sample_cltc_uniform(wo, params.roughness, u);
     return FonSample{wi, fon_pdf(params, wi, wo)};
 }
+
+// ---- albedo --------------------------------------------------------------------------------
 
 // Eq. 8: the integral of s/t (Eq. 4) times the cosine, at a cosine mu in [0, 1]; pi/2 at mu = 0.
 inline float fon_G_qualitative(float mu) {
@@ -262,8 +265,6 @@ inline float fon_G_fujii(float mu) {
 
 // Eq. 12.
 inline Vec3 fon_albedo(const Fon& params, Vec3 wo) {
-    constexpr float inv_pi = 0.31830987f;
-    constexpr float C1 = 0.2877934f;
     if (wo.z < 0.0f) {  // below the horizon
         return splat(0.0f);
     }

@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 // FON: Fujii's simplified Oren-Nayar model.
 //
 // Source: Fujii, "A tiny improvement of Oren-Nayar reflectance model", 2013, in the form of Portsmouth,
 // Kutz, Hill, "EON", arXiv:2410.18026, Eq. 10 to 15.
 //
-// HLSL, made by gonio 0.1.0 from gonio/models/fon.py.
+// HLSL, made by gonio from gonio/models/fon.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// Usage: Fon params; params.rho = ...; ... fon_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct FonSample {
@@ -19,13 +21,15 @@ struct Fon {
     float roughness;  // unitless r; not the Oren-Nayar angle sigma; 0 to 1, default 0.5
 };
 
-// Results of coefficients.
+// What coefficients returns.
 struct FonCoefficients {
     float a;
     float b;
     float c;
     float d;
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
 //
@@ -45,8 +49,8 @@ float fon_s_over_max(float s, float3 wi, float3 wo) {
 // 1 + r s/t with Eq. 11: the angular shape of FON and of EON's single scattering.
 float fon_fujii_shape(float3 wi, float3 wo, float r) {
     float s = fon_tangential_dot(wi, wo);
-    // 1 + s = (|t_i + t_o|^2 + mu_i^2 + mu_o^2) / 2 with the tangential parts t: nothing cancels when
-    // wi is the mirror direction of a grazing wo, where 1 + s goes to 0.
+    // 1 + s = (|t_i + t_o|^2 + mu_i^2 + mu_o^2) / 2 with the tangential parts t: nothing cancels when wi is the
+    // mirror direction of a grazing wo, where 1 + s goes to 0.
     float x = wi.x + wo.x;
     float y = wi.y + wo.y;
     float one_plus_s = 0.5 * (x * x + y * y + wi.z * wi.z + wo.z * wo.z);
@@ -56,13 +60,16 @@ float fon_fujii_shape(float3 wi, float3 wo, float r) {
 // Eq. 10: BRDF value in 1/sr, without the cosine.
 float3 fon_eval(Fon params, float3 wi, float3 wo) {
     const float inv_pi = 0.31830987;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     const float C1 = 0.2877934;  // A_F = 1 / (1 + C1 r)
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
-        return (float3)(0.0);
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return float3(0.0, 0.0, 0.0);
     }
     float r = params.roughness;
     return params.rho * (inv_pi / (1.0 + C1 * r) * fon_fujii_shape(wi, wo, r));
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
 float fon_uniform_share(float mu, float r) {
@@ -108,8 +115,8 @@ float fon_kept_area(float d) {
 
 // Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
 float2 fon_azimuth(float3 wo) {
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+    // its reciprocal still fits into a float32.
     const float SIN2_MIN = 1.0e-18;
     float sin2 = wo.x * wo.x + wo.y * wo.y;
     bool tilted = sin2 > SIN2_MIN;
@@ -150,8 +157,8 @@ float3 fon_sample_cltc(float3 wo, float r, float2 u) {
 
 // CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
 float3 fon_sample_cltc_uniform(float3 wo, float r, float2 u) {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
-    // not taken.
+    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
+    // taken.
     const float P_MIN = 1.0e-6;
     float P_u = fon_uniform_share(wo.z, r);
     bool uniform_ = u.x < P_u;
@@ -161,12 +168,12 @@ float3 fon_sample_cltc_uniform(float3 wo, float r, float2 u) {
     return uniform_ ? w_u : w_c;
 }
 
-// A direction relative to an azimuth (cosine, sine): the inverse of `from_frame`.
+// A direction relative to an azimuth (cosine, sine): the inverse of fon_from_frame.
 float3 fon_to_frame(float3 w, float2 axis) {
     return float3(axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z);
 }
 
-// Density of `_transform` for an unclipped cosine lobe (Eq. 23 and 24).
+// Density of fon_transform for an unclipped cosine lobe (Eq. 23 and 24).
 float fon_cltc_pdf(float3 wi, float3 wo, float r, float d) {
     const float inv_pi = 0.31830987;
     FonCoefficients coefficients_result = fon_coefficients(wo.z, r);
@@ -181,28 +188,24 @@ float fon_cltc_pdf(float3 wi, float3 wo, float r, float d) {
     return inv_pi * det * det * inv2 * inv2 * max(h.z, 0.0);
 }
 
-// Density of `sample_cltc`.
+// Density of fon_sample_cltc.
 float fon_pdf_cltc(float3 wi, float3 wo, float r) {
     FonCoefficients coefficients_result = fon_coefficients(wo.z, r);
     float d = coefficients_result.d;
     return fon_cltc_pdf(wi, wo, r, d) / fon_kept_area(d);
 }
 
-// Density of `sample_uniform` in 1/sr.
-float fon_pdf_uniform() {
-    const float inv_two_pi = 0.15915494;
-    return inv_two_pi;
-}
-
-// Density of `sample_cltc_uniform`.
+// Density of fon_sample_cltc_uniform.
 float fon_pdf_cltc_uniform(float3 wi, float3 wo, float r) {
+    const float inv_two_pi = 0.15915494;
     float P_u = fon_uniform_share(wo.z, r);
-    return lerp(fon_pdf_cltc(wi, wo, r), fon_pdf_uniform(), P_u);
+    return lerp(fon_pdf_cltc(wi, wo, r), inv_two_pi, P_u);
 }
 
-// Density of `sample` in 1/sr.
+// Density of fon_sample in 1/sr.
 float fon_pdf(Fon params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     return fon_pdf_cltc_uniform(wi, wo, params.roughness);
@@ -210,7 +213,8 @@ float fon_pdf(Fon params, float3 wi, float3 wo) {
 
 // EON's CLTC with a uniform lobe, made for the same shape.
 FonSample fon_sample(Fon params, float3 wo, float2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         FonSample result;
         result.wi = float3(0.0, 0.0, 1.0);
         result.pdf = 0.0;
@@ -223,18 +227,19 @@ FonSample fon_sample(Fon params, float3 wo, float2 u) {
     return result;
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
 float fon_twice_atan_over(float v) {
-    // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const float ATAN_0 = 2.0;  // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const float ATAN_1 = -0.66666144;
+    const float ATAN_2 = 0.3998524;
+    const float ATAN_3 = -0.28407288;
     const float ATAN_4 = 0.21281867;
     const float ATAN_5 = -0.15008585;
     const float ATAN_6 = 0.085383;
     const float ATAN_7 = -0.03213723;
     const float ATAN_8 = 0.005699773;
-    const float ATAN_0 = 2.0;
-    const float ATAN_1 = -0.66666144;
-    const float ATAN_2 = 0.3998524;
-    const float ATAN_3 = -0.28407288;
     float q = v * v;
     float p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
     return ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p)));
@@ -264,9 +269,9 @@ float fon_G_fujii(float mu) {
 // Eq. 12.
 float3 fon_albedo(Fon params, float3 wo) {
     const float inv_pi = 0.31830987;
-    const float C1 = 0.2877934;
+    const float C1 = 0.2877934;  // A_F = 1 / (1 + C1 r)
     if (wo.z < 0.0) {  // below the horizon
-        return (float3)(0.0);
+        return float3(0.0, 0.0, 0.0);
     }
     float r = params.roughness;
     return params.rho * ((1.0 + r * inv_pi * fon_G_fujii(wo.z)) / (1.0 + C1 * r));

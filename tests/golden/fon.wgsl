@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 // FON: Fujii's simplified Oren-Nayar model.
 //
 // Source: Fujii, "A tiny improvement of Oren-Nayar reflectance model", 2013, in the form of Portsmouth,
 // Kutz, Hill, "EON", arXiv:2410.18026, Eq. 10 to 15.
 //
-// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/fon.py.
+// WGSL (WebGPU), made by gonio from gonio/models/fon.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// Usage: var params: Fon; params.rho = ...; ... fon_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct FonSample {
@@ -19,13 +21,15 @@ struct Fon {
     roughness: f32,  // unitless r; not the Oren-Nayar angle sigma; 0 to 1, default 0.5
 }
 
-// Results of coefficients.
+// What coefficients returns.
 struct FonCoefficients {
     a: f32,
     b: f32,
     c: f32,
     d: f32,
 }
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
 //
@@ -45,8 +49,8 @@ fn fon_s_over_max(s: f32, wi: vec3f, wo: vec3f) -> f32 {
 // 1 + r s/t with Eq. 11: the angular shape of FON and of EON's single scattering.
 fn fon_fujii_shape(wi: vec3f, wo: vec3f, r: f32) -> f32 {
     let s = fon_tangential_dot(wi, wo);
-    // 1 + s = (|t_i + t_o|^2 + mu_i^2 + mu_o^2) / 2 with the tangential parts t: nothing cancels when
-    // wi is the mirror direction of a grazing wo, where 1 + s goes to 0.
+    // 1 + s = (|t_i + t_o|^2 + mu_i^2 + mu_o^2) / 2 with the tangential parts t: nothing cancels when wi is the
+    // mirror direction of a grazing wo, where 1 + s goes to 0.
     let x = wi.x + wo.x;
     let y = wi.y + wo.y;
     let one_plus_s = 0.5 * (x * x + y * y + wi.z * wi.z + wo.z * wo.z);
@@ -56,13 +60,16 @@ fn fon_fujii_shape(wi: vec3f, wo: vec3f, r: f32) -> f32 {
 // Eq. 10: BRDF value in 1/sr, without the cosine.
 fn fon_eval(params: Fon, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
+    const mu_min = 1.0e-18;  // cosine of the horizon
     const C1 = 0.2877934;  // A_F = 1 / (1 + C1 r)
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
     let r = params.roughness;
     return params.rho * (inv_pi / (1.0 + C1 * r) * fon_fujii_shape(wi, wo, r));
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
 fn fon_uniform_share(mu: f32, r: f32) -> f32 {
@@ -103,8 +110,8 @@ fn fon_kept_area(d: f32) -> f32 {
 
 // Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
 fn fon_azimuth(wo: vec3f) -> vec2f {
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+    // its reciprocal still fits into a float32.
     const SIN2_MIN = 1.0e-18;
     let sin2 = wo.x * wo.x + wo.y * wo.y;
     let tilted = sin2 > SIN2_MIN;
@@ -145,8 +152,8 @@ fn fon_sample_cltc(wo: vec3f, r: f32, u: vec2f) -> vec3f {
 
 // CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
 fn fon_sample_cltc_uniform(wo: vec3f, r: f32, u: vec2f) -> vec3f {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
-    // not taken.
+    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
+    // taken.
     const P_MIN = 1.0e-6;
     let P_u = fon_uniform_share(wo.z, r);
     let uniform = u.x < P_u;
@@ -156,12 +163,12 @@ fn fon_sample_cltc_uniform(wo: vec3f, r: f32, u: vec2f) -> vec3f {
     return select(w_c, w_u, uniform);
 }
 
-// A direction relative to an azimuth (cosine, sine): the inverse of `from_frame`.
+// A direction relative to an azimuth (cosine, sine): the inverse of fon_from_frame.
 fn fon_to_frame(w: vec3f, axis: vec2f) -> vec3f {
     return vec3f(axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z);
 }
 
-// Density of `_transform` for an unclipped cosine lobe (Eq. 23 and 24).
+// Density of fon_transform for an unclipped cosine lobe (Eq. 23 and 24).
 fn fon_cltc_pdf(wi: vec3f, wo: vec3f, r: f32, d: f32) -> f32 {
     const inv_pi = 0.31830987;
     let coefficients_result = fon_coefficients(wo.z, r);
@@ -176,28 +183,24 @@ fn fon_cltc_pdf(wi: vec3f, wo: vec3f, r: f32, d: f32) -> f32 {
     return inv_pi * det * det * inv2 * inv2 * max(h.z, 0.0);
 }
 
-// Density of `sample_cltc`.
+// Density of fon_sample_cltc.
 fn fon_pdf_cltc(wi: vec3f, wo: vec3f, r: f32) -> f32 {
     let coefficients_result = fon_coefficients(wo.z, r);
     let d = coefficients_result.d;
     return fon_cltc_pdf(wi, wo, r, d) / fon_kept_area(d);
 }
 
-// Density of `sample_uniform` in 1/sr.
-fn fon_pdf_uniform() -> f32 {
-    const inv_two_pi = 0.15915494;
-    return inv_two_pi;
-}
-
-// Density of `sample_cltc_uniform`.
+// Density of fon_sample_cltc_uniform.
 fn fon_pdf_cltc_uniform(wi: vec3f, wo: vec3f, r: f32) -> f32 {
+    const inv_two_pi = 0.15915494;
     let P_u = fon_uniform_share(wo.z, r);
-    return mix(fon_pdf_cltc(wi, wo, r), fon_pdf_uniform(), P_u);
+    return mix(fon_pdf_cltc(wi, wo, r), inv_two_pi, P_u);
 }
 
-// Density of `sample` in 1/sr.
+// Density of fon_sample in 1/sr.
 fn fon_pdf(params: Fon, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     return fon_pdf_cltc_uniform(wi, wo, params.roughness);
@@ -205,25 +208,27 @@ fn fon_pdf(params: Fon, wi: vec3f, wo: vec3f) -> f32 {
 
 // EON's CLTC with a uniform lobe, made for the same shape.
 fn fon_sample(params: Fon, wo: vec3f, u: vec2f) -> FonSample {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return FonSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let wi = fon_sample_cltc_uniform(wo, params.roughness, u);
     return FonSample(wi, fon_pdf(params, wi, wo));
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
 fn fon_twice_atan_over(v: f32) -> f32 {
-    // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const ATAN_0 = 2.0;  // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const ATAN_1 = -0.66666144;
+    const ATAN_2 = 0.3998524;
+    const ATAN_3 = -0.28407288;
     const ATAN_4 = 0.21281867;
     const ATAN_5 = -0.15008585;
     const ATAN_6 = 0.085383;
     const ATAN_7 = -0.03213723;
     const ATAN_8 = 0.005699773;
-    const ATAN_0 = 2.0;
-    const ATAN_1 = -0.66666144;
-    const ATAN_2 = 0.3998524;
-    const ATAN_3 = -0.28407288;
     let q = v * v;
     let p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
     return ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p)));
@@ -253,7 +258,7 @@ fn fon_G_fujii(mu: f32) -> f32 {
 // Eq. 12.
 fn fon_albedo(params: Fon, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
-    const C1 = 0.2877934;
+    const C1 = 0.2877934;  // A_F = 1 / (1 + C1 r)
     if (wo.z < 0.0) {  // below the horizon
         return vec3f(0.0);
     }

@@ -1,10 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 // Lambert: ideal diffuse reflection.
 //
 // Source: Johann Heinrich Lambert, "Photometria", 1760.
 //
-// HLSL, made by gonio 0.1.0 from gonio/models/lambert.py.
-// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
-// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// HLSL, made by gonio from gonio/models/lambert.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose normal is
+// +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// Usage: Lambert params; params.rho = ...; ... lambert_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct LambertSample {
@@ -17,14 +19,19 @@ struct Lambert {
     float3 rho;  // albedo, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
 };
 
+// ---- evaluation ----------------------------------------------------------------------------
+
 // rho / pi.
 float3 lambert_eval(Lambert params, float3 wi, float3 wo) {
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
-        return (float3)(0.0);
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return float3(0.0, 0.0, 0.0);
     }
     return params.rho * inv_pi;
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // A direction with density cos(theta) / pi.
 float3 lambert_sample_cosine(float2 u) {
@@ -34,7 +41,7 @@ float3 lambert_sample_cosine(float2 u) {
     return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of lambert_sample_cosine in 1/sr, for w above the horizon.
 float lambert_pdf_cosine(float3 w) {
     const float inv_pi = 0.31830987;
     return w.z * inv_pi;
@@ -42,7 +49,8 @@ float lambert_pdf_cosine(float3 w) {
 
 // Cosine-weighted, which is exact here.
 LambertSample lambert_sample(Lambert params, float3 wo, float2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         LambertSample result;
         result.wi = float3(0.0, 0.0, 1.0);
         result.pdf = 0.0;
@@ -51,22 +59,25 @@ LambertSample lambert_sample(Lambert params, float3 wo, float2 u) {
     float3 wi = lambert_sample_cosine(u);
     LambertSample result;
     result.wi = wi;
-    result.pdf = wi.z > 1.0e-18 ? lambert_pdf_cosine(wi) : 0.0;
+    result.pdf = wi.z > mu_min ? lambert_pdf_cosine(wi) : 0.0;
     return result;
 }
 
 // cos(theta_i) / pi.
 float lambert_pdf(Lambert params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     return lambert_pdf_cosine(wi);
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // rho.
 float3 lambert_albedo(Lambert params, float3 wo) {
     if (wo.z < 0.0) {  // below the horizon
-        return (float3)(0.0);
+        return float3(0.0, 0.0, 0.0);
     }
     return params.rho;
 }

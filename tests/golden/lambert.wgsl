@@ -1,10 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 // Lambert: ideal diffuse reflection.
 //
 // Source: Johann Heinrich Lambert, "Photometria", 1760.
 //
-// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/lambert.py.
-// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
-// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// WGSL (WebGPU), made by gonio from gonio/models/lambert.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose normal is
+// +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// Usage: var params: Lambert; params.rho = ...; ... lambert_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct LambertSample {
@@ -17,14 +19,19 @@ struct Lambert {
     rho: vec3f,  // albedo, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
 }
 
+// ---- evaluation ----------------------------------------------------------------------------
+
 // rho / pi.
 fn lambert_eval(params: Lambert, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
     return params.rho * inv_pi;
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // A direction with density cos(theta) / pi.
 fn lambert_sample_cosine(u: vec2f) -> vec3f {
@@ -34,7 +41,7 @@ fn lambert_sample_cosine(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of lambert_sample_cosine in 1/sr, for w above the horizon.
 fn lambert_pdf_cosine(w: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     return w.z * inv_pi;
@@ -42,20 +49,24 @@ fn lambert_pdf_cosine(w: vec3f) -> f32 {
 
 // Cosine-weighted, which is exact here.
 fn lambert_sample(params: Lambert, wo: vec3f, u: vec2f) -> LambertSample {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return LambertSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let wi = lambert_sample_cosine(u);
-    return LambertSample(wi, select(0.0, lambert_pdf_cosine(wi), wi.z > 1.0e-18));
+    return LambertSample(wi, select(0.0, lambert_pdf_cosine(wi), wi.z > mu_min));
 }
 
 // cos(theta_i) / pi.
 fn lambert_pdf(params: Lambert, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     return lambert_pdf_cosine(wi);
 }
+
+// ---- albedo --------------------------------------------------------------------------------
 
 // rho.
 fn lambert_albedo(params: Lambert, wo: vec3f) -> vec3f {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Metallic-roughness: one colour, a metalness and a roughness, the way games describe materials.
 //
 // Source: "PBR theory, part 1: foundations" (SZ's temple, 2019), section 4, after Burley 2012: Lambert with
@@ -5,10 +6,11 @@
 // 0.04 and the base colour. The text leaves Smith's form open: both are here.
 // Deviation: alpha = roughness^2 is at least ALPHA_MIN, where the highlight still is a function.
 //
-// GLSL 4.5, made by gonio 0.1.0 from gonio/models/metallic_roughness.py.
+// GLSL 4.5, made by gonio from gonio/models/metallic_roughness.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: MetallicRoughness params; params.base_color = ...; ... metallic_roughness_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct MetallicRoughnessSample {
@@ -17,8 +19,7 @@ struct MetallicRoughnessSample {
 };
 
 // metallic_roughness: Diffuse below a GGX highlight, which takes its share of the light facet by facet.
-// Reciprocal.
-// Exported with masking='smith_correlated'.
+// Reciprocal. Exported with masking='smith_correlated'.
 struct MetallicRoughness {
     // diffuse colour, or F0 of metals, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
     vec3 base_color;
@@ -26,11 +27,13 @@ struct MetallicRoughness {
     float roughness;  // perceptual roughness, alpha = roughness^2; 0 to 1, default 0.5
 };
 
-// Results of choose.
-struct MetallicRoughnessChoose {
-    bool first;
-    vec2 second;
+// Which of two lobes a sample is taken from.
+struct MetallicRoughnessChoice {
+    bool is_first;  // Whether it is the first one
+    vec2 u;  // Fresh random numbers, made of those that chose
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 float metallic_roughness_alpha(MetallicRoughness params) {
     // Sharpest facets: a float32 direction is good to 6e-8, a thousandth of this width, so the shape of the
@@ -52,8 +55,8 @@ float metallic_roughness_cos_half(vec3 wi, vec3 wo) {
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 float metallic_roughness_schlick_weight_half(vec3 wi, vec3 wo) {
-    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
-    // weight keeps its digits where the two meet and it goes to 0.
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
+    // keeps its digits where the two meet and it goes to 0.
     vec3 apart = wi - wo;
     float k = 0.25 * dot(apart, apart) / (1.0 + metallic_roughness_cos_half(wi, wo));
     float k2 = k * k;
@@ -70,7 +73,7 @@ float metallic_roughness_schlick_complement(float c) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 metallic_roughness_half_vector(vec3 wi, vec3 wo) {
     vec3 h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which metallic_roughness_cos_half needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -98,7 +101,8 @@ float metallic_roughness_V_smith_correlated_ggx(vec3 wi, vec3 wo, float alpha_x,
 // BRDF value in 1/sr, without the cosine.
 vec3 metallic_roughness_eval(MetallicRoughness params, vec3 wi, vec3 wo) {
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3(0.0);
     }
     float alpha = metallic_roughness_alpha(params);
@@ -111,6 +115,8 @@ vec3 metallic_roughness_eval(MetallicRoughness params, vec3 wi, vec3 wo) {
     float D = metallic_roughness_D_ggx(metallic_roughness_half_vector(wi, wo), alpha, alpha);
     return diffuse + F * (D * metallic_roughness_V_smith_correlated_ggx(wi, wo, alpha, alpha));
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // Mean of the three channels, by which lobes are weighed against each other.
 float metallic_roughness_average(vec3 color) {
@@ -134,15 +140,15 @@ float metallic_roughness_raised(float probability) {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 vec2 metallic_roughness_lobes_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+    // can be seen is that small.
     const float BLACK = 1.0e-20;
     float inv = 1.0 / (first + second + BLACK);
     float a = metallic_roughness_raised((first + BLACK) * inv);
     float b = metallic_roughness_raised(second * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
     bool smaller = first < second;
-    return vec2(mix(1.0 - b, a, smaller), mix(b, 1.0 - a, smaller));
+    return vec2(smaller ? a : 1.0 - b, smaller ? 1.0 - a : b);
 }
 
 // Probabilities of the diffuse lobe and of the highlight.
@@ -153,8 +159,8 @@ vec2 metallic_roughness_shares(MetallicRoughness params, vec3 wo) {
         metallic_roughness_average(mix(f0, vec3(1.0), vec3(metallic_roughness_schlick_weight(wo.z)))));
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-MetallicRoughnessChoose metallic_roughness_choose(float probability, vec2 u) {
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+MetallicRoughnessChoice metallic_roughness_choose(float probability, vec2 u) {
     // Smallest probability that is divided by: a random number falls below it once in a million million.
     const float SHARE_MIN = 1.0e-12;
     // The largest float32 below 1, up to which random numbers go.
@@ -162,7 +168,7 @@ MetallicRoughnessChoose metallic_roughness_choose(float probability, vec2 u) {
     bool first = u.x < probability;
     float below = u.x / max(probability, SHARE_MIN);
     float above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
-    return MetallicRoughnessChoose(first, vec2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y));
+    return MetallicRoughnessChoice(first, vec2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y));
 }
 
 // A direction with density cos(theta) / pi.
@@ -173,7 +179,8 @@ vec3 metallic_roughness_sample_cosine(vec2 u) {
     return vec3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// A normal with density G1(wo) max(wo . m, 0) metallic_roughness_D_ggx(m) / mu_o. Dupuy and Benyoub,
+// Listing 3.
 vec3 metallic_roughness_sample_ggx_visible(vec3 wo, float alpha_x, float alpha_y, vec2 u) {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const float RANDOM_MARGIN = 5.9604645e-8;
@@ -205,30 +212,28 @@ vec3 metallic_roughness_sample_ggx_lobe(vec3 wo, float alpha_x, float alpha_y, v
 
 // A direction of one of the two lobes; shares: the probabilities of the matte one and of the other.
 vec3 metallic_roughness_sample_matte_gloss(vec3 wo, float alpha, vec2 shares, vec2 u) {
-    MetallicRoughnessChoose choose_result = metallic_roughness_choose(shares.x, u);
-    bool matte = choose_result.first;
-    vec2 v = choose_result.second;
+    MetallicRoughnessChoice choose_result = metallic_roughness_choose(shares.x, u);
+    bool matte = choose_result.is_first;
+    vec2 v = choose_result.u;
     return mix(metallic_roughness_sample_ggx_lobe(wo, alpha, alpha, v),
         metallic_roughness_sample_cosine(v), bvec3(matte));
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of metallic_roughness_sample_cosine in 1/sr, for w above the horizon.
 float metallic_roughness_pdf_cosine(vec3 w) {
     const float inv_pi = 0.31830987;
     return w.z * inv_pi;
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at metallic_roughness_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 float metallic_roughness_pdf_ggx_visible(vec3 wo, vec3 m, float alpha_x, float alpha_y) {
     return metallic_roughness_D_ggx(m, alpha_x, alpha_y)
         / (2.0 * (wo.z + metallic_roughness_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density of `sample_ggx_lobe` in 1/sr.
+// Density of metallic_roughness_sample_ggx_lobe in 1/sr.
 float metallic_roughness_pdf_ggx_lobe(vec3 wi, vec3 wo, float alpha_x, float alpha_y) {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const float mu_min = 1.0e-18;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     float straight = metallic_roughness_pdf_ggx_visible(wo, metallic_roughness_half_vector(wi, wo),
         alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
@@ -241,15 +246,16 @@ float metallic_roughness_pdf_ggx_lobe(vec3 wi, vec3 wo, float alpha_x, float alp
     return straight + (exists ? folded : 0.0);
 }
 
-// Density of `sample_matte_gloss` in 1/sr.
+// Density of metallic_roughness_sample_matte_gloss in 1/sr.
 float metallic_roughness_pdf_matte_gloss(vec3 wi, vec3 wo, float alpha, vec2 shares) {
     return shares.x * metallic_roughness_pdf_cosine(wi)
         + shares.y * metallic_roughness_pdf_ggx_lobe(wi, wo, alpha, alpha);
 }
 
-// Density of `sample` in 1/sr.
+// Density of metallic_roughness_sample in 1/sr.
 float metallic_roughness_pdf(MetallicRoughness params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     return metallic_roughness_pdf_matte_gloss(wi, wo, metallic_roughness_alpha(params),
@@ -258,7 +264,8 @@ float metallic_roughness_pdf(MetallicRoughness params, vec3 wi, vec3 wo) {
 
 // Cosine-weighted or a visible GGX normal, by the estimated albedos.
 MetallicRoughnessSample metallic_roughness_sample(MetallicRoughness params, vec3 wo, vec2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return MetallicRoughnessSample(vec3(0.0, 0.0, 1.0), 0.0);
     }
     vec3 wi = metallic_roughness_sample_matte_gloss(wo, metallic_roughness_alpha(params),
@@ -266,16 +273,18 @@ MetallicRoughnessSample metallic_roughness_sample(MetallicRoughness params, vec3
     return MetallicRoughnessSample(wi, metallic_roughness_pdf(params, wi, wo));
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 vec3 metallic_roughness_albedo(MetallicRoughness params, vec3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const float HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in metallic_roughness_albedo: a Fibonacci number, and the golden ratio.
     const float ALBEDO_SAMPLES = 987.0;
     const float GOLDEN = 0.618034;
-    const float mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const float HORIZON = 1.0e-6;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return vec3(0.0);
     }
@@ -285,7 +294,7 @@ vec3 metallic_roughness_albedo(MetallicRoughness params, vec3 wo) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         MetallicRoughnessSample drawn = metallic_roughness_sample(params, w, u);
-        float weight = mix(0.0, drawn.wi.z / max(drawn.pdf, mu_min), drawn.pdf > 0.0);
+        float weight = drawn.pdf > 0.0 ? drawn.wi.z / max(drawn.pdf, mu_min) : 0.0;
         total = total + metallic_roughness_eval(params, drawn.wi, w) * weight;
     }
     return total / ALBEDO_SAMPLES;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Metallic-roughness: one colour, a metalness and a roughness, the way games describe materials.
 //
 // Source: "PBR theory, part 1: foundations" (SZ's temple, 2019), section 4, after Burley 2012: Lambert with
@@ -5,10 +6,11 @@
 // 0.04 and the base colour. The text leaves Smith's form open: both are here.
 // Deviation: alpha = roughness^2 is at least ALPHA_MIN, where the highlight still is a function.
 //
-// C++, made by gonio 0.1.0 from gonio/models/metallic_roughness.py.
+// C++, made by gonio from gonio/models/metallic_roughness.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: gonio_metallic_roughness::MetallicRoughness params; params.base_color = ...; ... gonio_metallic_roughness::metallic_roughness_eval(params, wi, wo)
 
 #pragma once
 #include <math.h>
@@ -80,6 +82,32 @@ inline Vec3 lerp(Vec3 a, Vec3 b, Vec3 c) {
     return Vec3{lerp(a.x, b.x, c.x), lerp(a.y, b.y, c.y), lerp(a.z, b.z, c.z)};
 }
 
+// Sharpest facets: a float32 direction is good to 6e-8, a thousandth of this width, so the shape of the
+// highlight is still resolved. The peak of D, 3e7, and its derivatives fit into a float32.
+constexpr float ALPHA_MIN = 1.0e-4f;
+// Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+constexpr float RANDOM_MARGIN = 5.9604645e-8f;
+constexpr float F0_DIELECTRIC = 0.04f;  // Reflectance of every dielectric at normal incidence.
+constexpr float two_pi = 6.2831855f;
+constexpr float inv_pi = 0.31830987f;
+constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
+// Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+// can be seen is that small.
+constexpr float BLACK = 1.0e-20f;
+// The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+// its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+constexpr float SHARE_LEAST = 0.1f;
+constexpr float ESTIMATE_TRUST = 50.0f;
+// Smallest probability that is divided by: a random number falls below it once in a million million.
+constexpr float SHARE_MIN = 1.0e-12f;
+// The largest float32 below 1, up to which random numbers go.
+constexpr float RANDOM_MAX = 0.99999994f;
+// Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+constexpr float ALBEDO_SAMPLES = 987.0f;
+constexpr float GOLDEN = 0.618034f;
+// Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+constexpr float HORIZON = 1.0e-6f;
+
 // A sampled direction and its density.
 struct MetallicRoughnessSample {
     Vec3 wi;  // direction towards the light, unit, local frame
@@ -87,8 +115,7 @@ struct MetallicRoughnessSample {
 };
 
 // metallic_roughness: Diffuse below a GGX highlight, which takes its share of the light facet by facet.
-// Reciprocal.
-// Exported with masking='smith_correlated'.
+// Reciprocal. Exported with masking='smith_correlated'.
 struct MetallicRoughness {
     // diffuse colour, or F0 of metals, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
     Vec3 base_color;
@@ -96,21 +123,19 @@ struct MetallicRoughness {
     float roughness;  // perceptual roughness, alpha = roughness^2; 0 to 1, default 0.5
 };
 
-// Results of choose.
-struct MetallicRoughnessChoose {
-    bool first;
-    Vec2 second;
+// Which of two lobes a sample is taken from.
+struct MetallicRoughnessChoice {
+    bool is_first;  // Whether it is the first one
+    Vec2 u;  // Fresh random numbers, made of those that chose
 };
 
+// ---- evaluation ----------------------------------------------------------------------------
+
 inline float metallic_roughness_alpha(const MetallicRoughness& params) {
-    // Sharpest facets: a float32 direction is good to 6e-8, a thousandth of this width, so the shape of the
-    // highlight is still resolved. The peak of D, 3e7, and its derivatives fit into a float32.
-    constexpr float ALPHA_MIN = 1.0e-4f;
     return fmaxf(params.roughness * params.roughness, ALPHA_MIN);
 }
 
 inline Vec3 metallic_roughness_f0(const MetallicRoughness& params) {
-    constexpr float F0_DIELECTRIC = 0.04f;  // Reflectance of every dielectric at normal incidence.
     return lerp(splat(F0_DIELECTRIC), params.base_color, splat(params.metallic));
 }
 
@@ -122,8 +147,8 @@ inline float metallic_roughness_cos_half(Vec3 wi, Vec3 wo) {
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 inline float metallic_roughness_schlick_weight_half(Vec3 wi, Vec3 wo) {
-    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
-    // weight keeps its digits where the two meet and it goes to 0.
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
+    // keeps its digits where the two meet and it goes to 0.
     Vec3 apart = wi - wo;
     float k = 0.25f * dot(apart, apart) / (1.0f + metallic_roughness_cos_half(wi, wo));
     float k2 = k * k;
@@ -140,12 +165,11 @@ inline float metallic_roughness_schlick_complement(float c) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 metallic_roughness_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which metallic_roughness_cos_half needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
 inline float metallic_roughness_D_ggx(Vec3 m, float alpha_x, float alpha_y) {
-    constexpr float inv_pi = 0.31830987f;
     // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
     Vec3 v = Vec3{m.x / alpha_x, m.y / alpha_y, m.z};
     float s = dot(v, v);
@@ -167,8 +191,7 @@ inline float metallic_roughness_V_smith_correlated_ggx(Vec3 wi, Vec3 wo, float a
 
 // BRDF value in 1/sr, without the cosine.
 inline Vec3 metallic_roughness_eval(const MetallicRoughness& params, Vec3 wi, Vec3 wo) {
-    constexpr float inv_pi = 0.31830987f;
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
     float alpha = metallic_roughness_alpha(params);
@@ -181,6 +204,8 @@ inline Vec3 metallic_roughness_eval(const MetallicRoughness& params, Vec3 wi, Ve
     float D = metallic_roughness_D_ggx(metallic_roughness_half_vector(wi, wo), alpha, alpha);
     return diffuse + F * (D * metallic_roughness_V_smith_correlated_ggx(wi, wo, alpha, alpha));
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // Mean of the three channels, by which lobes are weighed against each other.
 inline float metallic_roughness_average(Vec3 color) {
@@ -195,18 +220,11 @@ inline float metallic_roughness_schlick_weight(float cos_theta) {
 }
 
 inline float metallic_roughness_raised(float probability) {
-    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
-    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
-    constexpr float SHARE_LEAST = 0.1f;
-    constexpr float ESTIMATE_TRUST = 50.0f;
     return fmaxf(probability, fminf(SHARE_LEAST, ESTIMATE_TRUST * probability));
 }
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 inline Vec2 metallic_roughness_lobes_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
-    constexpr float BLACK = 1.0e-20f;
     float inv = 1.0f / (first + second + BLACK);
     float a = metallic_roughness_raised((first + BLACK) * inv);
     float b = metallic_roughness_raised(second * inv);
@@ -224,33 +242,26 @@ inline Vec2 metallic_roughness_shares(const MetallicRoughness& params, Vec3 wo) 
             splat(metallic_roughness_schlick_weight(wo.z)))));
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-inline MetallicRoughnessChoose metallic_roughness_choose(float probability, Vec2 u) {
-    // Smallest probability that is divided by: a random number falls below it once in a million million.
-    constexpr float SHARE_MIN = 1.0e-12f;
-    // The largest float32 below 1, up to which random numbers go.
-    constexpr float RANDOM_MAX = 0.99999994f;
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+inline MetallicRoughnessChoice metallic_roughness_choose(float probability, Vec2 u) {
     bool first = u.x < probability;
     float below = u.x / fmaxf(probability, SHARE_MIN);
     float above = (u.x - probability) / fmaxf(1.0f - probability, SHARE_MIN);
-    return MetallicRoughnessChoose{first,
+    return MetallicRoughnessChoice{first,
         Vec2{fminf(fmaxf(first ? below : above, 0.0f), RANDOM_MAX), u.y}};
 }
 
 // A direction with density cos(theta) / pi.
 inline Vec3 metallic_roughness_sample_cosine(Vec2 u) {
-    constexpr float two_pi = 6.2831855f;
     float r = sqrtf(fmaxf(u.x, 0.0f));
     float phi = two_pi * u.y;
     return Vec3{r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u.x, 0.0f))};
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// A normal with density G1(wo) max(wo . m, 0) metallic_roughness_D_ggx(m) / mu_o. Dupuy and Benyoub,
+// Listing 3.
 inline Vec3 metallic_roughness_sample_ggx_visible(Vec3 wo, float alpha_x, float alpha_y,
     Vec2 u) {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    constexpr float RANDOM_MARGIN = 5.9604645e-8f;
-    constexpr float two_pi = 6.2831855f;
     Vec3 w = normalize(Vec3{alpha_x * wo.x, alpha_y * wo.y, wo.z});
     // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
     // u = 1 would be the facet opposite to w, whose half vector has no direction
@@ -278,30 +289,26 @@ inline Vec3 metallic_roughness_sample_ggx_lobe(Vec3 wo, float alpha_x, float alp
 
 // A direction of one of the two lobes; shares: the probabilities of the matte one and of the other.
 inline Vec3 metallic_roughness_sample_matte_gloss(Vec3 wo, float alpha, Vec2 shares, Vec2 u) {
-    MetallicRoughnessChoose choose_result = metallic_roughness_choose(shares.x, u);
-    bool matte = choose_result.first;
-    Vec2 v = choose_result.second;
+    MetallicRoughnessChoice choose_result = metallic_roughness_choose(shares.x, u);
+    bool matte = choose_result.is_first;
+    Vec2 v = choose_result.u;
     return matte ? metallic_roughness_sample_cosine(v)
         : metallic_roughness_sample_ggx_lobe(wo, alpha, alpha, v);
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of metallic_roughness_sample_cosine in 1/sr, for w above the horizon.
 inline float metallic_roughness_pdf_cosine(Vec3 w) {
-    constexpr float inv_pi = 0.31830987f;
     return w.z * inv_pi;
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at metallic_roughness_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 inline float metallic_roughness_pdf_ggx_visible(Vec3 wo, Vec3 m, float alpha_x, float alpha_y) {
     return metallic_roughness_D_ggx(m, alpha_x, alpha_y)
         / (2.0f * (wo.z + metallic_roughness_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density of `sample_ggx_lobe` in 1/sr.
+// Density of metallic_roughness_sample_ggx_lobe in 1/sr.
 inline float metallic_roughness_pdf_ggx_lobe(Vec3 wi, Vec3 wo, float alpha_x, float alpha_y) {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    constexpr float mu_min = 1.0e-18f;
     float straight = metallic_roughness_pdf_ggx_visible(wo, metallic_roughness_half_vector(wi, wo),
         alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
@@ -314,15 +321,15 @@ inline float metallic_roughness_pdf_ggx_lobe(Vec3 wi, Vec3 wo, float alpha_x, fl
     return straight + (exists ? folded : 0.0f);
 }
 
-// Density of `sample_matte_gloss` in 1/sr.
+// Density of metallic_roughness_sample_matte_gloss in 1/sr.
 inline float metallic_roughness_pdf_matte_gloss(Vec3 wi, Vec3 wo, float alpha, Vec2 shares) {
     return shares.x * metallic_roughness_pdf_cosine(wi)
         + shares.y * metallic_roughness_pdf_ggx_lobe(wi, wo, alpha, alpha);
 }
 
-// Density of `sample` in 1/sr.
+// Density of metallic_roughness_sample in 1/sr.
 inline float metallic_roughness_pdf(const MetallicRoughness& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0f;
     }
     return metallic_roughness_pdf_matte_gloss(wi, wo, metallic_roughness_alpha(params),
@@ -332,7 +339,7 @@ inline float metallic_roughness_pdf(const MetallicRoughness& params, Vec3 wi, Ve
 // Cosine-weighted or a visible GGX normal, by the estimated albedos.
 inline MetallicRoughnessSample metallic_roughness_sample(const MetallicRoughness& params,
     Vec3 wo, Vec2 u) {
-    if (wo.z <= 1.0e-18f) {  // in the horizon or below
+    if (wo.z <= mu_min) {  // in the horizon or below
         return MetallicRoughnessSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     Vec3 wi = metallic_roughness_sample_matte_gloss(wo, metallic_roughness_alpha(params),
@@ -340,16 +347,12 @@ inline MetallicRoughnessSample metallic_roughness_sample(const MetallicRoughness
     return MetallicRoughnessSample{wi, metallic_roughness_pdf(params, wi, wo)};
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 inline Vec3 metallic_roughness_albedo(const MetallicRoughness& params, Vec3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    constexpr float HORIZON = 1.0e-6f;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
-    constexpr float ALBEDO_SAMPLES = 987.0f;
-    constexpr float GOLDEN = 0.618034f;
-    constexpr float mu_min = 1.0e-18f;
     if (wo.z < 0.0f) {  // below the horizon
         return splat(0.0f);
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Metallic-roughness: one colour, a metalness and a roughness, the way games describe materials.
 //
 // Source: "PBR theory, part 1: foundations" (SZ's temple, 2019), section 4, after Burley 2012: Lambert with
@@ -5,10 +6,11 @@
 // 0.04 and the base colour. The text leaves Smith's form open: both are here.
 // Deviation: alpha = roughness^2 is at least ALPHA_MIN, where the highlight still is a function.
 //
-// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/metallic_roughness.py.
+// WGSL (WebGPU), made by gonio from gonio/models/metallic_roughness.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: var params: MetallicRoughness; params.base_color = ...; ... metallic_roughness_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct MetallicRoughnessSample {
@@ -17,8 +19,7 @@ struct MetallicRoughnessSample {
 }
 
 // metallic_roughness: Diffuse below a GGX highlight, which takes its share of the light facet by facet.
-// Reciprocal.
-// Exported with masking='smith_correlated'.
+// Reciprocal. Exported with masking='smith_correlated'.
 struct MetallicRoughness {
     // diffuse colour, or F0 of metals, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
     base_color: vec3f,
@@ -26,11 +27,13 @@ struct MetallicRoughness {
     roughness: f32,  // perceptual roughness, alpha = roughness^2; 0 to 1, default 0.5
 }
 
-// Results of choose.
-struct MetallicRoughnessChoose {
-    first: bool,
-    second: vec2f,
+// Which of two lobes a sample is taken from.
+struct MetallicRoughnessChoice {
+    is_first: bool,  // Whether it is the first one
+    u: vec2f,  // Fresh random numbers, made of those that chose
 }
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 fn metallic_roughness_alpha(params: MetallicRoughness) -> f32 {
     // Sharpest facets: a float32 direction is good to 6e-8, a thousandth of this width, so the shape of the
@@ -52,8 +55,8 @@ fn metallic_roughness_cos_half(wi: vec3f, wo: vec3f) -> f32 {
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 fn metallic_roughness_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
-    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
-    // weight keeps its digits where the two meet and it goes to 0.
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
+    // keeps its digits where the two meet and it goes to 0.
     let apart = wi - wo;
     let k = 0.25 * dot(apart, apart) / (1.0 + metallic_roughness_cos_half(wi, wo));
     let k2 = k * k;
@@ -70,7 +73,7 @@ fn metallic_roughness_schlick_complement(c: f32) -> f32 {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn metallic_roughness_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which metallic_roughness_cos_half needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -98,7 +101,8 @@ fn metallic_roughness_V_smith_correlated_ggx(wi: vec3f, wo: vec3f, alpha_x: f32,
 // BRDF value in 1/sr, without the cosine.
 fn metallic_roughness_eval(params: MetallicRoughness, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
     let alpha = metallic_roughness_alpha(params);
@@ -111,6 +115,8 @@ fn metallic_roughness_eval(params: MetallicRoughness, wi: vec3f, wo: vec3f) -> v
     let D = metallic_roughness_D_ggx(metallic_roughness_half_vector(wi, wo), alpha, alpha);
     return diffuse + F * (D * metallic_roughness_V_smith_correlated_ggx(wi, wo, alpha, alpha));
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // Mean of the three channels, by which lobes are weighed against each other.
 fn metallic_roughness_average(color: vec3f) -> f32 {
@@ -134,8 +140,8 @@ fn metallic_roughness_raised(probability: f32) -> f32 {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 fn metallic_roughness_lobes_shares(first: f32, second: f32) -> vec2f {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+    // can be seen is that small.
     const BLACK = 1.0e-20;
     let inv = 1.0 / (first + second + BLACK);
     let a = metallic_roughness_raised((first + BLACK) * inv);
@@ -154,15 +160,15 @@ fn metallic_roughness_shares(params: MetallicRoughness, wo: vec3f) -> vec2f {
             vec3f(metallic_roughness_schlick_weight(wo.z)))));
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-fn metallic_roughness_choose(probability: f32, u: vec2f) -> MetallicRoughnessChoose {
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+fn metallic_roughness_choose(probability: f32, u: vec2f) -> MetallicRoughnessChoice {
     // Smallest probability that is divided by: a random number falls below it once in a million million.
     const SHARE_MIN = 1.0e-12;
     const RANDOM_MAX = 0.99999994;  // The largest float32 below 1, up to which random numbers go.
     let first = u.x < probability;
     let below = u.x / max(probability, SHARE_MIN);
     let above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
-    return MetallicRoughnessChoose(first,
+    return MetallicRoughnessChoice(first,
         vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
 }
 
@@ -174,7 +180,8 @@ fn metallic_roughness_sample_cosine(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// A normal with density G1(wo) max(wo . m, 0) metallic_roughness_D_ggx(m) / mu_o. Dupuy and Benyoub,
+// Listing 3.
 fn metallic_roughness_sample_ggx_visible(wo: vec3f, alpha_x: f32, alpha_y: f32,
     u: vec2f) -> vec3f {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
@@ -210,29 +217,27 @@ fn metallic_roughness_sample_ggx_lobe(wo: vec3f, alpha_x: f32, alpha_y: f32,
 fn metallic_roughness_sample_matte_gloss(wo: vec3f, alpha: f32, shares: vec2f,
     u: vec2f) -> vec3f {
     let choose_result = metallic_roughness_choose(shares.x, u);
-    let matte = choose_result.first;
-    let v = choose_result.second;
+    let matte = choose_result.is_first;
+    let v = choose_result.u;
     return select(metallic_roughness_sample_ggx_lobe(wo, alpha, alpha, v),
         metallic_roughness_sample_cosine(v), matte);
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of metallic_roughness_sample_cosine in 1/sr, for w above the horizon.
 fn metallic_roughness_pdf_cosine(w: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     return w.z * inv_pi;
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at metallic_roughness_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 fn metallic_roughness_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
     return metallic_roughness_D_ggx(m, alpha_x, alpha_y)
         / (2.0 * (wo.z + metallic_roughness_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density of `sample_ggx_lobe` in 1/sr.
+// Density of metallic_roughness_sample_ggx_lobe in 1/sr.
 fn metallic_roughness_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const mu_min = 1.0e-18;
+    const mu_min = 1.0e-18;  // cosine of the horizon
     let straight = metallic_roughness_pdf_ggx_visible(wo, metallic_roughness_half_vector(wi, wo),
         alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
@@ -245,15 +250,16 @@ fn metallic_roughness_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: 
     return straight + select(0.0, folded, exists);
 }
 
-// Density of `sample_matte_gloss` in 1/sr.
+// Density of metallic_roughness_sample_matte_gloss in 1/sr.
 fn metallic_roughness_pdf_matte_gloss(wi: vec3f, wo: vec3f, alpha: f32, shares: vec2f) -> f32 {
     return shares.x * metallic_roughness_pdf_cosine(wi)
         + shares.y * metallic_roughness_pdf_ggx_lobe(wi, wo, alpha, alpha);
 }
 
-// Density of `sample` in 1/sr.
+// Density of metallic_roughness_sample in 1/sr.
 fn metallic_roughness_pdf(params: MetallicRoughness, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     return metallic_roughness_pdf_matte_gloss(wi, wo, metallic_roughness_alpha(params),
@@ -263,7 +269,8 @@ fn metallic_roughness_pdf(params: MetallicRoughness, wi: vec3f, wo: vec3f) -> f3
 // Cosine-weighted or a visible GGX normal, by the estimated albedos.
 fn metallic_roughness_sample(params: MetallicRoughness, wo: vec3f,
     u: vec2f) -> MetallicRoughnessSample {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return MetallicRoughnessSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let wi = metallic_roughness_sample_matte_gloss(wo, metallic_roughness_alpha(params),
@@ -271,16 +278,18 @@ fn metallic_roughness_sample(params: MetallicRoughness, wo: vec3f,
     return MetallicRoughnessSample(wi, metallic_roughness_pdf(params, wi, wo));
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 fn metallic_roughness_albedo(params: MetallicRoughness, wo: vec3f) -> vec3f {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in metallic_roughness_albedo: a Fibonacci number, and the golden ratio.
     const ALBEDO_SAMPLES = 987.0;
     const GOLDEN = 0.618034;
-    const mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const HORIZON = 1.0e-6;
+    const mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return vec3f(0.0);
     }

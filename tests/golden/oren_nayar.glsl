@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Oren-Nayar: the full model of 1994, with interreflection.
 //
 // Source: Oren, Nayar, "Generalization of Lambert's reflectance model", SIGGRAPH 1994, Eq. 27 to 29.
@@ -5,10 +6,11 @@
 // grazing angles; the values are the same. Where the value passes through zero on its way to a negative one
 // (see `caveats`), float32 keeps an absolute accuracy of 1e-6 rho / pi, not a relative one.
 //
-// GLSL 4.5, made by gonio 0.1.0 from gonio/models/oren_nayar.py.
+// GLSL 4.5, made by gonio from gonio/models/oren_nayar.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: OrenNayar params; params.rho = ...; ... oren_nayar_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct OrenNayarSample {
@@ -22,13 +24,13 @@ struct OrenNayar {
     float sigma;  // standard deviation of the facet angle, radians; 0 to 1.570796, default 0.5
 };
 
-// Results of qualitative_coefficients.
+// What qualitative_coefficients returns.
 struct OrenNayarQualitativeCoefficients {
-    float first;
-    float second;
+    float A;
+    float B;
 };
 
-// Results of coefficients.
+// What coefficients returns.
 struct OrenNayarCoefficients {
     float a;
     float b;
@@ -36,18 +38,19 @@ struct OrenNayarCoefficients {
     float d;
 };
 
+// ---- evaluation ----------------------------------------------------------------------------
+
 // 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
 float oren_nayar_twice_atan_over(float v) {
-    // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const float ATAN_0 = 2.0;  // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const float ATAN_1 = -0.66666144;
+    const float ATAN_2 = 0.3998524;
+    const float ATAN_3 = -0.28407288;
     const float ATAN_4 = 0.21281867;
     const float ATAN_5 = -0.15008585;
     const float ATAN_6 = 0.085383;
     const float ATAN_7 = -0.03213723;
     const float ATAN_8 = 0.005699773;
-    const float ATAN_0 = 2.0;
-    const float ATAN_1 = -0.66666144;
-    const float ATAN_2 = 0.3998524;
-    const float ATAN_3 = -0.28407288;
     float q = v * v;
     float p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
     return ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p)));
@@ -70,7 +73,7 @@ float oren_nayar_tangential_dot(vec3 wi, vec3 wo) {
     return fma(wi.x, wo.x, q) + error;
 }
 
-// sin(phi_o - phi_i) sin(theta_i) sin(theta_o), as exact as `tangential_dot`.
+// sin(phi_o - phi_i) sin(theta_i) sin(theta_o), as exact as oren_nayar_tangential_dot.
 float oren_nayar_tangential_cross(vec3 wi, vec3 wo) {
     float q = wi.y * wo.x;
     float error = fma(wi.y, wo.x, -q);
@@ -83,20 +86,18 @@ float oren_nayar_safe_acos(float x) {
     float a = min(abs(x), 1.0);
     float v = sqrt(max((1.0 - a) * (1.0 + a), 0.0)) / (1.0 + a);
     float angle = v * oren_nayar_twice_atan_over(v);
-    return mix(angle, pi - angle, x < 0.0);
+    return x < 0.0 ? pi - angle : angle;
 }
 
 // Eq. 27 + 29: BRDF value in 1/sr, without the cosine.
 vec3 oren_nayar_eval(OrenNayar params, vec3 wi, vec3 wo) {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const float mu_min = 1.0e-18;
     const float pi = 3.1415927;
-    // Smallest product of squared sines that is divided by. Directions nearer to the normal have no
-    // azimuth that matters, and the reciprocal's derivative still fits into a float32.
-    const float SIN4_MIN = 1.0e-20;
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    // Smallest product of squared sines that is divided by. Directions nearer to the normal have no azimuth
+    // that matters, and the reciprocal's derivative still fits into a float32.
+    const float SIN4_MIN = 1.0e-20;
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3(0.0);
     }
     float s2 = params.sigma * params.sigma;
@@ -134,12 +135,15 @@ vec3 oren_nayar_eval(OrenNayar params, vec3 wi, vec3 wo) {
     return params.rho * (inv_pi * L1) + params.rho * params.rho * (inv_pi * L2);
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // A and B of Eq. 3. sigma: angle in radians; offset: 0.33, or 0.57 for the footnote's variant.
 OrenNayarQualitativeCoefficients oren_nayar_qualitative_coefficients(float sigma,
     float offset) {
     float s2 = sigma * sigma;
-    return OrenNayarQualitativeCoefficients(1.0 - 0.5 * s2 / (s2 + offset),
-        0.45 * s2 / (s2 + 0.09));
+    float A = 1.0 - 0.5 * s2 / (s2 + offset);
+    float B = 0.45 * s2 / (s2 + 0.09);
+    return OrenNayarQualitativeCoefficients(A, B);
 }
 
 // P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
@@ -147,7 +151,7 @@ float oren_nayar_uniform_share(float mu, float r) {
     // Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32.
     const float R_MIN = 1.0e-37;
     float fit = 0.162925 + mu * (-0.372058 + (0.538233 - 0.290822 * mu) * mu);
-    return mix(0.0, pow(max(r, R_MIN), 0.1) * fit, r > 0.0);
+    return r > 0.0 ? pow(max(r, R_MIN), 0.1) * fit : 0.0;
 }
 
 // A direction with density 1 / (2 pi).
@@ -181,13 +185,13 @@ float oren_nayar_kept_area(float d) {
 
 // Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
 vec2 oren_nayar_azimuth(vec3 wo) {
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+    // its reciprocal still fits into a float32.
     const float SIN2_MIN = 1.0e-18;
     float sin2 = wo.x * wo.x + wo.y * wo.y;
     bool tilted = sin2 > SIN2_MIN;
     float inv = 1.0 / sqrt(max(sin2, SIN2_MIN));
-    return vec2(mix(1.0, wo.x * inv, tilted), mix(0.0, wo.y * inv, tilted));
+    return vec2(tilted ? wo.x * inv : 1.0, tilted ? wo.y * inv : 0.0);
 }
 
 // A direction given relative to an azimuth (cosine, sine), about the normal turned by it.
@@ -224,23 +228,23 @@ vec3 oren_nayar_sample_cltc(vec3 wo, float r, vec2 u) {
 
 // CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
 vec3 oren_nayar_sample_cltc_uniform(vec3 wo, float r, vec2 u) {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
-    // not taken.
+    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
+    // taken.
     const float P_MIN = 1.0e-6;
     float P_u = oren_nayar_uniform_share(wo.z, r);
     bool uniform_ = u.x < P_u;
-    float u1 = mix((u.x - P_u) / (1.0 - P_u), u.x / max(P_u, P_MIN), uniform_);
+    float u1 = uniform_ ? u.x / max(P_u, P_MIN) : (u.x - P_u) / (1.0 - P_u);
     vec3 w_u = oren_nayar_sample_uniform(vec2(u1, u.y));
     vec3 w_c = oren_nayar_sample_cltc(wo, r, vec2(u1, u.y));
     return uniform_ ? w_u : w_c;
 }
 
-// A direction relative to an azimuth (cosine, sine): the inverse of `from_frame`.
+// A direction relative to an azimuth (cosine, sine): the inverse of oren_nayar_from_frame.
 vec3 oren_nayar_to_frame(vec3 w, vec2 axis) {
     return vec3(axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z);
 }
 
-// Density of `_transform` for an unclipped cosine lobe (Eq. 23 and 24).
+// Density of oren_nayar_transform for an unclipped cosine lobe (Eq. 23 and 24).
 float oren_nayar_cltc_pdf(vec3 wi, vec3 wo, float r, float d) {
     const float inv_pi = 0.31830987;
     OrenNayarCoefficients coefficients_result = oren_nayar_coefficients(wo.z, r);
@@ -255,58 +259,57 @@ float oren_nayar_cltc_pdf(vec3 wi, vec3 wo, float r, float d) {
     return inv_pi * det * det * inv2 * inv2 * max(h.z, 0.0);
 }
 
-// Density of `sample_cltc`.
+// Density of oren_nayar_sample_cltc.
 float oren_nayar_pdf_cltc(vec3 wi, vec3 wo, float r) {
     OrenNayarCoefficients coefficients_result = oren_nayar_coefficients(wo.z, r);
     float d = coefficients_result.d;
     return oren_nayar_cltc_pdf(wi, wo, r, d) / oren_nayar_kept_area(d);
 }
 
-// Density of `sample_uniform` in 1/sr.
-float oren_nayar_pdf_uniform() {
-    const float inv_two_pi = 0.15915494;
-    return inv_two_pi;
-}
-
-// Density of `sample_cltc_uniform`.
+// Density of oren_nayar_sample_cltc_uniform.
 float oren_nayar_pdf_cltc_uniform(vec3 wi, vec3 wo, float r) {
+    const float inv_two_pi = 0.15915494;
     float P_u = oren_nayar_uniform_share(wo.z, r);
-    return mix(oren_nayar_pdf_cltc(wi, wo, r), oren_nayar_pdf_uniform(), P_u);
+    return mix(oren_nayar_pdf_cltc(wi, wo, r), inv_two_pi, P_u);
 }
 
-// Density of `sample` in 1/sr.
+// Density of oren_nayar_sample in 1/sr.
 float oren_nayar_pdf(OrenNayar params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     OrenNayarQualitativeCoefficients qualitative_coefficients_result = oren_nayar_qualitative_coefficients(params.sigma, 0.33);
-    float A = qualitative_coefficients_result.first;
-    float B = qualitative_coefficients_result.second;
+    float A = qualitative_coefficients_result.A;
+    float B = qualitative_coefficients_result.B;
     return oren_nayar_pdf_cltc_uniform(wi, wo, B / A);
 }
 
 // EON's CLTC with a uniform lobe, at the roughness that fits the qualitative model.
 OrenNayarSample oren_nayar_sample(OrenNayar params, vec3 wo, vec2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return OrenNayarSample(vec3(0.0, 0.0, 1.0), 0.0);
     }
     OrenNayarQualitativeCoefficients qualitative_coefficients_result = oren_nayar_qualitative_coefficients(params.sigma, 0.33);
-    float A = qualitative_coefficients_result.first;
-    float B = qualitative_coefficients_result.second;
+    float A = qualitative_coefficients_result.A;
+    float B = qualitative_coefficients_result.B;
     vec3 wi = oren_nayar_sample_cltc_uniform(wo, B / A, u);
     return OrenNayarSample(wi, oren_nayar_pdf(params, wi, wo));
 }
+
+// ---- albedo --------------------------------------------------------------------------------
 
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 vec3 oren_nayar_albedo(OrenNayar params, vec3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const float HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in oren_nayar_albedo: a Fibonacci number, and the golden ratio.
     const float ALBEDO_SAMPLES = 987.0;
     const float GOLDEN = 0.618034;
-    const float mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const float HORIZON = 1.0e-6;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return vec3(0.0);
     }
@@ -316,7 +319,7 @@ vec3 oren_nayar_albedo(OrenNayar params, vec3 wo) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         OrenNayarSample drawn = oren_nayar_sample(params, w, u);
-        float weight = mix(0.0, drawn.wi.z / max(drawn.pdf, mu_min), drawn.pdf > 0.0);
+        float weight = drawn.pdf > 0.0 ? drawn.wi.z / max(drawn.pdf, mu_min) : 0.0;
         total = total + oren_nayar_eval(params, drawn.wi, w) * weight;
     }
     return total / ALBEDO_SAMPLES;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Oren-Nayar: the full model of 1994, with interreflection.
 //
 // Source: Oren, Nayar, "Generalization of Lambert's reflectance model", SIGGRAPH 1994, Eq. 27 to 29.
@@ -5,10 +6,11 @@
 // grazing angles; the values are the same. Where the value passes through zero on its way to a negative one
 // (see `caveats`), float32 keeps an absolute accuracy of 1e-6 rho / pi, not a relative one.
 //
-// C++, made by gonio 0.1.0 from gonio/models/oren_nayar.py.
+// C++, made by gonio from gonio/models/oren_nayar.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: gonio_oren_nayar::OrenNayar params; params.rho = ...; ... gonio_oren_nayar::oren_nayar_eval(params, wi, wo)
 
 #pragma once
 #include <math.h>
@@ -60,6 +62,30 @@ inline Vec3 operator/(Vec3 a, float b) {
     return Vec3{a.x / b, a.y / b, a.z / b};
 }
 
+constexpr float pi = 3.1415927f;
+constexpr float two_pi = 6.2831855f;
+constexpr float inv_pi = 0.31830987f;
+constexpr float inv_two_pi = 0.15915494f;
+constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
+// Smallest product of squared sines that is divided by. Directions nearer to the normal have no azimuth
+// that matters, and the reciprocal's derivative still fits into a float32.
+constexpr float SIN4_MIN = 1.0e-20f;
+// Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32.
+constexpr float R_MIN = 1.0e-37f;
+// Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
+// taken.
+constexpr float P_MIN = 1.0e-6f;
+// A sample that rounding pushed below the horizon is lifted to this cosine, 1/16 of a float32 epsilon.
+constexpr float Z_MIN = 7.450581e-9f;
+// Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+// its reciprocal still fits into a float32.
+constexpr float SIN2_MIN = 1.0e-18f;
+// Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+constexpr float ALBEDO_SAMPLES = 987.0f;
+constexpr float GOLDEN = 0.618034f;
+// Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+constexpr float HORIZON = 1.0e-6f;
+
 // A sampled direction and its density.
 struct OrenNayarSample {
     Vec3 wi;  // direction towards the light, unit, local frame
@@ -72,19 +98,21 @@ struct OrenNayar {
     float sigma;  // standard deviation of the facet angle, radians; 0 to 1.570796, default 0.5
 };
 
-// Results of qualitative_coefficients.
+// What qualitative_coefficients returns.
 struct OrenNayarQualitativeCoefficients {
-    float first;
-    float second;
+    float A;
+    float B;
 };
 
-// Results of coefficients.
+// What coefficients returns.
 struct OrenNayarCoefficients {
     float a;
     float b;
     float c;
     float d;
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
 //
@@ -96,7 +124,7 @@ inline float oren_nayar_tangential_dot(Vec3 wi, Vec3 wo) {
     return fmaf(wi.x, wo.x, q) + error;
 }
 
-// sin(phi_o - phi_i) sin(theta_i) sin(theta_o), as exact as `tangential_dot`.
+// sin(phi_o - phi_i) sin(theta_i) sin(theta_o), as exact as oren_nayar_tangential_dot.
 inline float oren_nayar_tangential_cross(Vec3 wi, Vec3 wo) {
     float q = wi.y * wo.x;
     float error = fmaf(wi.y, wo.x, -q);
@@ -105,15 +133,7 @@ inline float oren_nayar_tangential_cross(Vec3 wi, Vec3 wo) {
 
 // Eq. 27 + 29: BRDF value in 1/sr, without the cosine.
 inline Vec3 oren_nayar_eval(const OrenNayar& params, Vec3 wi, Vec3 wo) {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    constexpr float mu_min = 1.0e-18f;
-    constexpr float pi = 3.1415927f;
-    // Smallest product of squared sines that is divided by. Directions nearer to the normal have no
-    // azimuth that matters, and the reciprocal's derivative still fits into a float32.
-    constexpr float SIN4_MIN = 1.0e-20f;
-    constexpr float inv_pi = 0.31830987f;
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
     float s2 = params.sigma * params.sigma;
@@ -153,25 +173,25 @@ inline Vec3 oren_nayar_eval(const OrenNayar& params, Vec3 wi, Vec3 wo) {
     return params.rho * (inv_pi * L1) + params.rho * params.rho * (inv_pi * L2);
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // A and B of Eq. 3. sigma: angle in radians; offset: 0.33, or 0.57 for the footnote's variant.
 inline OrenNayarQualitativeCoefficients oren_nayar_qualitative_coefficients(float sigma,
     float offset) {
     float s2 = sigma * sigma;
-    return OrenNayarQualitativeCoefficients{1.0f - 0.5f * s2 / (s2 + offset),
-        0.45f * s2 / (s2 + 0.09f)};
+    float A = 1.0f - 0.5f * s2 / (s2 + offset);
+    float B = 0.45f * s2 / (s2 + 0.09f);
+    return OrenNayarQualitativeCoefficients{A, B};
 }
 
 // P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
 inline float oren_nayar_uniform_share(float mu, float r) {
-    // Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32.
-    constexpr float R_MIN = 1.0e-37f;
     float fit = 0.162925f + mu * (-0.372058f + (0.538233f - 0.290822f * mu) * mu);
     return r > 0.0f ? powf(fmaxf(r, R_MIN), 0.1f) * fit : 0.0f;
 }
 
 // A direction with density 1 / (2 pi).
 inline Vec3 oren_nayar_sample_uniform(Vec2 u) {
-    constexpr float two_pi = 6.2831855f;
     // z = 1 - u instead of u: random numbers lie in [0, 1), so z never becomes 0.
     float z = 1.0f - u.x;
     float r = sqrtf(fmaxf(u.x * (1.0f + z), 0.0f));
@@ -201,9 +221,6 @@ inline float oren_nayar_kept_area(float d) {
 
 // Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
 inline Vec2 oren_nayar_azimuth(Vec3 wo) {
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
-    constexpr float SIN2_MIN = 1.0e-18f;
     float sin2 = wo.x * wo.x + wo.y * wo.y;
     bool tilted = sin2 > SIN2_MIN;
     float inv = 1.0f / sqrtf(fmaxf(sin2, SIN2_MIN));
@@ -228,9 +245,6 @@ inline Vec3 oren_nayar_transform(float x, float y, Vec3 wo, float r, float d) {
 
 // Clipped to the directions that M keeps above the horizon (Listing 3).
 inline Vec3 oren_nayar_sample_cltc(Vec3 wo, float r, Vec2 u) {
-    constexpr float two_pi = 6.2831855f;
-    // A sample that rounding pushed below the horizon is lifted to this cosine, 1/16 of a float32 epsilon.
-    constexpr float Z_MIN = 7.450581e-9f;
     OrenNayarCoefficients coefficients_result = oren_nayar_coefficients(wo.z, r);
     float d = coefficients_result.d;
     float R = sqrtf(fmaxf(u.x, 0.0f));
@@ -244,9 +258,6 @@ inline Vec3 oren_nayar_sample_cltc(Vec3 wo, float r, Vec2 u) {
 
 // CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
 inline Vec3 oren_nayar_sample_cltc_uniform(Vec3 wo, float r, Vec2 u) {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
-    // not taken.
-    constexpr float P_MIN = 1.0e-6f;
     float P_u = oren_nayar_uniform_share(wo.z, r);
     bool uniform = u.x < P_u;
     float u1 = uniform ? u.x / fmaxf(P_u, P_MIN) : (u.x - P_u) / (1.0f - P_u);
@@ -255,14 +266,13 @@ inline Vec3 oren_nayar_sample_cltc_uniform(Vec3 wo, float r, Vec2 u) {
     return uniform ? w_u : w_c;
 }
 
-// A direction relative to an azimuth (cosine, sine): the inverse of `from_frame`.
+// A direction relative to an azimuth (cosine, sine): the inverse of oren_nayar_from_frame.
 inline Vec3 oren_nayar_to_frame(Vec3 w, Vec2 axis) {
     return Vec3{axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z};
 }
 
-// Density of `_transform` for an unclipped cosine lobe (Eq. 23 and 24).
+// Density of oren_nayar_transform for an unclipped cosine lobe (Eq. 23 and 24).
 inline float oren_nayar_cltc_pdf(Vec3 wi, Vec3 wo, float r, float d) {
-    constexpr float inv_pi = 0.31830987f;
     OrenNayarCoefficients coefficients_result = oren_nayar_coefficients(wo.z, r);
     float a = coefficients_result.a;
     float b = coefficients_result.b;
@@ -275,58 +285,48 @@ inline float oren_nayar_cltc_pdf(Vec3 wi, Vec3 wo, float r, float d) {
     return inv_pi * det * det * inv2 * inv2 * fmaxf(h.z, 0.0f);
 }
 
-// Density of `sample_cltc`.
+// Density of oren_nayar_sample_cltc.
 inline float oren_nayar_pdf_cltc(Vec3 wi, Vec3 wo, float r) {
     OrenNayarCoefficients coefficients_result = oren_nayar_coefficients(wo.z, r);
     float d = coefficients_result.d;
     return oren_nayar_cltc_pdf(wi, wo, r, d) / oren_nayar_kept_area(d);
 }
 
-// Density of `sample_uniform` in 1/sr.
-inline float oren_nayar_pdf_uniform() {
-    constexpr float inv_two_pi = 0.15915494f;
-    return inv_two_pi;
-}
-
-// Density of `sample_cltc_uniform`.
+// Density of oren_nayar_sample_cltc_uniform.
 inline float oren_nayar_pdf_cltc_uniform(Vec3 wi, Vec3 wo, float r) {
     float P_u = oren_nayar_uniform_share(wo.z, r);
-    return lerp(oren_nayar_pdf_cltc(wi, wo, r), oren_nayar_pdf_uniform(), P_u);
+    return lerp(oren_nayar_pdf_cltc(wi, wo, r), inv_two_pi, P_u);
 }
 
-// Density of `sample` in 1/sr.
+// Density of oren_nayar_sample in 1/sr.
 inline float oren_nayar_pdf(const OrenNayar& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0f;
     }
     OrenNayarQualitativeCoefficients qualitative_coefficients_result = oren_nayar_qualitative_coefficients(params.sigma, 0.33f);
-    float A = qualitative_coefficients_result.first;
-    float B = qualitative_coefficients_result.second;
+    float A = qualitative_coefficients_result.A;
+    float B = qualitative_coefficients_result.B;
     return oren_nayar_pdf_cltc_uniform(wi, wo, B / A);
 }
 
 // EON's CLTC with a uniform lobe, at the roughness that fits the qualitative model.
 inline OrenNayarSample oren_nayar_sample(const OrenNayar& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 1.0e-18f) {  // in the horizon or below
+    if (wo.z <= mu_min) {  // in the horizon or below
         return OrenNayarSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     OrenNayarQualitativeCoefficients qualitative_coefficients_result = oren_nayar_qualitative_coefficients(params.sigma, 0.33f);
-    float A = qualitative_coefficients_result.first;
-    float B = qualitative_coefficients_result.second;
+    float A = qualitative_coefficients_result.A;
+    float B = qualitative_coefficients_result.B;
     Vec3 wi = oren_nayar_sample_cltc_uniform(wo, B / A, u);
     return OrenNayarSample{wi, oren_nayar_pdf(params, wi, wo)};
 }
+
+// ---- albedo --------------------------------------------------------------------------------
 
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 inline Vec3 oren_nayar_albedo(const OrenNayar& params, Vec3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    constexpr float HORIZON = 1.0e-6f;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
-    constexpr float ALBEDO_SAMPLES = 987.0f;
-    constexpr float GOLDEN = 0.618034f;
-    constexpr float mu_min = 1.0e-18f;
     if (wo.z < 0.0f) {  // below the horizon
         return splat(0.0f);
     }

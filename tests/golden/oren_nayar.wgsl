@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Oren-Nayar: the full model of 1994, with interreflection.
 //
 // Source: Oren, Nayar, "Generalization of Lambert's reflectance model", SIGGRAPH 1994, Eq. 27 to 29.
@@ -5,10 +6,11 @@
 // grazing angles; the values are the same. Where the value passes through zero on its way to a negative one
 // (see `caveats`), float32 keeps an absolute accuracy of 1e-6 rho / pi, not a relative one.
 //
-// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/oren_nayar.py.
+// WGSL (WebGPU), made by gonio from gonio/models/oren_nayar.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: var params: OrenNayar; params.rho = ...; ... oren_nayar_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct OrenNayarSample {
@@ -22,13 +24,13 @@ struct OrenNayar {
     sigma: f32,  // standard deviation of the facet angle, radians; 0 to 1.570796, default 0.5
 }
 
-// Results of qualitative_coefficients.
+// What qualitative_coefficients returns.
 struct OrenNayarQualitativeCoefficients {
-    first: f32,
-    second: f32,
+    A: f32,
+    B: f32,
 }
 
-// Results of coefficients.
+// What coefficients returns.
 struct OrenNayarCoefficients {
     a: f32,
     b: f32,
@@ -36,18 +38,19 @@ struct OrenNayarCoefficients {
     d: f32,
 }
 
+// ---- evaluation ----------------------------------------------------------------------------
+
 // 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
 fn oren_nayar_twice_atan_over(v: f32) -> f32 {
-    // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const ATAN_0 = 2.0;  // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const ATAN_1 = -0.66666144;
+    const ATAN_2 = 0.3998524;
+    const ATAN_3 = -0.28407288;
     const ATAN_4 = 0.21281867;
     const ATAN_5 = -0.15008585;
     const ATAN_6 = 0.085383;
     const ATAN_7 = -0.03213723;
     const ATAN_8 = 0.005699773;
-    const ATAN_0 = 2.0;
-    const ATAN_1 = -0.66666144;
-    const ATAN_2 = 0.3998524;
-    const ATAN_3 = -0.28407288;
     let q = v * v;
     let p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
     return ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p)));
@@ -70,7 +73,7 @@ fn oren_nayar_tangential_dot(wi: vec3f, wo: vec3f) -> f32 {
     return fma(wi.x, wo.x, q) + error;
 }
 
-// sin(phi_o - phi_i) sin(theta_i) sin(theta_o), as exact as `tangential_dot`.
+// sin(phi_o - phi_i) sin(theta_i) sin(theta_o), as exact as oren_nayar_tangential_dot.
 fn oren_nayar_tangential_cross(wi: vec3f, wo: vec3f) -> f32 {
     let q = wi.y * wo.x;
     let error = fma(wi.y, wo.x, -q);
@@ -88,15 +91,13 @@ fn oren_nayar_safe_acos(x: f32) -> f32 {
 
 // Eq. 27 + 29: BRDF value in 1/sr, without the cosine.
 fn oren_nayar_eval(params: OrenNayar, wi: vec3f, wo: vec3f) -> vec3f {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const mu_min = 1.0e-18;
     const pi = 3.1415927;
-    // Smallest product of squared sines that is divided by. Directions nearer to the normal have no
-    // azimuth that matters, and the reciprocal's derivative still fits into a float32.
-    const SIN4_MIN = 1.0e-20;
     const inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    // Smallest product of squared sines that is divided by. Directions nearer to the normal have no azimuth
+    // that matters, and the reciprocal's derivative still fits into a float32.
+    const SIN4_MIN = 1.0e-20;
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
     let s2 = params.sigma * params.sigma;
@@ -134,12 +135,15 @@ fn oren_nayar_eval(params: OrenNayar, wi: vec3f, wo: vec3f) -> vec3f {
     return params.rho * (inv_pi * L1) + params.rho * params.rho * (inv_pi * L2);
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // A and B of Eq. 3. sigma: angle in radians; offset: 0.33, or 0.57 for the footnote's variant.
 fn oren_nayar_qualitative_coefficients(sigma: f32,
     offset: f32) -> OrenNayarQualitativeCoefficients {
     let s2 = sigma * sigma;
-    return OrenNayarQualitativeCoefficients(1.0 - 0.5 * s2 / (s2 + offset),
-        0.45 * s2 / (s2 + 0.09));
+    let A = 1.0 - 0.5 * s2 / (s2 + offset);
+    let B = 0.45 * s2 / (s2 + 0.09);
+    return OrenNayarQualitativeCoefficients(A, B);
 }
 
 // P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
@@ -181,8 +185,8 @@ fn oren_nayar_kept_area(d: f32) -> f32 {
 
 // Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
 fn oren_nayar_azimuth(wo: vec3f) -> vec2f {
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+    // its reciprocal still fits into a float32.
     const SIN2_MIN = 1.0e-18;
     let sin2 = wo.x * wo.x + wo.y * wo.y;
     let tilted = sin2 > SIN2_MIN;
@@ -224,8 +228,8 @@ fn oren_nayar_sample_cltc(wo: vec3f, r: f32, u: vec2f) -> vec3f {
 
 // CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
 fn oren_nayar_sample_cltc_uniform(wo: vec3f, r: f32, u: vec2f) -> vec3f {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
-    // not taken.
+    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
+    // taken.
     const P_MIN = 1.0e-6;
     let P_u = oren_nayar_uniform_share(wo.z, r);
     let uniform = u.x < P_u;
@@ -235,12 +239,12 @@ fn oren_nayar_sample_cltc_uniform(wo: vec3f, r: f32, u: vec2f) -> vec3f {
     return select(w_c, w_u, uniform);
 }
 
-// A direction relative to an azimuth (cosine, sine): the inverse of `from_frame`.
+// A direction relative to an azimuth (cosine, sine): the inverse of oren_nayar_from_frame.
 fn oren_nayar_to_frame(w: vec3f, axis: vec2f) -> vec3f {
     return vec3f(axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z);
 }
 
-// Density of `_transform` for an unclipped cosine lobe (Eq. 23 and 24).
+// Density of oren_nayar_transform for an unclipped cosine lobe (Eq. 23 and 24).
 fn oren_nayar_cltc_pdf(wi: vec3f, wo: vec3f, r: f32, d: f32) -> f32 {
     const inv_pi = 0.31830987;
     let coefficients_result = oren_nayar_coefficients(wo.z, r);
@@ -255,58 +259,57 @@ fn oren_nayar_cltc_pdf(wi: vec3f, wo: vec3f, r: f32, d: f32) -> f32 {
     return inv_pi * det * det * inv2 * inv2 * max(h.z, 0.0);
 }
 
-// Density of `sample_cltc`.
+// Density of oren_nayar_sample_cltc.
 fn oren_nayar_pdf_cltc(wi: vec3f, wo: vec3f, r: f32) -> f32 {
     let coefficients_result = oren_nayar_coefficients(wo.z, r);
     let d = coefficients_result.d;
     return oren_nayar_cltc_pdf(wi, wo, r, d) / oren_nayar_kept_area(d);
 }
 
-// Density of `sample_uniform` in 1/sr.
-fn oren_nayar_pdf_uniform() -> f32 {
-    const inv_two_pi = 0.15915494;
-    return inv_two_pi;
-}
-
-// Density of `sample_cltc_uniform`.
+// Density of oren_nayar_sample_cltc_uniform.
 fn oren_nayar_pdf_cltc_uniform(wi: vec3f, wo: vec3f, r: f32) -> f32 {
+    const inv_two_pi = 0.15915494;
     let P_u = oren_nayar_uniform_share(wo.z, r);
-    return mix(oren_nayar_pdf_cltc(wi, wo, r), oren_nayar_pdf_uniform(), P_u);
+    return mix(oren_nayar_pdf_cltc(wi, wo, r), inv_two_pi, P_u);
 }
 
-// Density of `sample` in 1/sr.
+// Density of oren_nayar_sample in 1/sr.
 fn oren_nayar_pdf(params: OrenNayar, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     let qualitative_coefficients_result = oren_nayar_qualitative_coefficients(params.sigma, 0.33);
-    let A = qualitative_coefficients_result.first;
-    let B = qualitative_coefficients_result.second;
+    let A = qualitative_coefficients_result.A;
+    let B = qualitative_coefficients_result.B;
     return oren_nayar_pdf_cltc_uniform(wi, wo, B / A);
 }
 
 // EON's CLTC with a uniform lobe, at the roughness that fits the qualitative model.
 fn oren_nayar_sample(params: OrenNayar, wo: vec3f, u: vec2f) -> OrenNayarSample {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return OrenNayarSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let qualitative_coefficients_result = oren_nayar_qualitative_coefficients(params.sigma, 0.33);
-    let A = qualitative_coefficients_result.first;
-    let B = qualitative_coefficients_result.second;
+    let A = qualitative_coefficients_result.A;
+    let B = qualitative_coefficients_result.B;
     let wi = oren_nayar_sample_cltc_uniform(wo, B / A, u);
     return OrenNayarSample(wi, oren_nayar_pdf(params, wi, wo));
 }
+
+// ---- albedo --------------------------------------------------------------------------------
 
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 fn oren_nayar_albedo(params: OrenNayar, wo: vec3f) -> vec3f {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in oren_nayar_albedo: a Fibonacci number, and the golden ratio.
     const ALBEDO_SAMPLES = 987.0;
     const GOLDEN = 0.618034;
-    const mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const HORIZON = 1.0e-6;
+    const mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return vec3f(0.0);
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Patina: copper that turns green, from bare metal to a closed layer.
 //
 // Source: Elek, "Layered materials in real-time rendering", CESCG 2010, section 4.2: the layered model of
@@ -7,10 +8,11 @@
 // Deviations: by default light that leaves the coat spreads by 1 / eta^2, without which the metal below is
 // eta^2 = 9.5 times too bright; an option restores the original.
 //
-// C++, made by gonio 0.1.0 from gonio/models/patina.py.
+// C++, made by gonio from gonio/models/patina.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: gonio_patina::Patina params; params.growth = ...; ... gonio_patina::patina_eval(params, wi, wo)
 
 #pragma once
 #include <math.h>
@@ -126,14 +128,46 @@ inline Vec3 exp(Vec3 a) {
     return Vec3{expf(a.x), expf(a.y), expf(a.z)};
 }
 
+// Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
+// is reached at the edge of total internal reflection, where the true derivative is infinite.
+constexpr float ROOT_MIN = 1.0e-16f;
+constexpr float two_pi = 6.2831855f;
+constexpr float inv_pi = 0.31830987f;
+constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
+// Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+// can be seen is that small.
+constexpr float BLACK = 1.0e-20f;
+// The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+// its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+constexpr float SHARE_LEAST = 0.1f;
+constexpr float ESTIMATE_TRUST = 50.0f;
+// Smallest probability that is divided by: a random number falls below it once in a million million.
+constexpr float SHARE_MIN = 1.0e-12f;
+// The largest float32 below 1, up to which random numbers go.
+constexpr float RANDOM_MAX = 0.99999994f;
+// Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
+constexpr float LOBE_MIN = 1.0e-12f;
+// Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
+constexpr float LEAVE_MIN = 1.0e-12f;
+// Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+constexpr float RANDOM_MARGIN = 5.9604645e-8f;
+// Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+// its reciprocal still fits into a float32.
+constexpr float SIN2_MIN = 1.0e-18f;
+// Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+constexpr float ALBEDO_SAMPLES = 987.0f;
+constexpr float GOLDEN = 0.618034f;
+// Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+constexpr float HORIZON = 1.0e-6f;
+
 // A sampled direction and its density.
 struct PatinaSample {
     Vec3 wi;  // direction towards the light, unit, local frame
     float pdf;  // its density in 1/sr; 0 marks a wasted sample
 };
 
-// patina: Copper under a growing green layer of cuprite. Reciprocal.
-// Exported with solid_angle='compressed'.
+// patina: Copper under a growing green layer of cuprite. Reciprocal. Exported with
+// solid_angle='compressed'.
 struct Patina {
     float growth;  // the map: where it is dark, the patina grows first; 0 to 1, default 0.5
     float extent;  // from -transition (bare) to 1 + transition (closed); -1 to 2, default 0.45
@@ -154,18 +188,20 @@ struct Patina {
     Vec3 tarnish_tint;  // colour of the metal at tarnish 1; 0 to 1, default (0.45, 0.2, 0.08)
 };
 
-// Results of shares.
+// What shares returns.
 struct PatinaShares {
-    Vec2 first;
-    Vec2 second;
-    Vec2 third;
+    Vec2 P_bare;
+    Vec2 P_coat;
+    Vec2 P_diffuse;
 };
 
-// Results of choose.
-struct PatinaChoose {
-    bool first;
-    Vec2 second;
+// Which of two lobes a sample is taken from.
+struct PatinaChoice {
+    bool is_first;  // Whether it is the first one
+    Vec2 u;  // Fresh random numbers, made of those that chose
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // extentFactor: 1 - smoothstep(extent - transition, extent + transition, growth).
 inline float patina_grown(const Patina& params) {
@@ -187,9 +223,6 @@ inline float patina_cos_half(Vec3 wi, Vec3 wo) {
 
 // Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
 inline Vec3 patina_F_conductor(float cos_theta, Vec3 eta, Vec3 k) {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
-    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
-    constexpr float ROOT_MIN = 1.0e-16f;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     float c = cos_theta;
     // A trace of absorption keeps the roots below from 0
@@ -224,12 +257,11 @@ inline Vec3 patina_metal_F(const Patina& params, float cos_h) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 patina_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which patina_cos_half needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
 inline float patina_D_ggx(Vec3 m, float alpha_x, float alpha_y) {
-    constexpr float inv_pi = 0.31830987f;
     // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
     Vec3 v = Vec3{m.x / alpha_x, m.y / alpha_y, m.z};
     float s = dot(v, v);
@@ -265,9 +297,8 @@ inline float patina_average(Vec3 color) {
 
 // 1 - F of a conductor; exact where it nearly vanishes.
 inline Vec3 patina_transmittance_conductor(float cos_theta, Vec3 eta, Vec3 k) {
-    constexpr float ROOT_MIN = 1.0e-16f;
-    // With eps = (eta + i k)^2 and g^2 = eps - 1 + c^2: 1 - R_s = 4 c Re(g) / |c + g|^2, and 1 - R_p is
-    // 4 c Re(conj(g) eps) / |eps c + g|^2.
+    // With eps = (eta + i k)^2 and g^2 = eps - 1 + c^2: 1 - R_s = 4 c Re(g) / |c + g|^2, and 1 - R_p is 4 c
+    // Re(conj(g) eps) / |eps c + g|^2.
     float c = cos_theta;
     Vec3 eps_re = (eta - k) * (eta + k);
     Vec3 eps_im = 2.0f * (eta * k + ROOT_MIN);
@@ -294,8 +325,8 @@ inline Vec3 patina_through_facets(Vec3 wi, Vec3 wo, float alpha, Vec3 T) {
 
 // eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
 inline float patina_refracted_cos2(float mu, float eta) {
-    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and
-    // at the critical one, little else is left.
+    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and at
+    // the critical one, little else is left.
     return fmaf(mu, mu, (eta - 1.0f) * (eta + 1.0f));
 }
 
@@ -307,10 +338,6 @@ inline Vec3 patina_refract(Vec3 w, float eta) {
 // Absorption times thickness, for each channel.
 inline Vec3 patina_optical_depth(Vec3 sigma_a, float thickness) {
     return sigma_a * Vec3{thickness, thickness, thickness};
-}
-
-inline Vec3 patina_depth(const Patina& params) {
-    return patina_optical_depth(params.sigma_a, params.thickness);
 }
 
 // exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
@@ -327,7 +354,6 @@ inline float patina_below_alpha(const Patina& params) {
 
 // Eq. 2 with a coat that scatters.
 inline Vec3 patina_coated(const Patina& params, Vec3 wi, Vec3 wo) {
-    constexpr float inv_pi = 0.31830987f;
     float cos_h = patina_cos_half(wi, wo);
     float index = patina_average(params.coat_eta);
     Vec3 F = patina_F_conductor(cos_h, params.coat_eta, params.coat_k);
@@ -339,21 +365,23 @@ inline Vec3 patina_coated(const Patina& params, Vec3 wi, Vec3 wo) {
     through = through / (index * index);
     Vec3 wi_t = patina_refract(wi, index);
     Vec3 wo_t = patina_refract(wo, index);
-    Vec3 kept = patina_absorbed(patina_depth(params), wi_t, wo_t);
+    Vec3 kept = patina_absorbed(patina_optical_depth(params.sigma_a, params.thickness), wi_t, wo_t);
     return surface + patina_metal(params, wi_t, wo_t, patina_below_alpha(params)) * through * kept;
 }
 
 // The bare and the coated metal, mixed: BRDF value in 1/sr, without the cosine.
 inline Vec3 patina_eval(const Patina& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
     float grown = patina_grown(params);
     Vec3 bare = patina_metal(params, wi, wo, patina_metal_alpha(params));
-    // Not lerp, which may be bare + grown (coated - bare) in a shader: a sharp highlight of a metal that
-    // is all covered would leave its rounding error
+    // Not lerp, which may be bare + grown (coated - bare) in a shader: a sharp highlight of a metal that is all
+    // covered would leave its rounding error
     return (1.0f - grown) * bare + grown * patina_coated(params, wi, wo);
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
 //
@@ -363,25 +391,18 @@ inline float patina_usual_cos_half(Vec3 wo) {
     return 0.5f + 0.5f * wo.z;
 }
 
-// The most that `absorbed` leaves of light that goes out along wo: it came in along the normal.
+// The most that patina_absorbed leaves of light that goes out along wo: it came in along the normal.
 inline Vec3 patina_absorbed_least(Vec3 depth, Vec3 wo) {
     Vec3 up = Vec3{0.0f, 0.0f, 1.0f};
     return patina_absorbed(depth, up, wo);
 }
 
 inline float patina_raised(float probability) {
-    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
-    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
-    constexpr float SHARE_LEAST = 0.1f;
-    constexpr float ESTIMATE_TRUST = 50.0f;
     return fmaxf(probability, fminf(SHARE_LEAST, ESTIMATE_TRUST * probability));
 }
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 inline Vec2 patina_lobes_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
-    constexpr float BLACK = 1.0e-20f;
     float inv = 1.0f / (first + second + BLACK);
     float a = patina_raised((first + BLACK) * inv);
     float b = patina_raised(second * inv);
@@ -392,8 +413,6 @@ inline Vec2 patina_lobes_shares(float first, float second) {
 
 // Probabilities: bare metal or patina; of that, surface or not; of the rest, diffuse or below.
 inline PatinaShares patina_shares(const Patina& params, Vec3 wo) {
-    // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
-    constexpr float LOBE_MIN = 1.0e-12f;
     float grown = patina_grown(params);
     Vec3 wo_t = patina_refract(wo, patina_average(params.coat_eta));
     Vec3 F = patina_F_conductor(wo.z, params.coat_eta, params.coat_k);
@@ -403,30 +422,25 @@ inline PatinaShares patina_shares(const Patina& params, Vec3 wo) {
     float bare = (1.0f - grown) * patina_average(F_metal);
     float coat = grown * patina_average(F);
     float diffuse = grown * patina_average((1.0f - params.sigma_a) * T);
-    Vec3 kept = patina_absorbed_least(patina_depth(params), wo_t);
+    Vec3 kept = patina_absorbed_least(patina_optical_depth(params.sigma_a, params.thickness), wo_t);
     float below = grown * patina_average(T * kept * F_metal) + LOBE_MIN;
     float inside = diffuse + below;
-    return PatinaShares{patina_lobes_shares(bare, coat + inside), patina_lobes_shares(coat, inside),
-        patina_lobes_shares(diffuse, below)};
+    Vec2 P_bare = patina_lobes_shares(bare, coat + inside);
+    Vec2 P_coat = patina_lobes_shares(coat, inside);
+    Vec2 P_diffuse = patina_lobes_shares(diffuse, below);
+    return PatinaShares{P_bare, P_coat, P_diffuse};
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-inline PatinaChoose patina_choose(float probability, Vec2 u) {
-    // Smallest probability that is divided by: a random number falls below it once in a million million.
-    constexpr float SHARE_MIN = 1.0e-12f;
-    // The largest float32 below 1, up to which random numbers go.
-    constexpr float RANDOM_MAX = 0.99999994f;
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+inline PatinaChoice patina_choose(float probability, Vec2 u) {
     bool first = u.x < probability;
     float below = u.x / fmaxf(probability, SHARE_MIN);
     float above = (u.x - probability) / fmaxf(1.0f - probability, SHARE_MIN);
-    return PatinaChoose{first, Vec2{fminf(fmaxf(first ? below : above, 0.0f), RANDOM_MAX), u.y}};
+    return PatinaChoice{first, Vec2{fminf(fmaxf(first ? below : above, 0.0f), RANDOM_MAX), u.y}};
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// A normal with density G1(wo) max(wo . m, 0) patina_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
 inline Vec3 patina_sample_ggx_visible(Vec3 wo, float alpha_x, float alpha_y, Vec2 u) {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    constexpr float RANDOM_MARGIN = 5.9604645e-8f;
-    constexpr float two_pi = 6.2831855f;
     Vec3 w = normalize(Vec3{alpha_x * wo.x, alpha_y * wo.y, wo.z});
     // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
     // u = 1 would be the facet opposite to w, whose half vector has no direction
@@ -458,14 +472,6 @@ inline float patina_critical_cosine(float eta) {
 
 // The outer direction for a direction inside: refracted, or spread out if it cannot leave.
 inline Vec3 patina_leave(Vec3 w, float eta) {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    constexpr float mu_min = 1.0e-18f;
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
-    constexpr float SIN2_MIN = 1.0e-18f;
-    // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
-    constexpr float LEAVE_MIN = 1.0e-12f;
     float k = patina_critical_cosine(eta);
     bool refracted = w.z > k;
     float spread = fminf(w.z / fmaxf(k, mu_min), 1.0f);
@@ -480,15 +486,13 @@ inline Vec3 patina_leave(Vec3 w, float eta) {
 
 // A direction with density cos(theta) / pi.
 inline Vec3 patina_sample_cosine(Vec2 u) {
-    constexpr float two_pi = 6.2831855f;
     float r = sqrtf(fmaxf(u.x, 0.0f));
     float phi = two_pi * u.y;
     return Vec3{r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u.x, 0.0f))};
 }
 
-// The inner direction that `leave` spreads to w; z = 0 for eta <= 1, which has none.
+// The inner direction that patina_leave spreads to w; z = 0 for eta <= 1, which has none.
 inline Vec3 patina_gather(Vec3 w, float eta) {
-    constexpr float SIN2_MIN = 1.0e-18f;
     float k = patina_critical_cosine(eta);
     float z = k * w.z;
     float sin2 = w.x * w.x + w.y * w.y;
@@ -498,29 +502,27 @@ inline Vec3 patina_gather(Vec3 w, float eta) {
     return Vec3{x, near ? 0.0f : w.y * scale, z};
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at patina_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 inline float patina_pdf_ggx_visible(Vec3 wo, Vec3 m, float alpha_x, float alpha_y) {
     return patina_D_ggx(m, alpha_x, alpha_y)
         / (2.0f * (wo.z + patina_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density of `leave` at w, from the inner density at w_t = refract(w) and at gather(w).
+// Density of patina_leave at w, from the inner density at w_t = refract(w) and at gather(w).
 inline float patina_pdf_leave(float pdf_refracted, float pdf_gathered, Vec3 w, Vec3 w_t,
     float eta) {
-    // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
-    // k^2, and the cosines are k mu and mu.
+    // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by k^2,
+    // and the cosines are k mu and mu.
     return pdf_refracted * w.z / (eta * eta * w_t.z) + pdf_gathered * patina_critical_cosine(eta);
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of patina_sample_cosine in 1/sr, for w above the horizon.
 inline float patina_pdf_cosine(Vec3 w) {
-    constexpr float inv_pi = 0.31830987f;
     return w.z * inv_pi;
 }
 
-// Density of `sample_ggx_lobe` in 1/sr.
+// Density of patina_sample_ggx_lobe in 1/sr.
 inline float patina_pdf_ggx_lobe(Vec3 wi, Vec3 wo, float alpha_x, float alpha_y) {
-    constexpr float mu_min = 1.0e-18f;
     float straight = patina_pdf_ggx_visible(wo, patina_half_vector(wi, wo), alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
@@ -531,15 +533,15 @@ inline float patina_pdf_ggx_lobe(Vec3 wi, Vec3 wo, float alpha_x, float alpha_y)
     return straight + (exists ? folded : 0.0f);
 }
 
-// Density of `sample` in 1/sr.
+// Density of patina_sample in 1/sr.
 inline float patina_pdf(const Patina& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0f;
     }
     PatinaShares shares_result = patina_shares(params, wo);
-    Vec2 P_bare = shares_result.first;
-    Vec2 P_coat = shares_result.second;
-    Vec2 P_diffuse = shares_result.third;
+    Vec2 P_bare = shares_result.P_bare;
+    Vec2 P_coat = shares_result.P_coat;
+    Vec2 P_diffuse = shares_result.P_diffuse;
     float index = patina_average(params.coat_eta);
     float alpha = patina_metal_alpha(params);
     float below_alpha = patina_below_alpha(params);
@@ -557,25 +559,25 @@ inline float patina_pdf(const Patina& params, Vec3 wi, Vec3 wo) {
 
 // One of the bare metal, the patina's surface, its diffuse part, and the metal below.
 inline PatinaSample patina_sample(const Patina& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 1.0e-18f) {  // in the horizon or below
+    if (wo.z <= mu_min) {  // in the horizon or below
         return PatinaSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     PatinaShares shares_result = patina_shares(params, wo);
-    Vec2 P_bare = shares_result.first;
-    Vec2 P_coat = shares_result.second;
-    Vec2 P_diffuse = shares_result.third;
+    Vec2 P_bare = shares_result.P_bare;
+    Vec2 P_coat = shares_result.P_coat;
+    Vec2 P_diffuse = shares_result.P_diffuse;
     float index = patina_average(params.coat_eta);
     float alpha = patina_metal_alpha(params);
     float below_alpha = patina_below_alpha(params);
-    PatinaChoose choose_result = patina_choose(P_bare.x, u);
-    bool on_bare = choose_result.first;
-    Vec2 v = choose_result.second;
-    PatinaChoose choose_result_2 = patina_choose(P_coat.x, v);
-    bool on_coat = choose_result_2.first;
-    Vec2 s = choose_result_2.second;
-    PatinaChoose choose_result_3 = patina_choose(P_diffuse.x, s);
-    bool on_diffuse = choose_result_3.first;
-    Vec2 t = choose_result_3.second;
+    PatinaChoice choose_result = patina_choose(P_bare.x, u);
+    bool on_bare = choose_result.is_first;
+    Vec2 v = choose_result.u;
+    PatinaChoice choose_result_2 = patina_choose(P_coat.x, v);
+    bool on_coat = choose_result_2.is_first;
+    Vec2 s = choose_result_2.u;
+    PatinaChoice choose_result_3 = patina_choose(P_diffuse.x, s);
+    bool on_diffuse = choose_result_3.is_first;
+    Vec2 t = choose_result_3.u;
     Vec3 w_bare = patina_sample_ggx_lobe(wo, alpha, alpha, v);
     Vec3 w_coat = patina_sample_ggx_lobe(wo, params.alpha, params.alpha, s);
     Vec3 wo_t = patina_refract(wo, index);
@@ -586,16 +588,12 @@ inline PatinaSample patina_sample(const Patina& params, Vec3 wo, Vec2 u) {
     return PatinaSample{wi, patina_pdf(params, wi, wo)};
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 inline Vec3 patina_albedo(const Patina& params, Vec3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    constexpr float HORIZON = 1.0e-6f;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
-    constexpr float ALBEDO_SAMPLES = 987.0f;
-    constexpr float GOLDEN = 0.618034f;
-    constexpr float mu_min = 1.0e-18f;
     if (wo.z < 0.0f) {  // below the horizon
         return splat(0.0f);
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Patina: copper that turns green, from bare metal to a closed layer.
 //
 // Source: Elek, "Layered materials in real-time rendering", CESCG 2010, section 4.2: the layered model of
@@ -7,10 +8,11 @@
 // Deviations: by default light that leaves the coat spreads by 1 / eta^2, without which the metal below is
 // eta^2 = 9.5 times too bright; an option restores the original.
 //
-// Metal, made by gonio 0.1.0 from gonio/models/patina.py.
+// Metal, made by gonio from gonio/models/patina.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: Patina params; params.growth = ...; ... patina_eval(params, wi, wo)
 
 #include <metal_stdlib>
 using namespace metal;
@@ -21,8 +23,8 @@ struct PatinaSample {
     float pdf;  // its density in 1/sr; 0 marks a wasted sample
 };
 
-// patina: Copper under a growing green layer of cuprite. Reciprocal.
-// Exported with solid_angle='compressed'.
+// patina: Copper under a growing green layer of cuprite. Reciprocal. Exported with
+// solid_angle='compressed'.
 struct Patina {
     float growth;  // the map: where it is dark, the patina grows first; 0 to 1, default 0.5
     float extent;  // from -transition (bare) to 1 + transition (closed); -1 to 2, default 0.45
@@ -43,18 +45,20 @@ struct Patina {
     float3 tarnish_tint;  // colour of the metal at tarnish 1; 0 to 1, default (0.45, 0.2, 0.08)
 };
 
-// Results of shares.
+// What shares returns.
 struct PatinaShares {
-    float2 first;
-    float2 second;
-    float2 third;
+    float2 P_bare;
+    float2 P_coat;
+    float2 P_diffuse;
 };
 
-// Results of choose.
-struct PatinaChoose {
-    bool first;
-    float2 second;
+// Which of two lobes a sample is taken from.
+struct PatinaChoice {
+    bool is_first;  // Whether it is the first one
+    float2 u;  // Fresh random numbers, made of those that chose
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // extentFactor: 1 - smoothstep(extent - transition, extent + transition, growth).
 inline float patina_grown(Patina params) {
@@ -76,8 +80,8 @@ inline float patina_cos_half(float3 wi, float3 wo) {
 
 // Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
 inline float3 patina_F_conductor(float cos_theta, float3 eta, float3 k) {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
-    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
+    // is reached at the edge of total internal reflection, where the true derivative is infinite.
     const float ROOT_MIN = 1.0e-16;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     float c = cos_theta;
@@ -113,7 +117,7 @@ inline float3 patina_metal_F(Patina params, float cos_h) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline float3 patina_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which patina_cos_half needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -155,8 +159,8 @@ inline float patina_average(float3 color) {
 // 1 - F of a conductor; exact where it nearly vanishes.
 inline float3 patina_transmittance_conductor(float cos_theta, float3 eta, float3 k) {
     const float ROOT_MIN = 1.0e-16;
-    // With eps = (eta + i k)^2 and g^2 = eps - 1 + c^2: 1 - R_s = 4 c Re(g) / |c + g|^2, and 1 - R_p is
-    // 4 c Re(conj(g) eps) / |eps c + g|^2.
+    // With eps = (eta + i k)^2 and g^2 = eps - 1 + c^2: 1 - R_s = 4 c Re(g) / |c + g|^2, and 1 - R_p is 4 c
+    // Re(conj(g) eps) / |eps c + g|^2.
     float c = cos_theta;
     float3 eps_re = (eta - k) * (eta + k);
     float3 eps_im = 2.0 * (eta * k + ROOT_MIN);
@@ -183,8 +187,8 @@ inline float3 patina_through_facets(float3 wi, float3 wo, float alpha, float3 T)
 
 // eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
 inline float patina_refracted_cos2(float mu, float eta) {
-    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and
-    // at the critical one, little else is left.
+    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and at
+    // the critical one, little else is left.
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
@@ -196,10 +200,6 @@ inline float3 patina_refract(float3 w, float eta) {
 // Absorption times thickness, for each channel.
 inline float3 patina_optical_depth(float3 sigma_a, float thickness) {
     return sigma_a * float3(thickness, thickness, thickness);
-}
-
-inline float3 patina_depth(Patina params) {
-    return patina_optical_depth(params.sigma_a, params.thickness);
 }
 
 // exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
@@ -228,21 +228,25 @@ inline float3 patina_coated(Patina params, float3 wi, float3 wo) {
     through = through / (index * index);
     float3 wi_t = patina_refract(wi, index);
     float3 wo_t = patina_refract(wo, index);
-    float3 kept = patina_absorbed(patina_depth(params), wi_t, wo_t);
+    float3 kept = patina_absorbed(patina_optical_depth(params.sigma_a, params.thickness), wi_t,
+        wo_t);
     return surface + patina_metal(params, wi_t, wo_t, patina_below_alpha(params)) * through * kept;
 }
 
 // The bare and the coated metal, mixed: BRDF value in 1/sr, without the cosine.
 inline float3 patina_eval(Patina params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return float3(0.0);
     }
     float grown = patina_grown(params);
     float3 bare = patina_metal(params, wi, wo, patina_metal_alpha(params));
-    // Not lerp, which may be bare + grown (coated - bare) in a shader: a sharp highlight of a metal that
-    // is all covered would leave its rounding error
+    // Not lerp, which may be bare + grown (coated - bare) in a shader: a sharp highlight of a metal that is all
+    // covered would leave its rounding error
     return (1.0 - grown) * bare + grown * patina_coated(params, wi, wo);
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
 //
@@ -252,7 +256,7 @@ inline float patina_usual_cos_half(float3 wo) {
     return 0.5 + 0.5 * wo.z;
 }
 
-// The most that `absorbed` leaves of light that goes out along wo: it came in along the normal.
+// The most that patina_absorbed leaves of light that goes out along wo: it came in along the normal.
 inline float3 patina_absorbed_least(float3 depth, float3 wo) {
     float3 up = float3(0.0, 0.0, 1.0);
     return patina_absorbed(depth, up, wo);
@@ -268,8 +272,8 @@ inline float patina_raised(float probability) {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 inline float2 patina_lobes_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+    // can be seen is that small.
     const float BLACK = 1.0e-20;
     float inv = 1.0 / (first + second + BLACK);
     float a = patina_raised((first + BLACK) * inv);
@@ -292,15 +296,18 @@ inline PatinaShares patina_shares(Patina params, float3 wo) {
     float bare = (1.0 - grown) * patina_average(F_metal);
     float coat = grown * patina_average(F);
     float diffuse = grown * patina_average((1.0 - params.sigma_a) * T);
-    float3 kept = patina_absorbed_least(patina_depth(params), wo_t);
+    float3 kept = patina_absorbed_least(patina_optical_depth(params.sigma_a, params.thickness),
+        wo_t);
     float below = grown * patina_average(T * kept * F_metal) + LOBE_MIN;
     float inside = diffuse + below;
-    return PatinaShares{patina_lobes_shares(bare, coat + inside), patina_lobes_shares(coat, inside),
-        patina_lobes_shares(diffuse, below)};
+    float2 P_bare = patina_lobes_shares(bare, coat + inside);
+    float2 P_coat = patina_lobes_shares(coat, inside);
+    float2 P_diffuse = patina_lobes_shares(diffuse, below);
+    return PatinaShares{P_bare, P_coat, P_diffuse};
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-inline PatinaChoose patina_choose(float probability, float2 u) {
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+inline PatinaChoice patina_choose(float probability, float2 u) {
     // Smallest probability that is divided by: a random number falls below it once in a million million.
     const float SHARE_MIN = 1.0e-12;
     // The largest float32 below 1, up to which random numbers go.
@@ -308,10 +315,10 @@ inline PatinaChoose patina_choose(float probability, float2 u) {
     bool first = u.x < probability;
     float below = u.x / max(probability, SHARE_MIN);
     float above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
-    return PatinaChoose{first, float2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y)};
+    return PatinaChoice{first, float2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y)};
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// A normal with density G1(wo) max(wo . m, 0) patina_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
 inline float3 patina_sample_ggx_visible(float3 wo, float alpha_x, float alpha_y, float2 u) {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const float RANDOM_MARGIN = 5.9604645e-8;
@@ -347,11 +354,9 @@ inline float patina_critical_cosine(float eta) {
 
 // The outer direction for a direction inside: refracted, or spread out if it cannot leave.
 inline float3 patina_leave(float3 w, float eta) {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const float mu_min = 1.0e-18;
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+    // its reciprocal still fits into a float32.
     const float SIN2_MIN = 1.0e-18;
     // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
     const float LEAVE_MIN = 1.0e-12;
@@ -375,7 +380,7 @@ inline float3 patina_sample_cosine(float2 u) {
     return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// The inner direction that `leave` spreads to w; z = 0 for eta <= 1, which has none.
+// The inner direction that patina_leave spreads to w; z = 0 for eta <= 1, which has none.
 inline float3 patina_gather(float3 w, float eta) {
     const float SIN2_MIN = 1.0e-18;
     float k = patina_critical_cosine(eta);
@@ -387,29 +392,29 @@ inline float3 patina_gather(float3 w, float eta) {
     return float3(x, near ? 0.0 : w.y * scale, z);
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at patina_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 inline float patina_pdf_ggx_visible(float3 wo, float3 m, float alpha_x, float alpha_y) {
     return patina_D_ggx(m, alpha_x, alpha_y)
         / (2.0 * (wo.z + patina_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density of `leave` at w, from the inner density at w_t = refract(w) and at gather(w).
+// Density of patina_leave at w, from the inner density at w_t = refract(w) and at gather(w).
 inline float patina_pdf_leave(float pdf_refracted, float pdf_gathered, float3 w, float3 w_t,
     float eta) {
-    // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
-    // k^2, and the cosines are k mu and mu.
+    // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by k^2,
+    // and the cosines are k mu and mu.
     return pdf_refracted * w.z / (eta * eta * w_t.z) + pdf_gathered * patina_critical_cosine(eta);
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of patina_sample_cosine in 1/sr, for w above the horizon.
 inline float patina_pdf_cosine(float3 w) {
     const float inv_pi = 0.31830987;
     return w.z * inv_pi;
 }
 
-// Density of `sample_ggx_lobe` in 1/sr.
+// Density of patina_sample_ggx_lobe in 1/sr.
 inline float patina_pdf_ggx_lobe(float3 wi, float3 wo, float alpha_x, float alpha_y) {
-    const float mu_min = 1.0e-18;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     float straight = patina_pdf_ggx_visible(wo, patina_half_vector(wi, wo), alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
@@ -420,15 +425,16 @@ inline float patina_pdf_ggx_lobe(float3 wi, float3 wo, float alpha_x, float alph
     return straight + (exists ? folded : 0.0);
 }
 
-// Density of `sample` in 1/sr.
+// Density of patina_sample in 1/sr.
 inline float patina_pdf(Patina params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     PatinaShares shares_result = patina_shares(params, wo);
-    float2 P_bare = shares_result.first;
-    float2 P_coat = shares_result.second;
-    float2 P_diffuse = shares_result.third;
+    float2 P_bare = shares_result.P_bare;
+    float2 P_coat = shares_result.P_coat;
+    float2 P_diffuse = shares_result.P_diffuse;
     float index = patina_average(params.coat_eta);
     float alpha = patina_metal_alpha(params);
     float below_alpha = patina_below_alpha(params);
@@ -446,25 +452,26 @@ inline float patina_pdf(Patina params, float3 wi, float3 wo) {
 
 // One of the bare metal, the patina's surface, its diffuse part, and the metal below.
 inline PatinaSample patina_sample(Patina params, float3 wo, float2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return PatinaSample{float3(0.0, 0.0, 1.0), 0.0};
     }
     PatinaShares shares_result = patina_shares(params, wo);
-    float2 P_bare = shares_result.first;
-    float2 P_coat = shares_result.second;
-    float2 P_diffuse = shares_result.third;
+    float2 P_bare = shares_result.P_bare;
+    float2 P_coat = shares_result.P_coat;
+    float2 P_diffuse = shares_result.P_diffuse;
     float index = patina_average(params.coat_eta);
     float alpha = patina_metal_alpha(params);
     float below_alpha = patina_below_alpha(params);
-    PatinaChoose choose_result = patina_choose(P_bare.x, u);
-    bool on_bare = choose_result.first;
-    float2 v = choose_result.second;
-    PatinaChoose choose_result_2 = patina_choose(P_coat.x, v);
-    bool on_coat = choose_result_2.first;
-    float2 s = choose_result_2.second;
-    PatinaChoose choose_result_3 = patina_choose(P_diffuse.x, s);
-    bool on_diffuse = choose_result_3.first;
-    float2 t = choose_result_3.second;
+    PatinaChoice choose_result = patina_choose(P_bare.x, u);
+    bool on_bare = choose_result.is_first;
+    float2 v = choose_result.u;
+    PatinaChoice choose_result_2 = patina_choose(P_coat.x, v);
+    bool on_coat = choose_result_2.is_first;
+    float2 s = choose_result_2.u;
+    PatinaChoice choose_result_3 = patina_choose(P_diffuse.x, s);
+    bool on_diffuse = choose_result_3.is_first;
+    float2 t = choose_result_3.u;
     float3 w_bare = patina_sample_ggx_lobe(wo, alpha, alpha, v);
     float3 w_coat = patina_sample_ggx_lobe(wo, params.alpha, params.alpha, s);
     float3 wo_t = patina_refract(wo, index);
@@ -475,16 +482,18 @@ inline PatinaSample patina_sample(Patina params, float3 wo, float2 u) {
     return PatinaSample{wi, patina_pdf(params, wi, wo)};
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 inline float3 patina_albedo(Patina params, float3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const float HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in patina_albedo: a Fibonacci number, and the golden ratio.
     const float ALBEDO_SAMPLES = 987.0;
     const float GOLDEN = 0.618034;
-    const float mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const float HORIZON = 1.0e-6;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return float3(0.0);
     }

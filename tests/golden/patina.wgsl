@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Patina: copper that turns green, from bare metal to a closed layer.
 //
 // Source: Elek, "Layered materials in real-time rendering", CESCG 2010, section 4.2: the layered model of
@@ -7,10 +8,11 @@
 // Deviations: by default light that leaves the coat spreads by 1 / eta^2, without which the metal below is
 // eta^2 = 9.5 times too bright; an option restores the original.
 //
-// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/patina.py.
+// WGSL (WebGPU), made by gonio from gonio/models/patina.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: var params: Patina; params.growth = ...; ... patina_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct PatinaSample {
@@ -18,8 +20,8 @@ struct PatinaSample {
     pdf: f32,  // its density in 1/sr; 0 marks a wasted sample
 }
 
-// patina: Copper under a growing green layer of cuprite. Reciprocal.
-// Exported with solid_angle='compressed'.
+// patina: Copper under a growing green layer of cuprite. Reciprocal. Exported with
+// solid_angle='compressed'.
 struct Patina {
     growth: f32,  // the map: where it is dark, the patina grows first; 0 to 1, default 0.5
     extent: f32,  // from -transition (bare) to 1 + transition (closed); -1 to 2, default 0.45
@@ -40,18 +42,20 @@ struct Patina {
     tarnish_tint: vec3f,  // colour of the metal at tarnish 1; 0 to 1, default (0.45, 0.2, 0.08)
 }
 
-// Results of shares.
+// What shares returns.
 struct PatinaShares {
-    first: vec2f,
-    second: vec2f,
-    third: vec2f,
+    P_bare: vec2f,
+    P_coat: vec2f,
+    P_diffuse: vec2f,
 }
 
-// Results of choose.
-struct PatinaChoose {
-    first: bool,
-    second: vec2f,
+// Which of two lobes a sample is taken from.
+struct PatinaChoice {
+    is_first: bool,  // Whether it is the first one
+    u: vec2f,  // Fresh random numbers, made of those that chose
 }
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // extentFactor: 1 - smoothstep(extent - transition, extent + transition, growth).
 fn patina_grown(params: Patina) -> f32 {
@@ -73,8 +77,8 @@ fn patina_cos_half(wi: vec3f, wo: vec3f) -> f32 {
 
 // Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
 fn patina_F_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
-    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
+    // is reached at the edge of total internal reflection, where the true derivative is infinite.
     const ROOT_MIN = 1.0e-16;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     let c = cos_theta;
@@ -110,7 +114,7 @@ fn patina_metal_F(params: Patina, cos_h: f32) -> vec3f {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn patina_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which patina_cos_half needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -152,8 +156,8 @@ fn patina_average(color: vec3f) -> f32 {
 // 1 - F of a conductor; exact where it nearly vanishes.
 fn patina_transmittance_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f {
     const ROOT_MIN = 1.0e-16;
-    // With eps = (eta + i k)^2 and g^2 = eps - 1 + c^2: 1 - R_s = 4 c Re(g) / |c + g|^2, and 1 - R_p is
-    // 4 c Re(conj(g) eps) / |eps c + g|^2.
+    // With eps = (eta + i k)^2 and g^2 = eps - 1 + c^2: 1 - R_s = 4 c Re(g) / |c + g|^2, and 1 - R_p is 4 c
+    // Re(conj(g) eps) / |eps c + g|^2.
     let c = cos_theta;
     let eps_re = (eta - k) * (eta + k);
     let eps_im = 2.0 * (eta * k + ROOT_MIN);
@@ -180,8 +184,8 @@ fn patina_through_facets(wi: vec3f, wo: vec3f, alpha: f32, T: vec3f) -> vec3f {
 
 // eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
 fn patina_refracted_cos2(mu: f32, eta: f32) -> f32 {
-    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and
-    // at the critical one, little else is left.
+    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and at
+    // the critical one, little else is left.
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
@@ -193,10 +197,6 @@ fn patina_refract(w: vec3f, eta: f32) -> vec3f {
 // Absorption times thickness, for each channel.
 fn patina_optical_depth(sigma_a: vec3f, thickness: f32) -> vec3f {
     return sigma_a * vec3f(thickness, thickness, thickness);
-}
-
-fn patina_depth(params: Patina) -> vec3f {
-    return patina_optical_depth(params.sigma_a, params.thickness);
 }
 
 // exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
@@ -224,21 +224,24 @@ fn patina_coated(params: Patina, wi: vec3f, wo: vec3f) -> vec3f {
     through = through / (index * index);
     let wi_t = patina_refract(wi, index);
     let wo_t = patina_refract(wo, index);
-    let kept = patina_absorbed(patina_depth(params), wi_t, wo_t);
+    let kept = patina_absorbed(patina_optical_depth(params.sigma_a, params.thickness), wi_t, wo_t);
     return surface + patina_metal(params, wi_t, wo_t, patina_below_alpha(params)) * through * kept;
 }
 
 // The bare and the coated metal, mixed: BRDF value in 1/sr, without the cosine.
 fn patina_eval(params: Patina, wi: vec3f, wo: vec3f) -> vec3f {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
     let grown = patina_grown(params);
     let bare = patina_metal(params, wi, wo, patina_metal_alpha(params));
-    // Not lerp, which may be bare + grown (coated - bare) in a shader: a sharp highlight of a metal that
-    // is all covered would leave its rounding error
+    // Not lerp, which may be bare + grown (coated - bare) in a shader: a sharp highlight of a metal that is all
+    // covered would leave its rounding error
     return (1.0 - grown) * bare + grown * patina_coated(params, wi, wo);
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
 //
@@ -248,7 +251,7 @@ fn patina_usual_cos_half(wo: vec3f) -> f32 {
     return 0.5 + 0.5 * wo.z;
 }
 
-// The most that `absorbed` leaves of light that goes out along wo: it came in along the normal.
+// The most that patina_absorbed leaves of light that goes out along wo: it came in along the normal.
 fn patina_absorbed_least(depth: vec3f, wo: vec3f) -> vec3f {
     let up = vec3f(0.0, 0.0, 1.0);
     return patina_absorbed(depth, up, wo);
@@ -264,8 +267,8 @@ fn patina_raised(probability: f32) -> f32 {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 fn patina_lobes_shares(first: f32, second: f32) -> vec2f {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+    // can be seen is that small.
     const BLACK = 1.0e-20;
     let inv = 1.0 / (first + second + BLACK);
     let a = patina_raised((first + BLACK) * inv);
@@ -288,25 +291,27 @@ fn patina_shares(params: Patina, wo: vec3f) -> PatinaShares {
     let bare = (1.0 - grown) * patina_average(F_metal);
     let coat = grown * patina_average(F);
     let diffuse = grown * patina_average((1.0 - params.sigma_a) * T);
-    let kept = patina_absorbed_least(patina_depth(params), wo_t);
+    let kept = patina_absorbed_least(patina_optical_depth(params.sigma_a, params.thickness), wo_t);
     let below = grown * patina_average(T * kept * F_metal) + LOBE_MIN;
     let inside = diffuse + below;
-    return PatinaShares(patina_lobes_shares(bare, coat + inside), patina_lobes_shares(coat, inside),
-        patina_lobes_shares(diffuse, below));
+    let P_bare = patina_lobes_shares(bare, coat + inside);
+    let P_coat = patina_lobes_shares(coat, inside);
+    let P_diffuse = patina_lobes_shares(diffuse, below);
+    return PatinaShares(P_bare, P_coat, P_diffuse);
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-fn patina_choose(probability: f32, u: vec2f) -> PatinaChoose {
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+fn patina_choose(probability: f32, u: vec2f) -> PatinaChoice {
     // Smallest probability that is divided by: a random number falls below it once in a million million.
     const SHARE_MIN = 1.0e-12;
     const RANDOM_MAX = 0.99999994;  // The largest float32 below 1, up to which random numbers go.
     let first = u.x < probability;
     let below = u.x / max(probability, SHARE_MIN);
     let above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
-    return PatinaChoose(first, vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
+    return PatinaChoice(first, vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// A normal with density G1(wo) max(wo . m, 0) patina_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
 fn patina_sample_ggx_visible(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const RANDOM_MARGIN = 5.9604645e-8;
@@ -342,11 +347,9 @@ fn patina_critical_cosine(eta: f32) -> f32 {
 
 // The outer direction for a direction inside: refracted, or spread out if it cannot leave.
 fn patina_leave(w: vec3f, eta: f32) -> vec3f {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const mu_min = 1.0e-18;
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+    // its reciprocal still fits into a float32.
     const SIN2_MIN = 1.0e-18;
     // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
     const LEAVE_MIN = 1.0e-12;
@@ -370,7 +373,7 @@ fn patina_sample_cosine(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// The inner direction that `leave` spreads to w; z = 0 for eta <= 1, which has none.
+// The inner direction that patina_leave spreads to w; z = 0 for eta <= 1, which has none.
 fn patina_gather(w: vec3f, eta: f32) -> vec3f {
     const SIN2_MIN = 1.0e-18;
     let k = patina_critical_cosine(eta);
@@ -382,29 +385,29 @@ fn patina_gather(w: vec3f, eta: f32) -> vec3f {
     return vec3f(x, select(w.y * scale, 0.0, near), z);
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at patina_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 fn patina_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
     return patina_D_ggx(m, alpha_x, alpha_y)
         / (2.0 * (wo.z + patina_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density of `leave` at w, from the inner density at w_t = refract(w) and at gather(w).
+// Density of patina_leave at w, from the inner density at w_t = refract(w) and at gather(w).
 fn patina_pdf_leave(pdf_refracted: f32, pdf_gathered: f32, w: vec3f, w_t: vec3f,
     eta: f32) -> f32 {
-    // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
-    // k^2, and the cosines are k mu and mu.
+    // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by k^2,
+    // and the cosines are k mu and mu.
     return pdf_refracted * w.z / (eta * eta * w_t.z) + pdf_gathered * patina_critical_cosine(eta);
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of patina_sample_cosine in 1/sr, for w above the horizon.
 fn patina_pdf_cosine(w: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     return w.z * inv_pi;
 }
 
-// Density of `sample_ggx_lobe` in 1/sr.
+// Density of patina_sample_ggx_lobe in 1/sr.
 fn patina_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    const mu_min = 1.0e-18;
+    const mu_min = 1.0e-18;  // cosine of the horizon
     let straight = patina_pdf_ggx_visible(wo, patina_half_vector(wi, wo), alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     let exists = wo.z > wi.z;
@@ -415,15 +418,16 @@ fn patina_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 
     return straight + select(0.0, folded, exists);
 }
 
-// Density of `sample` in 1/sr.
+// Density of patina_sample in 1/sr.
 fn patina_pdf(params: Patina, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     let shares_result = patina_shares(params, wo);
-    let P_bare = shares_result.first;
-    let P_coat = shares_result.second;
-    let P_diffuse = shares_result.third;
+    let P_bare = shares_result.P_bare;
+    let P_coat = shares_result.P_coat;
+    let P_diffuse = shares_result.P_diffuse;
     let index = patina_average(params.coat_eta);
     let alpha = patina_metal_alpha(params);
     let below_alpha = patina_below_alpha(params);
@@ -441,25 +445,26 @@ fn patina_pdf(params: Patina, wi: vec3f, wo: vec3f) -> f32 {
 
 // One of the bare metal, the patina's surface, its diffuse part, and the metal below.
 fn patina_sample(params: Patina, wo: vec3f, u: vec2f) -> PatinaSample {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return PatinaSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let shares_result = patina_shares(params, wo);
-    let P_bare = shares_result.first;
-    let P_coat = shares_result.second;
-    let P_diffuse = shares_result.third;
+    let P_bare = shares_result.P_bare;
+    let P_coat = shares_result.P_coat;
+    let P_diffuse = shares_result.P_diffuse;
     let index = patina_average(params.coat_eta);
     let alpha = patina_metal_alpha(params);
     let below_alpha = patina_below_alpha(params);
     let choose_result = patina_choose(P_bare.x, u);
-    let on_bare = choose_result.first;
-    let v = choose_result.second;
+    let on_bare = choose_result.is_first;
+    let v = choose_result.u;
     let choose_result_2 = patina_choose(P_coat.x, v);
-    let on_coat = choose_result_2.first;
-    let s = choose_result_2.second;
+    let on_coat = choose_result_2.is_first;
+    let s = choose_result_2.u;
     let choose_result_3 = patina_choose(P_diffuse.x, s);
-    let on_diffuse = choose_result_3.first;
-    let t = choose_result_3.second;
+    let on_diffuse = choose_result_3.is_first;
+    let t = choose_result_3.u;
     let w_bare = patina_sample_ggx_lobe(wo, alpha, alpha, v);
     let w_coat = patina_sample_ggx_lobe(wo, params.alpha, params.alpha, s);
     let wo_t = patina_refract(wo, index);
@@ -470,16 +475,18 @@ fn patina_sample(params: Patina, wo: vec3f, u: vec2f) -> PatinaSample {
     return PatinaSample(wi, patina_pdf(params, wi, wo));
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 fn patina_albedo(params: Patina, wo: vec3f) -> vec3f {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in patina_albedo: a Fibonacci number, and the golden ratio.
     const ALBEDO_SAMPLES = 987.0;
     const GOLDEN = 0.618034;
-    const mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const HORIZON = 1.0e-6;
+    const mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return vec3f(0.0);
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Phong: a diffuse term and a highlight around the mirror direction.
 //
 // Sources: Phong, "Illumination for computer generated pictures", Communications of the ACM 18(6), 1975;
@@ -5,10 +6,11 @@
 // for the normalised form. alpha is the angle between wi and the mirror direction of wo.
 // Phong's formula gives the radiance f cos(theta_i); "classical" is that formula divided by the cosine.
 //
-// GLSL 4.5, made by gonio 0.1.0 from gonio/models/phong.py.
+// GLSL 4.5, made by gonio from gonio/models/phong.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: Phong params; params.rho = ...; ... phong_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct PhongSample {
@@ -24,16 +26,18 @@ struct Phong {
     float shininess;  // exponent n of the highlight; 0 to 100000, default 20
 };
 
-// Results of choose.
-struct PhongChoose {
-    bool first;
-    vec2 second;
+// Which of two lobes a sample is taken from.
+struct PhongChoice {
+    bool is_first;  // Whether it is the first one
+    vec2 u;  // Fresh random numbers, made of those that chose
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // Cosine between wi and the mirror direction of wo: mu_i mu_o - wi.x wo.x - wi.y wo.y.
 //
-// Near 0 the three products cancel. Their rounding errors, and that of the first sum, are carried
-// along (Kahan's and Knuth's ways to find them), so that a broad lobe fades out with all its digits.
+// Near 0 the three products cancel. Their rounding errors, and that of the first sum, are carried along
+// (Kahan's and Knuth's ways to find them), so that a broad lobe fades out with all its digits.
 float phong_cos_alpha(vec3 wi, vec3 wo) {
     float p = wi.z * wo.z;
     float q = -wi.x * wo.x;
@@ -63,7 +67,7 @@ float phong_log1p_over(float x) {
     series = 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * series)));
     bool small = x > -LOG1P_SMALL && x < LOG1P_SMALL;
     float far = small ? 1.0 : x;
-    return mix(log(1.0 + far) / far, 2.0 / (2.0 + near) * series, small);
+    return small ? 2.0 / (2.0 + near) * series : log(1.0 + far) / far;
 }
 
 // log(1 + x) for x > -1, exact where x is small.
@@ -82,21 +86,24 @@ float phong_lobe(vec3 wi, vec3 wo, float exponent) {
     float z = wi.z - wo.z;
     float q = 0.5 * (x * x + y * y + z * z);
     float c = phong_cos_alpha(wi, wo);
-    float log_cos = mix(log(clamp(c, COS_MIN, 0.75)), phong_log1p(-min(q, 0.5)), q < 0.5);
-    return mix(0.0, exp(exponent * log_cos), c > 0.0);
+    float log_cos = q < 0.5 ? phong_log1p(-min(q, 0.5)) : log(clamp(c, COS_MIN, 0.75));
+    return c > 0.0 ? exp(exponent * log_cos) : 0.0;
 }
 
 // BRDF value in 1/sr, without the cosine.
 vec3 phong_eval(Phong params, vec3 wi, vec3 wo) {
-    const float inv_two_pi = 0.15915494;
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float inv_two_pi = 0.15915494;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3(0.0);
     }
     float n = params.shininess;
     float highlight = inv_two_pi * (n + 2.0) * phong_lobe(wi, wo, n);
     return params.rho * inv_pi + params.specular * highlight;
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // Mean of the three channels, by which lobes are weighed against each other.
 float phong_average(vec3 color) {
@@ -113,15 +120,15 @@ float phong_raised(float probability) {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 vec2 phong_lobes_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+    // can be seen is that small.
     const float BLACK = 1.0e-20;
     float inv = 1.0 / (first + second + BLACK);
     float a = phong_raised((first + BLACK) * inv);
     float b = phong_raised(second * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
     bool smaller = first < second;
-    return vec2(mix(1.0 - b, a, smaller), mix(b, 1.0 - a, smaller));
+    return vec2(smaller ? a : 1.0 - b, smaller ? 1.0 - a : b);
 }
 
 // Probabilities of the diffuse lobe and of the highlight.
@@ -134,8 +141,8 @@ vec2 phong_shares(Phong params, vec3 wo) {
         phong_average(params.specular) * highlight);
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-PhongChoose phong_choose(float probability, vec2 u) {
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+PhongChoice phong_choose(float probability, vec2 u) {
     // Smallest probability that is divided by: a random number falls below it once in a million million.
     const float SHARE_MIN = 1.0e-12;
     // The largest float32 below 1, up to which random numbers go.
@@ -143,7 +150,7 @@ PhongChoose phong_choose(float probability, vec2 u) {
     bool first = u.x < probability;
     float below = u.x / max(probability, SHARE_MIN);
     float above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
-    return PhongChoose(first, vec2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y));
+    return PhongChoice(first, vec2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y));
 }
 
 // A direction with density cos(theta) / pi.
@@ -164,18 +171,18 @@ float phong_expm1(float x) {
         * (1.0 + near / 9.0 * (1.0 + near / 10.0 * (1.0 + near / 11.0)));
     series = 1.0 + near / 5.0 * (1.0 + near / 6.0 * (1.0 + near / 7.0 * series));
     series = near * (1.0 + near / 2.0 * (1.0 + near / 3.0 * (1.0 + near / 4.0 * series)));
-    return mix(exp(x) - 1.0, series, x > -EXPM1_SMALL && x < EXPM1_SMALL);
+    return x > -EXPM1_SMALL && x < EXPM1_SMALL ? series : exp(x) - 1.0;
 }
 
 // Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
 vec2 phong_azimuth(vec3 wo) {
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+    // its reciprocal still fits into a float32.
     const float SIN2_MIN = 1.0e-18;
     float sin2 = wo.x * wo.x + wo.y * wo.y;
     bool tilted = sin2 > SIN2_MIN;
     float inv = 1.0 / sqrt(max(sin2, SIN2_MIN));
-    return vec2(mix(1.0, wo.x * inv, tilted), mix(0.0, wo.y * inv, tilted));
+    return vec2(tilted ? wo.x * inv : 1.0, tilted ? wo.y * inv : 0.0);
 }
 
 // A direction around wo's mirror image with density (n + 1) / (2 pi) cos(alpha)^n.
@@ -199,22 +206,23 @@ vec3 phong_sample_lobe(vec3 wo, float exponent, vec2 u) {
     return normalize(vec3(w.x, w.y, abs(w.z)));
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of phong_sample_cosine in 1/sr, for w above the horizon.
 float phong_pdf_cosine(vec3 w) {
     const float inv_pi = 0.31830987;
     return w.z * inv_pi;
 }
 
-// Density of `sample_lobe` in 1/sr.
+// Density of phong_sample_lobe in 1/sr.
 float phong_pdf_lobe(vec3 wi, vec3 wo, float exponent) {
     const float inv_two_pi = 0.15915494;
     float both = phong_lobe(wi, wo, exponent) + phong_lobe(vec3(wi.x, wi.y, -wi.z), wo, exponent);
     return inv_two_pi * (exponent + 1.0) * both;
 }
 
-// Density of `sample` in 1/sr.
+// Density of phong_sample in 1/sr.
 float phong_pdf(Phong params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     vec2 P = phong_shares(params, wo);
@@ -223,28 +231,29 @@ float phong_pdf(Phong params, vec3 wi, vec3 wo) {
 
 // Cosine-weighted, or around the mirror direction, by the estimated albedos.
 PhongSample phong_sample(Phong params, vec3 wo, vec2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return PhongSample(vec3(0.0, 0.0, 1.0), 0.0);
     }
-    PhongChoose choose_result = phong_choose(phong_shares(params, wo).x, u);
-    bool first = choose_result.first;
-    vec2 v = choose_result.second;
+    PhongChoice choose_result = phong_choose(phong_shares(params, wo).x, u);
+    bool first = choose_result.is_first;
+    vec2 v = choose_result.u;
     vec3 wi = mix(phong_sample_lobe(wo, params.shininess, v), phong_sample_cosine(v), bvec3(first));
     return PhongSample(wi, phong_pdf(params, wi, wo));
 }
+
+// ---- albedo --------------------------------------------------------------------------------
 
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 vec3 phong_albedo(Phong params, vec3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const float HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in phong_albedo: a Fibonacci number, and the golden ratio.
     const float ALBEDO_SAMPLES = 987.0;
     const float GOLDEN = 0.618034;
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const float mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const float HORIZON = 1.0e-6;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return vec3(0.0);
     }
@@ -254,7 +263,7 @@ vec3 phong_albedo(Phong params, vec3 wo) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         PhongSample drawn = phong_sample(params, w, u);
-        float weight = mix(0.0, drawn.wi.z / max(drawn.pdf, mu_min), drawn.pdf > 0.0);
+        float weight = drawn.pdf > 0.0 ? drawn.wi.z / max(drawn.pdf, mu_min) : 0.0;
         total = total + phong_eval(params, drawn.wi, w) * weight;
     }
     return total / ALBEDO_SAMPLES;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Phong: a diffuse term and a highlight around the mirror direction.
 //
 // Sources: Phong, "Illumination for computer generated pictures", Communications of the ACM 18(6), 1975;
@@ -5,10 +6,11 @@
 // for the normalised form. alpha is the angle between wi and the mirror direction of wo.
 // Phong's formula gives the radiance f cos(theta_i); "classical" is that formula divided by the cosine.
 //
-// C++, made by gonio 0.1.0 from gonio/models/phong.py.
+// C++, made by gonio from gonio/models/phong.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: gonio_phong::Phong params; params.rho = ...; ... gonio_phong::phong_eval(params, wi, wo)
 
 #pragma once
 #include <math.h>
@@ -52,6 +54,37 @@ inline Vec3 operator/(Vec3 a, float b) {
     return Vec3{a.x / b, a.y / b, a.z / b};
 }
 
+// Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+constexpr float LOG1P_SMALL = 0.25f;
+// Below this the series needs eleven terms; above, the plain difference is exact to 2e-7 in float32.
+constexpr float EXPM1_SMALL = 0.3f;
+// Smallest cosine whose logarithm is taken: its reciprocal, the derivative, still is a float32.
+constexpr float COS_MIN = 1.0e-37f;
+constexpr float pi = 3.1415927f;
+constexpr float two_pi = 6.2831855f;
+constexpr float inv_pi = 0.31830987f;
+constexpr float inv_two_pi = 0.15915494f;
+constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
+// Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+// can be seen is that small.
+constexpr float BLACK = 1.0e-20f;
+// The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+// its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+constexpr float SHARE_LEAST = 0.1f;
+constexpr float ESTIMATE_TRUST = 50.0f;
+// Smallest probability that is divided by: a random number falls below it once in a million million.
+constexpr float SHARE_MIN = 1.0e-12f;
+// The largest float32 below 1, up to which random numbers go.
+constexpr float RANDOM_MAX = 0.99999994f;
+// Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+// its reciprocal still fits into a float32.
+constexpr float SIN2_MIN = 1.0e-18f;
+// Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+constexpr float ALBEDO_SAMPLES = 987.0f;
+constexpr float GOLDEN = 0.618034f;
+// Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+constexpr float HORIZON = 1.0e-6f;
+
 // A sampled direction and its density.
 struct PhongSample {
     Vec3 wi;  // direction towards the light, unit, local frame
@@ -66,16 +99,18 @@ struct Phong {
     float shininess;  // exponent n of the highlight; 0 to 100000, default 20
 };
 
-// Results of choose.
-struct PhongChoose {
-    bool first;
-    Vec2 second;
+// Which of two lobes a sample is taken from.
+struct PhongChoice {
+    bool is_first;  // Whether it is the first one
+    Vec2 u;  // Fresh random numbers, made of those that chose
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // Cosine between wi and the mirror direction of wo: mu_i mu_o - wi.x wo.x - wi.y wo.y.
 //
-// Near 0 the three products cancel. Their rounding errors, and that of the first sum, are carried
-// along (Kahan's and Knuth's ways to find them), so that a broad lobe fades out with all its digits.
+// Near 0 the three products cancel. Their rounding errors, and that of the first sum, are carried along
+// (Kahan's and Knuth's ways to find them), so that a broad lobe fades out with all its digits.
 inline float phong_cos_alpha(Vec3 wi, Vec3 wo) {
     float p = wi.z * wo.z;
     float q = -wi.x * wo.x;
@@ -94,8 +129,6 @@ inline float phong_cos_alpha(Vec3 wi, Vec3 wo) {
 
 // log(1 + x) / x for x > -1; 1 at x = 0.
 inline float phong_log1p_over(float x) {
-    // Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
-    constexpr float LOG1P_SMALL = 0.25f;
     // 2 atanh(y) with y = x / (2 + x): the series of odd powers, error below 1e-16 for |x| < 0.25.
     float near = fmaxf(fminf(x, LOG1P_SMALL), -LOG1P_SMALL);
     float y = near / (2.0f + near);
@@ -115,8 +148,6 @@ inline float phong_log1p(float x) {
 
 // max(0, cos(alpha))^exponent; half of all directions have 0 for exponent 0 as well.
 inline float phong_lobe(Vec3 wi, Vec3 wo, float exponent) {
-    // Smallest cosine whose logarithm is taken: its reciprocal, the derivative, still is a float32.
-    constexpr float COS_MIN = 1.0e-37f;
     // Inside, the digits of a sharp lobe are in 1 - cos(alpha): half the squared distance to the mirror
     // direction.
     float x = wi.x + wo.x;
@@ -130,9 +161,7 @@ inline float phong_lobe(Vec3 wi, Vec3 wo, float exponent) {
 
 // BRDF value in 1/sr, without the cosine.
 inline Vec3 phong_eval(const Phong& params, Vec3 wi, Vec3 wo) {
-    constexpr float inv_two_pi = 0.15915494f;
-    constexpr float inv_pi = 0.31830987f;
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
     float n = params.shininess;
@@ -140,24 +169,19 @@ inline Vec3 phong_eval(const Phong& params, Vec3 wi, Vec3 wo) {
     return params.rho * inv_pi + params.specular * highlight;
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // Mean of the three channels, by which lobes are weighed against each other.
 inline float phong_average(Vec3 color) {
     return (color.x + color.y + color.z) / 3.0f;
 }
 
 inline float phong_raised(float probability) {
-    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
-    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
-    constexpr float SHARE_LEAST = 0.1f;
-    constexpr float ESTIMATE_TRUST = 50.0f;
     return fmaxf(probability, fminf(SHARE_LEAST, ESTIMATE_TRUST * probability));
 }
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 inline Vec2 phong_lobes_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
-    constexpr float BLACK = 1.0e-20f;
     float inv = 1.0f / (first + second + BLACK);
     float a = phong_raised((first + BLACK) * inv);
     float b = phong_raised(second * inv);
@@ -168,7 +192,6 @@ inline Vec2 phong_lobes_shares(float first, float second) {
 
 // Probabilities of the diffuse lobe and of the highlight.
 inline Vec2 phong_shares(const Phong& params, Vec3 wo) {
-    constexpr float pi = 3.1415927f;
     float n = params.shininess;
     // 1 at the normal; in the horizon about 1 / sqrt(2 pi n), and 1/2 for n = 0
     float highlight = lerp(0.5f / sqrtf(1.0f + 0.5f * pi * n), 1.0f, wo.z);
@@ -176,21 +199,16 @@ inline Vec2 phong_shares(const Phong& params, Vec3 wo) {
         phong_average(params.specular) * highlight);
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-inline PhongChoose phong_choose(float probability, Vec2 u) {
-    // Smallest probability that is divided by: a random number falls below it once in a million million.
-    constexpr float SHARE_MIN = 1.0e-12f;
-    // The largest float32 below 1, up to which random numbers go.
-    constexpr float RANDOM_MAX = 0.99999994f;
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+inline PhongChoice phong_choose(float probability, Vec2 u) {
     bool first = u.x < probability;
     float below = u.x / fmaxf(probability, SHARE_MIN);
     float above = (u.x - probability) / fmaxf(1.0f - probability, SHARE_MIN);
-    return PhongChoose{first, Vec2{fminf(fmaxf(first ? below : above, 0.0f), RANDOM_MAX), u.y}};
+    return PhongChoice{first, Vec2{fminf(fmaxf(first ? below : above, 0.0f), RANDOM_MAX), u.y}};
 }
 
 // A direction with density cos(theta) / pi.
 inline Vec3 phong_sample_cosine(Vec2 u) {
-    constexpr float two_pi = 6.2831855f;
     float r = sqrtf(fmaxf(u.x, 0.0f));
     float phi = two_pi * u.y;
     return Vec3{r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u.x, 0.0f))};
@@ -198,8 +216,6 @@ inline Vec3 phong_sample_cosine(Vec2 u) {
 
 // exp(x) - 1, exact where x is small.
 inline float phong_expm1(float x) {
-    // Below this the series needs eleven terms; above, the plain difference is exact to 2e-7 in float32.
-    constexpr float EXPM1_SMALL = 0.3f;
     float near = fmaxf(fminf(x, EXPM1_SMALL), -EXPM1_SMALL);
     // Taylor's series up to x^11 / 11!, error below 2e-15 for |x| < 0.3.
     float series = 1.0f + near / 8.0f
@@ -211,9 +227,6 @@ inline float phong_expm1(float x) {
 
 // Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
 inline Vec2 phong_azimuth(Vec3 wo) {
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
-    constexpr float SIN2_MIN = 1.0e-18f;
     float sin2 = wo.x * wo.x + wo.y * wo.y;
     bool tilted = sin2 > SIN2_MIN;
     float inv = 1.0f / sqrtf(fmaxf(sin2, SIN2_MIN));
@@ -224,7 +237,6 @@ inline Vec2 phong_azimuth(Vec3 wo) {
 //
 // What falls below the horizon is mirrored up again, so that no sample is wasted.
 inline Vec3 phong_sample_lobe(Vec3 wo, float exponent, Vec2 u) {
-    constexpr float two_pi = 6.2831855f;
     // cos(alpha) = (1 - u)^(1 / (n + 1)), and sin^2 = 1 - cos^2 without cancellation
     float t = logf(1.0f - u.x) / (exponent + 1.0f);
     float c = expf(t);
@@ -241,22 +253,20 @@ inline Vec3 phong_sample_lobe(Vec3 wo, float exponent, Vec2 u) {
     return normalize(Vec3{w.x, w.y, fabsf(w.z)});
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of phong_sample_cosine in 1/sr, for w above the horizon.
 inline float phong_pdf_cosine(Vec3 w) {
-    constexpr float inv_pi = 0.31830987f;
     return w.z * inv_pi;
 }
 
-// Density of `sample_lobe` in 1/sr.
+// Density of phong_sample_lobe in 1/sr.
 inline float phong_pdf_lobe(Vec3 wi, Vec3 wo, float exponent) {
-    constexpr float inv_two_pi = 0.15915494f;
     float both = phong_lobe(wi, wo, exponent) + phong_lobe(Vec3{wi.x, wi.y, -wi.z}, wo, exponent);
     return inv_two_pi * (exponent + 1.0f) * both;
 }
 
-// Density of `sample` in 1/sr.
+// Density of phong_sample in 1/sr.
 inline float phong_pdf(const Phong& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0f;
     }
     Vec2 P = phong_shares(params, wo);
@@ -265,28 +275,22 @@ inline float phong_pdf(const Phong& params, Vec3 wi, Vec3 wo) {
 
 // Cosine-weighted, or around the mirror direction, by the estimated albedos.
 inline PhongSample phong_sample(const Phong& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 1.0e-18f) {  // in the horizon or below
+    if (wo.z <= mu_min) {  // in the horizon or below
         return PhongSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
-    PhongChoose choose_result = phong_choose(phong_shares(params, wo).x, u);
-    bool first = choose_result.first;
-    Vec2 v = choose_result.second;
+    PhongChoice choose_result = phong_choose(phong_shares(params, wo).x, u);
+    bool first = choose_result.is_first;
+    Vec2 v = choose_result.u;
     Vec3 wi = first ? phong_sample_cosine(v) : phong_sample_lobe(wo, params.shininess, v);
     return PhongSample{wi, phong_pdf(params, wi, wo)};
 }
+
+// ---- albedo --------------------------------------------------------------------------------
 
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 inline Vec3 phong_albedo(const Phong& params, Vec3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    constexpr float HORIZON = 1.0e-6f;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
-    constexpr float ALBEDO_SAMPLES = 987.0f;
-    constexpr float GOLDEN = 0.618034f;
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    constexpr float mu_min = 1.0e-18f;
     if (wo.z < 0.0f) {  // below the horizon
         return splat(0.0f);
     }

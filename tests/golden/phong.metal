@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Phong: a diffuse term and a highlight around the mirror direction.
 //
 // Sources: Phong, "Illumination for computer generated pictures", Communications of the ACM 18(6), 1975;
@@ -5,10 +6,11 @@
 // for the normalised form. alpha is the angle between wi and the mirror direction of wo.
 // Phong's formula gives the radiance f cos(theta_i); "classical" is that formula divided by the cosine.
 //
-// Metal, made by gonio 0.1.0 from gonio/models/phong.py.
+// Metal, made by gonio from gonio/models/phong.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: Phong params; params.rho = ...; ... phong_eval(params, wi, wo)
 
 #include <metal_stdlib>
 using namespace metal;
@@ -27,16 +29,18 @@ struct Phong {
     float shininess;  // exponent n of the highlight; 0 to 100000, default 20
 };
 
-// Results of choose.
-struct PhongChoose {
-    bool first;
-    float2 second;
+// Which of two lobes a sample is taken from.
+struct PhongChoice {
+    bool is_first;  // Whether it is the first one
+    float2 u;  // Fresh random numbers, made of those that chose
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // Cosine between wi and the mirror direction of wo: mu_i mu_o - wi.x wo.x - wi.y wo.y.
 //
-// Near 0 the three products cancel. Their rounding errors, and that of the first sum, are carried
-// along (Kahan's and Knuth's ways to find them), so that a broad lobe fades out with all its digits.
+// Near 0 the three products cancel. Their rounding errors, and that of the first sum, are carried along
+// (Kahan's and Knuth's ways to find them), so that a broad lobe fades out with all its digits.
 inline float phong_cos_alpha(float3 wi, float3 wo) {
     float p = wi.z * wo.z;
     float q = -wi.x * wo.x;
@@ -91,15 +95,18 @@ inline float phong_lobe(float3 wi, float3 wo, float exponent) {
 
 // BRDF value in 1/sr, without the cosine.
 inline float3 phong_eval(Phong params, float3 wi, float3 wo) {
-    const float inv_two_pi = 0.15915494;
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float inv_two_pi = 0.15915494;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return float3(0.0);
     }
     float n = params.shininess;
     float highlight = inv_two_pi * (n + 2.0) * phong_lobe(wi, wo, n);
     return params.rho * inv_pi + params.specular * highlight;
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // Mean of the three channels, by which lobes are weighed against each other.
 inline float phong_average(float3 color) {
@@ -116,8 +123,8 @@ inline float phong_raised(float probability) {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 inline float2 phong_lobes_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+    // can be seen is that small.
     const float BLACK = 1.0e-20;
     float inv = 1.0 / (first + second + BLACK);
     float a = phong_raised((first + BLACK) * inv);
@@ -137,8 +144,8 @@ inline float2 phong_shares(Phong params, float3 wo) {
         phong_average(params.specular) * highlight);
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-inline PhongChoose phong_choose(float probability, float2 u) {
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+inline PhongChoice phong_choose(float probability, float2 u) {
     // Smallest probability that is divided by: a random number falls below it once in a million million.
     const float SHARE_MIN = 1.0e-12;
     // The largest float32 below 1, up to which random numbers go.
@@ -146,7 +153,7 @@ inline PhongChoose phong_choose(float probability, float2 u) {
     bool first = u.x < probability;
     float below = u.x / max(probability, SHARE_MIN);
     float above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
-    return PhongChoose{first, float2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y)};
+    return PhongChoice{first, float2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y)};
 }
 
 // A direction with density cos(theta) / pi.
@@ -172,8 +179,8 @@ inline float phong_expm1(float x) {
 
 // Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
 inline float2 phong_azimuth(float3 wo) {
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+    // its reciprocal still fits into a float32.
     const float SIN2_MIN = 1.0e-18;
     float sin2 = wo.x * wo.x + wo.y * wo.y;
     bool tilted = sin2 > SIN2_MIN;
@@ -202,22 +209,23 @@ inline float3 phong_sample_lobe(float3 wo, float exponent, float2 u) {
     return normalize(float3(w.x, w.y, abs(w.z)));
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of phong_sample_cosine in 1/sr, for w above the horizon.
 inline float phong_pdf_cosine(float3 w) {
     const float inv_pi = 0.31830987;
     return w.z * inv_pi;
 }
 
-// Density of `sample_lobe` in 1/sr.
+// Density of phong_sample_lobe in 1/sr.
 inline float phong_pdf_lobe(float3 wi, float3 wo, float exponent) {
     const float inv_two_pi = 0.15915494;
     float both = phong_lobe(wi, wo, exponent) + phong_lobe(float3(wi.x, wi.y, -wi.z), wo, exponent);
     return inv_two_pi * (exponent + 1.0) * both;
 }
 
-// Density of `sample` in 1/sr.
+// Density of phong_sample in 1/sr.
 inline float phong_pdf(Phong params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     float2 P = phong_shares(params, wo);
@@ -226,28 +234,29 @@ inline float phong_pdf(Phong params, float3 wi, float3 wo) {
 
 // Cosine-weighted, or around the mirror direction, by the estimated albedos.
 inline PhongSample phong_sample(Phong params, float3 wo, float2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return PhongSample{float3(0.0, 0.0, 1.0), 0.0};
     }
-    PhongChoose choose_result = phong_choose(phong_shares(params, wo).x, u);
-    bool first = choose_result.first;
-    float2 v = choose_result.second;
+    PhongChoice choose_result = phong_choose(phong_shares(params, wo).x, u);
+    bool first = choose_result.is_first;
+    float2 v = choose_result.u;
     float3 wi = first ? phong_sample_cosine(v) : phong_sample_lobe(wo, params.shininess, v);
     return PhongSample{wi, phong_pdf(params, wi, wo)};
 }
+
+// ---- albedo --------------------------------------------------------------------------------
 
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 inline float3 phong_albedo(Phong params, float3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const float HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in phong_albedo: a Fibonacci number, and the golden ratio.
     const float ALBEDO_SAMPLES = 987.0;
     const float GOLDEN = 0.618034;
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const float mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const float HORIZON = 1.0e-6;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return float3(0.0);
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Phong: a diffuse term and a highlight around the mirror direction.
 //
 // Sources: Phong, "Illumination for computer generated pictures", Communications of the ACM 18(6), 1975;
@@ -5,10 +6,11 @@
 // for the normalised form. alpha is the angle between wi and the mirror direction of wo.
 // Phong's formula gives the radiance f cos(theta_i); "classical" is that formula divided by the cosine.
 //
-// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/phong.py.
+// WGSL (WebGPU), made by gonio from gonio/models/phong.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: var params: Phong; params.rho = ...; ... phong_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct PhongSample {
@@ -24,16 +26,18 @@ struct Phong {
     shininess: f32,  // exponent n of the highlight; 0 to 100000, default 20
 }
 
-// Results of choose.
-struct PhongChoose {
-    first: bool,
-    second: vec2f,
+// Which of two lobes a sample is taken from.
+struct PhongChoice {
+    is_first: bool,  // Whether it is the first one
+    u: vec2f,  // Fresh random numbers, made of those that chose
 }
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // Cosine between wi and the mirror direction of wo: mu_i mu_o - wi.x wo.x - wi.y wo.y.
 //
-// Near 0 the three products cancel. Their rounding errors, and that of the first sum, are carried
-// along (Kahan's and Knuth's ways to find them), so that a broad lobe fades out with all its digits.
+// Near 0 the three products cancel. Their rounding errors, and that of the first sum, are carried along
+// (Kahan's and Knuth's ways to find them), so that a broad lobe fades out with all its digits.
 fn phong_cos_alpha(wi: vec3f, wo: vec3f) -> f32 {
     let p = wi.z * wo.z;
     let q = -wi.x * wo.x;
@@ -88,15 +92,18 @@ fn phong_lobe(wi: vec3f, wo: vec3f, exponent: f32) -> f32 {
 
 // BRDF value in 1/sr, without the cosine.
 fn phong_eval(params: Phong, wi: vec3f, wo: vec3f) -> vec3f {
-    const inv_two_pi = 0.15915494;
     const inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const inv_two_pi = 0.15915494;
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
     let n = params.shininess;
     let highlight = inv_two_pi * (n + 2.0) * phong_lobe(wi, wo, n);
     return params.rho * inv_pi + params.specular * highlight;
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // Mean of the three channels, by which lobes are weighed against each other.
 fn phong_average(color: vec3f) -> f32 {
@@ -113,8 +120,8 @@ fn phong_raised(probability: f32) -> f32 {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 fn phong_lobes_shares(first: f32, second: f32) -> vec2f {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+    // can be seen is that small.
     const BLACK = 1.0e-20;
     let inv = 1.0 / (first + second + BLACK);
     let a = phong_raised((first + BLACK) * inv);
@@ -134,15 +141,15 @@ fn phong_shares(params: Phong, wo: vec3f) -> vec2f {
         phong_average(params.specular) * highlight);
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-fn phong_choose(probability: f32, u: vec2f) -> PhongChoose {
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+fn phong_choose(probability: f32, u: vec2f) -> PhongChoice {
     // Smallest probability that is divided by: a random number falls below it once in a million million.
     const SHARE_MIN = 1.0e-12;
     const RANDOM_MAX = 0.99999994;  // The largest float32 below 1, up to which random numbers go.
     let first = u.x < probability;
     let below = u.x / max(probability, SHARE_MIN);
     let above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
-    return PhongChoose(first, vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
+    return PhongChoice(first, vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
 }
 
 // A direction with density cos(theta) / pi.
@@ -167,8 +174,8 @@ fn phong_expm1(x: f32) -> f32 {
 
 // Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
 fn phong_azimuth(wo: vec3f) -> vec2f {
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+    // its reciprocal still fits into a float32.
     const SIN2_MIN = 1.0e-18;
     let sin2 = wo.x * wo.x + wo.y * wo.y;
     let tilted = sin2 > SIN2_MIN;
@@ -197,22 +204,23 @@ fn phong_sample_lobe(wo: vec3f, exponent: f32, u: vec2f) -> vec3f {
     return normalize(vec3f(w.x, w.y, abs(w.z)));
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of phong_sample_cosine in 1/sr, for w above the horizon.
 fn phong_pdf_cosine(w: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     return w.z * inv_pi;
 }
 
-// Density of `sample_lobe` in 1/sr.
+// Density of phong_sample_lobe in 1/sr.
 fn phong_pdf_lobe(wi: vec3f, wo: vec3f, exponent: f32) -> f32 {
     const inv_two_pi = 0.15915494;
     let both = phong_lobe(wi, wo, exponent) + phong_lobe(vec3f(wi.x, wi.y, -wi.z), wo, exponent);
     return inv_two_pi * (exponent + 1.0) * both;
 }
 
-// Density of `sample` in 1/sr.
+// Density of phong_sample in 1/sr.
 fn phong_pdf(params: Phong, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     let P = phong_shares(params, wo);
@@ -221,28 +229,29 @@ fn phong_pdf(params: Phong, wi: vec3f, wo: vec3f) -> f32 {
 
 // Cosine-weighted, or around the mirror direction, by the estimated albedos.
 fn phong_sample(params: Phong, wo: vec3f, u: vec2f) -> PhongSample {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return PhongSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let choose_result = phong_choose(phong_shares(params, wo).x, u);
-    let first = choose_result.first;
-    let v = choose_result.second;
+    let first = choose_result.is_first;
+    let v = choose_result.u;
     let wi = select(phong_sample_lobe(wo, params.shininess, v), phong_sample_cosine(v), first);
     return PhongSample(wi, phong_pdf(params, wi, wo));
 }
+
+// ---- albedo --------------------------------------------------------------------------------
 
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 fn phong_albedo(params: Phong, wo: vec3f) -> vec3f {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in phong_albedo: a Fibonacci number, and the golden ratio.
     const ALBEDO_SAMPLES = 987.0;
     const GOLDEN = 0.618034;
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const HORIZON = 1.0e-6;
+    const mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return vec3f(0.0);
     }

@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 // QON: the qualitative Oren-Nayar model, the one most renderers mean by "Oren-Nayar".
 //
-// Source: Oren, Nayar, "Generalization of Lambert's reflectance model", SIGGRAPH 1994, Eq. 30, in the
-// form of Portsmouth, Kutz, Hill, "EON", arXiv:2410.18026, Eq. 1 to 9.
+// Source: Oren, Nayar, "Generalization of Lambert's reflectance model", SIGGRAPH 1994, Eq. 30, in the form
+// of Portsmouth, Kutz, Hill, "EON", arXiv:2410.18026, Eq. 1 to 9.
 //
-// C++, made by gonio 0.1.0 from gonio/models/qon.py.
-// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
-// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// C++, made by gonio from gonio/models/qon.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose normal is
+// +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// Usage: gonio_qon::Qon params; params.rho = ...; ... gonio_qon::qon_eval(params, wi, wo)
 
 #pragma once
 #include <math.h>
@@ -41,6 +43,21 @@ inline Vec3 operator*(Vec3 a, float b) {
     return Vec3{a.x * b, a.y * b, a.z * b};
 }
 
+constexpr float two_pi = 6.2831855f;
+constexpr float inv_pi = 0.31830987f;
+constexpr float inv_two_pi = 0.15915494f;
+constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
+// Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32.
+constexpr float R_MIN = 1.0e-37f;
+// Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
+// taken.
+constexpr float P_MIN = 1.0e-6f;
+// A sample that rounding pushed below the horizon is lifted to this cosine, 1/16 of a float32 epsilon.
+constexpr float Z_MIN = 7.450581e-9f;
+// Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+// its reciprocal still fits into a float32.
+constexpr float SIN2_MIN = 1.0e-18f;
+
 // A sampled direction and its density.
 struct QonSample {
     Vec3 wi;  // direction towards the light, unit, local frame
@@ -53,13 +70,13 @@ struct Qon {
     float sigma;  // standard deviation of the facet angle, radians; 0 to 1.570796, default 0.5
 };
 
-// Results of qualitative_coefficients.
+// What qualitative_coefficients returns.
 struct QonQualitativeCoefficients {
-    float first;
-    float second;
+    float A;
+    float B;
 };
 
-// Results of coefficients.
+// What coefficients returns.
 struct QonCoefficients {
     float a;
     float b;
@@ -67,10 +84,14 @@ struct QonCoefficients {
     float d;
 };
 
+// ---- evaluation ----------------------------------------------------------------------------
+
 // A and B of Eq. 3. sigma: angle in radians; offset: 0.33, or 0.57 for the footnote's variant.
 inline QonQualitativeCoefficients qon_qualitative_coefficients(float sigma, float offset) {
     float s2 = sigma * sigma;
-    return QonQualitativeCoefficients{1.0f - 0.5f * s2 / (s2 + offset), 0.45f * s2 / (s2 + 0.09f)};
+    float A = 1.0f - 0.5f * s2 / (s2 + offset);
+    float B = 0.45f * s2 / (s2 + 0.09f);
+    return QonQualitativeCoefficients{A, B};
 }
 
 // s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
@@ -95,28 +116,26 @@ inline float qon_s_over_t_qualitative(float s, Vec3 wi, Vec3 wo) {
 
 // Eq. 1: BRDF value in 1/sr, without the cosine.
 inline Vec3 qon_eval(const Qon& params, Vec3 wi, Vec3 wo) {
-    constexpr float inv_pi = 0.31830987f;
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
     QonQualitativeCoefficients qualitative_coefficients_result = qon_qualitative_coefficients(params.sigma, 0.33f);
-    float A = qualitative_coefficients_result.first;
-    float B = qualitative_coefficients_result.second;
+    float A = qualitative_coefficients_result.A;
+    float B = qualitative_coefficients_result.B;
     float s = qon_tangential_dot(wi, wo);
     return params.rho * (inv_pi * (A + B * qon_s_over_t_qualitative(s, wi, wo)));
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
 inline float qon_uniform_share(float mu, float r) {
-    // Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32.
-    constexpr float R_MIN = 1.0e-37f;
     float fit = 0.162925f + mu * (-0.372058f + (0.538233f - 0.290822f * mu) * mu);
     return r > 0.0f ? powf(fmaxf(r, R_MIN), 0.1f) * fit : 0.0f;
 }
 
 // A direction with density 1 / (2 pi).
 inline Vec3 qon_sample_uniform(Vec2 u) {
-    constexpr float two_pi = 6.2831855f;
     // z = 1 - u instead of u: random numbers lie in [0, 1), so z never becomes 0.
     float z = 1.0f - u.x;
     float r = sqrtf(fmaxf(u.x * (1.0f + z), 0.0f));
@@ -146,9 +165,6 @@ inline float qon_kept_area(float d) {
 
 // Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
 inline Vec2 qon_azimuth(Vec3 wo) {
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
-    constexpr float SIN2_MIN = 1.0e-18f;
     float sin2 = wo.x * wo.x + wo.y * wo.y;
     bool tilted = sin2 > SIN2_MIN;
     float inv = 1.0f / sqrtf(fmaxf(sin2, SIN2_MIN));
@@ -172,9 +188,6 @@ inline Vec3 qon_transform(float x, float y, Vec3 wo, float r, float d) {
 
 // Clipped to the directions that M keeps above the horizon (Listing 3).
 inline Vec3 qon_sample_cltc(Vec3 wo, float r, Vec2 u) {
-    constexpr float two_pi = 6.2831855f;
-    // A sample that rounding pushed below the horizon is lifted to this cosine, 1/16 of a float32 epsilon.
-    constexpr float Z_MIN = 7.450581e-9f;
     QonCoefficients coefficients_result = qon_coefficients(wo.z, r);
     float d = coefficients_result.d;
     float R = sqrtf(fmaxf(u.x, 0.0f));
@@ -188,9 +201,6 @@ inline Vec3 qon_sample_cltc(Vec3 wo, float r, Vec2 u) {
 
 // CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
 inline Vec3 qon_sample_cltc_uniform(Vec3 wo, float r, Vec2 u) {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
-    // not taken.
-    constexpr float P_MIN = 1.0e-6f;
     float P_u = qon_uniform_share(wo.z, r);
     bool uniform = u.x < P_u;
     float u1 = uniform ? u.x / fmaxf(P_u, P_MIN) : (u.x - P_u) / (1.0f - P_u);
@@ -199,14 +209,13 @@ inline Vec3 qon_sample_cltc_uniform(Vec3 wo, float r, Vec2 u) {
     return uniform ? w_u : w_c;
 }
 
-// A direction relative to an azimuth (cosine, sine): the inverse of `from_frame`.
+// A direction relative to an azimuth (cosine, sine): the inverse of qon_from_frame.
 inline Vec3 qon_to_frame(Vec3 w, Vec2 axis) {
     return Vec3{axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z};
 }
 
-// Density of `_transform` for an unclipped cosine lobe (Eq. 23 and 24).
+// Density of qon_transform for an unclipped cosine lobe (Eq. 23 and 24).
 inline float qon_cltc_pdf(Vec3 wi, Vec3 wo, float r, float d) {
-    constexpr float inv_pi = 0.31830987f;
     QonCoefficients coefficients_result = qon_coefficients(wo.z, r);
     float a = coefficients_result.a;
     float b = coefficients_result.b;
@@ -219,47 +228,43 @@ inline float qon_cltc_pdf(Vec3 wi, Vec3 wo, float r, float d) {
     return inv_pi * det * det * inv2 * inv2 * fmaxf(h.z, 0.0f);
 }
 
-// Density of `sample_cltc`.
+// Density of qon_sample_cltc.
 inline float qon_pdf_cltc(Vec3 wi, Vec3 wo, float r) {
     QonCoefficients coefficients_result = qon_coefficients(wo.z, r);
     float d = coefficients_result.d;
     return qon_cltc_pdf(wi, wo, r, d) / qon_kept_area(d);
 }
 
-// Density of `sample_uniform` in 1/sr.
-inline float qon_pdf_uniform() {
-    constexpr float inv_two_pi = 0.15915494f;
-    return inv_two_pi;
-}
-
-// Density of `sample_cltc_uniform`.
+// Density of qon_sample_cltc_uniform.
 inline float qon_pdf_cltc_uniform(Vec3 wi, Vec3 wo, float r) {
     float P_u = qon_uniform_share(wo.z, r);
-    return lerp(qon_pdf_cltc(wi, wo, r), qon_pdf_uniform(), P_u);
+    return lerp(qon_pdf_cltc(wi, wo, r), inv_two_pi, P_u);
 }
 
-// Density of `sample` in 1/sr.
+// Density of qon_sample in 1/sr.
 inline float qon_pdf(const Qon& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0f;
     }
     QonQualitativeCoefficients qualitative_coefficients_result = qon_qualitative_coefficients(params.sigma, 0.33f);
-    float A = qualitative_coefficients_result.first;
-    float B = qualitative_coefficients_result.second;
+    float A = qualitative_coefficients_result.A;
+    float B = qualitative_coefficients_result.B;
     return qon_pdf_cltc_uniform(wi, wo, B / A);
 }
 
 // EON's CLTC with a uniform lobe, at the roughness with the same weight of s/t.
 inline QonSample qon_sample(const Qon& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 1.0e-18f) {  // in the horizon or below
+    if (wo.z <= mu_min) {  // in the horizon or below
         return QonSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     QonQualitativeCoefficients qualitative_coefficients_result = qon_qualitative_coefficients(params.sigma, 0.33f);
-    float A = qualitative_coefficients_result.first;
-    float B = qualitative_coefficients_result.second;
+    float A = qualitative_coefficients_result.A;
+    float B = qualitative_coefficients_result.B;
     Vec3 wi = qon_sample_cltc_uniform(wo, B / A, u);
     return QonSample{wi, qon_pdf(params, wi, wo)};
 }
+
+// ---- albedo --------------------------------------------------------------------------------
 
 // Eq. 8: the integral of s/t (Eq. 4) times the cosine, at a cosine mu in [0, 1]; pi/2 at mu = 0.
 inline float qon_G_qualitative(float mu) {
@@ -271,13 +276,12 @@ inline float qon_G_qualitative(float mu) {
 
 // Eq. 5.
 inline Vec3 qon_albedo(const Qon& params, Vec3 wo) {
-    constexpr float inv_pi = 0.31830987f;
     if (wo.z < 0.0f) {  // below the horizon
         return splat(0.0f);
     }
     QonQualitativeCoefficients qualitative_coefficients_result = qon_qualitative_coefficients(params.sigma, 0.33f);
-    float A = qualitative_coefficients_result.first;
-    float B = qualitative_coefficients_result.second;
+    float A = qualitative_coefficients_result.A;
+    float B = qualitative_coefficients_result.B;
     return params.rho * (A + B * inv_pi * qon_G_qualitative(wo.z));
 }
 

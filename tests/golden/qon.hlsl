@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 // QON: the qualitative Oren-Nayar model, the one most renderers mean by "Oren-Nayar".
 //
-// Source: Oren, Nayar, "Generalization of Lambert's reflectance model", SIGGRAPH 1994, Eq. 30, in the
-// form of Portsmouth, Kutz, Hill, "EON", arXiv:2410.18026, Eq. 1 to 9.
+// Source: Oren, Nayar, "Generalization of Lambert's reflectance model", SIGGRAPH 1994, Eq. 30, in the form
+// of Portsmouth, Kutz, Hill, "EON", arXiv:2410.18026, Eq. 1 to 9.
 //
-// HLSL, made by gonio 0.1.0 from gonio/models/qon.py.
-// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
-// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// HLSL, made by gonio from gonio/models/qon.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose normal is
+// +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// Usage: Qon params; params.rho = ...; ... qon_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct QonSample {
@@ -19,13 +21,13 @@ struct Qon {
     float sigma;  // standard deviation of the facet angle, radians; 0 to 1.570796, default 0.5
 };
 
-// Results of qualitative_coefficients.
+// What qualitative_coefficients returns.
 struct QonQualitativeCoefficients {
-    float first;
-    float second;
+    float A;
+    float B;
 };
 
-// Results of coefficients.
+// What coefficients returns.
 struct QonCoefficients {
     float a;
     float b;
@@ -33,12 +35,16 @@ struct QonCoefficients {
     float d;
 };
 
+// ---- evaluation ----------------------------------------------------------------------------
+
 // A and B of Eq. 3. sigma: angle in radians; offset: 0.33, or 0.57 for the footnote's variant.
 QonQualitativeCoefficients qon_qualitative_coefficients(float sigma, float offset) {
     float s2 = sigma * sigma;
+    float A = 1.0 - 0.5 * s2 / (s2 + offset);
+    float B = 0.45 * s2 / (s2 + 0.09);
     QonQualitativeCoefficients result;
-    result.first = 1.0 - 0.5 * s2 / (s2 + offset);
-    result.second = 0.45 * s2 / (s2 + 0.09);
+    result.A = A;
+    result.B = B;
     return result;
 }
 
@@ -65,15 +71,18 @@ float qon_s_over_t_qualitative(float s, float3 wi, float3 wo) {
 // Eq. 1: BRDF value in 1/sr, without the cosine.
 float3 qon_eval(Qon params, float3 wi, float3 wo) {
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
-        return (float3)(0.0);
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return float3(0.0, 0.0, 0.0);
     }
     QonQualitativeCoefficients qualitative_coefficients_result = qon_qualitative_coefficients(params.sigma, 0.33);
-    float A = qualitative_coefficients_result.first;
-    float B = qualitative_coefficients_result.second;
+    float A = qualitative_coefficients_result.A;
+    float B = qualitative_coefficients_result.B;
     float s = qon_tangential_dot(wi, wo);
     return params.rho * (inv_pi * (A + B * qon_s_over_t_qualitative(s, wi, wo)));
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
 float qon_uniform_share(float mu, float r) {
@@ -119,8 +128,8 @@ float qon_kept_area(float d) {
 
 // Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
 float2 qon_azimuth(float3 wo) {
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+    // its reciprocal still fits into a float32.
     const float SIN2_MIN = 1.0e-18;
     float sin2 = wo.x * wo.x + wo.y * wo.y;
     bool tilted = sin2 > SIN2_MIN;
@@ -161,8 +170,8 @@ float3 qon_sample_cltc(float3 wo, float r, float2 u) {
 
 // CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
 float3 qon_sample_cltc_uniform(float3 wo, float r, float2 u) {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
-    // not taken.
+    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
+    // taken.
     const float P_MIN = 1.0e-6;
     float P_u = qon_uniform_share(wo.z, r);
     bool uniform_ = u.x < P_u;
@@ -172,12 +181,12 @@ float3 qon_sample_cltc_uniform(float3 wo, float r, float2 u) {
     return uniform_ ? w_u : w_c;
 }
 
-// A direction relative to an azimuth (cosine, sine): the inverse of `from_frame`.
+// A direction relative to an azimuth (cosine, sine): the inverse of qon_from_frame.
 float3 qon_to_frame(float3 w, float2 axis) {
     return float3(axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z);
 }
 
-// Density of `_transform` for an unclipped cosine lobe (Eq. 23 and 24).
+// Density of qon_transform for an unclipped cosine lobe (Eq. 23 and 24).
 float qon_cltc_pdf(float3 wi, float3 wo, float r, float d) {
     const float inv_pi = 0.31830987;
     QonCoefficients coefficients_result = qon_coefficients(wo.z, r);
@@ -192,47 +201,44 @@ float qon_cltc_pdf(float3 wi, float3 wo, float r, float d) {
     return inv_pi * det * det * inv2 * inv2 * max(h.z, 0.0);
 }
 
-// Density of `sample_cltc`.
+// Density of qon_sample_cltc.
 float qon_pdf_cltc(float3 wi, float3 wo, float r) {
     QonCoefficients coefficients_result = qon_coefficients(wo.z, r);
     float d = coefficients_result.d;
     return qon_cltc_pdf(wi, wo, r, d) / qon_kept_area(d);
 }
 
-// Density of `sample_uniform` in 1/sr.
-float qon_pdf_uniform() {
-    const float inv_two_pi = 0.15915494;
-    return inv_two_pi;
-}
-
-// Density of `sample_cltc_uniform`.
+// Density of qon_sample_cltc_uniform.
 float qon_pdf_cltc_uniform(float3 wi, float3 wo, float r) {
+    const float inv_two_pi = 0.15915494;
     float P_u = qon_uniform_share(wo.z, r);
-    return lerp(qon_pdf_cltc(wi, wo, r), qon_pdf_uniform(), P_u);
+    return lerp(qon_pdf_cltc(wi, wo, r), inv_two_pi, P_u);
 }
 
-// Density of `sample` in 1/sr.
+// Density of qon_sample in 1/sr.
 float qon_pdf(Qon params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     QonQualitativeCoefficients qualitative_coefficients_result = qon_qualitative_coefficients(params.sigma, 0.33);
-    float A = qualitative_coefficients_result.first;
-    float B = qualitative_coefficients_result.second;
+    float A = qualitative_coefficients_result.A;
+    float B = qualitative_coefficients_result.B;
     return qon_pdf_cltc_uniform(wi, wo, B / A);
 }
 
 // EON's CLTC with a uniform lobe, at the roughness with the same weight of s/t.
 QonSample qon_sample(Qon params, float3 wo, float2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         QonSample result;
         result.wi = float3(0.0, 0.0, 1.0);
         result.pdf = 0.0;
         return result;
     }
     QonQualitativeCoefficients qualitative_coefficients_result = qon_qualitative_coefficients(params.sigma, 0.33);
-    float A = qualitative_coefficients_result.first;
-    float B = qualitative_coefficients_result.second;
+    float A = qualitative_coefficients_result.A;
+    float B = qualitative_coefficients_result.B;
     float3 wi = qon_sample_cltc_uniform(wo, B / A, u);
     QonSample result;
     result.wi = wi;
@@ -240,18 +246,19 @@ QonSample qon_sample(Qon params, float3 wo, float2 u) {
     return result;
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
 float qon_twice_atan_over(float v) {
-    // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const float ATAN_0 = 2.0;  // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const float ATAN_1 = -0.66666144;
+    const float ATAN_2 = 0.3998524;
+    const float ATAN_3 = -0.28407288;
     const float ATAN_4 = 0.21281867;
     const float ATAN_5 = -0.15008585;
     const float ATAN_6 = 0.085383;
     const float ATAN_7 = -0.03213723;
     const float ATAN_8 = 0.005699773;
-    const float ATAN_0 = 2.0;
-    const float ATAN_1 = -0.66666144;
-    const float ATAN_2 = 0.3998524;
-    const float ATAN_3 = -0.28407288;
     float q = v * v;
     float p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
     return ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p)));
@@ -277,10 +284,10 @@ float qon_G_qualitative(float mu) {
 float3 qon_albedo(Qon params, float3 wo) {
     const float inv_pi = 0.31830987;
     if (wo.z < 0.0) {  // below the horizon
-        return (float3)(0.0);
+        return float3(0.0, 0.0, 0.0);
     }
     QonQualitativeCoefficients qualitative_coefficients_result = qon_qualitative_coefficients(params.sigma, 0.33);
-    float A = qualitative_coefficients_result.first;
-    float B = qualitative_coefficients_result.second;
+    float A = qualitative_coefficients_result.A;
+    float B = qualitative_coefficients_result.B;
     return params.rho * (A + B * inv_pi * qon_G_qualitative(wo.z));
 }

@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 // QON: the qualitative Oren-Nayar model, the one most renderers mean by "Oren-Nayar".
 //
-// Source: Oren, Nayar, "Generalization of Lambert's reflectance model", SIGGRAPH 1994, Eq. 30, in the
-// form of Portsmouth, Kutz, Hill, "EON", arXiv:2410.18026, Eq. 1 to 9.
+// Source: Oren, Nayar, "Generalization of Lambert's reflectance model", SIGGRAPH 1994, Eq. 30, in the form
+// of Portsmouth, Kutz, Hill, "EON", arXiv:2410.18026, Eq. 1 to 9.
 //
-// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/qon.py.
-// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
-// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// WGSL (WebGPU), made by gonio from gonio/models/qon.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose normal is
+// +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// Usage: var params: Qon; params.rho = ...; ... qon_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct QonSample {
@@ -19,13 +21,13 @@ struct Qon {
     sigma: f32,  // standard deviation of the facet angle, radians; 0 to 1.570796, default 0.5
 }
 
-// Results of qualitative_coefficients.
+// What qualitative_coefficients returns.
 struct QonQualitativeCoefficients {
-    first: f32,
-    second: f32,
+    A: f32,
+    B: f32,
 }
 
-// Results of coefficients.
+// What coefficients returns.
 struct QonCoefficients {
     a: f32,
     b: f32,
@@ -33,10 +35,14 @@ struct QonCoefficients {
     d: f32,
 }
 
+// ---- evaluation ----------------------------------------------------------------------------
+
 // A and B of Eq. 3. sigma: angle in radians; offset: 0.33, or 0.57 for the footnote's variant.
 fn qon_qualitative_coefficients(sigma: f32, offset: f32) -> QonQualitativeCoefficients {
     let s2 = sigma * sigma;
-    return QonQualitativeCoefficients(1.0 - 0.5 * s2 / (s2 + offset), 0.45 * s2 / (s2 + 0.09));
+    let A = 1.0 - 0.5 * s2 / (s2 + offset);
+    let B = 0.45 * s2 / (s2 + 0.09);
+    return QonQualitativeCoefficients(A, B);
 }
 
 // s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
@@ -62,15 +68,18 @@ fn qon_s_over_t_qualitative(s: f32, wi: vec3f, wo: vec3f) -> f32 {
 // Eq. 1: BRDF value in 1/sr, without the cosine.
 fn qon_eval(params: Qon, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
     let qualitative_coefficients_result = qon_qualitative_coefficients(params.sigma, 0.33);
-    let A = qualitative_coefficients_result.first;
-    let B = qualitative_coefficients_result.second;
+    let A = qualitative_coefficients_result.A;
+    let B = qualitative_coefficients_result.B;
     let s = qon_tangential_dot(wi, wo);
     return params.rho * (inv_pi * (A + B * qon_s_over_t_qualitative(s, wi, wo)));
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
 fn qon_uniform_share(mu: f32, r: f32) -> f32 {
@@ -111,8 +120,8 @@ fn qon_kept_area(d: f32) -> f32 {
 
 // Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
 fn qon_azimuth(wo: vec3f) -> vec2f {
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+    // its reciprocal still fits into a float32.
     const SIN2_MIN = 1.0e-18;
     let sin2 = wo.x * wo.x + wo.y * wo.y;
     let tilted = sin2 > SIN2_MIN;
@@ -153,8 +162,8 @@ fn qon_sample_cltc(wo: vec3f, r: f32, u: vec2f) -> vec3f {
 
 // CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
 fn qon_sample_cltc_uniform(wo: vec3f, r: f32, u: vec2f) -> vec3f {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
-    // not taken.
+    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
+    // taken.
     const P_MIN = 1.0e-6;
     let P_u = qon_uniform_share(wo.z, r);
     let uniform = u.x < P_u;
@@ -164,12 +173,12 @@ fn qon_sample_cltc_uniform(wo: vec3f, r: f32, u: vec2f) -> vec3f {
     return select(w_c, w_u, uniform);
 }
 
-// A direction relative to an azimuth (cosine, sine): the inverse of `from_frame`.
+// A direction relative to an azimuth (cosine, sine): the inverse of qon_from_frame.
 fn qon_to_frame(w: vec3f, axis: vec2f) -> vec3f {
     return vec3f(axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z);
 }
 
-// Density of `_transform` for an unclipped cosine lobe (Eq. 23 and 24).
+// Density of qon_transform for an unclipped cosine lobe (Eq. 23 and 24).
 fn qon_cltc_pdf(wi: vec3f, wo: vec3f, r: f32, d: f32) -> f32 {
     const inv_pi = 0.31830987;
     let coefficients_result = qon_coefficients(wo.z, r);
@@ -184,60 +193,58 @@ fn qon_cltc_pdf(wi: vec3f, wo: vec3f, r: f32, d: f32) -> f32 {
     return inv_pi * det * det * inv2 * inv2 * max(h.z, 0.0);
 }
 
-// Density of `sample_cltc`.
+// Density of qon_sample_cltc.
 fn qon_pdf_cltc(wi: vec3f, wo: vec3f, r: f32) -> f32 {
     let coefficients_result = qon_coefficients(wo.z, r);
     let d = coefficients_result.d;
     return qon_cltc_pdf(wi, wo, r, d) / qon_kept_area(d);
 }
 
-// Density of `sample_uniform` in 1/sr.
-fn qon_pdf_uniform() -> f32 {
-    const inv_two_pi = 0.15915494;
-    return inv_two_pi;
-}
-
-// Density of `sample_cltc_uniform`.
+// Density of qon_sample_cltc_uniform.
 fn qon_pdf_cltc_uniform(wi: vec3f, wo: vec3f, r: f32) -> f32 {
+    const inv_two_pi = 0.15915494;
     let P_u = qon_uniform_share(wo.z, r);
-    return mix(qon_pdf_cltc(wi, wo, r), qon_pdf_uniform(), P_u);
+    return mix(qon_pdf_cltc(wi, wo, r), inv_two_pi, P_u);
 }
 
-// Density of `sample` in 1/sr.
+// Density of qon_sample in 1/sr.
 fn qon_pdf(params: Qon, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     let qualitative_coefficients_result = qon_qualitative_coefficients(params.sigma, 0.33);
-    let A = qualitative_coefficients_result.first;
-    let B = qualitative_coefficients_result.second;
+    let A = qualitative_coefficients_result.A;
+    let B = qualitative_coefficients_result.B;
     return qon_pdf_cltc_uniform(wi, wo, B / A);
 }
 
 // EON's CLTC with a uniform lobe, at the roughness with the same weight of s/t.
 fn qon_sample(params: Qon, wo: vec3f, u: vec2f) -> QonSample {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return QonSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let qualitative_coefficients_result = qon_qualitative_coefficients(params.sigma, 0.33);
-    let A = qualitative_coefficients_result.first;
-    let B = qualitative_coefficients_result.second;
+    let A = qualitative_coefficients_result.A;
+    let B = qualitative_coefficients_result.B;
     let wi = qon_sample_cltc_uniform(wo, B / A, u);
     return QonSample(wi, qon_pdf(params, wi, wo));
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
 fn qon_twice_atan_over(v: f32) -> f32 {
-    // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const ATAN_0 = 2.0;  // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const ATAN_1 = -0.66666144;
+    const ATAN_2 = 0.3998524;
+    const ATAN_3 = -0.28407288;
     const ATAN_4 = 0.21281867;
     const ATAN_5 = -0.15008585;
     const ATAN_6 = 0.085383;
     const ATAN_7 = -0.03213723;
     const ATAN_8 = 0.005699773;
-    const ATAN_0 = 2.0;
-    const ATAN_1 = -0.66666144;
-    const ATAN_2 = 0.3998524;
-    const ATAN_3 = -0.28407288;
     let q = v * v;
     let p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
     return ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p)));
@@ -266,7 +273,7 @@ fn qon_albedo(params: Qon, wo: vec3f) -> vec3f {
         return vec3f(0.0);
     }
     let qualitative_coefficients_result = qon_qualitative_coefficients(params.sigma, 0.33);
-    let A = qualitative_coefficients_result.first;
-    let B = qualitative_coefficients_result.second;
+    let A = qualitative_coefficients_result.A;
+    let B = qualitative_coefficients_result.B;
     return params.rho * (A + B * inv_pi * qon_G_qualitative(wo.z));
 }

@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 // QON with the coefficient of a footnote: 0.57 in place of 0.33, a little brighter.
 //
 // Source: Oren, Nayar, "Generalization of Lambert's reflectance model", SIGGRAPH 1994, Eq. 30 and its
 // footnote; in the form of Portsmouth, Kutz, Hill, "EON", arXiv:2410.18026, Eq. 1 to 9.
 //
-// GLSL 4.5, made by gonio 0.1.0 from gonio/models/qon_footnote.py.
-// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
-// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// GLSL 4.5, made by gonio from gonio/models/qon_footnote.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose normal is
+// +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// Usage: QonFootnote params; params.rho = ...; ... qon_footnote_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct QonFootnoteSample {
@@ -20,13 +22,13 @@ struct QonFootnote {
     float sigma;  // standard deviation of the facet angle, radians; 0 to 1.570796, default 0.5
 };
 
-// Results of qualitative_coefficients.
+// What qualitative_coefficients returns.
 struct QonFootnoteQualitativeCoefficients {
-    float first;
-    float second;
+    float A;
+    float B;
 };
 
-// Results of coefficients.
+// What coefficients returns.
 struct QonFootnoteCoefficients {
     float a;
     float b;
@@ -34,12 +36,15 @@ struct QonFootnoteCoefficients {
     float d;
 };
 
+// ---- evaluation ----------------------------------------------------------------------------
+
 // A and B of Eq. 3. sigma: angle in radians; offset: 0.33, or 0.57 for the footnote's variant.
 QonFootnoteQualitativeCoefficients qon_footnote_qualitative_coefficients(float sigma,
     float offset) {
     float s2 = sigma * sigma;
-    return QonFootnoteQualitativeCoefficients(1.0 - 0.5 * s2 / (s2 + offset),
-        0.45 * s2 / (s2 + 0.09));
+    float A = 1.0 - 0.5 * s2 / (s2 + offset);
+    float B = 0.45 * s2 / (s2 + 0.09);
+    return QonFootnoteQualitativeCoefficients(A, B);
 }
 
 // s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
@@ -59,28 +64,31 @@ float qon_footnote_s_over_max(float s, vec3 wi, vec3 wo) {
 
 // s / t of Eq. 4: nothing for s <= 0.
 float qon_footnote_s_over_t_qualitative(float s, vec3 wi, vec3 wo) {
-    return mix(0.0, qon_footnote_s_over_max(s, wi, wo), s > 0.0);
+    return s > 0.0 ? qon_footnote_s_over_max(s, wi, wo) : 0.0;
 }
 
 // Eq. 1: BRDF value in 1/sr, without the cosine.
 vec3 qon_footnote_eval(QonFootnote params, vec3 wi, vec3 wo) {
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3(0.0);
     }
     QonFootnoteQualitativeCoefficients qualitative_coefficients_result = qon_footnote_qualitative_coefficients(params.sigma, 0.57);
-    float A = qualitative_coefficients_result.first;
-    float B = qualitative_coefficients_result.second;
+    float A = qualitative_coefficients_result.A;
+    float B = qualitative_coefficients_result.B;
     float s = qon_footnote_tangential_dot(wi, wo);
     return params.rho * (inv_pi * (A + B * qon_footnote_s_over_t_qualitative(s, wi, wo)));
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
 float qon_footnote_uniform_share(float mu, float r) {
     // Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32.
     const float R_MIN = 1.0e-37;
     float fit = 0.162925 + mu * (-0.372058 + (0.538233 - 0.290822 * mu) * mu);
-    return mix(0.0, pow(max(r, R_MIN), 0.1) * fit, r > 0.0);
+    return r > 0.0 ? pow(max(r, R_MIN), 0.1) * fit : 0.0;
 }
 
 // A direction with density 1 / (2 pi).
@@ -114,13 +122,13 @@ float qon_footnote_kept_area(float d) {
 
 // Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
 vec2 qon_footnote_azimuth(vec3 wo) {
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+    // its reciprocal still fits into a float32.
     const float SIN2_MIN = 1.0e-18;
     float sin2 = wo.x * wo.x + wo.y * wo.y;
     bool tilted = sin2 > SIN2_MIN;
     float inv = 1.0 / sqrt(max(sin2, SIN2_MIN));
-    return vec2(mix(1.0, wo.x * inv, tilted), mix(0.0, wo.y * inv, tilted));
+    return vec2(tilted ? wo.x * inv : 1.0, tilted ? wo.y * inv : 0.0);
 }
 
 // A direction given relative to an azimuth (cosine, sine), about the normal turned by it.
@@ -157,23 +165,23 @@ vec3 qon_footnote_sample_cltc(vec3 wo, float r, vec2 u) {
 
 // CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
 vec3 qon_footnote_sample_cltc_uniform(vec3 wo, float r, vec2 u) {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
-    // not taken.
+    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
+    // taken.
     const float P_MIN = 1.0e-6;
     float P_u = qon_footnote_uniform_share(wo.z, r);
     bool uniform_ = u.x < P_u;
-    float u1 = mix((u.x - P_u) / (1.0 - P_u), u.x / max(P_u, P_MIN), uniform_);
+    float u1 = uniform_ ? u.x / max(P_u, P_MIN) : (u.x - P_u) / (1.0 - P_u);
     vec3 w_u = qon_footnote_sample_uniform(vec2(u1, u.y));
     vec3 w_c = qon_footnote_sample_cltc(wo, r, vec2(u1, u.y));
     return uniform_ ? w_u : w_c;
 }
 
-// A direction relative to an azimuth (cosine, sine): the inverse of `from_frame`.
+// A direction relative to an azimuth (cosine, sine): the inverse of qon_footnote_from_frame.
 vec3 qon_footnote_to_frame(vec3 w, vec2 axis) {
     return vec3(axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z);
 }
 
-// Density of `_transform` for an unclipped cosine lobe (Eq. 23 and 24).
+// Density of qon_footnote_transform for an unclipped cosine lobe (Eq. 23 and 24).
 float qon_footnote_cltc_pdf(vec3 wi, vec3 wo, float r, float d) {
     const float inv_pi = 0.31830987;
     QonFootnoteCoefficients coefficients_result = qon_footnote_coefficients(wo.z, r);
@@ -188,60 +196,58 @@ float qon_footnote_cltc_pdf(vec3 wi, vec3 wo, float r, float d) {
     return inv_pi * det * det * inv2 * inv2 * max(h.z, 0.0);
 }
 
-// Density of `sample_cltc`.
+// Density of qon_footnote_sample_cltc.
 float qon_footnote_pdf_cltc(vec3 wi, vec3 wo, float r) {
     QonFootnoteCoefficients coefficients_result = qon_footnote_coefficients(wo.z, r);
     float d = coefficients_result.d;
     return qon_footnote_cltc_pdf(wi, wo, r, d) / qon_footnote_kept_area(d);
 }
 
-// Density of `sample_uniform` in 1/sr.
-float qon_footnote_pdf_uniform() {
-    const float inv_two_pi = 0.15915494;
-    return inv_two_pi;
-}
-
-// Density of `sample_cltc_uniform`.
+// Density of qon_footnote_sample_cltc_uniform.
 float qon_footnote_pdf_cltc_uniform(vec3 wi, vec3 wo, float r) {
+    const float inv_two_pi = 0.15915494;
     float P_u = qon_footnote_uniform_share(wo.z, r);
-    return mix(qon_footnote_pdf_cltc(wi, wo, r), qon_footnote_pdf_uniform(), P_u);
+    return mix(qon_footnote_pdf_cltc(wi, wo, r), inv_two_pi, P_u);
 }
 
-// Density of `sample` in 1/sr.
+// Density of qon_footnote_sample in 1/sr.
 float qon_footnote_pdf(QonFootnote params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     QonFootnoteQualitativeCoefficients qualitative_coefficients_result = qon_footnote_qualitative_coefficients(params.sigma, 0.57);
-    float A = qualitative_coefficients_result.first;
-    float B = qualitative_coefficients_result.second;
+    float A = qualitative_coefficients_result.A;
+    float B = qualitative_coefficients_result.B;
     return qon_footnote_pdf_cltc_uniform(wi, wo, B / A);
 }
 
 // EON's CLTC with a uniform lobe, at the roughness with the same weight of s/t.
 QonFootnoteSample qon_footnote_sample(QonFootnote params, vec3 wo, vec2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return QonFootnoteSample(vec3(0.0, 0.0, 1.0), 0.0);
     }
     QonFootnoteQualitativeCoefficients qualitative_coefficients_result = qon_footnote_qualitative_coefficients(params.sigma, 0.57);
-    float A = qualitative_coefficients_result.first;
-    float B = qualitative_coefficients_result.second;
+    float A = qualitative_coefficients_result.A;
+    float B = qualitative_coefficients_result.B;
     vec3 wi = qon_footnote_sample_cltc_uniform(wo, B / A, u);
     return QonFootnoteSample(wi, qon_footnote_pdf(params, wi, wo));
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
 float qon_footnote_twice_atan_over(float v) {
-    // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const float ATAN_0 = 2.0;  // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const float ATAN_1 = -0.66666144;
+    const float ATAN_2 = 0.3998524;
+    const float ATAN_3 = -0.28407288;
     const float ATAN_4 = 0.21281867;
     const float ATAN_5 = -0.15008585;
     const float ATAN_6 = 0.085383;
     const float ATAN_7 = -0.03213723;
     const float ATAN_8 = 0.005699773;
-    const float ATAN_0 = 2.0;
-    const float ATAN_1 = -0.66666144;
-    const float ATAN_2 = 0.3998524;
-    const float ATAN_3 = -0.28407288;
     float q = v * v;
     float p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
     return ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p)));
@@ -253,7 +259,7 @@ float qon_footnote_safe_acos(float x) {
     float a = min(abs(x), 1.0);
     float v = sqrt(max((1.0 - a) * (1.0 + a), 0.0)) / (1.0 + a);
     float angle = v * qon_footnote_twice_atan_over(v);
-    return mix(angle, pi - angle, x < 0.0);
+    return x < 0.0 ? pi - angle : angle;
 }
 
 // Eq. 8: the integral of s/t (Eq. 4) times the cosine, at a cosine mu in [0, 1]; pi/2 at mu = 0.
@@ -271,7 +277,7 @@ vec3 qon_footnote_albedo(QonFootnote params, vec3 wo) {
         return vec3(0.0);
     }
     QonFootnoteQualitativeCoefficients qualitative_coefficients_result = qon_footnote_qualitative_coefficients(params.sigma, 0.57);
-    float A = qualitative_coefficients_result.first;
-    float B = qualitative_coefficients_result.second;
+    float A = qualitative_coefficients_result.A;
+    float B = qualitative_coefficients_result.B;
     return params.rho * (A + B * inv_pi * qon_footnote_G_qualitative(wo.z));
 }

@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 // Fujii QON: the qualitative Oren-Nayar model with a coloured interreflection term.
 //
-// Source: Fujii, "A tiny improvement of Oren-Nayar reflectance model", 2013, its first proposal; named
-// and plotted in Portsmouth, Kutz, Hill, "EON", arXiv:2410.18026, section 1.
+// Source: Fujii, "A tiny improvement of Oren-Nayar reflectance model", 2013, its first proposal; named and
+// plotted in Portsmouth, Kutz, Hill, "EON", arXiv:2410.18026, section 1.
 //
-// C++, made by gonio 0.1.0 from gonio/models/qon_fujii.py.
+// C++, made by gonio from gonio/models/qon_fujii.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// Usage: gonio_qon_fujii::QonFujii params; params.rho = ...; ... gonio_qon_fujii::qon_fujii_eval(params, wi, wo)
 
 #pragma once
 #include <math.h>
@@ -57,6 +59,21 @@ inline Vec3 operator*(float a, Vec3 b) {
     return Vec3{a * b.x, a * b.y, a * b.z};
 }
 
+constexpr float two_pi = 6.2831855f;
+constexpr float inv_pi = 0.31830987f;
+constexpr float inv_two_pi = 0.15915494f;
+constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
+// Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32.
+constexpr float R_MIN = 1.0e-37f;
+// Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
+// taken.
+constexpr float P_MIN = 1.0e-6f;
+// A sample that rounding pushed below the horizon is lifted to this cosine, 1/16 of a float32 epsilon.
+constexpr float Z_MIN = 7.450581e-9f;
+// Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+// its reciprocal still fits into a float32.
+constexpr float SIN2_MIN = 1.0e-18f;
+
 // A sampled direction and its density.
 struct QonFujiiSample {
     Vec3 wi;  // direction towards the light, unit, local frame
@@ -69,13 +86,13 @@ struct QonFujii {
     float sigma;  // standard deviation of the facet angle, radians; 0 to 1.570796, default 0.5
 };
 
-// Results of qualitative_coefficients.
+// What qualitative_coefficients returns.
 struct QonFujiiQualitativeCoefficients {
-    float first;
-    float second;
+    float A;
+    float B;
 };
 
-// Results of coefficients.
+// What coefficients returns.
 struct QonFujiiCoefficients {
     float a;
     float b;
@@ -83,16 +100,15 @@ struct QonFujiiCoefficients {
     float d;
 };
 
+// ---- evaluation ----------------------------------------------------------------------------
+
 // A and B of Eq. 3. sigma: angle in radians; offset: 0.33, or 0.57 for the footnote's variant.
 inline QonFujiiQualitativeCoefficients qon_fujii_qualitative_coefficients(float sigma,
     float offset) {
     float s2 = sigma * sigma;
-    return QonFujiiQualitativeCoefficients{1.0f - 0.5f * s2 / (s2 + offset),
-        0.45f * s2 / (s2 + 0.09f)};
-}
-
-inline QonFujiiQualitativeCoefficients qon_fujii_coefficients(const QonFujii& params) {
-    return qon_fujii_qualitative_coefficients(params.sigma, 0.33f);
+    float A = 1.0f - 0.5f * s2 / (s2 + offset);
+    float B = 0.45f * s2 / (s2 + 0.09f);
+    return QonFujiiQualitativeCoefficients{A, B};
 }
 
 // s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
@@ -107,8 +123,8 @@ inline float qon_fujii_tangential_dot(Vec3 wi, Vec3 wo) {
 
 // A with the interreflection, one value per channel.
 inline Vec3 qon_fujii_A(const QonFujii& params) {
-    QonFujiiQualitativeCoefficients coefficients_result = qon_fujii_coefficients(params);
-    float A = coefficients_result.first;
+    QonFujiiQualitativeCoefficients coefficients_result = qon_fujii_qualitative_coefficients(params.sigma, 0.33f);
+    float A = coefficients_result.A;
     float s2 = params.sigma * params.sigma;
     return A + params.rho * (0.17f * s2 / (s2 + 0.13f));
 }
@@ -125,27 +141,25 @@ inline float qon_fujii_s_over_t_fujii(float s, Vec3 wi, Vec3 wo) {
 
 // BRDF value in 1/sr, without the cosine: A grows with the colour.
 inline Vec3 qon_fujii_eval(const QonFujii& params, Vec3 wi, Vec3 wo) {
-    constexpr float inv_pi = 0.31830987f;
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
-    QonFujiiQualitativeCoefficients coefficients_result = qon_fujii_coefficients(params);
-    float B = coefficients_result.second;
+    QonFujiiQualitativeCoefficients coefficients_result = qon_fujii_qualitative_coefficients(params.sigma, 0.33f);
+    float B = coefficients_result.B;
     float s = qon_fujii_tangential_dot(wi, wo);
     return params.rho * (inv_pi * (qon_fujii_A(params) + B * qon_fujii_s_over_t_fujii(s, wi, wo)));
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
 inline float qon_fujii_uniform_share(float mu, float r) {
-    // Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32.
-    constexpr float R_MIN = 1.0e-37f;
     float fit = 0.162925f + mu * (-0.372058f + (0.538233f - 0.290822f * mu) * mu);
     return r > 0.0f ? powf(fmaxf(r, R_MIN), 0.1f) * fit : 0.0f;
 }
 
 // A direction with density 1 / (2 pi).
 inline Vec3 qon_fujii_sample_uniform(Vec2 u) {
-    constexpr float two_pi = 6.2831855f;
     // z = 1 - u instead of u: random numbers lie in [0, 1), so z never becomes 0.
     float z = 1.0f - u.x;
     float r = sqrtf(fmaxf(u.x * (1.0f + z), 0.0f));
@@ -175,9 +189,6 @@ inline float qon_fujii_kept_area(float d) {
 
 // Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
 inline Vec2 qon_fujii_azimuth(Vec3 wo) {
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
-    constexpr float SIN2_MIN = 1.0e-18f;
     float sin2 = wo.x * wo.x + wo.y * wo.y;
     bool tilted = sin2 > SIN2_MIN;
     float inv = 1.0f / sqrtf(fmaxf(sin2, SIN2_MIN));
@@ -202,9 +213,6 @@ inline Vec3 qon_fujii_transform(float x, float y, Vec3 wo, float r, float d) {
 
 // Clipped to the directions that M keeps above the horizon (Listing 3).
 inline Vec3 qon_fujii_sample_cltc(Vec3 wo, float r, Vec2 u) {
-    constexpr float two_pi = 6.2831855f;
-    // A sample that rounding pushed below the horizon is lifted to this cosine, 1/16 of a float32 epsilon.
-    constexpr float Z_MIN = 7.450581e-9f;
     QonFujiiCoefficients coefficients_result = qon_fujii_cltc_coefficients(wo.z, r);
     float d = coefficients_result.d;
     float R = sqrtf(fmaxf(u.x, 0.0f));
@@ -218,9 +226,6 @@ inline Vec3 qon_fujii_sample_cltc(Vec3 wo, float r, Vec2 u) {
 
 // CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
 inline Vec3 qon_fujii_sample_cltc_uniform(Vec3 wo, float r, Vec2 u) {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
-    // not taken.
-    constexpr float P_MIN = 1.0e-6f;
     float P_u = qon_fujii_uniform_share(wo.z, r);
     bool uniform = u.x < P_u;
     float u1 = uniform ? u.x / fmaxf(P_u, P_MIN) : (u.x - P_u) / (1.0f - P_u);
@@ -229,14 +234,13 @@ inline Vec3 qon_fujii_sample_cltc_uniform(Vec3 wo, float r, Vec2 u) {
     return uniform ? w_u : w_c;
 }
 
-// A direction relative to an azimuth (cosine, sine): the inverse of `from_frame`.
+// A direction relative to an azimuth (cosine, sine): the inverse of qon_fujii_from_frame.
 inline Vec3 qon_fujii_to_frame(Vec3 w, Vec2 axis) {
     return Vec3{axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z};
 }
 
-// Density of `_transform` for an unclipped cosine lobe (Eq. 23 and 24).
+// Density of qon_fujii_transform for an unclipped cosine lobe (Eq. 23 and 24).
 inline float qon_fujii_cltc_pdf(Vec3 wi, Vec3 wo, float r, float d) {
-    constexpr float inv_pi = 0.31830987f;
     QonFujiiCoefficients coefficients_result = qon_fujii_cltc_coefficients(wo.z, r);
     float a = coefficients_result.a;
     float b = coefficients_result.b;
@@ -249,47 +253,43 @@ inline float qon_fujii_cltc_pdf(Vec3 wi, Vec3 wo, float r, float d) {
     return inv_pi * det * det * inv2 * inv2 * fmaxf(h.z, 0.0f);
 }
 
-// Density of `sample_cltc`.
+// Density of qon_fujii_sample_cltc.
 inline float qon_fujii_pdf_cltc(Vec3 wi, Vec3 wo, float r) {
     QonFujiiCoefficients coefficients_result = qon_fujii_cltc_coefficients(wo.z, r);
     float d = coefficients_result.d;
     return qon_fujii_cltc_pdf(wi, wo, r, d) / qon_fujii_kept_area(d);
 }
 
-// Density of `sample_uniform` in 1/sr.
-inline float qon_fujii_pdf_uniform() {
-    constexpr float inv_two_pi = 0.15915494f;
-    return inv_two_pi;
-}
-
-// Density of `sample_cltc_uniform`.
+// Density of qon_fujii_sample_cltc_uniform.
 inline float qon_fujii_pdf_cltc_uniform(Vec3 wi, Vec3 wo, float r) {
     float P_u = qon_fujii_uniform_share(wo.z, r);
-    return lerp(qon_fujii_pdf_cltc(wi, wo, r), qon_fujii_pdf_uniform(), P_u);
+    return lerp(qon_fujii_pdf_cltc(wi, wo, r), inv_two_pi, P_u);
 }
 
-// Density of `sample` in 1/sr; that of the colourless part.
+// Density of qon_fujii_sample in 1/sr; that of the colourless part.
 inline float qon_fujii_pdf(const QonFujii& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0f;
     }
-    QonFujiiQualitativeCoefficients coefficients_result = qon_fujii_coefficients(params);
-    float A = coefficients_result.first;
-    float B = coefficients_result.second;
+    QonFujiiQualitativeCoefficients coefficients_result = qon_fujii_qualitative_coefficients(params.sigma, 0.33f);
+    float A = coefficients_result.A;
+    float B = coefficients_result.B;
     return qon_fujii_pdf_cltc_uniform(wi, wo, B / A);
 }
 
 // EON's CLTC with a uniform lobe, at the roughness with the same weight of s/t.
 inline QonFujiiSample qon_fujii_sample(const QonFujii& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 1.0e-18f) {  // in the horizon or below
+    if (wo.z <= mu_min) {  // in the horizon or below
         return QonFujiiSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
-    QonFujiiQualitativeCoefficients coefficients_result = qon_fujii_coefficients(params);
-    float A = coefficients_result.first;
-    float B = coefficients_result.second;
+    QonFujiiQualitativeCoefficients coefficients_result = qon_fujii_qualitative_coefficients(params.sigma, 0.33f);
+    float A = coefficients_result.A;
+    float B = coefficients_result.B;
     Vec3 wi = qon_fujii_sample_cltc_uniform(wo, B / A, u);
     return QonFujiiSample{wi, qon_fujii_pdf(params, wi, wo)};
 }
+
+// ---- albedo --------------------------------------------------------------------------------
 
 // Eq. 8: the integral of s/t (Eq. 4) times the cosine, at a cosine mu in [0, 1]; pi/2 at mu = 0.
 inline float qon_fujii_G_qualitative(float mu) {
@@ -307,12 +307,11 @@ inline float qon_fujii_G_fujii(float mu) {
 
 // rho (A + B G_F / pi).
 inline Vec3 qon_fujii_albedo(const QonFujii& params, Vec3 wo) {
-    constexpr float inv_pi = 0.31830987f;
     if (wo.z < 0.0f) {  // below the horizon
         return splat(0.0f);
     }
-    QonFujiiQualitativeCoefficients coefficients_result = qon_fujii_coefficients(params);
-    float B = coefficients_result.second;
+    QonFujiiQualitativeCoefficients coefficients_result = qon_fujii_qualitative_coefficients(params.sigma, 0.33f);
+    float B = coefficients_result.B;
     return params.rho * (qon_fujii_A(params) + B * inv_pi * qon_fujii_G_fujii(wo.z));
 }
 

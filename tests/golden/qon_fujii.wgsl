@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 // Fujii QON: the qualitative Oren-Nayar model with a coloured interreflection term.
 //
-// Source: Fujii, "A tiny improvement of Oren-Nayar reflectance model", 2013, its first proposal; named
-// and plotted in Portsmouth, Kutz, Hill, "EON", arXiv:2410.18026, section 1.
+// Source: Fujii, "A tiny improvement of Oren-Nayar reflectance model", 2013, its first proposal; named and
+// plotted in Portsmouth, Kutz, Hill, "EON", arXiv:2410.18026, section 1.
 //
-// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/qon_fujii.py.
+// WGSL (WebGPU), made by gonio from gonio/models/qon_fujii.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// Usage: var params: QonFujii; params.rho = ...; ... qon_fujii_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct QonFujiiSample {
@@ -19,13 +21,13 @@ struct QonFujii {
     sigma: f32,  // standard deviation of the facet angle, radians; 0 to 1.570796, default 0.5
 }
 
-// Results of qualitative_coefficients.
+// What qualitative_coefficients returns.
 struct QonFujiiQualitativeCoefficients {
-    first: f32,
-    second: f32,
+    A: f32,
+    B: f32,
 }
 
-// Results of coefficients.
+// What coefficients returns.
 struct QonFujiiCoefficients {
     a: f32,
     b: f32,
@@ -33,15 +35,15 @@ struct QonFujiiCoefficients {
     d: f32,
 }
 
+// ---- evaluation ----------------------------------------------------------------------------
+
 // A and B of Eq. 3. sigma: angle in radians; offset: 0.33, or 0.57 for the footnote's variant.
 fn qon_fujii_qualitative_coefficients(sigma: f32,
     offset: f32) -> QonFujiiQualitativeCoefficients {
     let s2 = sigma * sigma;
-    return QonFujiiQualitativeCoefficients(1.0 - 0.5 * s2 / (s2 + offset), 0.45 * s2 / (s2 + 0.09));
-}
-
-fn qon_fujii_coefficients(params: QonFujii) -> QonFujiiQualitativeCoefficients {
-    return qon_fujii_qualitative_coefficients(params.sigma, 0.33);
+    let A = 1.0 - 0.5 * s2 / (s2 + offset);
+    let B = 0.45 * s2 / (s2 + 0.09);
+    return QonFujiiQualitativeCoefficients(A, B);
 }
 
 // s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
@@ -56,8 +58,8 @@ fn qon_fujii_tangential_dot(wi: vec3f, wo: vec3f) -> f32 {
 
 // A with the interreflection, one value per channel.
 fn qon_fujii_A(params: QonFujii) -> vec3f {
-    let coefficients_result = qon_fujii_coefficients(params);
-    let A = coefficients_result.first;
+    let coefficients_result = qon_fujii_qualitative_coefficients(params.sigma, 0.33);
+    let A = coefficients_result.A;
     let s2 = params.sigma * params.sigma;
     return A + params.rho * (0.17 * s2 / (s2 + 0.13));
 }
@@ -75,14 +77,17 @@ fn qon_fujii_s_over_t_fujii(s: f32, wi: vec3f, wo: vec3f) -> f32 {
 // BRDF value in 1/sr, without the cosine: A grows with the colour.
 fn qon_fujii_eval(params: QonFujii, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
-    let coefficients_result = qon_fujii_coefficients(params);
-    let B = coefficients_result.second;
+    let coefficients_result = qon_fujii_qualitative_coefficients(params.sigma, 0.33);
+    let B = coefficients_result.B;
     let s = qon_fujii_tangential_dot(wi, wo);
     return params.rho * (inv_pi * (qon_fujii_A(params) + B * qon_fujii_s_over_t_fujii(s, wi, wo)));
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
 fn qon_fujii_uniform_share(mu: f32, r: f32) -> f32 {
@@ -123,8 +128,8 @@ fn qon_fujii_kept_area(d: f32) -> f32 {
 
 // Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
 fn qon_fujii_azimuth(wo: vec3f) -> vec2f {
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+    // its reciprocal still fits into a float32.
     const SIN2_MIN = 1.0e-18;
     let sin2 = wo.x * wo.x + wo.y * wo.y;
     let tilted = sin2 > SIN2_MIN;
@@ -166,8 +171,8 @@ fn qon_fujii_sample_cltc(wo: vec3f, r: f32, u: vec2f) -> vec3f {
 
 // CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
 fn qon_fujii_sample_cltc_uniform(wo: vec3f, r: f32, u: vec2f) -> vec3f {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
-    // not taken.
+    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
+    // taken.
     const P_MIN = 1.0e-6;
     let P_u = qon_fujii_uniform_share(wo.z, r);
     let uniform = u.x < P_u;
@@ -177,12 +182,12 @@ fn qon_fujii_sample_cltc_uniform(wo: vec3f, r: f32, u: vec2f) -> vec3f {
     return select(w_c, w_u, uniform);
 }
 
-// A direction relative to an azimuth (cosine, sine): the inverse of `from_frame`.
+// A direction relative to an azimuth (cosine, sine): the inverse of qon_fujii_from_frame.
 fn qon_fujii_to_frame(w: vec3f, axis: vec2f) -> vec3f {
     return vec3f(axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z);
 }
 
-// Density of `_transform` for an unclipped cosine lobe (Eq. 23 and 24).
+// Density of qon_fujii_transform for an unclipped cosine lobe (Eq. 23 and 24).
 fn qon_fujii_cltc_pdf(wi: vec3f, wo: vec3f, r: f32, d: f32) -> f32 {
     const inv_pi = 0.31830987;
     let coefficients_result = qon_fujii_cltc_coefficients(wo.z, r);
@@ -197,60 +202,58 @@ fn qon_fujii_cltc_pdf(wi: vec3f, wo: vec3f, r: f32, d: f32) -> f32 {
     return inv_pi * det * det * inv2 * inv2 * max(h.z, 0.0);
 }
 
-// Density of `sample_cltc`.
+// Density of qon_fujii_sample_cltc.
 fn qon_fujii_pdf_cltc(wi: vec3f, wo: vec3f, r: f32) -> f32 {
     let coefficients_result = qon_fujii_cltc_coefficients(wo.z, r);
     let d = coefficients_result.d;
     return qon_fujii_cltc_pdf(wi, wo, r, d) / qon_fujii_kept_area(d);
 }
 
-// Density of `sample_uniform` in 1/sr.
-fn qon_fujii_pdf_uniform() -> f32 {
-    const inv_two_pi = 0.15915494;
-    return inv_two_pi;
-}
-
-// Density of `sample_cltc_uniform`.
+// Density of qon_fujii_sample_cltc_uniform.
 fn qon_fujii_pdf_cltc_uniform(wi: vec3f, wo: vec3f, r: f32) -> f32 {
+    const inv_two_pi = 0.15915494;
     let P_u = qon_fujii_uniform_share(wo.z, r);
-    return mix(qon_fujii_pdf_cltc(wi, wo, r), qon_fujii_pdf_uniform(), P_u);
+    return mix(qon_fujii_pdf_cltc(wi, wo, r), inv_two_pi, P_u);
 }
 
-// Density of `sample` in 1/sr; that of the colourless part.
+// Density of qon_fujii_sample in 1/sr; that of the colourless part.
 fn qon_fujii_pdf(params: QonFujii, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
-    let coefficients_result = qon_fujii_coefficients(params);
-    let A = coefficients_result.first;
-    let B = coefficients_result.second;
+    let coefficients_result = qon_fujii_qualitative_coefficients(params.sigma, 0.33);
+    let A = coefficients_result.A;
+    let B = coefficients_result.B;
     return qon_fujii_pdf_cltc_uniform(wi, wo, B / A);
 }
 
 // EON's CLTC with a uniform lobe, at the roughness with the same weight of s/t.
 fn qon_fujii_sample(params: QonFujii, wo: vec3f, u: vec2f) -> QonFujiiSample {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return QonFujiiSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
-    let coefficients_result = qon_fujii_coefficients(params);
-    let A = coefficients_result.first;
-    let B = coefficients_result.second;
+    let coefficients_result = qon_fujii_qualitative_coefficients(params.sigma, 0.33);
+    let A = coefficients_result.A;
+    let B = coefficients_result.B;
     let wi = qon_fujii_sample_cltc_uniform(wo, B / A, u);
     return QonFujiiSample(wi, qon_fujii_pdf(params, wi, wo));
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
 fn qon_fujii_twice_atan_over(v: f32) -> f32 {
-    // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const ATAN_0 = 2.0;  // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const ATAN_1 = -0.66666144;
+    const ATAN_2 = 0.3998524;
+    const ATAN_3 = -0.28407288;
     const ATAN_4 = 0.21281867;
     const ATAN_5 = -0.15008585;
     const ATAN_6 = 0.085383;
     const ATAN_7 = -0.03213723;
     const ATAN_8 = 0.005699773;
-    const ATAN_0 = 2.0;
-    const ATAN_1 = -0.66666144;
-    const ATAN_2 = 0.3998524;
-    const ATAN_3 = -0.28407288;
     let q = v * v;
     let p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
     return ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p)));
@@ -284,7 +287,7 @@ fn qon_fujii_albedo(params: QonFujii, wo: vec3f) -> vec3f {
     if (wo.z < 0.0) {  // below the horizon
         return vec3f(0.0);
     }
-    let coefficients_result = qon_fujii_coefficients(params);
-    let B = coefficients_result.second;
+    let coefficients_result = qon_fujii_qualitative_coefficients(params.sigma, 0.33);
+    let B = coefficients_result.B;
     return params.rho * (qon_fujii_A(params) + B * inv_pi * qon_fujii_G_fujii(wo.z));
 }

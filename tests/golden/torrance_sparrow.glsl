@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Torrance-Sparrow: mirrors of microscopic size, with every published choice of D, G and F.
 //
 // f = F D G / (4 mu_i mu_o). Also called Cook-Torrance, whose own paper prints 1 / pi in place of 1 / 4.
@@ -10,10 +11,11 @@
 // Turquin, "Practical multiple scattering compensation for microfacet models", 2019.
 // Those of D, G and F are named in gonio.parts.distribution, masking and fresnel.
 //
-// GLSL 4.5, made by gonio 0.1.0 from gonio/models/torrance_sparrow.py.
+// GLSL 4.5, made by gonio from gonio/models/torrance_sparrow.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: TorranceSparrow params; params.alpha = ...; ... torrance_sparrow_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct TorranceSparrowSample {
@@ -22,8 +24,8 @@ struct TorranceSparrowSample {
 };
 
 // torrance_sparrow: Rough metal, or the reflection of a rough dielectric. Reciprocal; loses energy when
-// rough.
-// Exported with distribution='ggx', masking='smith_correlated', fresnel='conductor', compensation='none'.
+// rough. Exported with distribution='ggx', masking='smith_correlated', fresnel='conductor',
+// compensation='none'.
 struct TorranceSparrow {
     // width of the facets' slopes: GGX's alpha, Beckmann's m; 0.0001 to 1, default 0.3
     float alpha;
@@ -34,14 +36,14 @@ struct TorranceSparrow {
     // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299, 2.38556,
     // 1.60336)
     vec3 k;
-    vec3 f0;  // reflectance at normal incidence; only for schlick; 0 to 1, default (0.9, 0.9, 0.9)
-    vec3 f90;  // reflectance at grazing incidence; only for schlick; 0 to 1, default (1, 1, 1)
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 torrance_sparrow_half_vector(vec3 wi, vec3 wo) {
     vec3 h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which torrance_sparrow_cos_half needs as well
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
@@ -52,8 +54,8 @@ float torrance_sparrow_cos_half(vec3 wi, vec3 wo) {
 
 // Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
 vec3 torrance_sparrow_F_conductor(float cos_theta, vec3 eta, vec3 k) {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
-    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
+    // is reached at the edge of total internal reflection, where the true derivative is infinite.
     const float ROOT_MIN = 1.0e-16;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     float c = cos_theta;
@@ -77,20 +79,12 @@ vec3 torrance_sparrow_F_conductor(float cos_theta, vec3 eta, vec3 k) {
     return R_s * (p / (p + cross * sin2));
 }
 
-vec3 torrance_sparrow_F(TorranceSparrow params, float cos_h) {
-    return torrance_sparrow_F_conductor(cos_h, params.eta, params.k);
-}
-
 // Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
 //
 // Burley, appendix B, without its lower limit.
 vec2 torrance_sparrow_anisotropic_alpha(float alpha, float anisotropy) {
     float aspect = sqrt(1.0 - 0.9 * anisotropy);
     return vec2(alpha / aspect, alpha * aspect);
-}
-
-vec2 torrance_sparrow_widths(TorranceSparrow params) {
-    return torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -103,7 +97,7 @@ float torrance_sparrow_D_ggx(vec3 m, float alpha_x, float alpha_y) {
 }
 
 float torrance_sparrow_D(TorranceSparrow params, vec3 m) {
-    vec2 a = torrance_sparrow_widths(params);
+    vec2 a = torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
     return torrance_sparrow_D_ggx(m, a.x, a.y);
 }
 
@@ -120,28 +114,27 @@ float torrance_sparrow_V_smith_correlated_ggx(vec3 wi, vec3 wo, float alpha_x, f
 }
 
 float torrance_sparrow_V_smith(TorranceSparrow params, vec3 wi, vec3 wo) {
-    vec2 a = torrance_sparrow_widths(params);
+    vec2 a = torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
     return torrance_sparrow_V_smith_correlated_ggx(wi, wo, a.x, a.y);
-}
-
-// G / (4 mu_i mu_o).
-float torrance_sparrow_V(TorranceSparrow params, vec3 wi, vec3 wo, vec3 m, float cos_h) {
-    return torrance_sparrow_V_smith(params, wi, wo);
 }
 
 // BRDF value in 1/sr, without the cosine.
 vec3 torrance_sparrow_eval(TorranceSparrow params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3(0.0);
     }
     vec3 m = torrance_sparrow_half_vector(wi, wo);
     float cos_h = torrance_sparrow_cos_half(wi, wo);
-    vec3 single = torrance_sparrow_F(params, cos_h)
-        * (torrance_sparrow_D(params, m) * torrance_sparrow_V(params, wi, wo, m, cos_h));
+    vec3 single = torrance_sparrow_F_conductor(cos_h, params.eta, params.k)
+        * (torrance_sparrow_D(params, m) * torrance_sparrow_V_smith(params, wi, wo));
     return single;
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// ---- sampling ------------------------------------------------------------------------------
+
+// A normal with density G1(wo) max(wo . m, 0) torrance_sparrow_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing
+// 3.
 vec3 torrance_sparrow_sample_ggx_visible(vec3 wo, float alpha_x, float alpha_y, vec2 u) {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const float RANDOM_MARGIN = 5.9604645e-8;
@@ -159,10 +152,10 @@ vec3 torrance_sparrow_sample_ggx_visible(vec3 wo, float alpha_x, float alpha_y, 
 
 // Visible normals need Smith's G1, and a G that is no larger than it.
 //
-// With Cook-Torrance's or Kelemen's G their weights grow like alpha / mu_o in the horizon, but those
-// of all normals are at most 2.
+// With Cook-Torrance's or Kelemen's G their weights grow like alpha / mu_o in the horizon, but those of all
+// normals are at most 2.
 vec3 torrance_sparrow_sample_m(TorranceSparrow params, vec3 wo, vec2 u) {
-    vec2 a = torrance_sparrow_widths(params);
+    vec2 a = torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
     return torrance_sparrow_sample_ggx_visible(wo, a.x, a.y, u);
 }
 
@@ -171,49 +164,50 @@ vec3 torrance_sparrow_mirror(vec3 wo, vec3 m) {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at torrance_sparrow_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 float torrance_sparrow_pdf_ggx_visible(vec3 wo, vec3 m, float alpha_x, float alpha_y) {
     return torrance_sparrow_D_ggx(m, alpha_x, alpha_y)
         / (2.0 * (wo.z + torrance_sparrow_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-float torrance_sparrow_pdf_m(TorranceSparrow params, vec3 wo, vec3 m, float cos_h) {
-    vec2 a = torrance_sparrow_widths(params);
+float torrance_sparrow_pdf_m(TorranceSparrow params, vec3 wo, vec3 m) {
+    vec2 a = torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
     return torrance_sparrow_pdf_ggx_visible(wo, m, a.x, a.y);
 }
 
-// Density of `sample` in 1/sr.
+// Density of torrance_sparrow_sample in 1/sr.
 float torrance_sparrow_pdf(TorranceSparrow params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     vec3 m = torrance_sparrow_half_vector(wi, wo);
-    float cos_h = torrance_sparrow_cos_half(wi, wo);
-    float specular = torrance_sparrow_pdf_m(params, wo, m, cos_h);
+    float specular = torrance_sparrow_pdf_m(params, wo, m);
     return specular;
 }
 
 // Visible normals where the masking has them, else normals; a cosine lobe for Kulla-Conty.
 TorranceSparrowSample torrance_sparrow_sample(TorranceSparrow params, vec3 wo, vec2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return TorranceSparrowSample(vec3(0.0, 0.0, 1.0), 0.0);
     }
     vec3 wi = torrance_sparrow_mirror(wo, torrance_sparrow_sample_m(params, wo, u));
     return TorranceSparrowSample(wi, torrance_sparrow_pdf(params, wi, wo));
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 vec3 torrance_sparrow_albedo(TorranceSparrow params, vec3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const float HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in torrance_sparrow_albedo: a Fibonacci number, and the golden ratio.
     const float ALBEDO_SAMPLES = 987.0;
     const float GOLDEN = 0.618034;
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const float mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const float HORIZON = 1.0e-6;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return vec3(0.0);
     }
@@ -223,7 +217,7 @@ vec3 torrance_sparrow_albedo(TorranceSparrow params, vec3 wo) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         TorranceSparrowSample drawn = torrance_sparrow_sample(params, w, u);
-        float weight = mix(0.0, drawn.wi.z / max(drawn.pdf, mu_min), drawn.pdf > 0.0);
+        float weight = drawn.pdf > 0.0 ? drawn.wi.z / max(drawn.pdf, mu_min) : 0.0;
         total = total + torrance_sparrow_eval(params, drawn.wi, w) * weight;
     }
     return total / ALBEDO_SAMPLES;

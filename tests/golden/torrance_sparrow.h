@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Torrance-Sparrow: mirrors of microscopic size, with every published choice of D, G and F.
 //
 // f = F D G / (4 mu_i mu_o). Also called Cook-Torrance, whose own paper prints 1 / pi in place of 1 / 4.
@@ -10,10 +11,11 @@
 // Turquin, "Practical multiple scattering compensation for microfacet models", 2019.
 // Those of D, G and F are named in gonio.parts.distribution, masking and fresnel.
 //
-// C++, made by gonio 0.1.0 from gonio/models/torrance_sparrow.py.
+// C++, made by gonio from gonio/models/torrance_sparrow.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: gonio_torrance_sparrow::TorranceSparrow params; params.alpha = ...; ... gonio_torrance_sparrow::torrance_sparrow_eval(params, wi, wo)
 
 #pragma once
 #include <math.h>
@@ -109,6 +111,20 @@ inline Vec3 sqrt(Vec3 a) {
     return Vec3{sqrtf(a.x), sqrtf(a.y), sqrtf(a.z)};
 }
 
+// Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
+// is reached at the edge of total internal reflection, where the true derivative is infinite.
+constexpr float ROOT_MIN = 1.0e-16f;
+constexpr float two_pi = 6.2831855f;
+constexpr float inv_pi = 0.31830987f;
+constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
+// Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+constexpr float RANDOM_MARGIN = 5.9604645e-8f;
+// Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+constexpr float ALBEDO_SAMPLES = 987.0f;
+constexpr float GOLDEN = 0.618034f;
+// Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+constexpr float HORIZON = 1.0e-6f;
+
 // A sampled direction and its density.
 struct TorranceSparrowSample {
     Vec3 wi;  // direction towards the light, unit, local frame
@@ -116,8 +132,8 @@ struct TorranceSparrowSample {
 };
 
 // torrance_sparrow: Rough metal, or the reflection of a rough dielectric. Reciprocal; loses energy when
-// rough.
-// Exported with distribution='ggx', masking='smith_correlated', fresnel='conductor', compensation='none'.
+// rough. Exported with distribution='ggx', masking='smith_correlated', fresnel='conductor',
+// compensation='none'.
 struct TorranceSparrow {
     // width of the facets' slopes: GGX's alpha, Beckmann's m; 0.0001 to 1, default 0.3
     float alpha;
@@ -128,14 +144,14 @@ struct TorranceSparrow {
     // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299, 2.38556,
     // 1.60336)
     Vec3 k;
-    Vec3 f0;  // reflectance at normal incidence; only for schlick; 0 to 1, default (0.9, 0.9, 0.9)
-    Vec3 f90;  // reflectance at grazing incidence; only for schlick; 0 to 1, default (1, 1, 1)
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 torrance_sparrow_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which torrance_sparrow_cos_half needs as well
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
@@ -146,9 +162,6 @@ inline float torrance_sparrow_cos_half(Vec3 wi, Vec3 wo) {
 
 // Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
 inline Vec3 torrance_sparrow_F_conductor(float cos_theta, Vec3 eta, Vec3 k) {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
-    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
-    constexpr float ROOT_MIN = 1.0e-16f;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     float c = cos_theta;
     // A trace of absorption keeps the roots below from 0
@@ -171,10 +184,6 @@ inline Vec3 torrance_sparrow_F_conductor(float cos_theta, Vec3 eta, Vec3 k) {
     return R_s * (p / (p + cross * sin2));
 }
 
-inline Vec3 torrance_sparrow_F(const TorranceSparrow& params, float cos_h) {
-    return torrance_sparrow_F_conductor(cos_h, params.eta, params.k);
-}
-
 // Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
 //
 // Burley, appendix B, without its lower limit.
@@ -183,13 +192,8 @@ inline Vec2 torrance_sparrow_anisotropic_alpha(float alpha, float anisotropy) {
     return Vec2{alpha / aspect, alpha * aspect};
 }
 
-inline Vec2 torrance_sparrow_widths(const TorranceSparrow& params) {
-    return torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
-}
-
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
 inline float torrance_sparrow_D_ggx(Vec3 m, float alpha_x, float alpha_y) {
-    constexpr float inv_pi = 0.31830987f;
     // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
     Vec3 v = Vec3{m.x / alpha_x, m.y / alpha_y, m.z};
     float s = dot(v, v);
@@ -197,7 +201,7 @@ inline float torrance_sparrow_D_ggx(Vec3 m, float alpha_x, float alpha_y) {
 }
 
 inline float torrance_sparrow_D(const TorranceSparrow& params, Vec3 m) {
-    Vec2 a = torrance_sparrow_widths(params);
+    Vec2 a = torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
     return torrance_sparrow_D_ggx(m, a.x, a.y);
 }
 
@@ -215,33 +219,27 @@ inline float torrance_sparrow_V_smith_correlated_ggx(Vec3 wi, Vec3 wo, float alp
 }
 
 inline float torrance_sparrow_V_smith(const TorranceSparrow& params, Vec3 wi, Vec3 wo) {
-    Vec2 a = torrance_sparrow_widths(params);
+    Vec2 a = torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
     return torrance_sparrow_V_smith_correlated_ggx(wi, wo, a.x, a.y);
-}
-
-// G / (4 mu_i mu_o).
-inline float torrance_sparrow_V(const TorranceSparrow& params, Vec3 wi, Vec3 wo, Vec3 m,
-    float cos_h) {
-    return torrance_sparrow_V_smith(params, wi, wo);
 }
 
 // BRDF value in 1/sr, without the cosine.
 inline Vec3 torrance_sparrow_eval(const TorranceSparrow& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
     Vec3 m = torrance_sparrow_half_vector(wi, wo);
     float cos_h = torrance_sparrow_cos_half(wi, wo);
-    Vec3 single = torrance_sparrow_F(params, cos_h)
-        * (torrance_sparrow_D(params, m) * torrance_sparrow_V(params, wi, wo, m, cos_h));
+    Vec3 single = torrance_sparrow_F_conductor(cos_h, params.eta, params.k)
+        * (torrance_sparrow_D(params, m) * torrance_sparrow_V_smith(params, wi, wo));
     return single;
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// ---- sampling ------------------------------------------------------------------------------
+
+// A normal with density G1(wo) max(wo . m, 0) torrance_sparrow_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing
+// 3.
 inline Vec3 torrance_sparrow_sample_ggx_visible(Vec3 wo, float alpha_x, float alpha_y, Vec2 u) {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    constexpr float RANDOM_MARGIN = 5.9604645e-8f;
-    constexpr float two_pi = 6.2831855f;
     Vec3 w = normalize(Vec3{alpha_x * wo.x, alpha_y * wo.y, wo.z});
     // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
     // u = 1 would be the facet opposite to w, whose half vector has no direction
@@ -255,10 +253,10 @@ inline Vec3 torrance_sparrow_sample_ggx_visible(Vec3 wo, float alpha_x, float al
 
 // Visible normals need Smith's G1, and a G that is no larger than it.
 //
-// With Cook-Torrance's or Kelemen's G their weights grow like alpha / mu_o in the horizon, but those
-// of all normals are at most 2.
+// With Cook-Torrance's or Kelemen's G their weights grow like alpha / mu_o in the horizon, but those of all
+// normals are at most 2.
 inline Vec3 torrance_sparrow_sample_m(const TorranceSparrow& params, Vec3 wo, Vec2 u) {
-    Vec2 a = torrance_sparrow_widths(params);
+    Vec2 a = torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
     return torrance_sparrow_sample_ggx_visible(wo, a.x, a.y, u);
 }
 
@@ -267,51 +265,43 @@ inline Vec3 torrance_sparrow_mirror(Vec3 wo, Vec3 m) {
     return 2.0f * dot(wo, m) * m - wo;
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at torrance_sparrow_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 inline float torrance_sparrow_pdf_ggx_visible(Vec3 wo, Vec3 m, float alpha_x, float alpha_y) {
     return torrance_sparrow_D_ggx(m, alpha_x, alpha_y)
         / (2.0f * (wo.z + torrance_sparrow_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-inline float torrance_sparrow_pdf_m(const TorranceSparrow& params, Vec3 wo, Vec3 m,
-    float cos_h) {
-    Vec2 a = torrance_sparrow_widths(params);
+inline float torrance_sparrow_pdf_m(const TorranceSparrow& params, Vec3 wo, Vec3 m) {
+    Vec2 a = torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
     return torrance_sparrow_pdf_ggx_visible(wo, m, a.x, a.y);
 }
 
-// Density of `sample` in 1/sr.
+// Density of torrance_sparrow_sample in 1/sr.
 inline float torrance_sparrow_pdf(const TorranceSparrow& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0f;
     }
     Vec3 m = torrance_sparrow_half_vector(wi, wo);
-    float cos_h = torrance_sparrow_cos_half(wi, wo);
-    float specular = torrance_sparrow_pdf_m(params, wo, m, cos_h);
+    float specular = torrance_sparrow_pdf_m(params, wo, m);
     return specular;
 }
 
 // Visible normals where the masking has them, else normals; a cosine lobe for Kulla-Conty.
 inline TorranceSparrowSample torrance_sparrow_sample(const TorranceSparrow& params, Vec3 wo,
     Vec2 u) {
-    if (wo.z <= 1.0e-18f) {  // in the horizon or below
+    if (wo.z <= mu_min) {  // in the horizon or below
         return TorranceSparrowSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     Vec3 wi = torrance_sparrow_mirror(wo, torrance_sparrow_sample_m(params, wo, u));
     return TorranceSparrowSample{wi, torrance_sparrow_pdf(params, wi, wo)};
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 inline Vec3 torrance_sparrow_albedo(const TorranceSparrow& params, Vec3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    constexpr float HORIZON = 1.0e-6f;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
-    constexpr float ALBEDO_SAMPLES = 987.0f;
-    constexpr float GOLDEN = 0.618034f;
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    constexpr float mu_min = 1.0e-18f;
     if (wo.z < 0.0f) {  // below the horizon
         return splat(0.0f);
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Torrance-Sparrow: mirrors of microscopic size, with every published choice of D, G and F.
 //
 // f = F D G / (4 mu_i mu_o). Also called Cook-Torrance, whose own paper prints 1 / pi in place of 1 / 4.
@@ -10,10 +11,11 @@
 // Turquin, "Practical multiple scattering compensation for microfacet models", 2019.
 // Those of D, G and F are named in gonio.parts.distribution, masking and fresnel.
 //
-// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/torrance_sparrow.py.
+// WGSL (WebGPU), made by gonio from gonio/models/torrance_sparrow.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: var params: TorranceSparrow; params.alpha = ...; ... torrance_sparrow_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct TorranceSparrowSample {
@@ -22,8 +24,8 @@ struct TorranceSparrowSample {
 }
 
 // torrance_sparrow: Rough metal, or the reflection of a rough dielectric. Reciprocal; loses energy when
-// rough.
-// Exported with distribution='ggx', masking='smith_correlated', fresnel='conductor', compensation='none'.
+// rough. Exported with distribution='ggx', masking='smith_correlated', fresnel='conductor',
+// compensation='none'.
 struct TorranceSparrow {
     alpha: f32,  // width of the facets' slopes: GGX's alpha, Beckmann's m; 0.0001 to 1, default 0.3
     // 0 round, 1 smoothest along y; only ggx and beckmann have it; 0 to 1, default 0
@@ -33,15 +35,14 @@ struct TorranceSparrow {
     // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299, 2.38556,
     // 1.60336)
     k: vec3f,
-    // reflectance at normal incidence; only for schlick; 0 to 1, default (0.9, 0.9, 0.9)
-    f0: vec3f,
-    f90: vec3f,  // reflectance at grazing incidence; only for schlick; 0 to 1, default (1, 1, 1)
 }
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn torrance_sparrow_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which torrance_sparrow_cos_half needs as well
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
@@ -52,8 +53,8 @@ fn torrance_sparrow_cos_half(wi: vec3f, wo: vec3f) -> f32 {
 
 // Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
 fn torrance_sparrow_F_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
-    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
+    // is reached at the edge of total internal reflection, where the true derivative is infinite.
     const ROOT_MIN = 1.0e-16;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     let c = cos_theta;
@@ -77,20 +78,12 @@ fn torrance_sparrow_F_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f {
     return R_s * (p / (p + cross * sin2));
 }
 
-fn torrance_sparrow_F(params: TorranceSparrow, cos_h: f32) -> vec3f {
-    return torrance_sparrow_F_conductor(cos_h, params.eta, params.k);
-}
-
 // Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
 //
 // Burley, appendix B, without its lower limit.
 fn torrance_sparrow_anisotropic_alpha(alpha: f32, anisotropy: f32) -> vec2f {
     let aspect = sqrt(1.0 - 0.9 * anisotropy);
     return vec2f(alpha / aspect, alpha * aspect);
-}
-
-fn torrance_sparrow_widths(params: TorranceSparrow) -> vec2f {
-    return torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -103,7 +96,7 @@ fn torrance_sparrow_D_ggx(m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
 }
 
 fn torrance_sparrow_D(params: TorranceSparrow, m: vec3f) -> f32 {
-    let a = torrance_sparrow_widths(params);
+    let a = torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
     return torrance_sparrow_D_ggx(m, a.x, a.y);
 }
 
@@ -121,29 +114,27 @@ fn torrance_sparrow_V_smith_correlated_ggx(wi: vec3f, wo: vec3f, alpha_x: f32,
 }
 
 fn torrance_sparrow_V_smith(params: TorranceSparrow, wi: vec3f, wo: vec3f) -> f32 {
-    let a = torrance_sparrow_widths(params);
+    let a = torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
     return torrance_sparrow_V_smith_correlated_ggx(wi, wo, a.x, a.y);
-}
-
-// G / (4 mu_i mu_o).
-fn torrance_sparrow_V(params: TorranceSparrow, wi: vec3f, wo: vec3f, m: vec3f,
-    cos_h: f32) -> f32 {
-    return torrance_sparrow_V_smith(params, wi, wo);
 }
 
 // BRDF value in 1/sr, without the cosine.
 fn torrance_sparrow_eval(params: TorranceSparrow, wi: vec3f, wo: vec3f) -> vec3f {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
     let m = torrance_sparrow_half_vector(wi, wo);
     let cos_h = torrance_sparrow_cos_half(wi, wo);
-    let single = torrance_sparrow_F(params, cos_h)
-        * (torrance_sparrow_D(params, m) * torrance_sparrow_V(params, wi, wo, m, cos_h));
+    let single = torrance_sparrow_F_conductor(cos_h, params.eta, params.k)
+        * (torrance_sparrow_D(params, m) * torrance_sparrow_V_smith(params, wi, wo));
     return single;
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// ---- sampling ------------------------------------------------------------------------------
+
+// A normal with density G1(wo) max(wo . m, 0) torrance_sparrow_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing
+// 3.
 fn torrance_sparrow_sample_ggx_visible(wo: vec3f, alpha_x: f32, alpha_y: f32,
     u: vec2f) -> vec3f {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
@@ -162,10 +153,10 @@ fn torrance_sparrow_sample_ggx_visible(wo: vec3f, alpha_x: f32, alpha_y: f32,
 
 // Visible normals need Smith's G1, and a G that is no larger than it.
 //
-// With Cook-Torrance's or Kelemen's G their weights grow like alpha / mu_o in the horizon, but those
-// of all normals are at most 2.
+// With Cook-Torrance's or Kelemen's G their weights grow like alpha / mu_o in the horizon, but those of all
+// normals are at most 2.
 fn torrance_sparrow_sample_m(params: TorranceSparrow, wo: vec3f, u: vec2f) -> vec3f {
-    let a = torrance_sparrow_widths(params);
+    let a = torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
     return torrance_sparrow_sample_ggx_visible(wo, a.x, a.y, u);
 }
 
@@ -174,50 +165,51 @@ fn torrance_sparrow_mirror(wo: vec3f, m: vec3f) -> vec3f {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at torrance_sparrow_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 fn torrance_sparrow_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
     return torrance_sparrow_D_ggx(m, alpha_x, alpha_y)
         / (2.0 * (wo.z + torrance_sparrow_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-fn torrance_sparrow_pdf_m(params: TorranceSparrow, wo: vec3f, m: vec3f, cos_h: f32) -> f32 {
-    let a = torrance_sparrow_widths(params);
+fn torrance_sparrow_pdf_m(params: TorranceSparrow, wo: vec3f, m: vec3f) -> f32 {
+    let a = torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
     return torrance_sparrow_pdf_ggx_visible(wo, m, a.x, a.y);
 }
 
-// Density of `sample` in 1/sr.
+// Density of torrance_sparrow_sample in 1/sr.
 fn torrance_sparrow_pdf(params: TorranceSparrow, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     let m = torrance_sparrow_half_vector(wi, wo);
-    let cos_h = torrance_sparrow_cos_half(wi, wo);
-    let specular = torrance_sparrow_pdf_m(params, wo, m, cos_h);
+    let specular = torrance_sparrow_pdf_m(params, wo, m);
     return specular;
 }
 
 // Visible normals where the masking has them, else normals; a cosine lobe for Kulla-Conty.
 fn torrance_sparrow_sample(params: TorranceSparrow, wo: vec3f,
     u: vec2f) -> TorranceSparrowSample {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return TorranceSparrowSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let wi = torrance_sparrow_mirror(wo, torrance_sparrow_sample_m(params, wo, u));
     return TorranceSparrowSample(wi, torrance_sparrow_pdf(params, wi, wo));
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 fn torrance_sparrow_albedo(params: TorranceSparrow, wo: vec3f) -> vec3f {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in torrance_sparrow_albedo: a Fibonacci number, and the golden ratio.
     const ALBEDO_SAMPLES = 987.0;
     const GOLDEN = 0.618034;
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const HORIZON = 1.0e-6;
+    const mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return vec3f(0.0);
     }

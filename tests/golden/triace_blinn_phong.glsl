@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // tri-Ace Blinn-Phong: a normalised Blinn-Phong highlight with Fresnel, cheap enough for a console.
 //
 // Source: Gotanda, "Beyond a simple physically based Blinn-Phong model in real-time", SIGGRAPH 2012
@@ -5,10 +6,11 @@
 // The course's shaders return pi f cos(theta_i); this is f. Its linear factor 0.0397436 n + 0.0856832 is a
 // fit of (n + 2) / (4 pi (2 - 2^(-n / 2))): within 0.6 % for n >= 10, 32 % too small at n = 1.
 //
-// GLSL 4.5, made by gonio 0.1.0 from gonio/models/triace_blinn_phong.py.
+// GLSL 4.5, made by gonio from gonio/models/triace_blinn_phong.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: TriaceBlinnPhong params; params.rho = ...; ... triace_blinn_phong_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct TriaceBlinnPhongSample {
@@ -23,11 +25,13 @@ struct TriaceBlinnPhong {
     float shininess;  // Blinn-Phong exponent n; 0 to 100000, default 50
 };
 
-// Results of choose.
-struct TriaceBlinnPhongChoose {
-    bool first;
-    vec2 second;
+// Which of two lobes a sample is taken from.
+struct TriaceBlinnPhongChoice {
+    bool is_first;  // Whether it is the first one
+    vec2 u;  // Fresh random numbers, made of those that chose
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float triace_blinn_phong_cos_half(vec3 wi, vec3 wo) {
@@ -37,8 +41,8 @@ float triace_blinn_phong_cos_half(vec3 wi, vec3 wo) {
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 float triace_blinn_phong_schlick_weight_half(vec3 wi, vec3 wo) {
-    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
-    // weight keeps its digits where the two meet and it goes to 0.
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
+    // keeps its digits where the two meet and it goes to 0.
     vec3 apart = wi - wo;
     float k = 0.25 * dot(apart, apart) / (1.0 + triace_blinn_phong_cos_half(wi, wo));
     float k2 = k * k;
@@ -48,7 +52,7 @@ float triace_blinn_phong_schlick_weight_half(vec3 wi, vec3 wo) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 triace_blinn_phong_half_vector(vec3 wi, vec3 wo) {
     vec3 h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which triace_blinn_phong_cos_half needs as well
 }
 
 // log(1 + x) / x for x > -1; 1 at x = 0.
@@ -64,7 +68,7 @@ float triace_blinn_phong_log1p_over(float x) {
     series = 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * series)));
     bool small = x > -LOG1P_SMALL && x < LOG1P_SMALL;
     float far = small ? 1.0 : x;
-    return mix(log(1.0 + far) / far, 2.0 / (2.0 + near) * series, small);
+    return small ? 2.0 / (2.0 + near) * series : log(1.0 + far) / far;
 }
 
 // log(1 + x) for x > -1, exact where x is small.
@@ -74,13 +78,11 @@ float triace_blinn_phong_log1p(float x) {
 
 // (N.m)^exponent, exact for sharp lobes.
 float triace_blinn_phong_cos_power(vec3 m, float exponent) {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const float mu_min = 1.0e-18;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     // (N.m)^n = (1 + tan^2)^(-n / 2): a sharp lobe needs the digits of the tangent, not of the cosine
     float tan2 = (m.x * m.x + m.y * m.y) / max(m.z * m.z, 0.25);
     float steep = log(clamp(m.z, mu_min, 0.75));
-    return exp(exponent * mix(steep, -0.5 * triace_blinn_phong_log1p(tan2), m.z > 0.5));
+    return exp(exponent * (m.z > 0.5 ? -0.5 * triace_blinn_phong_log1p(tan2) : steep));
 }
 
 // (0.0397436 n + 0.0856832) (N.H)^n / max(mu_i, mu_o): Eq. 1's highlight without Fresnel.
@@ -94,13 +96,16 @@ float triace_blinn_phong_blinn_phong_highlight(vec3 wi, vec3 wo, float shininess
 // Eq. 1 without the cosine and the factor pi: BRDF value in 1/sr.
 vec3 triace_blinn_phong_eval(TriaceBlinnPhong params, vec3 wi, vec3 wo) {
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3(0.0);
     }
     vec3 F = mix(params.f0, vec3(1.0), vec3(triace_blinn_phong_schlick_weight_half(wi, wo)));
     float highlight = triace_blinn_phong_blinn_phong_highlight(wi, wo, params.shininess);
     return params.rho * (1.0 - params.f0) * inv_pi + F * highlight;
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // The width that matches an exponent n: sqrt(2 / (n + 2)).
 float triace_blinn_phong_blinn_phong_alpha(float exponent) {
@@ -129,15 +134,15 @@ float triace_blinn_phong_raised(float probability) {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 vec2 triace_blinn_phong_lobes_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+    // can be seen is that small.
     const float BLACK = 1.0e-20;
     float inv = 1.0 / (first + second + BLACK);
     float a = triace_blinn_phong_raised((first + BLACK) * inv);
     float b = triace_blinn_phong_raised(second * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
     bool smaller = first < second;
-    return vec2(mix(1.0 - b, a, smaller), mix(b, 1.0 - a, smaller));
+    return vec2(smaller ? a : 1.0 - b, smaller ? 1.0 - a : b);
 }
 
 // Probabilities of the diffuse lobe and of the highlight.
@@ -147,8 +152,8 @@ vec2 triace_blinn_phong_shares(TriaceBlinnPhong params, vec3 wo) {
         * (1.0 - params.f0)), triace_blinn_phong_average(F));
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-TriaceBlinnPhongChoose triace_blinn_phong_choose(float probability, vec2 u) {
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+TriaceBlinnPhongChoice triace_blinn_phong_choose(float probability, vec2 u) {
     // Smallest probability that is divided by: a random number falls below it once in a million million.
     const float SHARE_MIN = 1.0e-12;
     // The largest float32 below 1, up to which random numbers go.
@@ -156,7 +161,7 @@ TriaceBlinnPhongChoose triace_blinn_phong_choose(float probability, vec2 u) {
     bool first = u.x < probability;
     float below = u.x / max(probability, SHARE_MIN);
     float above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
-    return TriaceBlinnPhongChoose(first, vec2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y));
+    return TriaceBlinnPhongChoice(first, vec2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y));
 }
 
 // A direction with density cos(theta) / pi.
@@ -167,7 +172,8 @@ vec3 triace_blinn_phong_sample_cosine(vec2 u) {
     return vec3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// A normal with density G1(wo) max(wo . m, 0) triace_blinn_phong_D_ggx(m) / mu_o. Dupuy and Benyoub,
+// Listing 3.
 vec3 triace_blinn_phong_sample_ggx_visible(vec3 wo, float alpha_x, float alpha_y, vec2 u) {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const float RANDOM_MARGIN = 5.9604645e-8;
@@ -199,14 +205,14 @@ vec3 triace_blinn_phong_sample_ggx_lobe(vec3 wo, float alpha_x, float alpha_y, v
 
 // A direction of one of the two lobes; shares: the probabilities of the matte one and of the other.
 vec3 triace_blinn_phong_sample_matte_gloss(vec3 wo, float alpha, vec2 shares, vec2 u) {
-    TriaceBlinnPhongChoose choose_result = triace_blinn_phong_choose(shares.x, u);
-    bool matte = choose_result.first;
-    vec2 v = choose_result.second;
+    TriaceBlinnPhongChoice choose_result = triace_blinn_phong_choose(shares.x, u);
+    bool matte = choose_result.is_first;
+    vec2 v = choose_result.u;
     return mix(triace_blinn_phong_sample_ggx_lobe(wo, alpha, alpha, v),
         triace_blinn_phong_sample_cosine(v), bvec3(matte));
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of triace_blinn_phong_sample_cosine in 1/sr, for w above the horizon.
 float triace_blinn_phong_pdf_cosine(vec3 w) {
     const float inv_pi = 0.31830987;
     return w.z * inv_pi;
@@ -226,15 +232,15 @@ float triace_blinn_phong_ggx_length(vec3 w, float alpha_x, float alpha_y) {
     return length(vec3(alpha_x * w.x, alpha_y * w.y, w.z));
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at triace_blinn_phong_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 float triace_blinn_phong_pdf_ggx_visible(vec3 wo, vec3 m, float alpha_x, float alpha_y) {
     return triace_blinn_phong_D_ggx(m, alpha_x, alpha_y)
         / (2.0 * (wo.z + triace_blinn_phong_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density of `sample_ggx_lobe` in 1/sr.
+// Density of triace_blinn_phong_sample_ggx_lobe in 1/sr.
 float triace_blinn_phong_pdf_ggx_lobe(vec3 wi, vec3 wo, float alpha_x, float alpha_y) {
-    const float mu_min = 1.0e-18;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     float straight = triace_blinn_phong_pdf_ggx_visible(wo, triace_blinn_phong_half_vector(wi, wo),
         alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
@@ -247,15 +253,16 @@ float triace_blinn_phong_pdf_ggx_lobe(vec3 wi, vec3 wo, float alpha_x, float alp
     return straight + (exists ? folded : 0.0);
 }
 
-// Density of `sample_matte_gloss` in 1/sr.
+// Density of triace_blinn_phong_sample_matte_gloss in 1/sr.
 float triace_blinn_phong_pdf_matte_gloss(vec3 wi, vec3 wo, float alpha, vec2 shares) {
     return shares.x * triace_blinn_phong_pdf_cosine(wi)
         + shares.y * triace_blinn_phong_pdf_ggx_lobe(wi, wo, alpha, alpha);
 }
 
-// Density of `sample` in 1/sr.
+// Density of triace_blinn_phong_sample in 1/sr.
 float triace_blinn_phong_pdf(TriaceBlinnPhong params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     float alpha = triace_blinn_phong_blinn_phong_alpha(params.shininess);
@@ -264,7 +271,8 @@ float triace_blinn_phong_pdf(TriaceBlinnPhong params, vec3 wi, vec3 wo) {
 
 // Cosine-weighted, or the GGX lobe of the same width, whose longer tail bounds the weights.
 TriaceBlinnPhongSample triace_blinn_phong_sample(TriaceBlinnPhong params, vec3 wo, vec2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return TriaceBlinnPhongSample(vec3(0.0, 0.0, 1.0), 0.0);
     }
     float alpha = triace_blinn_phong_blinn_phong_alpha(params.shininess);
@@ -273,16 +281,18 @@ TriaceBlinnPhongSample triace_blinn_phong_sample(TriaceBlinnPhong params, vec3 w
     return TriaceBlinnPhongSample(wi, triace_blinn_phong_pdf(params, wi, wo));
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 vec3 triace_blinn_phong_albedo(TriaceBlinnPhong params, vec3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const float HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in triace_blinn_phong_albedo: a Fibonacci number, and the golden ratio.
     const float ALBEDO_SAMPLES = 987.0;
     const float GOLDEN = 0.618034;
-    const float mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const float HORIZON = 1.0e-6;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return vec3(0.0);
     }
@@ -292,7 +302,7 @@ vec3 triace_blinn_phong_albedo(TriaceBlinnPhong params, vec3 wo) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         TriaceBlinnPhongSample drawn = triace_blinn_phong_sample(params, w, u);
-        float weight = mix(0.0, drawn.wi.z / max(drawn.pdf, mu_min), drawn.pdf > 0.0);
+        float weight = drawn.pdf > 0.0 ? drawn.wi.z / max(drawn.pdf, mu_min) : 0.0;
         total = total + triace_blinn_phong_eval(params, drawn.wi, w) * weight;
     }
     return total / ALBEDO_SAMPLES;

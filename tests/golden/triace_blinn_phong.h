@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // tri-Ace Blinn-Phong: a normalised Blinn-Phong highlight with Fresnel, cheap enough for a console.
 //
 // Source: Gotanda, "Beyond a simple physically based Blinn-Phong model in real-time", SIGGRAPH 2012
@@ -5,10 +6,11 @@
 // The course's shaders return pi f cos(theta_i); this is f. Its linear factor 0.0397436 n + 0.0856832 is a
 // fit of (n + 2) / (4 pi (2 - 2^(-n / 2))): within 0.6 % for n >= 10, 32 % too small at n = 1.
 //
-// C++, made by gonio 0.1.0 from gonio/models/triace_blinn_phong.py.
+// C++, made by gonio from gonio/models/triace_blinn_phong.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: gonio_triace_blinn_phong::TriaceBlinnPhong params; params.rho = ...; ... gonio_triace_blinn_phong::triace_blinn_phong_eval(params, wi, wo)
 
 #pragma once
 #include <math.h>
@@ -80,6 +82,32 @@ inline Vec3 lerp(Vec3 a, Vec3 b, Vec3 c) {
     return Vec3{lerp(a.x, b.x, c.x), lerp(a.y, b.y, c.y), lerp(a.z, b.z, c.z)};
 }
 
+// Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+constexpr float LOG1P_SMALL = 0.25f;
+constexpr float two_pi = 6.2831855f;
+constexpr float inv_pi = 0.31830987f;
+constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
+constexpr float NORM_SLOPE = 0.0397436f;  // Eq. 1: the normalisation as a linear function of n.
+constexpr float NORM_OFFSET = 0.0856832f;
+// Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+// can be seen is that small.
+constexpr float BLACK = 1.0e-20f;
+// The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+// its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+constexpr float SHARE_LEAST = 0.1f;
+constexpr float ESTIMATE_TRUST = 50.0f;
+// Smallest probability that is divided by: a random number falls below it once in a million million.
+constexpr float SHARE_MIN = 1.0e-12f;
+// The largest float32 below 1, up to which random numbers go.
+constexpr float RANDOM_MAX = 0.99999994f;
+// Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+constexpr float RANDOM_MARGIN = 5.9604645e-8f;
+// Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+constexpr float ALBEDO_SAMPLES = 987.0f;
+constexpr float GOLDEN = 0.618034f;
+// Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+constexpr float HORIZON = 1.0e-6f;
+
 // A sampled direction and its density.
 struct TriaceBlinnPhongSample {
     Vec3 wi;  // direction towards the light, unit, local frame
@@ -93,11 +121,13 @@ struct TriaceBlinnPhong {
     float shininess;  // Blinn-Phong exponent n; 0 to 100000, default 50
 };
 
-// Results of choose.
-struct TriaceBlinnPhongChoose {
-    bool first;
-    Vec2 second;
+// Which of two lobes a sample is taken from.
+struct TriaceBlinnPhongChoice {
+    bool is_first;  // Whether it is the first one
+    Vec2 u;  // Fresh random numbers, made of those that chose
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float triace_blinn_phong_cos_half(Vec3 wi, Vec3 wo) {
@@ -107,8 +137,8 @@ inline float triace_blinn_phong_cos_half(Vec3 wi, Vec3 wo) {
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 inline float triace_blinn_phong_schlick_weight_half(Vec3 wi, Vec3 wo) {
-    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
-    // weight keeps its digits where the two meet and it goes to 0.
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
+    // keeps its digits where the two meet and it goes to 0.
     Vec3 apart = wi - wo;
     float k = 0.25f * dot(apart, apart) / (1.0f + triace_blinn_phong_cos_half(wi, wo));
     float k2 = k * k;
@@ -118,13 +148,11 @@ inline float triace_blinn_phong_schlick_weight_half(Vec3 wi, Vec3 wo) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 triace_blinn_phong_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which triace_blinn_phong_cos_half needs as well
 }
 
 // log(1 + x) / x for x > -1; 1 at x = 0.
 inline float triace_blinn_phong_log1p_over(float x) {
-    // Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
-    constexpr float LOG1P_SMALL = 0.25f;
     // 2 atanh(y) with y = x / (2 + x): the series of odd powers, error below 1e-16 for |x| < 0.25.
     float near = fmaxf(fminf(x, LOG1P_SMALL), -LOG1P_SMALL);
     float y = near / (2.0f + near);
@@ -144,9 +172,6 @@ inline float triace_blinn_phong_log1p(float x) {
 
 // (N.m)^exponent, exact for sharp lobes.
 inline float triace_blinn_phong_cos_power(Vec3 m, float exponent) {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    constexpr float mu_min = 1.0e-18f;
     // (N.m)^n = (1 + tan^2)^(-n / 2): a sharp lobe needs the digits of the tangent, not of the cosine
     float tan2 = (m.x * m.x + m.y * m.y) / fmaxf(m.z * m.z, 0.25f);
     float steep = logf(fminf(fmaxf(m.z, mu_min), 0.75f));
@@ -155,22 +180,21 @@ inline float triace_blinn_phong_cos_power(Vec3 m, float exponent) {
 
 // (0.0397436 n + 0.0856832) (N.H)^n / max(mu_i, mu_o): Eq. 1's highlight without Fresnel.
 inline float triace_blinn_phong_blinn_phong_highlight(Vec3 wi, Vec3 wo, float shininess) {
-    constexpr float NORM_SLOPE = 0.0397436f;  // Eq. 1: the normalisation as a linear function of n.
-    constexpr float NORM_OFFSET = 0.0856832f;
     float power = triace_blinn_phong_cos_power(triace_blinn_phong_half_vector(wi, wo), shininess);
     return (NORM_SLOPE * shininess + NORM_OFFSET) * power / fmaxf(wi.z, wo.z);
 }
 
 // Eq. 1 without the cosine and the factor pi: BRDF value in 1/sr.
 inline Vec3 triace_blinn_phong_eval(const TriaceBlinnPhong& params, Vec3 wi, Vec3 wo) {
-    constexpr float inv_pi = 0.31830987f;
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
     Vec3 F = lerp(params.f0, splat(1.0f), splat(triace_blinn_phong_schlick_weight_half(wi, wo)));
     float highlight = triace_blinn_phong_blinn_phong_highlight(wi, wo, params.shininess);
     return params.rho * (1.0f - params.f0) * inv_pi + F * highlight;
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // The width that matches an exponent n: sqrt(2 / (n + 2)).
 inline float triace_blinn_phong_blinn_phong_alpha(float exponent) {
@@ -190,18 +214,11 @@ inline float triace_blinn_phong_average(Vec3 color) {
 }
 
 inline float triace_blinn_phong_raised(float probability) {
-    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
-    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
-    constexpr float SHARE_LEAST = 0.1f;
-    constexpr float ESTIMATE_TRUST = 50.0f;
     return fmaxf(probability, fminf(SHARE_LEAST, ESTIMATE_TRUST * probability));
 }
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 inline Vec2 triace_blinn_phong_lobes_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
-    constexpr float BLACK = 1.0e-20f;
     float inv = 1.0f / (first + second + BLACK);
     float a = triace_blinn_phong_raised((first + BLACK) * inv);
     float b = triace_blinn_phong_raised(second * inv);
@@ -217,33 +234,26 @@ inline Vec2 triace_blinn_phong_shares(const TriaceBlinnPhong& params, Vec3 wo) {
         * (1.0f - params.f0)), triace_blinn_phong_average(F));
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-inline TriaceBlinnPhongChoose triace_blinn_phong_choose(float probability, Vec2 u) {
-    // Smallest probability that is divided by: a random number falls below it once in a million million.
-    constexpr float SHARE_MIN = 1.0e-12f;
-    // The largest float32 below 1, up to which random numbers go.
-    constexpr float RANDOM_MAX = 0.99999994f;
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+inline TriaceBlinnPhongChoice triace_blinn_phong_choose(float probability, Vec2 u) {
     bool first = u.x < probability;
     float below = u.x / fmaxf(probability, SHARE_MIN);
     float above = (u.x - probability) / fmaxf(1.0f - probability, SHARE_MIN);
-    return TriaceBlinnPhongChoose{first,
+    return TriaceBlinnPhongChoice{first,
         Vec2{fminf(fmaxf(first ? below : above, 0.0f), RANDOM_MAX), u.y}};
 }
 
 // A direction with density cos(theta) / pi.
 inline Vec3 triace_blinn_phong_sample_cosine(Vec2 u) {
-    constexpr float two_pi = 6.2831855f;
     float r = sqrtf(fmaxf(u.x, 0.0f));
     float phi = two_pi * u.y;
     return Vec3{r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u.x, 0.0f))};
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// A normal with density G1(wo) max(wo . m, 0) triace_blinn_phong_D_ggx(m) / mu_o. Dupuy and Benyoub,
+// Listing 3.
 inline Vec3 triace_blinn_phong_sample_ggx_visible(Vec3 wo, float alpha_x, float alpha_y,
     Vec2 u) {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    constexpr float RANDOM_MARGIN = 5.9604645e-8f;
-    constexpr float two_pi = 6.2831855f;
     Vec3 w = normalize(Vec3{alpha_x * wo.x, alpha_y * wo.y, wo.z});
     // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
     // u = 1 would be the facet opposite to w, whose half vector has no direction
@@ -271,22 +281,20 @@ inline Vec3 triace_blinn_phong_sample_ggx_lobe(Vec3 wo, float alpha_x, float alp
 
 // A direction of one of the two lobes; shares: the probabilities of the matte one and of the other.
 inline Vec3 triace_blinn_phong_sample_matte_gloss(Vec3 wo, float alpha, Vec2 shares, Vec2 u) {
-    TriaceBlinnPhongChoose choose_result = triace_blinn_phong_choose(shares.x, u);
-    bool matte = choose_result.first;
-    Vec2 v = choose_result.second;
+    TriaceBlinnPhongChoice choose_result = triace_blinn_phong_choose(shares.x, u);
+    bool matte = choose_result.is_first;
+    Vec2 v = choose_result.u;
     return matte ? triace_blinn_phong_sample_cosine(v)
         : triace_blinn_phong_sample_ggx_lobe(wo, alpha, alpha, v);
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of triace_blinn_phong_sample_cosine in 1/sr, for w above the horizon.
 inline float triace_blinn_phong_pdf_cosine(Vec3 w) {
-    constexpr float inv_pi = 0.31830987f;
     return w.z * inv_pi;
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
 inline float triace_blinn_phong_D_ggx(Vec3 m, float alpha_x, float alpha_y) {
-    constexpr float inv_pi = 0.31830987f;
     // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
     Vec3 v = Vec3{m.x / alpha_x, m.y / alpha_y, m.z};
     float s = dot(v, v);
@@ -298,15 +306,14 @@ inline float triace_blinn_phong_ggx_length(Vec3 w, float alpha_x, float alpha_y)
     return length(Vec3{alpha_x * w.x, alpha_y * w.y, w.z});
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at triace_blinn_phong_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 inline float triace_blinn_phong_pdf_ggx_visible(Vec3 wo, Vec3 m, float alpha_x, float alpha_y) {
     return triace_blinn_phong_D_ggx(m, alpha_x, alpha_y)
         / (2.0f * (wo.z + triace_blinn_phong_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density of `sample_ggx_lobe` in 1/sr.
+// Density of triace_blinn_phong_sample_ggx_lobe in 1/sr.
 inline float triace_blinn_phong_pdf_ggx_lobe(Vec3 wi, Vec3 wo, float alpha_x, float alpha_y) {
-    constexpr float mu_min = 1.0e-18f;
     float straight = triace_blinn_phong_pdf_ggx_visible(wo, triace_blinn_phong_half_vector(wi, wo),
         alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
@@ -319,15 +326,15 @@ inline float triace_blinn_phong_pdf_ggx_lobe(Vec3 wi, Vec3 wo, float alpha_x, fl
     return straight + (exists ? folded : 0.0f);
 }
 
-// Density of `sample_matte_gloss` in 1/sr.
+// Density of triace_blinn_phong_sample_matte_gloss in 1/sr.
 inline float triace_blinn_phong_pdf_matte_gloss(Vec3 wi, Vec3 wo, float alpha, Vec2 shares) {
     return shares.x * triace_blinn_phong_pdf_cosine(wi)
         + shares.y * triace_blinn_phong_pdf_ggx_lobe(wi, wo, alpha, alpha);
 }
 
-// Density of `sample` in 1/sr.
+// Density of triace_blinn_phong_sample in 1/sr.
 inline float triace_blinn_phong_pdf(const TriaceBlinnPhong& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0f;
     }
     float alpha = triace_blinn_phong_blinn_phong_alpha(params.shininess);
@@ -337,7 +344,7 @@ inline float triace_blinn_phong_pdf(const TriaceBlinnPhong& params, Vec3 wi, Vec
 // Cosine-weighted, or the GGX lobe of the same width, whose longer tail bounds the weights.
 inline TriaceBlinnPhongSample triace_blinn_phong_sample(const TriaceBlinnPhong& params, Vec3 wo,
     Vec2 u) {
-    if (wo.z <= 1.0e-18f) {  // in the horizon or below
+    if (wo.z <= mu_min) {  // in the horizon or below
         return TriaceBlinnPhongSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     float alpha = triace_blinn_phong_blinn_phong_alpha(params.shininess);
@@ -346,16 +353,12 @@ inline TriaceBlinnPhongSample triace_blinn_phong_sample(const TriaceBlinnPhong& 
     return TriaceBlinnPhongSample{wi, triace_blinn_phong_pdf(params, wi, wo)};
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 inline Vec3 triace_blinn_phong_albedo(const TriaceBlinnPhong& params, Vec3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    constexpr float HORIZON = 1.0e-6f;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
-    constexpr float ALBEDO_SAMPLES = 987.0f;
-    constexpr float GOLDEN = 0.618034f;
-    constexpr float mu_min = 1.0e-18f;
     if (wo.z < 0.0f) {  // below the horizon
         return splat(0.0f);
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // tri-Ace Blinn-Phong: a normalised Blinn-Phong highlight with Fresnel, cheap enough for a console.
 //
 // Source: Gotanda, "Beyond a simple physically based Blinn-Phong model in real-time", SIGGRAPH 2012
@@ -5,10 +6,11 @@
 // The course's shaders return pi f cos(theta_i); this is f. Its linear factor 0.0397436 n + 0.0856832 is a
 // fit of (n + 2) / (4 pi (2 - 2^(-n / 2))): within 0.6 % for n >= 10, 32 % too small at n = 1.
 //
-// HLSL, made by gonio 0.1.0 from gonio/models/triace_blinn_phong.py.
+// HLSL, made by gonio from gonio/models/triace_blinn_phong.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: TriaceBlinnPhong params; params.rho = ...; ... triace_blinn_phong_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct TriaceBlinnPhongSample {
@@ -23,11 +25,13 @@ struct TriaceBlinnPhong {
     float shininess;  // Blinn-Phong exponent n; 0 to 100000, default 50
 };
 
-// Results of choose.
-struct TriaceBlinnPhongChoose {
-    bool first;
-    float2 second;
+// Which of two lobes a sample is taken from.
+struct TriaceBlinnPhongChoice {
+    bool is_first;  // Whether it is the first one
+    float2 u;  // Fresh random numbers, made of those that chose
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float triace_blinn_phong_cos_half(float3 wi, float3 wo) {
@@ -37,8 +41,8 @@ float triace_blinn_phong_cos_half(float3 wi, float3 wo) {
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 float triace_blinn_phong_schlick_weight_half(float3 wi, float3 wo) {
-    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
-    // weight keeps its digits where the two meet and it goes to 0.
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
+    // keeps its digits where the two meet and it goes to 0.
     float3 apart = wi - wo;
     float k = 0.25 * dot(apart, apart) / (1.0 + triace_blinn_phong_cos_half(wi, wo));
     float k2 = k * k;
@@ -48,7 +52,7 @@ float triace_blinn_phong_schlick_weight_half(float3 wi, float3 wo) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 float3 triace_blinn_phong_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which triace_blinn_phong_cos_half needs as well
 }
 
 // log(1 + x) / x for x > -1; 1 at x = 0.
@@ -74,9 +78,7 @@ float triace_blinn_phong_log1p(float x) {
 
 // (N.m)^exponent, exact for sharp lobes.
 float triace_blinn_phong_cos_power(float3 m, float exponent) {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const float mu_min = 1.0e-18;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     // (N.m)^n = (1 + tan^2)^(-n / 2): a sharp lobe needs the digits of the tangent, not of the cosine
     float tan2 = (m.x * m.x + m.y * m.y) / max(m.z * m.z, 0.25);
     float steep = log(clamp(m.z, mu_min, 0.75));
@@ -94,14 +96,17 @@ float triace_blinn_phong_blinn_phong_highlight(float3 wi, float3 wo, float shini
 // Eq. 1 without the cosine and the factor pi: BRDF value in 1/sr.
 float3 triace_blinn_phong_eval(TriaceBlinnPhong params, float3 wi, float3 wo) {
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
-        return (float3)(0.0);
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return float3(0.0, 0.0, 0.0);
     }
-    float3 F = lerp(params.f0, (float3)(1.0),
-        (float3)(triace_blinn_phong_schlick_weight_half(wi, wo)));
+    float3 F = lerp(params.f0, float3(1.0, 1.0, 1.0),
+        (triace_blinn_phong_schlick_weight_half(wi, wo)).xxx);
     float highlight = triace_blinn_phong_blinn_phong_highlight(wi, wo, params.shininess);
     return params.rho * (1.0 - params.f0) * inv_pi + F * highlight;
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // The width that matches an exponent n: sqrt(2 / (n + 2)).
 float triace_blinn_phong_blinn_phong_alpha(float exponent) {
@@ -130,8 +135,8 @@ float triace_blinn_phong_raised(float probability) {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 float2 triace_blinn_phong_lobes_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+    // can be seen is that small.
     const float BLACK = 1.0e-20;
     float inv = 1.0 / (first + second + BLACK);
     float a = triace_blinn_phong_raised((first + BLACK) * inv);
@@ -143,13 +148,14 @@ float2 triace_blinn_phong_lobes_shares(float first, float second) {
 
 // Probabilities of the diffuse lobe and of the highlight.
 float2 triace_blinn_phong_shares(TriaceBlinnPhong params, float3 wo) {
-    float3 F = lerp(params.f0, (float3)(1.0), (float3)(triace_blinn_phong_schlick_weight(wo.z)));
+    float3 F = lerp(params.f0, float3(1.0, 1.0, 1.0),
+        (triace_blinn_phong_schlick_weight(wo.z)).xxx);
     return triace_blinn_phong_lobes_shares(triace_blinn_phong_average(params.rho
         * (1.0 - params.f0)), triace_blinn_phong_average(F));
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-TriaceBlinnPhongChoose triace_blinn_phong_choose(float probability, float2 u) {
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+TriaceBlinnPhongChoice triace_blinn_phong_choose(float probability, float2 u) {
     // Smallest probability that is divided by: a random number falls below it once in a million million.
     const float SHARE_MIN = 1.0e-12;
     // The largest float32 below 1, up to which random numbers go.
@@ -157,9 +163,9 @@ TriaceBlinnPhongChoose triace_blinn_phong_choose(float probability, float2 u) {
     bool first = u.x < probability;
     float below = u.x / max(probability, SHARE_MIN);
     float above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
-    TriaceBlinnPhongChoose result;
-    result.first = first;
-    result.second = float2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y);
+    TriaceBlinnPhongChoice result;
+    result.is_first = first;
+    result.u = float2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y);
     return result;
 }
 
@@ -171,7 +177,8 @@ float3 triace_blinn_phong_sample_cosine(float2 u) {
     return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// A normal with density G1(wo) max(wo . m, 0) triace_blinn_phong_D_ggx(m) / mu_o. Dupuy and Benyoub,
+// Listing 3.
 float3 triace_blinn_phong_sample_ggx_visible(float3 wo, float alpha_x, float alpha_y,
     float2 u) {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
@@ -204,14 +211,14 @@ float3 triace_blinn_phong_sample_ggx_lobe(float3 wo, float alpha_x, float alpha_
 
 // A direction of one of the two lobes; shares: the probabilities of the matte one and of the other.
 float3 triace_blinn_phong_sample_matte_gloss(float3 wo, float alpha, float2 shares, float2 u) {
-    TriaceBlinnPhongChoose choose_result = triace_blinn_phong_choose(shares.x, u);
-    bool matte = choose_result.first;
-    float2 v = choose_result.second;
+    TriaceBlinnPhongChoice choose_result = triace_blinn_phong_choose(shares.x, u);
+    bool matte = choose_result.is_first;
+    float2 v = choose_result.u;
     return matte ? triace_blinn_phong_sample_cosine(v)
         : triace_blinn_phong_sample_ggx_lobe(wo, alpha, alpha, v);
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of triace_blinn_phong_sample_cosine in 1/sr, for w above the horizon.
 float triace_blinn_phong_pdf_cosine(float3 w) {
     const float inv_pi = 0.31830987;
     return w.z * inv_pi;
@@ -231,15 +238,15 @@ float triace_blinn_phong_ggx_length(float3 w, float alpha_x, float alpha_y) {
     return length(float3(alpha_x * w.x, alpha_y * w.y, w.z));
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at triace_blinn_phong_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 float triace_blinn_phong_pdf_ggx_visible(float3 wo, float3 m, float alpha_x, float alpha_y) {
     return triace_blinn_phong_D_ggx(m, alpha_x, alpha_y)
         / (2.0 * (wo.z + triace_blinn_phong_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density of `sample_ggx_lobe` in 1/sr.
+// Density of triace_blinn_phong_sample_ggx_lobe in 1/sr.
 float triace_blinn_phong_pdf_ggx_lobe(float3 wi, float3 wo, float alpha_x, float alpha_y) {
-    const float mu_min = 1.0e-18;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     float straight = triace_blinn_phong_pdf_ggx_visible(wo, triace_blinn_phong_half_vector(wi, wo),
         alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
@@ -252,15 +259,16 @@ float triace_blinn_phong_pdf_ggx_lobe(float3 wi, float3 wo, float alpha_x, float
     return straight + (exists ? folded : 0.0);
 }
 
-// Density of `sample_matte_gloss` in 1/sr.
+// Density of triace_blinn_phong_sample_matte_gloss in 1/sr.
 float triace_blinn_phong_pdf_matte_gloss(float3 wi, float3 wo, float alpha, float2 shares) {
     return shares.x * triace_blinn_phong_pdf_cosine(wi)
         + shares.y * triace_blinn_phong_pdf_ggx_lobe(wi, wo, alpha, alpha);
 }
 
-// Density of `sample` in 1/sr.
+// Density of triace_blinn_phong_sample in 1/sr.
 float triace_blinn_phong_pdf(TriaceBlinnPhong params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     float alpha = triace_blinn_phong_blinn_phong_alpha(params.shininess);
@@ -269,7 +277,8 @@ float triace_blinn_phong_pdf(TriaceBlinnPhong params, float3 wi, float3 wo) {
 
 // Cosine-weighted, or the GGX lobe of the same width, whose longer tail bounds the weights.
 TriaceBlinnPhongSample triace_blinn_phong_sample(TriaceBlinnPhong params, float3 wo, float2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         TriaceBlinnPhongSample result;
         result.wi = float3(0.0, 0.0, 1.0);
         result.pdf = 0.0;
@@ -284,18 +293,20 @@ TriaceBlinnPhongSample triace_blinn_phong_sample(TriaceBlinnPhong params, float3
     return result;
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 float3 triace_blinn_phong_albedo(TriaceBlinnPhong params, float3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const float HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in triace_blinn_phong_albedo: a Fibonacci number, and the golden ratio.
     const float ALBEDO_SAMPLES = 987.0;
     const float GOLDEN = 0.618034;
-    const float mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const float HORIZON = 1.0e-6;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
-        return (float3)(0.0);
+        return float3(0.0, 0.0, 0.0);
     }
     float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
     float3 total = float3(0.0, 0.0, 0.0);

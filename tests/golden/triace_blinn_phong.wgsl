@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // tri-Ace Blinn-Phong: a normalised Blinn-Phong highlight with Fresnel, cheap enough for a console.
 //
 // Source: Gotanda, "Beyond a simple physically based Blinn-Phong model in real-time", SIGGRAPH 2012
@@ -5,10 +6,11 @@
 // The course's shaders return pi f cos(theta_i); this is f. Its linear factor 0.0397436 n + 0.0856832 is a
 // fit of (n + 2) / (4 pi (2 - 2^(-n / 2))): within 0.6 % for n >= 10, 32 % too small at n = 1.
 //
-// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/triace_blinn_phong.py.
+// WGSL (WebGPU), made by gonio from gonio/models/triace_blinn_phong.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: var params: TriaceBlinnPhong; params.rho = ...; ... triace_blinn_phong_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct TriaceBlinnPhongSample {
@@ -23,11 +25,13 @@ struct TriaceBlinnPhong {
     shininess: f32,  // Blinn-Phong exponent n; 0 to 100000, default 50
 }
 
-// Results of choose.
-struct TriaceBlinnPhongChoose {
-    first: bool,
-    second: vec2f,
+// Which of two lobes a sample is taken from.
+struct TriaceBlinnPhongChoice {
+    is_first: bool,  // Whether it is the first one
+    u: vec2f,  // Fresh random numbers, made of those that chose
 }
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn triace_blinn_phong_cos_half(wi: vec3f, wo: vec3f) -> f32 {
@@ -37,8 +41,8 @@ fn triace_blinn_phong_cos_half(wi: vec3f, wo: vec3f) -> f32 {
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 fn triace_blinn_phong_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
-    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
-    // weight keeps its digits where the two meet and it goes to 0.
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
+    // keeps its digits where the two meet and it goes to 0.
     let apart = wi - wo;
     let k = 0.25 * dot(apart, apart) / (1.0 + triace_blinn_phong_cos_half(wi, wo));
     let k2 = k * k;
@@ -48,7 +52,7 @@ fn triace_blinn_phong_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn triace_blinn_phong_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which triace_blinn_phong_cos_half needs as well
 }
 
 // log(1 + x) / x for x > -1; 1 at x = 0.
@@ -74,9 +78,7 @@ fn triace_blinn_phong_log1p(x: f32) -> f32 {
 
 // (N.m)^exponent, exact for sharp lobes.
 fn triace_blinn_phong_cos_power(m: vec3f, exponent: f32) -> f32 {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const mu_min = 1.0e-18;
+    const mu_min = 1.0e-18;  // cosine of the horizon
     // (N.m)^n = (1 + tan^2)^(-n / 2): a sharp lobe needs the digits of the tangent, not of the cosine
     let tan2 = (m.x * m.x + m.y * m.y) / max(m.z * m.z, 0.25);
     let steep = log(clamp(m.z, mu_min, 0.75));
@@ -94,13 +96,16 @@ fn triace_blinn_phong_blinn_phong_highlight(wi: vec3f, wo: vec3f, shininess: f32
 // Eq. 1 without the cosine and the factor pi: BRDF value in 1/sr.
 fn triace_blinn_phong_eval(params: TriaceBlinnPhong, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
     let F = mix(params.f0, vec3f(1.0), vec3f(triace_blinn_phong_schlick_weight_half(wi, wo)));
     let highlight = triace_blinn_phong_blinn_phong_highlight(wi, wo, params.shininess);
     return params.rho * (1.0 - params.f0) * inv_pi + F * highlight;
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // The width that matches an exponent n: sqrt(2 / (n + 2)).
 fn triace_blinn_phong_blinn_phong_alpha(exponent: f32) -> f32 {
@@ -129,8 +134,8 @@ fn triace_blinn_phong_raised(probability: f32) -> f32 {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 fn triace_blinn_phong_lobes_shares(first: f32, second: f32) -> vec2f {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+    // can be seen is that small.
     const BLACK = 1.0e-20;
     let inv = 1.0 / (first + second + BLACK);
     let a = triace_blinn_phong_raised((first + BLACK) * inv);
@@ -147,15 +152,15 @@ fn triace_blinn_phong_shares(params: TriaceBlinnPhong, wo: vec3f) -> vec2f {
         * (1.0 - params.f0)), triace_blinn_phong_average(F));
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-fn triace_blinn_phong_choose(probability: f32, u: vec2f) -> TriaceBlinnPhongChoose {
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+fn triace_blinn_phong_choose(probability: f32, u: vec2f) -> TriaceBlinnPhongChoice {
     // Smallest probability that is divided by: a random number falls below it once in a million million.
     const SHARE_MIN = 1.0e-12;
     const RANDOM_MAX = 0.99999994;  // The largest float32 below 1, up to which random numbers go.
     let first = u.x < probability;
     let below = u.x / max(probability, SHARE_MIN);
     let above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
-    return TriaceBlinnPhongChoose(first,
+    return TriaceBlinnPhongChoice(first,
         vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
 }
 
@@ -167,7 +172,8 @@ fn triace_blinn_phong_sample_cosine(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// A normal with density G1(wo) max(wo . m, 0) triace_blinn_phong_D_ggx(m) / mu_o. Dupuy and Benyoub,
+// Listing 3.
 fn triace_blinn_phong_sample_ggx_visible(wo: vec3f, alpha_x: f32, alpha_y: f32,
     u: vec2f) -> vec3f {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
@@ -203,13 +209,13 @@ fn triace_blinn_phong_sample_ggx_lobe(wo: vec3f, alpha_x: f32, alpha_y: f32,
 fn triace_blinn_phong_sample_matte_gloss(wo: vec3f, alpha: f32, shares: vec2f,
     u: vec2f) -> vec3f {
     let choose_result = triace_blinn_phong_choose(shares.x, u);
-    let matte = choose_result.first;
-    let v = choose_result.second;
+    let matte = choose_result.is_first;
+    let v = choose_result.u;
     return select(triace_blinn_phong_sample_ggx_lobe(wo, alpha, alpha, v),
         triace_blinn_phong_sample_cosine(v), matte);
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of triace_blinn_phong_sample_cosine in 1/sr, for w above the horizon.
 fn triace_blinn_phong_pdf_cosine(w: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     return w.z * inv_pi;
@@ -229,15 +235,15 @@ fn triace_blinn_phong_ggx_length(w: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
     return length(vec3f(alpha_x * w.x, alpha_y * w.y, w.z));
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at triace_blinn_phong_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 fn triace_blinn_phong_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
     return triace_blinn_phong_D_ggx(m, alpha_x, alpha_y)
         / (2.0 * (wo.z + triace_blinn_phong_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density of `sample_ggx_lobe` in 1/sr.
+// Density of triace_blinn_phong_sample_ggx_lobe in 1/sr.
 fn triace_blinn_phong_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    const mu_min = 1.0e-18;
+    const mu_min = 1.0e-18;  // cosine of the horizon
     let straight = triace_blinn_phong_pdf_ggx_visible(wo, triace_blinn_phong_half_vector(wi, wo),
         alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
@@ -250,15 +256,16 @@ fn triace_blinn_phong_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: 
     return straight + select(0.0, folded, exists);
 }
 
-// Density of `sample_matte_gloss` in 1/sr.
+// Density of triace_blinn_phong_sample_matte_gloss in 1/sr.
 fn triace_blinn_phong_pdf_matte_gloss(wi: vec3f, wo: vec3f, alpha: f32, shares: vec2f) -> f32 {
     return shares.x * triace_blinn_phong_pdf_cosine(wi)
         + shares.y * triace_blinn_phong_pdf_ggx_lobe(wi, wo, alpha, alpha);
 }
 
-// Density of `sample` in 1/sr.
+// Density of triace_blinn_phong_sample in 1/sr.
 fn triace_blinn_phong_pdf(params: TriaceBlinnPhong, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     let alpha = triace_blinn_phong_blinn_phong_alpha(params.shininess);
@@ -268,7 +275,8 @@ fn triace_blinn_phong_pdf(params: TriaceBlinnPhong, wi: vec3f, wo: vec3f) -> f32
 // Cosine-weighted, or the GGX lobe of the same width, whose longer tail bounds the weights.
 fn triace_blinn_phong_sample(params: TriaceBlinnPhong, wo: vec3f,
     u: vec2f) -> TriaceBlinnPhongSample {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return TriaceBlinnPhongSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let alpha = triace_blinn_phong_blinn_phong_alpha(params.shininess);
@@ -277,16 +285,18 @@ fn triace_blinn_phong_sample(params: TriaceBlinnPhong, wo: vec3f,
     return TriaceBlinnPhongSample(wi, triace_blinn_phong_pdf(params, wi, wo));
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 fn triace_blinn_phong_albedo(params: TriaceBlinnPhong, wo: vec3f) -> vec3f {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in triace_blinn_phong_albedo: a Fibonacci number, and the golden ratio.
     const ALBEDO_SAMPLES = 987.0;
     const GOLDEN = 0.618034;
-    const mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const HORIZON = 1.0e-6;
+    const mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return vec3f(0.0);
     }

@@ -1,21 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
 // tri-Ace layered: two Blinn-Phong layers with an absorbing one between, made for game consoles.
 //
 // Source: Gotanda, "Beyond a simple physically based Blinn-Phong model in real-time", SIGGRAPH 2012 course
 // "Practical physically based shading in film and game production", section 2. Symbols are the course's;
-// the
-// alpha' of Eq. 3 is sigma_a times thickness here, as in Eq. 2.
+// the alpha' of Eq. 3 is sigma_a times thickness here, as in Eq. 2.
 // Choices where the course is silent: the fraction of Eq. 1 and the transmittance of Eq. 5 have Schlick's
-// F,
-// and Eq. 4 the exact one, all at wo.H; the lower layer uses directions that are not refracted, except in
-// the
-// exact absorption; F_trans takes its part from the lower layer's diffuse reflection as well, which an
-// option
-// turns off.
+// F, and Eq. 4 the exact one, all at wo.H; the lower layer uses directions that are not refracted, except
+// in the exact absorption; F_trans takes its part from the lower layer's diffuse reflection as well, which
+// an option turns off.
 //
-// C++, made by gonio 0.1.0 from gonio/models/triace_layered.py.
+// C++, made by gonio from gonio/models/triace_layered.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: gonio_triace_layered::TriaceLayered params; params.top_eta = ...; ... gonio_triace_layered::triace_layered_eval(params, wi, wo)
 
 #pragma once
 #include <math.h>
@@ -91,14 +89,47 @@ inline Vec3 exp(Vec3 a) {
     return Vec3{expf(a.x), expf(a.y), expf(a.z)};
 }
 
+// Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+constexpr float LOG1P_SMALL = 0.25f;
+constexpr float two_pi = 6.2831855f;
+constexpr float inv_pi = 0.31830987f;
+constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
+constexpr float NORM_SLOPE = 0.0397436f;  // Eq. 1: the normalisation as a linear function of n.
+constexpr float NORM_OFFSET = 0.0856832f;
+// Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
+// is reached at the edge of total internal reflection, where the true derivative is infinite.
+constexpr float ROOT_MIN = 1.0e-16f;
+// Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+// can be seen is that small.
+constexpr float BLACK = 1.0e-20f;
+// The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+// its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+constexpr float SHARE_LEAST = 0.1f;
+constexpr float ESTIMATE_TRUST = 50.0f;
+// Smallest probability that is divided by: a random number falls below it once in a million million.
+constexpr float SHARE_MIN = 1.0e-12f;
+// The largest float32 below 1, up to which random numbers go.
+constexpr float RANDOM_MAX = 0.99999994f;
+// Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
+constexpr float LOBE_MIN = 1.0e-12f;
+// Smallest share of the samples that a highlight gets: it bounds their weights.
+constexpr float LOBE_SHARE_MIN = 0.1f;
+// Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+constexpr float RANDOM_MARGIN = 5.9604645e-8f;
+// Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+constexpr float ALBEDO_SAMPLES = 987.0f;
+constexpr float GOLDEN = 0.618034f;
+// Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+constexpr float HORIZON = 1.0e-6f;
+
 // A sampled direction and its density.
 struct TriaceLayeredSample {
     Vec3 wi;  // direction towards the light, unit, local frame
     float pdf;  // its density in 1/sr; 0 marks a wasted sample
 };
 
-// triace_layered: A glossy layer over a glossy and matte one, with absorption between. Reciprocal.
-// Exported with absorption='exact', bottom_fresnel='exact', top_transmission='on', diffuse='lambert'.
+// triace_layered: A glossy layer over a glossy and matte one, with absorption between. Reciprocal. Exported
+// with absorption='exact', bottom_fresnel='exact', top_transmission='on', diffuse='lambert'.
 struct TriaceLayered {
     float top_eta;  // index n1 of the upper layer; 1 to 3, default 1.33333
     float top_shininess;  // Blinn-Phong exponent of the upper layer; 0 to 100000, default 200
@@ -110,29 +141,31 @@ struct TriaceLayered {
     float thickness;  // thickness of the upper layer, in the unit of sigma_a; 0 to 1, default 1
 };
 
-// Results of bottom_fresnel.
+// What Fresnel leaves of the lower layer's reflection, both crossings of the upper surface included.
 struct TriaceLayeredBottomFresnel {
-    float first;
-    float second;
+    float glossy;  // Factor of the glossy reflection (Eq. 4 or 5)
+    float matte;  // Factor of the matte reflection (Eq. 9)
 };
 
-// Results of shares.
+// What shares returns.
 struct TriaceLayeredShares {
-    Vec2 first;
-    Vec2 second;
+    Vec2 P_top;
+    Vec2 P_bottom;
 };
 
-// Results of choose.
-struct TriaceLayeredChoose {
-    bool first;
-    Vec2 second;
+// Which of two lobes a sample is taken from.
+struct TriaceLayeredChoice {
+    bool is_first;  // Whether it is the first one
+    Vec2 u;  // Fresh random numbers, made of those that chose
 };
 
-// Results of alphas.
+// What alphas returns.
 struct TriaceLayeredAlphas {
-    float first;
-    float second;
+    float top;
+    float bottom;
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float triace_layered_cos_half(Vec3 wi, Vec3 wo) {
@@ -148,8 +181,8 @@ inline float triace_layered_f0_from_eta(float eta) {
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 inline float triace_layered_schlick_weight_half(Vec3 wi, Vec3 wo) {
-    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
-    // weight keeps its digits where the two meet and it goes to 0.
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
+    // keeps its digits where the two meet and it goes to 0.
     Vec3 apart = wi - wo;
     float k = 0.25f * dot(apart, apart) / (1.0f + triace_layered_cos_half(wi, wo));
     float k2 = k * k;
@@ -159,13 +192,11 @@ inline float triace_layered_schlick_weight_half(Vec3 wi, Vec3 wo) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 triace_layered_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which triace_layered_cos_half needs as well
 }
 
 // log(1 + x) / x for x > -1; 1 at x = 0.
 inline float triace_layered_log1p_over(float x) {
-    // Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
-    constexpr float LOG1P_SMALL = 0.25f;
     // 2 atanh(y) with y = x / (2 + x): the series of odd powers, error below 1e-16 for |x| < 0.25.
     float near = fmaxf(fminf(x, LOG1P_SMALL), -LOG1P_SMALL);
     float y = near / (2.0f + near);
@@ -185,9 +216,6 @@ inline float triace_layered_log1p(float x) {
 
 // (N.m)^exponent, exact for sharp lobes.
 inline float triace_layered_cos_power(Vec3 m, float exponent) {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    constexpr float mu_min = 1.0e-18f;
     // (N.m)^n = (1 + tan^2)^(-n / 2): a sharp lobe needs the digits of the tangent, not of the cosine
     float tan2 = (m.x * m.x + m.y * m.y) / fmaxf(m.z * m.z, 0.25f);
     float steep = logf(fminf(fmaxf(m.z, mu_min), 0.75f));
@@ -196,26 +224,21 @@ inline float triace_layered_cos_power(Vec3 m, float exponent) {
 
 // (0.0397436 n + 0.0856832) (N.H)^n / max(mu_i, mu_o): Eq. 1's highlight without Fresnel.
 inline float triace_layered_blinn_phong_highlight(Vec3 wi, Vec3 wo, float shininess) {
-    constexpr float NORM_SLOPE = 0.0397436f;  // Eq. 1: the normalisation as a linear function of n.
-    constexpr float NORM_OFFSET = 0.0856832f;
     float power = triace_layered_cos_power(triace_layered_half_vector(wi, wo), shininess);
     return (NORM_SLOPE * shininess + NORM_OFFSET) * power / fmaxf(wi.z, wo.z);
 }
 
 // eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
 inline float triace_layered_refracted_cos2(float mu, float eta) {
-    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and
-    // at the critical one, little else is left.
+    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and at
+    // the critical one, little else is left.
     return fmaf(mu, mu, (eta - 1.0f) * (eta + 1.0f));
 }
 
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
 inline float triace_layered_transmittance_denser(float mu, float eta) {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
-    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
-    constexpr float ROOT_MIN = 1.0e-16f;
-    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
-    // with q = c g + sin^2(theta)
+    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2 with q
+    // = c g + sin^2(theta)
     float g = sqrtf(fmaxf(triace_layered_refracted_cos2(mu, eta), ROOT_MIN));
     float s = mu + g;
     float p = mu * g;
@@ -227,7 +250,6 @@ inline float triace_layered_transmittance_denser(float mu, float eta) {
 //
 // `F_dielectric` for n2 / n1; the difference of the two indices keeps its digits here.
 inline float triace_layered_F_between(float cos_theta, float n1, float n2) {
-    constexpr float ROOT_MIN = 1.0e-16f;
     float c = n1 * cos_theta;
     float contrast = (n2 - n1) * (n2 + n1);
     float g2 = contrast + c * c;
@@ -252,17 +274,9 @@ inline TriaceLayeredBottomFresnel triace_layered_bottom_fresnel(const TriaceLaye
     return TriaceLayeredBottomFresnel{glossy, T * (1.0f - inner)};
 }
 
-inline float triace_layered_diffuse_shape(const TriaceLayered& params, Vec3 wi, Vec3 wo) {
-    return 1.0f;
-}
-
 // Absorption times thickness, for each channel.
 inline Vec3 triace_layered_optical_depth(Vec3 sigma_a, float thickness) {
     return sigma_a * Vec3{thickness, thickness, thickness};
-}
-
-inline Vec3 triace_layered_depth(const TriaceLayered& params) {
-    return triace_layered_optical_depth(params.sigma_a, params.thickness);
 }
 
 // The direction inside a layer with eta >= 1 that belongs to w outside.
@@ -279,14 +293,13 @@ inline Vec3 triace_layered_absorbed(Vec3 depth, Vec3 wi, Vec3 wo) {
 
 // Eq. 2 or 3.
 inline Vec3 triace_layered_absorption(const TriaceLayered& params, Vec3 wi, Vec3 wo) {
-    return triace_layered_absorbed(triace_layered_depth(params),
+    return triace_layered_absorbed(triace_layered_optical_depth(params.sigma_a, params.thickness),
         triace_layered_refract(wi, params.top_eta), triace_layered_refract(wo, params.top_eta));
 }
 
 // Eq. 1 twice, with Eq. 2 to 5 between: BRDF value in 1/sr, without the cosine.
 inline Vec3 triace_layered_eval(const TriaceLayered& params, Vec3 wi, Vec3 wo) {
-    constexpr float inv_pi = 0.31830987f;
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
     float cos_h = triace_layered_cos_half(wi, wo);
@@ -294,13 +307,14 @@ inline Vec3 triace_layered_eval(const TriaceLayered& params, Vec3 wi, Vec3 wo) {
         triace_layered_schlick_weight_half(wi, wo));
     float top = F_top * triace_layered_blinn_phong_highlight(wi, wo, params.top_shininess);
     TriaceLayeredBottomFresnel bottom_fresnel_result = triace_layered_bottom_fresnel(params, cos_h);
-    float glossy = bottom_fresnel_result.first;
-    float matte = bottom_fresnel_result.second;
+    float glossy = bottom_fresnel_result.glossy;
+    float matte = bottom_fresnel_result.matte;
     float bottom = glossy * triace_layered_blinn_phong_highlight(wi, wo, params.bottom_shininess);
-    Vec3 below = bottom + matte * params.rho
-        * (inv_pi * triace_layered_diffuse_shape(params, wi, wo));
+    Vec3 below = bottom + matte * params.rho * inv_pi;
     return top + below * triace_layered_absorption(params, wi, wo);
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
 //
@@ -323,18 +337,11 @@ inline float triace_layered_average(Vec3 color) {
 }
 
 inline float triace_layered_raised(float probability) {
-    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
-    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
-    constexpr float SHARE_LEAST = 0.1f;
-    constexpr float ESTIMATE_TRUST = 50.0f;
     return fmaxf(probability, fminf(SHARE_LEAST, ESTIMATE_TRUST * probability));
 }
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 inline Vec2 triace_layered_lobes_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
-    constexpr float BLACK = 1.0e-20f;
     float inv = 1.0f / (first + second + BLACK);
     float a = triace_layered_raised((first + BLACK) * inv);
     float b = triace_layered_raised(second * inv);
@@ -345,14 +352,10 @@ inline Vec2 triace_layered_lobes_shares(float first, float second) {
 
 // Probabilities: upper highlight or lower layer; of that, its highlight or its diffuse part.
 inline TriaceLayeredShares triace_layered_shares(const TriaceLayered& params, Vec3 wo) {
-    // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
-    constexpr float LOBE_MIN = 1.0e-12f;
-    // Smallest share of the samples that a highlight gets: it bounds their weights.
-    constexpr float LOBE_SHARE_MIN = 0.1f;
     TriaceLayeredBottomFresnel bottom_fresnel_result = triace_layered_bottom_fresnel(params,
         triace_layered_usual_cos_half(wo));
-    float glossy = bottom_fresnel_result.first;
-    float matte = bottom_fresnel_result.second;
+    float glossy = bottom_fresnel_result.glossy;
+    float matte = bottom_fresnel_result.matte;
     // The shortest way in, the light's, bounds what the absorption can leave.
     Vec3 up = Vec3{0.0f, 0.0f, 1.0f};
     Vec3 kept = triace_layered_absorption(params, up, wo);
@@ -363,20 +366,16 @@ inline TriaceLayeredShares triace_layered_shares(const TriaceLayered& params, Ve
     float lower = bottom + diffuse;
     // Half vectors away from the normal reflect more than this estimate, which is made for the normal.
     Vec2 P_top = triace_layered_lobes_shares(fmaxf(top, LOBE_SHARE_MIN * lower), lower);
-    return TriaceLayeredShares{P_top,
-        triace_layered_lobes_shares(fmaxf(bottom, LOBE_SHARE_MIN * diffuse), diffuse)};
+    Vec2 P_bottom = triace_layered_lobes_shares(fmaxf(bottom, LOBE_SHARE_MIN * diffuse), diffuse);
+    return TriaceLayeredShares{P_top, P_bottom};
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-inline TriaceLayeredChoose triace_layered_choose(float probability, Vec2 u) {
-    // Smallest probability that is divided by: a random number falls below it once in a million million.
-    constexpr float SHARE_MIN = 1.0e-12f;
-    // The largest float32 below 1, up to which random numbers go.
-    constexpr float RANDOM_MAX = 0.99999994f;
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+inline TriaceLayeredChoice triace_layered_choose(float probability, Vec2 u) {
     bool first = u.x < probability;
     float below = u.x / fmaxf(probability, SHARE_MIN);
     float above = (u.x - probability) / fmaxf(1.0f - probability, SHARE_MIN);
-    return TriaceLayeredChoose{first,
+    return TriaceLayeredChoice{first,
         Vec2{fminf(fmaxf(first ? below : above, 0.0f), RANDOM_MAX), u.y}};
 }
 
@@ -386,15 +385,13 @@ inline float triace_layered_blinn_phong_alpha(float exponent) {
 }
 
 inline TriaceLayeredAlphas triace_layered_alphas(const TriaceLayered& params) {
-    return TriaceLayeredAlphas{triace_layered_blinn_phong_alpha(params.top_shininess),
-        triace_layered_blinn_phong_alpha(params.bottom_shininess)};
+    float top = triace_layered_blinn_phong_alpha(params.top_shininess);
+    float bottom = triace_layered_blinn_phong_alpha(params.bottom_shininess);
+    return TriaceLayeredAlphas{top, bottom};
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// A normal with density G1(wo) max(wo . m, 0) triace_layered_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
 inline Vec3 triace_layered_sample_ggx_visible(Vec3 wo, float alpha_x, float alpha_y, Vec2 u) {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    constexpr float RANDOM_MARGIN = 5.9604645e-8f;
-    constexpr float two_pi = 6.2831855f;
     Vec3 w = normalize(Vec3{alpha_x * wo.x, alpha_y * wo.y, wo.z});
     // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
     // u = 1 would be the facet opposite to w, whose half vector has no direction
@@ -421,7 +418,6 @@ inline Vec3 triace_layered_sample_ggx_lobe(Vec3 wo, float alpha_x, float alpha_y
 
 // A direction with density cos(theta) / pi.
 inline Vec3 triace_layered_sample_cosine(Vec2 u) {
-    constexpr float two_pi = 6.2831855f;
     float r = sqrtf(fmaxf(u.x, 0.0f));
     float phi = two_pi * u.y;
     return Vec3{r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u.x, 0.0f))};
@@ -429,7 +425,6 @@ inline Vec3 triace_layered_sample_cosine(Vec2 u) {
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
 inline float triace_layered_D_ggx(Vec3 m, float alpha_x, float alpha_y) {
-    constexpr float inv_pi = 0.31830987f;
     // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
     Vec3 v = Vec3{m.x / alpha_x, m.y / alpha_y, m.z};
     float s = dot(v, v);
@@ -441,15 +436,14 @@ inline float triace_layered_ggx_length(Vec3 w, float alpha_x, float alpha_y) {
     return length(Vec3{alpha_x * w.x, alpha_y * w.y, w.z});
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at triace_layered_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 inline float triace_layered_pdf_ggx_visible(Vec3 wo, Vec3 m, float alpha_x, float alpha_y) {
     return triace_layered_D_ggx(m, alpha_x, alpha_y)
         / (2.0f * (wo.z + triace_layered_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density of `sample_ggx_lobe` in 1/sr.
+// Density of triace_layered_sample_ggx_lobe in 1/sr.
 inline float triace_layered_pdf_ggx_lobe(Vec3 wi, Vec3 wo, float alpha_x, float alpha_y) {
-    constexpr float mu_min = 1.0e-18f;
     float straight = triace_layered_pdf_ggx_visible(wo, triace_layered_half_vector(wi, wo), alpha_x,
         alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
@@ -462,23 +456,22 @@ inline float triace_layered_pdf_ggx_lobe(Vec3 wi, Vec3 wo, float alpha_x, float 
     return straight + (exists ? folded : 0.0f);
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of triace_layered_sample_cosine in 1/sr, for w above the horizon.
 inline float triace_layered_pdf_cosine(Vec3 w) {
-    constexpr float inv_pi = 0.31830987f;
     return w.z * inv_pi;
 }
 
-// Density of `sample` in 1/sr.
+// Density of triace_layered_sample in 1/sr.
 inline float triace_layered_pdf(const TriaceLayered& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0f;
     }
     TriaceLayeredShares shares_result = triace_layered_shares(params, wo);
-    Vec2 P_top = shares_result.first;
-    Vec2 P_bottom = shares_result.second;
+    Vec2 P_top = shares_result.P_top;
+    Vec2 P_bottom = shares_result.P_bottom;
     TriaceLayeredAlphas alphas_result = triace_layered_alphas(params);
-    float alpha_1 = alphas_result.first;
-    float alpha_2 = alphas_result.second;
+    float alpha_1 = alphas_result.top;
+    float alpha_2 = alphas_result.bottom;
     float top = triace_layered_pdf_ggx_lobe(wi, wo, alpha_1, alpha_1);
     float bottom = triace_layered_pdf_ggx_lobe(wi, wo, alpha_2, alpha_2);
     float matte = triace_layered_pdf_cosine(wi);
@@ -487,21 +480,21 @@ inline float triace_layered_pdf(const TriaceLayered& params, Vec3 wi, Vec3 wo) {
 
 // Diffuse, or the GGX lobe as wide as one of the highlights, chosen by what they reflect.
 inline TriaceLayeredSample triace_layered_sample(const TriaceLayered& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 1.0e-18f) {  // in the horizon or below
+    if (wo.z <= mu_min) {  // in the horizon or below
         return TriaceLayeredSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     TriaceLayeredShares shares_result = triace_layered_shares(params, wo);
-    Vec2 P_top = shares_result.first;
-    Vec2 P_bottom = shares_result.second;
-    TriaceLayeredChoose choose_result = triace_layered_choose(P_top.x, u);
-    bool on_top = choose_result.first;
-    Vec2 v = choose_result.second;
-    TriaceLayeredChoose choose_result_2 = triace_layered_choose(P_bottom.x, v);
-    bool on_bottom = choose_result_2.first;
-    Vec2 t = choose_result_2.second;
+    Vec2 P_top = shares_result.P_top;
+    Vec2 P_bottom = shares_result.P_bottom;
+    TriaceLayeredChoice choose_result = triace_layered_choose(P_top.x, u);
+    bool on_top = choose_result.is_first;
+    Vec2 v = choose_result.u;
+    TriaceLayeredChoice choose_result_2 = triace_layered_choose(P_bottom.x, v);
+    bool on_bottom = choose_result_2.is_first;
+    Vec2 t = choose_result_2.u;
     TriaceLayeredAlphas alphas_result = triace_layered_alphas(params);
-    float alpha_1 = alphas_result.first;
-    float alpha_2 = alphas_result.second;
+    float alpha_1 = alphas_result.top;
+    float alpha_2 = alphas_result.bottom;
     Vec3 w_top = triace_layered_sample_ggx_lobe(wo, alpha_1, alpha_1, v);
     Vec3 w_bottom = triace_layered_sample_ggx_lobe(wo, alpha_2, alpha_2, t);
     Vec3 w_matte = triace_layered_sample_cosine(t);
@@ -509,16 +502,12 @@ inline TriaceLayeredSample triace_layered_sample(const TriaceLayered& params, Ve
     return TriaceLayeredSample{wi, triace_layered_pdf(params, wi, wo)};
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 inline Vec3 triace_layered_albedo(const TriaceLayered& params, Vec3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    constexpr float HORIZON = 1.0e-6f;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
-    constexpr float ALBEDO_SAMPLES = 987.0f;
-    constexpr float GOLDEN = 0.618034f;
-    constexpr float mu_min = 1.0e-18f;
     if (wo.z < 0.0f) {  // below the horizon
         return splat(0.0f);
     }

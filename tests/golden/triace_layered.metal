@@ -1,21 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
 // tri-Ace layered: two Blinn-Phong layers with an absorbing one between, made for game consoles.
 //
 // Source: Gotanda, "Beyond a simple physically based Blinn-Phong model in real-time", SIGGRAPH 2012 course
 // "Practical physically based shading in film and game production", section 2. Symbols are the course's;
-// the
-// alpha' of Eq. 3 is sigma_a times thickness here, as in Eq. 2.
+// the alpha' of Eq. 3 is sigma_a times thickness here, as in Eq. 2.
 // Choices where the course is silent: the fraction of Eq. 1 and the transmittance of Eq. 5 have Schlick's
-// F,
-// and Eq. 4 the exact one, all at wo.H; the lower layer uses directions that are not refracted, except in
-// the
-// exact absorption; F_trans takes its part from the lower layer's diffuse reflection as well, which an
-// option
-// turns off.
+// F, and Eq. 4 the exact one, all at wo.H; the lower layer uses directions that are not refracted, except
+// in the exact absorption; F_trans takes its part from the lower layer's diffuse reflection as well, which
+// an option turns off.
 //
-// Metal, made by gonio 0.1.0 from gonio/models/triace_layered.py.
+// Metal, made by gonio from gonio/models/triace_layered.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: TriaceLayered params; params.top_eta = ...; ... triace_layered_eval(params, wi, wo)
 
 #include <metal_stdlib>
 using namespace metal;
@@ -26,8 +24,8 @@ struct TriaceLayeredSample {
     float pdf;  // its density in 1/sr; 0 marks a wasted sample
 };
 
-// triace_layered: A glossy layer over a glossy and matte one, with absorption between. Reciprocal.
-// Exported with absorption='exact', bottom_fresnel='exact', top_transmission='on', diffuse='lambert'.
+// triace_layered: A glossy layer over a glossy and matte one, with absorption between. Reciprocal. Exported
+// with absorption='exact', bottom_fresnel='exact', top_transmission='on', diffuse='lambert'.
 struct TriaceLayered {
     float top_eta;  // index n1 of the upper layer; 1 to 3, default 1.33333
     float top_shininess;  // Blinn-Phong exponent of the upper layer; 0 to 100000, default 200
@@ -40,29 +38,31 @@ struct TriaceLayered {
     float thickness;  // thickness of the upper layer, in the unit of sigma_a; 0 to 1, default 1
 };
 
-// Results of bottom_fresnel.
+// What Fresnel leaves of the lower layer's reflection, both crossings of the upper surface included.
 struct TriaceLayeredBottomFresnel {
-    float first;
-    float second;
+    float glossy;  // Factor of the glossy reflection (Eq. 4 or 5)
+    float matte;  // Factor of the matte reflection (Eq. 9)
 };
 
-// Results of shares.
+// What shares returns.
 struct TriaceLayeredShares {
-    float2 first;
-    float2 second;
+    float2 P_top;
+    float2 P_bottom;
 };
 
-// Results of choose.
-struct TriaceLayeredChoose {
-    bool first;
-    float2 second;
+// Which of two lobes a sample is taken from.
+struct TriaceLayeredChoice {
+    bool is_first;  // Whether it is the first one
+    float2 u;  // Fresh random numbers, made of those that chose
 };
 
-// Results of alphas.
+// What alphas returns.
 struct TriaceLayeredAlphas {
-    float first;
-    float second;
+    float top;
+    float bottom;
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float triace_layered_cos_half(float3 wi, float3 wo) {
@@ -78,8 +78,8 @@ inline float triace_layered_f0_from_eta(float eta) {
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 inline float triace_layered_schlick_weight_half(float3 wi, float3 wo) {
-    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
-    // weight keeps its digits where the two meet and it goes to 0.
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
+    // keeps its digits where the two meet and it goes to 0.
     float3 apart = wi - wo;
     float k = 0.25 * dot(apart, apart) / (1.0 + triace_layered_cos_half(wi, wo));
     float k2 = k * k;
@@ -89,7 +89,7 @@ inline float triace_layered_schlick_weight_half(float3 wi, float3 wo) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline float3 triace_layered_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which triace_layered_cos_half needs as well
 }
 
 // log(1 + x) / x for x > -1; 1 at x = 0.
@@ -115,9 +115,7 @@ inline float triace_layered_log1p(float x) {
 
 // (N.m)^exponent, exact for sharp lobes.
 inline float triace_layered_cos_power(float3 m, float exponent) {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const float mu_min = 1.0e-18;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     // (N.m)^n = (1 + tan^2)^(-n / 2): a sharp lobe needs the digits of the tangent, not of the cosine
     float tan2 = (m.x * m.x + m.y * m.y) / max(m.z * m.z, 0.25);
     float steep = log(clamp(m.z, mu_min, 0.75));
@@ -134,18 +132,18 @@ inline float triace_layered_blinn_phong_highlight(float3 wi, float3 wo, float sh
 
 // eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
 inline float triace_layered_refracted_cos2(float mu, float eta) {
-    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and
-    // at the critical one, little else is left.
+    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and at
+    // the critical one, little else is left.
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
 inline float triace_layered_transmittance_denser(float mu, float eta) {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
-    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
+    // is reached at the edge of total internal reflection, where the true derivative is infinite.
     const float ROOT_MIN = 1.0e-16;
-    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
-    // with q = c g + sin^2(theta)
+    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2 with q
+    // = c g + sin^2(theta)
     float g = sqrt(max(triace_layered_refracted_cos2(mu, eta), ROOT_MIN));
     float s = mu + g;
     float p = mu * g;
@@ -182,17 +180,9 @@ inline TriaceLayeredBottomFresnel triace_layered_bottom_fresnel(TriaceLayered pa
     return TriaceLayeredBottomFresnel{glossy, T * (1.0 - inner)};
 }
 
-inline float triace_layered_diffuse_shape(TriaceLayered params, float3 wi, float3 wo) {
-    return 1.0;
-}
-
 // Absorption times thickness, for each channel.
 inline float3 triace_layered_optical_depth(float3 sigma_a, float thickness) {
     return sigma_a * float3(thickness, thickness, thickness);
-}
-
-inline float3 triace_layered_depth(TriaceLayered params) {
-    return triace_layered_optical_depth(params.sigma_a, params.thickness);
 }
 
 // The direction inside a layer with eta >= 1 that belongs to w outside.
@@ -209,14 +199,15 @@ inline float3 triace_layered_absorbed(float3 depth, float3 wi, float3 wo) {
 
 // Eq. 2 or 3.
 inline float3 triace_layered_absorption(TriaceLayered params, float3 wi, float3 wo) {
-    return triace_layered_absorbed(triace_layered_depth(params),
+    return triace_layered_absorbed(triace_layered_optical_depth(params.sigma_a, params.thickness),
         triace_layered_refract(wi, params.top_eta), triace_layered_refract(wo, params.top_eta));
 }
 
 // Eq. 1 twice, with Eq. 2 to 5 between: BRDF value in 1/sr, without the cosine.
 inline float3 triace_layered_eval(TriaceLayered params, float3 wi, float3 wo) {
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return float3(0.0);
     }
     float cos_h = triace_layered_cos_half(wi, wo);
@@ -224,13 +215,14 @@ inline float3 triace_layered_eval(TriaceLayered params, float3 wi, float3 wo) {
         triace_layered_schlick_weight_half(wi, wo));
     float top = F_top * triace_layered_blinn_phong_highlight(wi, wo, params.top_shininess);
     TriaceLayeredBottomFresnel bottom_fresnel_result = triace_layered_bottom_fresnel(params, cos_h);
-    float glossy = bottom_fresnel_result.first;
-    float matte = bottom_fresnel_result.second;
+    float glossy = bottom_fresnel_result.glossy;
+    float matte = bottom_fresnel_result.matte;
     float bottom = glossy * triace_layered_blinn_phong_highlight(wi, wo, params.bottom_shininess);
-    float3 below = bottom
-        + matte * params.rho * (inv_pi * triace_layered_diffuse_shape(params, wi, wo));
+    float3 below = bottom + matte * params.rho * inv_pi;
     return top + below * triace_layered_absorption(params, wi, wo);
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
 //
@@ -262,8 +254,8 @@ inline float triace_layered_raised(float probability) {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 inline float2 triace_layered_lobes_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+    // can be seen is that small.
     const float BLACK = 1.0e-20;
     float inv = 1.0 / (first + second + BLACK);
     float a = triace_layered_raised((first + BLACK) * inv);
@@ -281,8 +273,8 @@ inline TriaceLayeredShares triace_layered_shares(TriaceLayered params, float3 wo
     const float LOBE_SHARE_MIN = 0.1;
     TriaceLayeredBottomFresnel bottom_fresnel_result = triace_layered_bottom_fresnel(params,
         triace_layered_usual_cos_half(wo));
-    float glossy = bottom_fresnel_result.first;
-    float matte = bottom_fresnel_result.second;
+    float glossy = bottom_fresnel_result.glossy;
+    float matte = bottom_fresnel_result.matte;
     // The shortest way in, the light's, bounds what the absorption can leave.
     float3 up = float3(0.0, 0.0, 1.0);
     float3 kept = triace_layered_absorption(params, up, wo);
@@ -293,12 +285,12 @@ inline TriaceLayeredShares triace_layered_shares(TriaceLayered params, float3 wo
     float lower = bottom + diffuse;
     // Half vectors away from the normal reflect more than this estimate, which is made for the normal.
     float2 P_top = triace_layered_lobes_shares(max(top, LOBE_SHARE_MIN * lower), lower);
-    return TriaceLayeredShares{P_top,
-        triace_layered_lobes_shares(max(bottom, LOBE_SHARE_MIN * diffuse), diffuse)};
+    float2 P_bottom = triace_layered_lobes_shares(max(bottom, LOBE_SHARE_MIN * diffuse), diffuse);
+    return TriaceLayeredShares{P_top, P_bottom};
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-inline TriaceLayeredChoose triace_layered_choose(float probability, float2 u) {
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+inline TriaceLayeredChoice triace_layered_choose(float probability, float2 u) {
     // Smallest probability that is divided by: a random number falls below it once in a million million.
     const float SHARE_MIN = 1.0e-12;
     // The largest float32 below 1, up to which random numbers go.
@@ -306,7 +298,7 @@ inline TriaceLayeredChoose triace_layered_choose(float probability, float2 u) {
     bool first = u.x < probability;
     float below = u.x / max(probability, SHARE_MIN);
     float above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
-    return TriaceLayeredChoose{first, float2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y)};
+    return TriaceLayeredChoice{first, float2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y)};
 }
 
 // The width that matches an exponent n: sqrt(2 / (n + 2)).
@@ -315,11 +307,12 @@ inline float triace_layered_blinn_phong_alpha(float exponent) {
 }
 
 inline TriaceLayeredAlphas triace_layered_alphas(TriaceLayered params) {
-    return TriaceLayeredAlphas{triace_layered_blinn_phong_alpha(params.top_shininess),
-        triace_layered_blinn_phong_alpha(params.bottom_shininess)};
+    float top = triace_layered_blinn_phong_alpha(params.top_shininess);
+    float bottom = triace_layered_blinn_phong_alpha(params.bottom_shininess);
+    return TriaceLayeredAlphas{top, bottom};
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// A normal with density G1(wo) max(wo . m, 0) triace_layered_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
 inline float3 triace_layered_sample_ggx_visible(float3 wo, float alpha_x, float alpha_y,
     float2 u) {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
@@ -373,15 +366,15 @@ inline float triace_layered_ggx_length(float3 w, float alpha_x, float alpha_y) {
     return length(float3(alpha_x * w.x, alpha_y * w.y, w.z));
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at triace_layered_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 inline float triace_layered_pdf_ggx_visible(float3 wo, float3 m, float alpha_x, float alpha_y) {
     return triace_layered_D_ggx(m, alpha_x, alpha_y)
         / (2.0 * (wo.z + triace_layered_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density of `sample_ggx_lobe` in 1/sr.
+// Density of triace_layered_sample_ggx_lobe in 1/sr.
 inline float triace_layered_pdf_ggx_lobe(float3 wi, float3 wo, float alpha_x, float alpha_y) {
-    const float mu_min = 1.0e-18;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     float straight = triace_layered_pdf_ggx_visible(wo, triace_layered_half_vector(wi, wo), alpha_x,
         alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
@@ -394,23 +387,24 @@ inline float triace_layered_pdf_ggx_lobe(float3 wi, float3 wo, float alpha_x, fl
     return straight + (exists ? folded : 0.0);
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of triace_layered_sample_cosine in 1/sr, for w above the horizon.
 inline float triace_layered_pdf_cosine(float3 w) {
     const float inv_pi = 0.31830987;
     return w.z * inv_pi;
 }
 
-// Density of `sample` in 1/sr.
+// Density of triace_layered_sample in 1/sr.
 inline float triace_layered_pdf(TriaceLayered params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     TriaceLayeredShares shares_result = triace_layered_shares(params, wo);
-    float2 P_top = shares_result.first;
-    float2 P_bottom = shares_result.second;
+    float2 P_top = shares_result.P_top;
+    float2 P_bottom = shares_result.P_bottom;
     TriaceLayeredAlphas alphas_result = triace_layered_alphas(params);
-    float alpha_1 = alphas_result.first;
-    float alpha_2 = alphas_result.second;
+    float alpha_1 = alphas_result.top;
+    float alpha_2 = alphas_result.bottom;
     float top = triace_layered_pdf_ggx_lobe(wi, wo, alpha_1, alpha_1);
     float bottom = triace_layered_pdf_ggx_lobe(wi, wo, alpha_2, alpha_2);
     float matte = triace_layered_pdf_cosine(wi);
@@ -419,21 +413,22 @@ inline float triace_layered_pdf(TriaceLayered params, float3 wi, float3 wo) {
 
 // Diffuse, or the GGX lobe as wide as one of the highlights, chosen by what they reflect.
 inline TriaceLayeredSample triace_layered_sample(TriaceLayered params, float3 wo, float2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return TriaceLayeredSample{float3(0.0, 0.0, 1.0), 0.0};
     }
     TriaceLayeredShares shares_result = triace_layered_shares(params, wo);
-    float2 P_top = shares_result.first;
-    float2 P_bottom = shares_result.second;
-    TriaceLayeredChoose choose_result = triace_layered_choose(P_top.x, u);
-    bool on_top = choose_result.first;
-    float2 v = choose_result.second;
-    TriaceLayeredChoose choose_result_2 = triace_layered_choose(P_bottom.x, v);
-    bool on_bottom = choose_result_2.first;
-    float2 t = choose_result_2.second;
+    float2 P_top = shares_result.P_top;
+    float2 P_bottom = shares_result.P_bottom;
+    TriaceLayeredChoice choose_result = triace_layered_choose(P_top.x, u);
+    bool on_top = choose_result.is_first;
+    float2 v = choose_result.u;
+    TriaceLayeredChoice choose_result_2 = triace_layered_choose(P_bottom.x, v);
+    bool on_bottom = choose_result_2.is_first;
+    float2 t = choose_result_2.u;
     TriaceLayeredAlphas alphas_result = triace_layered_alphas(params);
-    float alpha_1 = alphas_result.first;
-    float alpha_2 = alphas_result.second;
+    float alpha_1 = alphas_result.top;
+    float alpha_2 = alphas_result.bottom;
     float3 w_top = triace_layered_sample_ggx_lobe(wo, alpha_1, alpha_1, v);
     float3 w_bottom = triace_layered_sample_ggx_lobe(wo, alpha_2, alpha_2, t);
     float3 w_matte = triace_layered_sample_cosine(t);
@@ -441,16 +436,18 @@ inline TriaceLayeredSample triace_layered_sample(TriaceLayered params, float3 wo
     return TriaceLayeredSample{wi, triace_layered_pdf(params, wi, wo)};
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 inline float3 triace_layered_albedo(TriaceLayered params, float3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const float HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in triace_layered_albedo: a Fibonacci number, and the golden ratio.
     const float ALBEDO_SAMPLES = 987.0;
     const float GOLDEN = 0.618034;
-    const float mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const float HORIZON = 1.0e-6;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return float3(0.0);
     }

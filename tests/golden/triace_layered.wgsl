@@ -1,21 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
 // tri-Ace layered: two Blinn-Phong layers with an absorbing one between, made for game consoles.
 //
 // Source: Gotanda, "Beyond a simple physically based Blinn-Phong model in real-time", SIGGRAPH 2012 course
 // "Practical physically based shading in film and game production", section 2. Symbols are the course's;
-// the
-// alpha' of Eq. 3 is sigma_a times thickness here, as in Eq. 2.
+// the alpha' of Eq. 3 is sigma_a times thickness here, as in Eq. 2.
 // Choices where the course is silent: the fraction of Eq. 1 and the transmittance of Eq. 5 have Schlick's
-// F,
-// and Eq. 4 the exact one, all at wo.H; the lower layer uses directions that are not refracted, except in
-// the
-// exact absorption; F_trans takes its part from the lower layer's diffuse reflection as well, which an
-// option
-// turns off.
+// F, and Eq. 4 the exact one, all at wo.H; the lower layer uses directions that are not refracted, except
+// in the exact absorption; F_trans takes its part from the lower layer's diffuse reflection as well, which
+// an option turns off.
 //
-// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/triace_layered.py.
+// WGSL (WebGPU), made by gonio from gonio/models/triace_layered.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: var params: TriaceLayered; params.top_eta = ...; ... triace_layered_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct TriaceLayeredSample {
@@ -23,8 +21,8 @@ struct TriaceLayeredSample {
     pdf: f32,  // its density in 1/sr; 0 marks a wasted sample
 }
 
-// triace_layered: A glossy layer over a glossy and matte one, with absorption between. Reciprocal.
-// Exported with absorption='exact', bottom_fresnel='exact', top_transmission='on', diffuse='lambert'.
+// triace_layered: A glossy layer over a glossy and matte one, with absorption between. Reciprocal. Exported
+// with absorption='exact', bottom_fresnel='exact', top_transmission='on', diffuse='lambert'.
 struct TriaceLayered {
     top_eta: f32,  // index n1 of the upper layer; 1 to 3, default 1.33333
     top_shininess: f32,  // Blinn-Phong exponent of the upper layer; 0 to 100000, default 200
@@ -37,29 +35,31 @@ struct TriaceLayered {
     thickness: f32,  // thickness of the upper layer, in the unit of sigma_a; 0 to 1, default 1
 }
 
-// Results of bottom_fresnel.
+// What Fresnel leaves of the lower layer's reflection, both crossings of the upper surface included.
 struct TriaceLayeredBottomFresnel {
-    first: f32,
-    second: f32,
+    glossy: f32,  // Factor of the glossy reflection (Eq. 4 or 5)
+    matte: f32,  // Factor of the matte reflection (Eq. 9)
 }
 
-// Results of shares.
+// What shares returns.
 struct TriaceLayeredShares {
-    first: vec2f,
-    second: vec2f,
+    P_top: vec2f,
+    P_bottom: vec2f,
 }
 
-// Results of choose.
-struct TriaceLayeredChoose {
-    first: bool,
-    second: vec2f,
+// Which of two lobes a sample is taken from.
+struct TriaceLayeredChoice {
+    is_first: bool,  // Whether it is the first one
+    u: vec2f,  // Fresh random numbers, made of those that chose
 }
 
-// Results of alphas.
+// What alphas returns.
 struct TriaceLayeredAlphas {
-    first: f32,
-    second: f32,
+    top: f32,
+    bottom: f32,
 }
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn triace_layered_cos_half(wi: vec3f, wo: vec3f) -> f32 {
@@ -75,8 +75,8 @@ fn triace_layered_f0_from_eta(eta: f32) -> f32 {
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 fn triace_layered_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
-    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
-    // weight keeps its digits where the two meet and it goes to 0.
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
+    // keeps its digits where the two meet and it goes to 0.
     let apart = wi - wo;
     let k = 0.25 * dot(apart, apart) / (1.0 + triace_layered_cos_half(wi, wo));
     let k2 = k * k;
@@ -86,7 +86,7 @@ fn triace_layered_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn triace_layered_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which triace_layered_cos_half needs as well
 }
 
 // log(1 + x) / x for x > -1; 1 at x = 0.
@@ -112,9 +112,7 @@ fn triace_layered_log1p(x: f32) -> f32 {
 
 // (N.m)^exponent, exact for sharp lobes.
 fn triace_layered_cos_power(m: vec3f, exponent: f32) -> f32 {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const mu_min = 1.0e-18;
+    const mu_min = 1.0e-18;  // cosine of the horizon
     // (N.m)^n = (1 + tan^2)^(-n / 2): a sharp lobe needs the digits of the tangent, not of the cosine
     let tan2 = (m.x * m.x + m.y * m.y) / max(m.z * m.z, 0.25);
     let steep = log(clamp(m.z, mu_min, 0.75));
@@ -131,18 +129,18 @@ fn triace_layered_blinn_phong_highlight(wi: vec3f, wo: vec3f, shininess: f32) ->
 
 // eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
 fn triace_layered_refracted_cos2(mu: f32, eta: f32) -> f32 {
-    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and
-    // at the critical one, little else is left.
+    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and at
+    // the critical one, little else is left.
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
 fn triace_layered_transmittance_denser(mu: f32, eta: f32) -> f32 {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
-    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
+    // is reached at the edge of total internal reflection, where the true derivative is infinite.
     const ROOT_MIN = 1.0e-16;
-    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
-    // with q = c g + sin^2(theta)
+    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2 with q
+    // = c g + sin^2(theta)
     let g = sqrt(max(triace_layered_refracted_cos2(mu, eta), ROOT_MIN));
     let s = mu + g;
     let p = mu * g;
@@ -179,17 +177,9 @@ fn triace_layered_bottom_fresnel(params: TriaceLayered,
     return TriaceLayeredBottomFresnel(glossy, T * (1.0 - inner));
 }
 
-fn triace_layered_diffuse_shape(params: TriaceLayered, wi: vec3f, wo: vec3f) -> f32 {
-    return 1.0;
-}
-
 // Absorption times thickness, for each channel.
 fn triace_layered_optical_depth(sigma_a: vec3f, thickness: f32) -> vec3f {
     return sigma_a * vec3f(thickness, thickness, thickness);
-}
-
-fn triace_layered_depth(params: TriaceLayered) -> vec3f {
-    return triace_layered_optical_depth(params.sigma_a, params.thickness);
 }
 
 // The direction inside a layer with eta >= 1 that belongs to w outside.
@@ -206,14 +196,15 @@ fn triace_layered_absorbed(depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
 
 // Eq. 2 or 3.
 fn triace_layered_absorption(params: TriaceLayered, wi: vec3f, wo: vec3f) -> vec3f {
-    return triace_layered_absorbed(triace_layered_depth(params),
+    return triace_layered_absorbed(triace_layered_optical_depth(params.sigma_a, params.thickness),
         triace_layered_refract(wi, params.top_eta), triace_layered_refract(wo, params.top_eta));
 }
 
 // Eq. 1 twice, with Eq. 2 to 5 between: BRDF value in 1/sr, without the cosine.
 fn triace_layered_eval(params: TriaceLayered, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
     let cos_h = triace_layered_cos_half(wi, wo);
@@ -221,13 +212,14 @@ fn triace_layered_eval(params: TriaceLayered, wi: vec3f, wo: vec3f) -> vec3f {
         triace_layered_schlick_weight_half(wi, wo));
     let top = F_top * triace_layered_blinn_phong_highlight(wi, wo, params.top_shininess);
     let bottom_fresnel_result = triace_layered_bottom_fresnel(params, cos_h);
-    let glossy = bottom_fresnel_result.first;
-    let matte = bottom_fresnel_result.second;
+    let glossy = bottom_fresnel_result.glossy;
+    let matte = bottom_fresnel_result.matte;
     let bottom = glossy * triace_layered_blinn_phong_highlight(wi, wo, params.bottom_shininess);
-    let below = bottom + matte * params.rho
-        * (inv_pi * triace_layered_diffuse_shape(params, wi, wo));
+    let below = bottom + matte * params.rho * inv_pi;
     return top + below * triace_layered_absorption(params, wi, wo);
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
 //
@@ -259,8 +251,8 @@ fn triace_layered_raised(probability: f32) -> f32 {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 fn triace_layered_lobes_shares(first: f32, second: f32) -> vec2f {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+    // can be seen is that small.
     const BLACK = 1.0e-20;
     let inv = 1.0 / (first + second + BLACK);
     let a = triace_layered_raised((first + BLACK) * inv);
@@ -278,8 +270,8 @@ fn triace_layered_shares(params: TriaceLayered, wo: vec3f) -> TriaceLayeredShare
     const LOBE_SHARE_MIN = 0.1;
     let bottom_fresnel_result = triace_layered_bottom_fresnel(params,
         triace_layered_usual_cos_half(wo));
-    let glossy = bottom_fresnel_result.first;
-    let matte = bottom_fresnel_result.second;
+    let glossy = bottom_fresnel_result.glossy;
+    let matte = bottom_fresnel_result.matte;
     // The shortest way in, the light's, bounds what the absorption can leave.
     let up = vec3f(0.0, 0.0, 1.0);
     let kept = triace_layered_absorption(params, up, wo);
@@ -290,19 +282,19 @@ fn triace_layered_shares(params: TriaceLayered, wo: vec3f) -> TriaceLayeredShare
     let lower = bottom + diffuse;
     // Half vectors away from the normal reflect more than this estimate, which is made for the normal.
     let P_top = triace_layered_lobes_shares(max(top, LOBE_SHARE_MIN * lower), lower);
-    return TriaceLayeredShares(P_top,
-        triace_layered_lobes_shares(max(bottom, LOBE_SHARE_MIN * diffuse), diffuse));
+    let P_bottom = triace_layered_lobes_shares(max(bottom, LOBE_SHARE_MIN * diffuse), diffuse);
+    return TriaceLayeredShares(P_top, P_bottom);
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-fn triace_layered_choose(probability: f32, u: vec2f) -> TriaceLayeredChoose {
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+fn triace_layered_choose(probability: f32, u: vec2f) -> TriaceLayeredChoice {
     // Smallest probability that is divided by: a random number falls below it once in a million million.
     const SHARE_MIN = 1.0e-12;
     const RANDOM_MAX = 0.99999994;  // The largest float32 below 1, up to which random numbers go.
     let first = u.x < probability;
     let below = u.x / max(probability, SHARE_MIN);
     let above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
-    return TriaceLayeredChoose(first,
+    return TriaceLayeredChoice(first,
         vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
 }
 
@@ -312,11 +304,12 @@ fn triace_layered_blinn_phong_alpha(exponent: f32) -> f32 {
 }
 
 fn triace_layered_alphas(params: TriaceLayered) -> TriaceLayeredAlphas {
-    return TriaceLayeredAlphas(triace_layered_blinn_phong_alpha(params.top_shininess),
-        triace_layered_blinn_phong_alpha(params.bottom_shininess));
+    let top = triace_layered_blinn_phong_alpha(params.top_shininess);
+    let bottom = triace_layered_blinn_phong_alpha(params.bottom_shininess);
+    return TriaceLayeredAlphas(top, bottom);
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// A normal with density G1(wo) max(wo . m, 0) triace_layered_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
 fn triace_layered_sample_ggx_visible(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const RANDOM_MARGIN = 5.9604645e-8;
@@ -367,15 +360,15 @@ fn triace_layered_ggx_length(w: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
     return length(vec3f(alpha_x * w.x, alpha_y * w.y, w.z));
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at triace_layered_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 fn triace_layered_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
     return triace_layered_D_ggx(m, alpha_x, alpha_y)
         / (2.0 * (wo.z + triace_layered_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density of `sample_ggx_lobe` in 1/sr.
+// Density of triace_layered_sample_ggx_lobe in 1/sr.
 fn triace_layered_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    const mu_min = 1.0e-18;
+    const mu_min = 1.0e-18;  // cosine of the horizon
     let straight = triace_layered_pdf_ggx_visible(wo, triace_layered_half_vector(wi, wo), alpha_x,
         alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
@@ -388,23 +381,24 @@ fn triace_layered_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32)
     return straight + select(0.0, folded, exists);
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of triace_layered_sample_cosine in 1/sr, for w above the horizon.
 fn triace_layered_pdf_cosine(w: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     return w.z * inv_pi;
 }
 
-// Density of `sample` in 1/sr.
+// Density of triace_layered_sample in 1/sr.
 fn triace_layered_pdf(params: TriaceLayered, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     let shares_result = triace_layered_shares(params, wo);
-    let P_top = shares_result.first;
-    let P_bottom = shares_result.second;
+    let P_top = shares_result.P_top;
+    let P_bottom = shares_result.P_bottom;
     let alphas_result = triace_layered_alphas(params);
-    let alpha_1 = alphas_result.first;
-    let alpha_2 = alphas_result.second;
+    let alpha_1 = alphas_result.top;
+    let alpha_2 = alphas_result.bottom;
     let top = triace_layered_pdf_ggx_lobe(wi, wo, alpha_1, alpha_1);
     let bottom = triace_layered_pdf_ggx_lobe(wi, wo, alpha_2, alpha_2);
     let matte = triace_layered_pdf_cosine(wi);
@@ -413,21 +407,22 @@ fn triace_layered_pdf(params: TriaceLayered, wi: vec3f, wo: vec3f) -> f32 {
 
 // Diffuse, or the GGX lobe as wide as one of the highlights, chosen by what they reflect.
 fn triace_layered_sample(params: TriaceLayered, wo: vec3f, u: vec2f) -> TriaceLayeredSample {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return TriaceLayeredSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let shares_result = triace_layered_shares(params, wo);
-    let P_top = shares_result.first;
-    let P_bottom = shares_result.second;
+    let P_top = shares_result.P_top;
+    let P_bottom = shares_result.P_bottom;
     let choose_result = triace_layered_choose(P_top.x, u);
-    let on_top = choose_result.first;
-    let v = choose_result.second;
+    let on_top = choose_result.is_first;
+    let v = choose_result.u;
     let choose_result_2 = triace_layered_choose(P_bottom.x, v);
-    let on_bottom = choose_result_2.first;
-    let t = choose_result_2.second;
+    let on_bottom = choose_result_2.is_first;
+    let t = choose_result_2.u;
     let alphas_result = triace_layered_alphas(params);
-    let alpha_1 = alphas_result.first;
-    let alpha_2 = alphas_result.second;
+    let alpha_1 = alphas_result.top;
+    let alpha_2 = alphas_result.bottom;
     let w_top = triace_layered_sample_ggx_lobe(wo, alpha_1, alpha_1, v);
     let w_bottom = triace_layered_sample_ggx_lobe(wo, alpha_2, alpha_2, t);
     let w_matte = triace_layered_sample_cosine(t);
@@ -435,16 +430,18 @@ fn triace_layered_sample(params: TriaceLayered, wo: vec3f, u: vec2f) -> TriaceLa
     return TriaceLayeredSample(wi, triace_layered_pdf(params, wi, wo));
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 fn triace_layered_albedo(params: TriaceLayered, wo: vec3f) -> vec3f {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in triace_layered_albedo: a Fibonacci number, and the golden ratio.
     const ALBEDO_SAMPLES = 987.0;
     const GOLDEN = 0.618034;
-    const mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const HORIZON = 1.0e-6;
+    const mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return vec3f(0.0);
     }

@@ -1,13 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 // tri-Ace Oren-Nayar: fitted for game consoles, driven by Blinn-Phong's shininess.
 //
-// Source: Gotanda, "Beyond a simple physically based Blinn-Phong model in real-time", SIGGRAPH 2012
-// course "Practical physically based shading in film and game production", Eq. 20 to 25.
+// Source: Gotanda, "Beyond a simple physically based Blinn-Phong model in real-time", SIGGRAPH 2012 course
+// "Practical physically based shading in film and game production", Eq. 20 to 25.
 // The course gives the radiance f cos(theta_i); this is f. Where eq24 passes through zero on its way to a
 // negative value, float32 keeps an absolute accuracy of 1e-6 rho / pi, not a relative one.
 //
-// GLSL 4.5, made by gonio 0.1.0 from gonio/models/triace_oren_nayar.py.
+// GLSL 4.5, made by gonio from gonio/models/triace_oren_nayar.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// Usage: TriaceOrenNayar params; params.rho = ...; ... triace_oren_nayar_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct TriaceOrenNayarSample {
@@ -22,19 +24,21 @@ struct TriaceOrenNayar {
     float shininess;  // Blinn-Phong exponent n; sigma = sqrt(2 / n); 0 to 1000000, default 10
 };
 
-// Results of coefficients.
+// The two numbers of the qualitative model.
 struct TriaceOrenNayarCoefficients {
-    float first;
-    float second;
+    float A;  // A', of the constant term
+    float B;  // B, of the term that depends on the azimuth
 };
 
-// Results of coefficients.
+// What coefficients returns.
 struct TriaceOrenNayarCoefficients2 {
     float a;
     float b;
     float c;
     float d;
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // A' and B: QON's with sigma^2 = 2 / n, and 0.65 for 0.33 in A' since Eq. 24.
 TriaceOrenNayarCoefficients triace_oren_nayar_coefficients(TriaceOrenNayar params) {
@@ -60,29 +64,32 @@ float triace_oren_nayar_s_over_max(float s, vec3 wi, vec3 wo) {
 
 // s / t of Eq. 11: s itself for s <= 0.
 float triace_oren_nayar_s_over_t_fujii(float s, vec3 wi, vec3 wo) {
-    return mix(s, triace_oren_nayar_s_over_max(s, wi, wo), s > 0.0);
+    return s > 0.0 ? triace_oren_nayar_s_over_max(s, wi, wo) : s;
 }
 
 // Eq. 23, 24 or 25 without the cosine: BRDF value in 1/sr.
 vec3 triace_oren_nayar_eval(TriaceOrenNayar params, vec3 wi, vec3 wo) {
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3(0.0);
     }
     TriaceOrenNayarCoefficients coefficients_result = triace_oren_nayar_coefficients(params);
-    float A = coefficients_result.first;
-    float B = coefficients_result.second;
+    float A = coefficients_result.A;
+    float B = coefficients_result.B;
     float s = triace_oren_nayar_tangential_dot(wi, wo);
     float s_over_t = triace_oren_nayar_s_over_t_fujii(s, wi, wo);
     return params.rho * (inv_pi * (A + B * s_over_t));
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
 float triace_oren_nayar_uniform_share(float mu, float r) {
     // Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32.
     const float R_MIN = 1.0e-37;
     float fit = 0.162925 + mu * (-0.372058 + (0.538233 - 0.290822 * mu) * mu);
-    return mix(0.0, pow(max(r, R_MIN), 0.1) * fit, r > 0.0);
+    return r > 0.0 ? pow(max(r, R_MIN), 0.1) * fit : 0.0;
 }
 
 // A direction with density 1 / (2 pi).
@@ -116,13 +123,13 @@ float triace_oren_nayar_kept_area(float d) {
 
 // Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
 vec2 triace_oren_nayar_azimuth(vec3 wo) {
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+    // its reciprocal still fits into a float32.
     const float SIN2_MIN = 1.0e-18;
     float sin2 = wo.x * wo.x + wo.y * wo.y;
     bool tilted = sin2 > SIN2_MIN;
     float inv = 1.0 / sqrt(max(sin2, SIN2_MIN));
-    return vec2(mix(1.0, wo.x * inv, tilted), mix(0.0, wo.y * inv, tilted));
+    return vec2(tilted ? wo.x * inv : 1.0, tilted ? wo.y * inv : 0.0);
 }
 
 // A direction given relative to an azimuth (cosine, sine), about the normal turned by it.
@@ -159,23 +166,23 @@ vec3 triace_oren_nayar_sample_cltc(vec3 wo, float r, vec2 u) {
 
 // CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
 vec3 triace_oren_nayar_sample_cltc_uniform(vec3 wo, float r, vec2 u) {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
-    // not taken.
+    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
+    // taken.
     const float P_MIN = 1.0e-6;
     float P_u = triace_oren_nayar_uniform_share(wo.z, r);
     bool uniform_ = u.x < P_u;
-    float u1 = mix((u.x - P_u) / (1.0 - P_u), u.x / max(P_u, P_MIN), uniform_);
+    float u1 = uniform_ ? u.x / max(P_u, P_MIN) : (u.x - P_u) / (1.0 - P_u);
     vec3 w_u = triace_oren_nayar_sample_uniform(vec2(u1, u.y));
     vec3 w_c = triace_oren_nayar_sample_cltc(wo, r, vec2(u1, u.y));
     return uniform_ ? w_u : w_c;
 }
 
-// A direction relative to an azimuth (cosine, sine): the inverse of `from_frame`.
+// A direction relative to an azimuth (cosine, sine): the inverse of triace_oren_nayar_from_frame.
 vec3 triace_oren_nayar_to_frame(vec3 w, vec2 axis) {
     return vec3(axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z);
 }
 
-// Density of `_transform` for an unclipped cosine lobe (Eq. 23 and 24).
+// Density of triace_oren_nayar_transform for an unclipped cosine lobe (Eq. 23 and 24).
 float triace_oren_nayar_cltc_pdf(vec3 wi, vec3 wo, float r, float d) {
     const float inv_pi = 0.31830987;
     TriaceOrenNayarCoefficients2 coefficients_result = triace_oren_nayar_cltc_coefficients(wo.z, r);
@@ -190,60 +197,58 @@ float triace_oren_nayar_cltc_pdf(vec3 wi, vec3 wo, float r, float d) {
     return inv_pi * det * det * inv2 * inv2 * max(h.z, 0.0);
 }
 
-// Density of `sample_cltc`.
+// Density of triace_oren_nayar_sample_cltc.
 float triace_oren_nayar_pdf_cltc(vec3 wi, vec3 wo, float r) {
     TriaceOrenNayarCoefficients2 coefficients_result = triace_oren_nayar_cltc_coefficients(wo.z, r);
     float d = coefficients_result.d;
     return triace_oren_nayar_cltc_pdf(wi, wo, r, d) / triace_oren_nayar_kept_area(d);
 }
 
-// Density of `sample_uniform` in 1/sr.
-float triace_oren_nayar_pdf_uniform() {
-    const float inv_two_pi = 0.15915494;
-    return inv_two_pi;
-}
-
-// Density of `sample_cltc_uniform`.
+// Density of triace_oren_nayar_sample_cltc_uniform.
 float triace_oren_nayar_pdf_cltc_uniform(vec3 wi, vec3 wo, float r) {
+    const float inv_two_pi = 0.15915494;
     float P_u = triace_oren_nayar_uniform_share(wo.z, r);
-    return mix(triace_oren_nayar_pdf_cltc(wi, wo, r), triace_oren_nayar_pdf_uniform(), P_u);
+    return mix(triace_oren_nayar_pdf_cltc(wi, wo, r), inv_two_pi, P_u);
 }
 
-// Density of `sample` in 1/sr.
+// Density of triace_oren_nayar_sample in 1/sr.
 float triace_oren_nayar_pdf(TriaceOrenNayar params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     TriaceOrenNayarCoefficients coefficients_result = triace_oren_nayar_coefficients(params);
-    float A = coefficients_result.first;
-    float B = coefficients_result.second;
+    float A = coefficients_result.A;
+    float B = coefficients_result.B;
     return triace_oren_nayar_pdf_cltc_uniform(wi, wo, B / A);
 }
 
 // EON's CLTC with a uniform lobe, at the roughness with the same weight of s/t.
 TriaceOrenNayarSample triace_oren_nayar_sample(TriaceOrenNayar params, vec3 wo, vec2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return TriaceOrenNayarSample(vec3(0.0, 0.0, 1.0), 0.0);
     }
     TriaceOrenNayarCoefficients coefficients_result = triace_oren_nayar_coefficients(params);
-    float A = coefficients_result.first;
-    float B = coefficients_result.second;
+    float A = coefficients_result.A;
+    float B = coefficients_result.B;
     vec3 wi = triace_oren_nayar_sample_cltc_uniform(wo, B / A, u);
     return TriaceOrenNayarSample(wi, triace_oren_nayar_pdf(params, wi, wo));
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
 float triace_oren_nayar_twice_atan_over(float v) {
-    // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const float ATAN_0 = 2.0;  // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const float ATAN_1 = -0.66666144;
+    const float ATAN_2 = 0.3998524;
+    const float ATAN_3 = -0.28407288;
     const float ATAN_4 = 0.21281867;
     const float ATAN_5 = -0.15008585;
     const float ATAN_6 = 0.085383;
     const float ATAN_7 = -0.03213723;
     const float ATAN_8 = 0.005699773;
-    const float ATAN_0 = 2.0;
-    const float ATAN_1 = -0.66666144;
-    const float ATAN_2 = 0.3998524;
-    const float ATAN_3 = -0.28407288;
     float q = v * v;
     float p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
     return ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p)));
@@ -255,7 +260,7 @@ float triace_oren_nayar_safe_acos(float x) {
     float a = min(abs(x), 1.0);
     float v = sqrt(max((1.0 - a) * (1.0 + a), 0.0)) / (1.0 + a);
     float angle = v * triace_oren_nayar_twice_atan_over(v);
-    return mix(angle, pi - angle, x < 0.0);
+    return x < 0.0 ? pi - angle : angle;
 }
 
 // Eq. 8: the integral of s/t (Eq. 4) times the cosine, at a cosine mu in [0, 1]; pi/2 at mu = 0.
@@ -279,8 +284,8 @@ vec3 triace_oren_nayar_albedo(TriaceOrenNayar params, vec3 wo) {
         return vec3(0.0);
     }
     TriaceOrenNayarCoefficients coefficients_result = triace_oren_nayar_coefficients(params);
-    float A = coefficients_result.first;
-    float B = coefficients_result.second;
+    float A = coefficients_result.A;
+    float B = coefficients_result.B;
     float G = triace_oren_nayar_G_fujii(wo.z);
     return params.rho * (A + B * inv_pi * G);
 }

@@ -1,13 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 // tri-Ace Oren-Nayar: fitted for game consoles, driven by Blinn-Phong's shininess.
 //
-// Source: Gotanda, "Beyond a simple physically based Blinn-Phong model in real-time", SIGGRAPH 2012
-// course "Practical physically based shading in film and game production", Eq. 20 to 25.
+// Source: Gotanda, "Beyond a simple physically based Blinn-Phong model in real-time", SIGGRAPH 2012 course
+// "Practical physically based shading in film and game production", Eq. 20 to 25.
 // The course gives the radiance f cos(theta_i); this is f. Where eq24 passes through zero on its way to a
 // negative value, float32 keeps an absolute accuracy of 1e-6 rho / pi, not a relative one.
 //
-// C++, made by gonio 0.1.0 from gonio/models/triace_oren_nayar.py.
+// C++, made by gonio from gonio/models/triace_oren_nayar.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// Usage: gonio_triace_oren_nayar::TriaceOrenNayar params; params.rho = ...; ... gonio_triace_oren_nayar::triace_oren_nayar_eval(params, wi, wo)
 
 #pragma once
 #include <math.h>
@@ -43,6 +45,21 @@ inline Vec3 operator*(Vec3 a, float b) {
     return Vec3{a.x * b, a.y * b, a.z * b};
 }
 
+constexpr float two_pi = 6.2831855f;
+constexpr float inv_pi = 0.31830987f;
+constexpr float inv_two_pi = 0.15915494f;
+constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
+// Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32.
+constexpr float R_MIN = 1.0e-37f;
+// Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
+// taken.
+constexpr float P_MIN = 1.0e-6f;
+// A sample that rounding pushed below the horizon is lifted to this cosine, 1/16 of a float32 epsilon.
+constexpr float Z_MIN = 7.450581e-9f;
+// Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+// its reciprocal still fits into a float32.
+constexpr float SIN2_MIN = 1.0e-18f;
+
 // A sampled direction and its density.
 struct TriaceOrenNayarSample {
     Vec3 wi;  // direction towards the light, unit, local frame
@@ -56,19 +73,21 @@ struct TriaceOrenNayar {
     float shininess;  // Blinn-Phong exponent n; sigma = sqrt(2 / n); 0 to 1000000, default 10
 };
 
-// Results of coefficients.
+// The two numbers of the qualitative model.
 struct TriaceOrenNayarCoefficients {
-    float first;
-    float second;
+    float A;  // A', of the constant term
+    float B;  // B, of the term that depends on the azimuth
 };
 
-// Results of coefficients.
+// What coefficients returns.
 struct TriaceOrenNayarCoefficients2 {
     float a;
     float b;
     float c;
     float d;
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // A' and B: QON's with sigma^2 = 2 / n, and 0.65 for 0.33 in A' since Eq. 24.
 inline TriaceOrenNayarCoefficients triace_oren_nayar_coefficients(const TriaceOrenNayar& params) {
@@ -99,29 +118,27 @@ inline float triace_oren_nayar_s_over_t_fujii(float s, Vec3 wi, Vec3 wo) {
 
 // Eq. 23, 24 or 25 without the cosine: BRDF value in 1/sr.
 inline Vec3 triace_oren_nayar_eval(const TriaceOrenNayar& params, Vec3 wi, Vec3 wo) {
-    constexpr float inv_pi = 0.31830987f;
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
     TriaceOrenNayarCoefficients coefficients_result = triace_oren_nayar_coefficients(params);
-    float A = coefficients_result.first;
-    float B = coefficients_result.second;
+    float A = coefficients_result.A;
+    float B = coefficients_result.B;
     float s = triace_oren_nayar_tangential_dot(wi, wo);
     float s_over_t = triace_oren_nayar_s_over_t_fujii(s, wi, wo);
     return params.rho * (inv_pi * (A + B * s_over_t));
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
 inline float triace_oren_nayar_uniform_share(float mu, float r) {
-    // Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32.
-    constexpr float R_MIN = 1.0e-37f;
     float fit = 0.162925f + mu * (-0.372058f + (0.538233f - 0.290822f * mu) * mu);
     return r > 0.0f ? powf(fmaxf(r, R_MIN), 0.1f) * fit : 0.0f;
 }
 
 // A direction with density 1 / (2 pi).
 inline Vec3 triace_oren_nayar_sample_uniform(Vec2 u) {
-    constexpr float two_pi = 6.2831855f;
     // z = 1 - u instead of u: random numbers lie in [0, 1), so z never becomes 0.
     float z = 1.0f - u.x;
     float r = sqrtf(fmaxf(u.x * (1.0f + z), 0.0f));
@@ -151,9 +168,6 @@ inline float triace_oren_nayar_kept_area(float d) {
 
 // Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
 inline Vec2 triace_oren_nayar_azimuth(Vec3 wo) {
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
-    constexpr float SIN2_MIN = 1.0e-18f;
     float sin2 = wo.x * wo.x + wo.y * wo.y;
     bool tilted = sin2 > SIN2_MIN;
     float inv = 1.0f / sqrtf(fmaxf(sin2, SIN2_MIN));
@@ -178,9 +192,6 @@ inline Vec3 triace_oren_nayar_transform(float x, float y, Vec3 wo, float r, floa
 
 // Clipped to the directions that M keeps above the horizon (Listing 3).
 inline Vec3 triace_oren_nayar_sample_cltc(Vec3 wo, float r, Vec2 u) {
-    constexpr float two_pi = 6.2831855f;
-    // A sample that rounding pushed below the horizon is lifted to this cosine, 1/16 of a float32 epsilon.
-    constexpr float Z_MIN = 7.450581e-9f;
     TriaceOrenNayarCoefficients2 coefficients_result = triace_oren_nayar_cltc_coefficients(wo.z, r);
     float d = coefficients_result.d;
     float R = sqrtf(fmaxf(u.x, 0.0f));
@@ -194,9 +205,6 @@ inline Vec3 triace_oren_nayar_sample_cltc(Vec3 wo, float r, Vec2 u) {
 
 // CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
 inline Vec3 triace_oren_nayar_sample_cltc_uniform(Vec3 wo, float r, Vec2 u) {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
-    // not taken.
-    constexpr float P_MIN = 1.0e-6f;
     float P_u = triace_oren_nayar_uniform_share(wo.z, r);
     bool uniform = u.x < P_u;
     float u1 = uniform ? u.x / fmaxf(P_u, P_MIN) : (u.x - P_u) / (1.0f - P_u);
@@ -205,14 +213,13 @@ inline Vec3 triace_oren_nayar_sample_cltc_uniform(Vec3 wo, float r, Vec2 u) {
     return uniform ? w_u : w_c;
 }
 
-// A direction relative to an azimuth (cosine, sine): the inverse of `from_frame`.
+// A direction relative to an azimuth (cosine, sine): the inverse of triace_oren_nayar_from_frame.
 inline Vec3 triace_oren_nayar_to_frame(Vec3 w, Vec2 axis) {
     return Vec3{axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z};
 }
 
-// Density of `_transform` for an unclipped cosine lobe (Eq. 23 and 24).
+// Density of triace_oren_nayar_transform for an unclipped cosine lobe (Eq. 23 and 24).
 inline float triace_oren_nayar_cltc_pdf(Vec3 wi, Vec3 wo, float r, float d) {
-    constexpr float inv_pi = 0.31830987f;
     TriaceOrenNayarCoefficients2 coefficients_result = triace_oren_nayar_cltc_coefficients(wo.z, r);
     float a = coefficients_result.a;
     float b = coefficients_result.b;
@@ -225,48 +232,44 @@ inline float triace_oren_nayar_cltc_pdf(Vec3 wi, Vec3 wo, float r, float d) {
     return inv_pi * det * det * inv2 * inv2 * fmaxf(h.z, 0.0f);
 }
 
-// Density of `sample_cltc`.
+// Density of triace_oren_nayar_sample_cltc.
 inline float triace_oren_nayar_pdf_cltc(Vec3 wi, Vec3 wo, float r) {
     TriaceOrenNayarCoefficients2 coefficients_result = triace_oren_nayar_cltc_coefficients(wo.z, r);
     float d = coefficients_result.d;
     return triace_oren_nayar_cltc_pdf(wi, wo, r, d) / triace_oren_nayar_kept_area(d);
 }
 
-// Density of `sample_uniform` in 1/sr.
-inline float triace_oren_nayar_pdf_uniform() {
-    constexpr float inv_two_pi = 0.15915494f;
-    return inv_two_pi;
-}
-
-// Density of `sample_cltc_uniform`.
+// Density of triace_oren_nayar_sample_cltc_uniform.
 inline float triace_oren_nayar_pdf_cltc_uniform(Vec3 wi, Vec3 wo, float r) {
     float P_u = triace_oren_nayar_uniform_share(wo.z, r);
-    return lerp(triace_oren_nayar_pdf_cltc(wi, wo, r), triace_oren_nayar_pdf_uniform(), P_u);
+    return lerp(triace_oren_nayar_pdf_cltc(wi, wo, r), inv_two_pi, P_u);
 }
 
-// Density of `sample` in 1/sr.
+// Density of triace_oren_nayar_sample in 1/sr.
 inline float triace_oren_nayar_pdf(const TriaceOrenNayar& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0f;
     }
     TriaceOrenNayarCoefficients coefficients_result = triace_oren_nayar_coefficients(params);
-    float A = coefficients_result.first;
-    float B = coefficients_result.second;
+    float A = coefficients_result.A;
+    float B = coefficients_result.B;
     return triace_oren_nayar_pdf_cltc_uniform(wi, wo, B / A);
 }
 
 // EON's CLTC with a uniform lobe, at the roughness with the same weight of s/t.
 inline TriaceOrenNayarSample triace_oren_nayar_sample(const TriaceOrenNayar& params, Vec3 wo,
     Vec2 u) {
-    if (wo.z <= 1.0e-18f) {  // in the horizon or below
+    if (wo.z <= mu_min) {  // in the horizon or below
         return TriaceOrenNayarSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     TriaceOrenNayarCoefficients coefficients_result = triace_oren_nayar_coefficients(params);
-    float A = coefficients_result.first;
-    float B = coefficients_result.second;
+    float A = coefficients_result.A;
+    float B = coefficients_result.B;
     Vec3 wi = triace_oren_nayar_sample_cltc_uniform(wo, B / A, u);
     return TriaceOrenNayarSample{wi, triace_oren_nayar_pdf(params, wi, wo)};
 }
+
+// ---- albedo --------------------------------------------------------------------------------
 
 // Eq. 8: the integral of s/t (Eq. 4) times the cosine, at a cosine mu in [0, 1]; pi/2 at mu = 0.
 inline float triace_oren_nayar_G_qualitative(float mu) {
@@ -284,13 +287,12 @@ inline float triace_oren_nayar_G_fujii(float mu) {
 
 // rho (A + B G / pi); for eq24 the azimuth averages s to nothing and rho A remains.
 inline Vec3 triace_oren_nayar_albedo(const TriaceOrenNayar& params, Vec3 wo) {
-    constexpr float inv_pi = 0.31830987f;
     if (wo.z < 0.0f) {  // below the horizon
         return splat(0.0f);
     }
     TriaceOrenNayarCoefficients coefficients_result = triace_oren_nayar_coefficients(params);
-    float A = coefficients_result.first;
-    float B = coefficients_result.second;
+    float A = coefficients_result.A;
+    float B = coefficients_result.B;
     float G = triace_oren_nayar_G_fujii(wo.z);
     return params.rho * (A + B * inv_pi * G);
 }

@@ -1,13 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 // tri-Ace Oren-Nayar: fitted for game consoles, driven by Blinn-Phong's shininess.
 //
-// Source: Gotanda, "Beyond a simple physically based Blinn-Phong model in real-time", SIGGRAPH 2012
-// course "Practical physically based shading in film and game production", Eq. 20 to 25.
+// Source: Gotanda, "Beyond a simple physically based Blinn-Phong model in real-time", SIGGRAPH 2012 course
+// "Practical physically based shading in film and game production", Eq. 20 to 25.
 // The course gives the radiance f cos(theta_i); this is f. Where eq24 passes through zero on its way to a
 // negative value, float32 keeps an absolute accuracy of 1e-6 rho / pi, not a relative one.
 //
-// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/triace_oren_nayar.py.
+// WGSL (WebGPU), made by gonio from gonio/models/triace_oren_nayar.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// Usage: var params: TriaceOrenNayar; params.rho = ...; ... triace_oren_nayar_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct TriaceOrenNayarSample {
@@ -22,19 +24,21 @@ struct TriaceOrenNayar {
     shininess: f32,  // Blinn-Phong exponent n; sigma = sqrt(2 / n); 0 to 1000000, default 10
 }
 
-// Results of coefficients.
+// The two numbers of the qualitative model.
 struct TriaceOrenNayarCoefficients {
-    first: f32,
-    second: f32,
+    A: f32,  // A', of the constant term
+    B: f32,  // B, of the term that depends on the azimuth
 }
 
-// Results of coefficients.
+// What coefficients returns.
 struct TriaceOrenNayarCoefficients2 {
     a: f32,
     b: f32,
     c: f32,
     d: f32,
 }
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // A' and B: QON's with sigma^2 = 2 / n, and 0.65 for 0.33 in A' since Eq. 24.
 fn triace_oren_nayar_coefficients(params: TriaceOrenNayar) -> TriaceOrenNayarCoefficients {
@@ -66,16 +70,19 @@ fn triace_oren_nayar_s_over_t_fujii(s: f32, wi: vec3f, wo: vec3f) -> f32 {
 // Eq. 23, 24 or 25 without the cosine: BRDF value in 1/sr.
 fn triace_oren_nayar_eval(params: TriaceOrenNayar, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
     let coefficients_result = triace_oren_nayar_coefficients(params);
-    let A = coefficients_result.first;
-    let B = coefficients_result.second;
+    let A = coefficients_result.A;
+    let B = coefficients_result.B;
     let s = triace_oren_nayar_tangential_dot(wi, wo);
     let s_over_t = triace_oren_nayar_s_over_t_fujii(s, wi, wo);
     return params.rho * (inv_pi * (A + B * s_over_t));
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
 fn triace_oren_nayar_uniform_share(mu: f32, r: f32) -> f32 {
@@ -116,8 +123,8 @@ fn triace_oren_nayar_kept_area(d: f32) -> f32 {
 
 // Cosine and sine of wo's azimuth; (1, 0) at normal incidence.
 fn triace_oren_nayar_azimuth(wo: vec3f) -> vec2f {
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+    // its reciprocal still fits into a float32.
     const SIN2_MIN = 1.0e-18;
     let sin2 = wo.x * wo.x + wo.y * wo.y;
     let tilted = sin2 > SIN2_MIN;
@@ -159,8 +166,8 @@ fn triace_oren_nayar_sample_cltc(wo: vec3f, r: f32, u: vec2f) -> vec3f {
 
 // CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
 fn triace_oren_nayar_sample_cltc_uniform(wo: vec3f, r: f32, u: vec2f) -> vec3f {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
-    // not taken.
+    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
+    // taken.
     const P_MIN = 1.0e-6;
     let P_u = triace_oren_nayar_uniform_share(wo.z, r);
     let uniform = u.x < P_u;
@@ -170,12 +177,12 @@ fn triace_oren_nayar_sample_cltc_uniform(wo: vec3f, r: f32, u: vec2f) -> vec3f {
     return select(w_c, w_u, uniform);
 }
 
-// A direction relative to an azimuth (cosine, sine): the inverse of `from_frame`.
+// A direction relative to an azimuth (cosine, sine): the inverse of triace_oren_nayar_from_frame.
 fn triace_oren_nayar_to_frame(w: vec3f, axis: vec2f) -> vec3f {
     return vec3f(axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z);
 }
 
-// Density of `_transform` for an unclipped cosine lobe (Eq. 23 and 24).
+// Density of triace_oren_nayar_transform for an unclipped cosine lobe (Eq. 23 and 24).
 fn triace_oren_nayar_cltc_pdf(wi: vec3f, wo: vec3f, r: f32, d: f32) -> f32 {
     const inv_pi = 0.31830987;
     let coefficients_result = triace_oren_nayar_cltc_coefficients(wo.z, r);
@@ -190,61 +197,59 @@ fn triace_oren_nayar_cltc_pdf(wi: vec3f, wo: vec3f, r: f32, d: f32) -> f32 {
     return inv_pi * det * det * inv2 * inv2 * max(h.z, 0.0);
 }
 
-// Density of `sample_cltc`.
+// Density of triace_oren_nayar_sample_cltc.
 fn triace_oren_nayar_pdf_cltc(wi: vec3f, wo: vec3f, r: f32) -> f32 {
     let coefficients_result = triace_oren_nayar_cltc_coefficients(wo.z, r);
     let d = coefficients_result.d;
     return triace_oren_nayar_cltc_pdf(wi, wo, r, d) / triace_oren_nayar_kept_area(d);
 }
 
-// Density of `sample_uniform` in 1/sr.
-fn triace_oren_nayar_pdf_uniform() -> f32 {
-    const inv_two_pi = 0.15915494;
-    return inv_two_pi;
-}
-
-// Density of `sample_cltc_uniform`.
+// Density of triace_oren_nayar_sample_cltc_uniform.
 fn triace_oren_nayar_pdf_cltc_uniform(wi: vec3f, wo: vec3f, r: f32) -> f32 {
+    const inv_two_pi = 0.15915494;
     let P_u = triace_oren_nayar_uniform_share(wo.z, r);
-    return mix(triace_oren_nayar_pdf_cltc(wi, wo, r), triace_oren_nayar_pdf_uniform(), P_u);
+    return mix(triace_oren_nayar_pdf_cltc(wi, wo, r), inv_two_pi, P_u);
 }
 
-// Density of `sample` in 1/sr.
+// Density of triace_oren_nayar_sample in 1/sr.
 fn triace_oren_nayar_pdf(params: TriaceOrenNayar, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     let coefficients_result = triace_oren_nayar_coefficients(params);
-    let A = coefficients_result.first;
-    let B = coefficients_result.second;
+    let A = coefficients_result.A;
+    let B = coefficients_result.B;
     return triace_oren_nayar_pdf_cltc_uniform(wi, wo, B / A);
 }
 
 // EON's CLTC with a uniform lobe, at the roughness with the same weight of s/t.
 fn triace_oren_nayar_sample(params: TriaceOrenNayar, wo: vec3f,
     u: vec2f) -> TriaceOrenNayarSample {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return TriaceOrenNayarSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let coefficients_result = triace_oren_nayar_coefficients(params);
-    let A = coefficients_result.first;
-    let B = coefficients_result.second;
+    let A = coefficients_result.A;
+    let B = coefficients_result.B;
     let wi = triace_oren_nayar_sample_cltc_uniform(wo, B / A, u);
     return TriaceOrenNayarSample(wi, triace_oren_nayar_pdf(params, wi, wo));
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
 fn triace_oren_nayar_twice_atan_over(v: f32) -> f32 {
-    // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const ATAN_0 = 2.0;  // 2 atan(v) / v in v^2 on [0, 1]; fitted, relative error below 2e-8.
+    const ATAN_1 = -0.66666144;
+    const ATAN_2 = 0.3998524;
+    const ATAN_3 = -0.28407288;
     const ATAN_4 = 0.21281867;
     const ATAN_5 = -0.15008585;
     const ATAN_6 = 0.085383;
     const ATAN_7 = -0.03213723;
     const ATAN_8 = 0.005699773;
-    const ATAN_0 = 2.0;
-    const ATAN_1 = -0.66666144;
-    const ATAN_2 = 0.3998524;
-    const ATAN_3 = -0.28407288;
     let q = v * v;
     let p = ATAN_4 + q * (ATAN_5 + q * (ATAN_6 + q * (ATAN_7 + q * ATAN_8)));
     return ATAN_0 + q * (ATAN_1 + q * (ATAN_2 + q * (ATAN_3 + q * p)));
@@ -280,8 +285,8 @@ fn triace_oren_nayar_albedo(params: TriaceOrenNayar, wo: vec3f) -> vec3f {
         return vec3f(0.0);
     }
     let coefficients_result = triace_oren_nayar_coefficients(params);
-    let A = coefficients_result.first;
-    let B = coefficients_result.second;
+    let A = coefficients_result.A;
+    let B = coefficients_result.B;
     let G = triace_oren_nayar_G_fujii(wo.z);
     return params.rho * (A + B * inv_pi * G);
 }

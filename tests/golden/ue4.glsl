@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // UE4: the shading model of Unreal Engine 4 as it was published.
 //
 // Source: Karis, "Real shading in Unreal Engine 4", SIGGRAPH 2013 course "Physically based shading in
@@ -7,10 +8,11 @@
 // Deviations: the Fresnel term is Schlick's power, which the engine replaces by
 // 2^((-5.55473 (wo.H) - 6.98316) (wo.H)), at most 0.0038 from it; alpha is at least ALPHA_MIN.
 //
-// GLSL 4.5, made by gonio 0.1.0 from gonio/models/ue4.py.
+// GLSL 4.5, made by gonio from gonio/models/ue4.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: Ue4 params; params.base_color = ...; ... ue4_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct Ue4Sample {
@@ -18,8 +20,8 @@ struct Ue4Sample {
     float pdf;  // its density in 1/sr; 0 marks a wasted sample
 };
 
-// ue4: Lambert plus a GGX highlight, simply added. Reciprocal; white dielectrics gain energy.
-// Exported with light='punctual'.
+// ue4: Lambert plus a GGX highlight, simply added. Reciprocal; white dielectrics gain energy. Exported with
+// light='punctual'.
 struct Ue4 {
     // diffuse colour, or F0 of metals, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
     vec3 base_color;
@@ -28,11 +30,13 @@ struct Ue4 {
     float roughness;  // perceptual roughness, alpha = roughness^2; 0 to 1, default 0.5
 };
 
-// Results of choose.
-struct Ue4Choose {
-    bool first;
-    vec2 second;
+// Which of two lobes a sample is taken from.
+struct Ue4Choice {
+    bool is_first;  // Whether it is the first one
+    vec2 u;  // Fresh random numbers, made of those that chose
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 float ue4_alpha(Ue4 params) {
     // Sharpest facets: a float32 direction is good to 6e-8, a thousandth of this width, so the shape of the
@@ -55,8 +59,8 @@ float ue4_cos_half(vec3 wi, vec3 wo) {
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 float ue4_schlick_weight_half(vec3 wi, vec3 wo) {
-    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
-    // weight keeps its digits where the two meet and it goes to 0.
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
+    // keeps its digits where the two meet and it goes to 0.
     vec3 apart = wi - wo;
     float k = 0.25 * dot(apart, apart) / (1.0 + ue4_cos_half(wi, wo));
     float k2 = k * k;
@@ -66,7 +70,7 @@ float ue4_schlick_weight_half(vec3 wi, vec3 wo) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 ue4_half_vector(vec3 wi, vec3 wo) {
     vec3 h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which ue4_cos_half needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -84,11 +88,6 @@ float ue4_schlick_k_ue4(float roughness) {
     return r * r / 8.0;
 }
 
-// Schlick's k of the masking.
-float ue4_k(Ue4 params) {
-    return ue4_schlick_k_ue4(params.roughness);
-}
-
 // G = G1_schlick(mu_i) G1_schlick(mu_o).
 float ue4_V_schlick(vec3 wi, vec3 wo, float k) {
     return 0.25 / ((wi.z * (1.0 - k) + k) * (wo.z * (1.0 - k) + k));
@@ -97,15 +96,18 @@ float ue4_V_schlick(vec3 wi, vec3 wo, float k) {
 // BRDF value in 1/sr, without the cosine.
 vec3 ue4_eval(Ue4 params, vec3 wi, vec3 wo) {
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3(0.0);
     }
     float alpha = ue4_alpha(params);
     vec3 F = mix(ue4_f0(params), vec3(1.0), vec3(ue4_schlick_weight_half(wi, wo)));
     float D = ue4_D_ggx(ue4_half_vector(wi, wo), alpha, alpha);
     vec3 diffuse = inv_pi * (1.0 - params.metallic) * params.base_color;
-    return diffuse + F * (D * ue4_V_schlick(wi, wo, ue4_k(params)));
+    return diffuse + F * (D * ue4_V_schlick(wi, wo, ue4_schlick_k_ue4(params.roughness)));
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // (1 - cos_theta)^5 of Schlick's approximation.
 float ue4_schlick_weight(float cos_theta) {
@@ -129,15 +131,15 @@ float ue4_raised(float probability) {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 vec2 ue4_lobes_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+    // can be seen is that small.
     const float BLACK = 1.0e-20;
     float inv = 1.0 / (first + second + BLACK);
     float a = ue4_raised((first + BLACK) * inv);
     float b = ue4_raised(second * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
     bool smaller = first < second;
-    return vec2(mix(1.0 - b, a, smaller), mix(b, 1.0 - a, smaller));
+    return vec2(smaller ? a : 1.0 - b, smaller ? 1.0 - a : b);
 }
 
 // Probabilities of the diffuse lobe and of the highlight.
@@ -147,8 +149,8 @@ vec2 ue4_shares(Ue4 params, vec3 wo) {
         ue4_average(F));
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-Ue4Choose ue4_choose(float probability, vec2 u) {
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+Ue4Choice ue4_choose(float probability, vec2 u) {
     // Smallest probability that is divided by: a random number falls below it once in a million million.
     const float SHARE_MIN = 1.0e-12;
     // The largest float32 below 1, up to which random numbers go.
@@ -156,7 +158,7 @@ Ue4Choose ue4_choose(float probability, vec2 u) {
     bool first = u.x < probability;
     float below = u.x / max(probability, SHARE_MIN);
     float above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
-    return Ue4Choose(first, vec2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y));
+    return Ue4Choice(first, vec2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y));
 }
 
 // A direction with density cos(theta) / pi.
@@ -167,7 +169,7 @@ vec3 ue4_sample_cosine(vec2 u) {
     return vec3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// A normal with density G1(wo) max(wo . m, 0) ue4_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
 vec3 ue4_sample_ggx_visible(vec3 wo, float alpha_x, float alpha_y, vec2 u) {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const float RANDOM_MARGIN = 5.9604645e-8;
@@ -198,13 +200,13 @@ vec3 ue4_sample_ggx_lobe(vec3 wo, float alpha_x, float alpha_y, vec2 u) {
 
 // A direction of one of the two lobes; shares: the probabilities of the matte one and of the other.
 vec3 ue4_sample_matte_gloss(vec3 wo, float alpha, vec2 shares, vec2 u) {
-    Ue4Choose choose_result = ue4_choose(shares.x, u);
-    bool matte = choose_result.first;
-    vec2 v = choose_result.second;
+    Ue4Choice choose_result = ue4_choose(shares.x, u);
+    bool matte = choose_result.is_first;
+    vec2 v = choose_result.u;
     return mix(ue4_sample_ggx_lobe(wo, alpha, alpha, v), ue4_sample_cosine(v), bvec3(matte));
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of ue4_sample_cosine in 1/sr, for w above the horizon.
 float ue4_pdf_cosine(vec3 w) {
     const float inv_pi = 0.31830987;
     return w.z * inv_pi;
@@ -215,16 +217,14 @@ float ue4_ggx_length(vec3 w, float alpha_x, float alpha_y) {
     return length(vec3(alpha_x * w.x, alpha_y * w.y, w.z));
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at ue4_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 float ue4_pdf_ggx_visible(vec3 wo, vec3 m, float alpha_x, float alpha_y) {
     return ue4_D_ggx(m, alpha_x, alpha_y) / (2.0 * (wo.z + ue4_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density of `sample_ggx_lobe` in 1/sr.
+// Density of ue4_sample_ggx_lobe in 1/sr.
 float ue4_pdf_ggx_lobe(vec3 wi, vec3 wo, float alpha_x, float alpha_y) {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const float mu_min = 1.0e-18;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     float straight = ue4_pdf_ggx_visible(wo, ue4_half_vector(wi, wo), alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
@@ -235,14 +235,15 @@ float ue4_pdf_ggx_lobe(vec3 wi, vec3 wo, float alpha_x, float alpha_y) {
     return straight + (exists ? folded : 0.0);
 }
 
-// Density of `sample_matte_gloss` in 1/sr.
+// Density of ue4_sample_matte_gloss in 1/sr.
 float ue4_pdf_matte_gloss(vec3 wi, vec3 wo, float alpha, vec2 shares) {
     return shares.x * ue4_pdf_cosine(wi) + shares.y * ue4_pdf_ggx_lobe(wi, wo, alpha, alpha);
 }
 
-// Density of `sample` in 1/sr.
+// Density of ue4_sample in 1/sr.
 float ue4_pdf(Ue4 params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     return ue4_pdf_matte_gloss(wi, wo, ue4_alpha(params), ue4_shares(params, wo));
@@ -250,23 +251,26 @@ float ue4_pdf(Ue4 params, vec3 wi, vec3 wo) {
 
 // Cosine-weighted or a visible GGX normal, by the estimated albedos.
 Ue4Sample ue4_sample(Ue4 params, vec3 wo, vec2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return Ue4Sample(vec3(0.0, 0.0, 1.0), 0.0);
     }
     vec3 wi = ue4_sample_matte_gloss(wo, ue4_alpha(params), ue4_shares(params, wo), u);
     return Ue4Sample(wi, ue4_pdf(params, wi, wo));
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 vec3 ue4_albedo(Ue4 params, vec3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const float HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in ue4_albedo: a Fibonacci number, and the golden ratio.
     const float ALBEDO_SAMPLES = 987.0;
     const float GOLDEN = 0.618034;
-    const float mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const float HORIZON = 1.0e-6;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return vec3(0.0);
     }
@@ -276,7 +280,7 @@ vec3 ue4_albedo(Ue4 params, vec3 wo) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         Ue4Sample drawn = ue4_sample(params, w, u);
-        float weight = mix(0.0, drawn.wi.z / max(drawn.pdf, mu_min), drawn.pdf > 0.0);
+        float weight = drawn.pdf > 0.0 ? drawn.wi.z / max(drawn.pdf, mu_min) : 0.0;
         total = total + ue4_eval(params, drawn.wi, w) * weight;
     }
     return total / ALBEDO_SAMPLES;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // UE4: the shading model of Unreal Engine 4 as it was published.
 //
 // Source: Karis, "Real shading in Unreal Engine 4", SIGGRAPH 2013 course "Physically based shading in
@@ -7,10 +8,11 @@
 // Deviations: the Fresnel term is Schlick's power, which the engine replaces by
 // 2^((-5.55473 (wo.H) - 6.98316) (wo.H)), at most 0.0038 from it; alpha is at least ALPHA_MIN.
 //
-// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/ue4.py.
+// WGSL (WebGPU), made by gonio from gonio/models/ue4.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: var params: Ue4; params.base_color = ...; ... ue4_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct Ue4Sample {
@@ -18,8 +20,8 @@ struct Ue4Sample {
     pdf: f32,  // its density in 1/sr; 0 marks a wasted sample
 }
 
-// ue4: Lambert plus a GGX highlight, simply added. Reciprocal; white dielectrics gain energy.
-// Exported with light='punctual'.
+// ue4: Lambert plus a GGX highlight, simply added. Reciprocal; white dielectrics gain energy. Exported with
+// light='punctual'.
 struct Ue4 {
     // diffuse colour, or F0 of metals, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
     base_color: vec3f,
@@ -28,11 +30,13 @@ struct Ue4 {
     roughness: f32,  // perceptual roughness, alpha = roughness^2; 0 to 1, default 0.5
 }
 
-// Results of choose.
-struct Ue4Choose {
-    first: bool,
-    second: vec2f,
+// Which of two lobes a sample is taken from.
+struct Ue4Choice {
+    is_first: bool,  // Whether it is the first one
+    u: vec2f,  // Fresh random numbers, made of those that chose
 }
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 fn ue4_alpha(params: Ue4) -> f32 {
     // Sharpest facets: a float32 direction is good to 6e-8, a thousandth of this width, so the shape of the
@@ -55,8 +59,8 @@ fn ue4_cos_half(wi: vec3f, wo: vec3f) -> f32 {
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 fn ue4_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
-    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
-    // weight keeps its digits where the two meet and it goes to 0.
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
+    // keeps its digits where the two meet and it goes to 0.
     let apart = wi - wo;
     let k = 0.25 * dot(apart, apart) / (1.0 + ue4_cos_half(wi, wo));
     let k2 = k * k;
@@ -66,7 +70,7 @@ fn ue4_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn ue4_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which ue4_cos_half needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -84,11 +88,6 @@ fn ue4_schlick_k_ue4(roughness: f32) -> f32 {
     return r * r / 8.0;
 }
 
-// Schlick's k of the masking.
-fn ue4_k(params: Ue4) -> f32 {
-    return ue4_schlick_k_ue4(params.roughness);
-}
-
 // G = G1_schlick(mu_i) G1_schlick(mu_o).
 fn ue4_V_schlick(wi: vec3f, wo: vec3f, k: f32) -> f32 {
     return 0.25 / ((wi.z * (1.0 - k) + k) * (wo.z * (1.0 - k) + k));
@@ -97,15 +96,18 @@ fn ue4_V_schlick(wi: vec3f, wo: vec3f, k: f32) -> f32 {
 // BRDF value in 1/sr, without the cosine.
 fn ue4_eval(params: Ue4, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
     let alpha = ue4_alpha(params);
     let F = mix(ue4_f0(params), vec3f(1.0), vec3f(ue4_schlick_weight_half(wi, wo)));
     let D = ue4_D_ggx(ue4_half_vector(wi, wo), alpha, alpha);
     let diffuse = inv_pi * (1.0 - params.metallic) * params.base_color;
-    return diffuse + F * (D * ue4_V_schlick(wi, wo, ue4_k(params)));
+    return diffuse + F * (D * ue4_V_schlick(wi, wo, ue4_schlick_k_ue4(params.roughness)));
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // (1 - cos_theta)^5 of Schlick's approximation.
 fn ue4_schlick_weight(cos_theta: f32) -> f32 {
@@ -129,8 +131,8 @@ fn ue4_raised(probability: f32) -> f32 {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 fn ue4_lobes_shares(first: f32, second: f32) -> vec2f {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+    // can be seen is that small.
     const BLACK = 1.0e-20;
     let inv = 1.0 / (first + second + BLACK);
     let a = ue4_raised((first + BLACK) * inv);
@@ -147,15 +149,15 @@ fn ue4_shares(params: Ue4, wo: vec3f) -> vec2f {
         ue4_average(F));
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-fn ue4_choose(probability: f32, u: vec2f) -> Ue4Choose {
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+fn ue4_choose(probability: f32, u: vec2f) -> Ue4Choice {
     // Smallest probability that is divided by: a random number falls below it once in a million million.
     const SHARE_MIN = 1.0e-12;
     const RANDOM_MAX = 0.99999994;  // The largest float32 below 1, up to which random numbers go.
     let first = u.x < probability;
     let below = u.x / max(probability, SHARE_MIN);
     let above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
-    return Ue4Choose(first, vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
+    return Ue4Choice(first, vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
 }
 
 // A direction with density cos(theta) / pi.
@@ -166,7 +168,7 @@ fn ue4_sample_cosine(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// A normal with density G1(wo) max(wo . m, 0) ue4_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
 fn ue4_sample_ggx_visible(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const RANDOM_MARGIN = 5.9604645e-8;
@@ -198,12 +200,12 @@ fn ue4_sample_ggx_lobe(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f
 // A direction of one of the two lobes; shares: the probabilities of the matte one and of the other.
 fn ue4_sample_matte_gloss(wo: vec3f, alpha: f32, shares: vec2f, u: vec2f) -> vec3f {
     let choose_result = ue4_choose(shares.x, u);
-    let matte = choose_result.first;
-    let v = choose_result.second;
+    let matte = choose_result.is_first;
+    let v = choose_result.u;
     return select(ue4_sample_ggx_lobe(wo, alpha, alpha, v), ue4_sample_cosine(v), matte);
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of ue4_sample_cosine in 1/sr, for w above the horizon.
 fn ue4_pdf_cosine(w: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     return w.z * inv_pi;
@@ -214,16 +216,14 @@ fn ue4_ggx_length(w: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
     return length(vec3f(alpha_x * w.x, alpha_y * w.y, w.z));
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at ue4_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 fn ue4_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
     return ue4_D_ggx(m, alpha_x, alpha_y) / (2.0 * (wo.z + ue4_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density of `sample_ggx_lobe` in 1/sr.
+// Density of ue4_sample_ggx_lobe in 1/sr.
 fn ue4_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const mu_min = 1.0e-18;
+    const mu_min = 1.0e-18;  // cosine of the horizon
     let straight = ue4_pdf_ggx_visible(wo, ue4_half_vector(wi, wo), alpha_x, alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     let exists = wo.z > wi.z;
@@ -234,14 +234,15 @@ fn ue4_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
     return straight + select(0.0, folded, exists);
 }
 
-// Density of `sample_matte_gloss` in 1/sr.
+// Density of ue4_sample_matte_gloss in 1/sr.
 fn ue4_pdf_matte_gloss(wi: vec3f, wo: vec3f, alpha: f32, shares: vec2f) -> f32 {
     return shares.x * ue4_pdf_cosine(wi) + shares.y * ue4_pdf_ggx_lobe(wi, wo, alpha, alpha);
 }
 
-// Density of `sample` in 1/sr.
+// Density of ue4_sample in 1/sr.
 fn ue4_pdf(params: Ue4, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     return ue4_pdf_matte_gloss(wi, wo, ue4_alpha(params), ue4_shares(params, wo));
@@ -249,23 +250,26 @@ fn ue4_pdf(params: Ue4, wi: vec3f, wo: vec3f) -> f32 {
 
 // Cosine-weighted or a visible GGX normal, by the estimated albedos.
 fn ue4_sample(params: Ue4, wo: vec3f, u: vec2f) -> Ue4Sample {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return Ue4Sample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let wi = ue4_sample_matte_gloss(wo, ue4_alpha(params), ue4_shares(params, wo), u);
     return Ue4Sample(wi, ue4_pdf(params, wi, wo));
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 fn ue4_albedo(params: Ue4, wo: vec3f) -> vec3f {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in ue4_albedo: a Fibonacci number, and the golden ratio.
     const ALBEDO_SAMPLES = 987.0;
     const GOLDEN = 0.618034;
-    const mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const HORIZON = 1.0e-6;
+    const mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return vec3f(0.0);
     }

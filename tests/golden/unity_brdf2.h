@@ -1,17 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
 // Unity BRDF2: the cheaper shading that Unity's built-in render pipeline takes on mobile devices.
 //
 // Source: UnityStandardBRDF.cginc of Unity 2018.2, which "PBR theory, part 1: foundations" (SZ's temple,
 // 2019), section 5, names beside BRDF1; the highlight is the one of "Optimizing PBR for mobile", SIGGRAPH
 // 2015 course: masking and Fresnel together are 1 / ((wo.H)^2 (alpha + 0.5)). Unity's own value is pi times
-// f.
-// Where it departs from physics: the highlight has the colour F0 at every angle, and nothing masks grazing
-// directions. Unity's constants are kept: at roughness 0 there is no highlight at all.
+// f. Where it departs from physics: the highlight has the colour F0 at every angle, and nothing masks
+// grazing directions. Unity's constants are kept: at roughness 0 there is no highlight at all.
 // BRDF3, the lowest of the three, is absent: it reads its highlight from a table that is not public.
 //
-// C++, made by gonio 0.1.0 from gonio/models/unity_brdf2.py.
+// C++, made by gonio from gonio/models/unity_brdf2.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: gonio_unity_brdf2::UnityBrdf2 params; params.base_color = ...; ... gonio_unity_brdf2::unity_brdf2_eval(params, wi, wo)
 
 #pragma once
 #include <math.h>
@@ -75,6 +76,32 @@ inline Vec3 lerp(Vec3 a, Vec3 b, Vec3 c) {
     return Vec3{lerp(a.x, b.x, c.x), lerp(a.y, b.y, c.y), lerp(a.z, b.z, c.z)};
 }
 
+constexpr float F0_DIELECTRIC = 0.04f;  // Unity's dielectric reflectance (linear colour space).
+// Unity's limits: of (wo.H)^2, and what its 1.00001 adds to the denominator of D.
+constexpr float COS2_UNITY = 0.1f;
+constexpr float D_UNITY = 1.0e-5f;
+constexpr float two_pi = 6.2831855f;
+constexpr float inv_pi = 0.31830987f;
+constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
+// Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+// can be seen is that small.
+constexpr float BLACK = 1.0e-20f;
+// The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+// its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+constexpr float SHARE_LEAST = 0.1f;
+constexpr float ESTIMATE_TRUST = 50.0f;
+// Smallest probability that is divided by: a random number falls below it once in a million million.
+constexpr float SHARE_MIN = 1.0e-12f;
+// The largest float32 below 1, up to which random numbers go.
+constexpr float RANDOM_MAX = 0.99999994f;
+// Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+constexpr float RANDOM_MARGIN = 5.9604645e-8f;
+// Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+constexpr float ALBEDO_SAMPLES = 987.0f;
+constexpr float GOLDEN = 0.618034f;
+// Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+constexpr float HORIZON = 1.0e-6f;
+
 // A sampled direction and its density.
 struct UnityBrdf2Sample {
     Vec3 wi;  // direction towards the light, unit, local frame
@@ -89,16 +116,18 @@ struct UnityBrdf2 {
     float roughness;  // perceptual roughness, 1 - Unity's smoothness; 0 to 1, default 0.5
 };
 
-// Results of choose.
-struct UnityBrdf2Choose {
-    bool first;
-    Vec2 second;
+// Which of two lobes a sample is taken from.
+struct UnityBrdf2Choice {
+    bool is_first;  // Whether it is the first one
+    Vec2 u;  // Fresh random numbers, made of those that chose
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 unity_brdf2_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which unity_brdf2_cos_half needs as well
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
@@ -108,22 +137,16 @@ inline float unity_brdf2_cos_half(Vec3 wi, Vec3 wo) {
 }
 
 inline Vec3 unity_brdf2_diffuse(const UnityBrdf2& params) {
-    constexpr float F0_DIELECTRIC = 0.04f;  // Unity's dielectric reflectance (linear colour space).
     return (1.0f - F0_DIELECTRIC) * (1.0f - params.metallic) * params.base_color;
 }
 
 inline Vec3 unity_brdf2_specular(const UnityBrdf2& params) {
-    constexpr float F0_DIELECTRIC = 0.04f;
     return lerp(splat(F0_DIELECTRIC), params.base_color, splat(params.metallic));
 }
 
 // BRDF value in 1/sr, without the cosine.
 inline Vec3 unity_brdf2_eval(const UnityBrdf2& params, Vec3 wi, Vec3 wo) {
-    constexpr float D_UNITY = 1.0e-5f;
-    // Unity's limits: of (wo.H)^2, and what its 1.00001 adds to the denominator of D.
-    constexpr float COS2_UNITY = 0.1f;
-    constexpr float inv_pi = 0.31830987f;
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
     float a = params.roughness * params.roughness;
@@ -135,9 +158,10 @@ inline Vec3 unity_brdf2_eval(const UnityBrdf2& params, Vec3 wi, Vec3 wo) {
     return inv_pi * (unity_brdf2_diffuse(params) + unity_brdf2_specular(params) * highlight);
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // Width of the GGX that d is the denominator of: D_UNITY never lets it vanish.
 inline float unity_brdf2_alpha(const UnityBrdf2& params) {
-    constexpr float D_UNITY = 1.0e-5f;
     float a2 = params.roughness * params.roughness * params.roughness * params.roughness;
     return sqrtf((a2 + D_UNITY) / (1.0f + D_UNITY));
 }
@@ -148,18 +172,11 @@ inline float unity_brdf2_average(Vec3 color) {
 }
 
 inline float unity_brdf2_raised(float probability) {
-    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
-    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
-    constexpr float SHARE_LEAST = 0.1f;
-    constexpr float ESTIMATE_TRUST = 50.0f;
     return fmaxf(probability, fminf(SHARE_LEAST, ESTIMATE_TRUST * probability));
 }
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 inline Vec2 unity_brdf2_lobes_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
-    constexpr float BLACK = 1.0e-20f;
     float inv = 1.0f / (first + second + BLACK);
     float a = unity_brdf2_raised((first + BLACK) * inv);
     float b = unity_brdf2_raised(second * inv);
@@ -169,8 +186,7 @@ inline Vec2 unity_brdf2_lobes_shares(float first, float second) {
 }
 
 // Probabilities of the diffuse lobe and of the highlight.
-inline Vec2 unity_brdf2_shares(const UnityBrdf2& params, Vec3 wo) {
-    constexpr float D_UNITY = 1.0e-5f;
+inline Vec2 unity_brdf2_shares(const UnityBrdf2& params) {
     // The highlight's albedo at the normal is near 1 / (a + 0.5), times the part that D_UNITY leaves.
     float a = params.roughness * params.roughness;
     float reflected = a * a / ((a * a + D_UNITY) * (a + 0.5f));
@@ -178,32 +194,24 @@ inline Vec2 unity_brdf2_shares(const UnityBrdf2& params, Vec3 wo) {
         unity_brdf2_average(unity_brdf2_specular(params)) * reflected);
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-inline UnityBrdf2Choose unity_brdf2_choose(float probability, Vec2 u) {
-    // Smallest probability that is divided by: a random number falls below it once in a million million.
-    constexpr float SHARE_MIN = 1.0e-12f;
-    // The largest float32 below 1, up to which random numbers go.
-    constexpr float RANDOM_MAX = 0.99999994f;
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+inline UnityBrdf2Choice unity_brdf2_choose(float probability, Vec2 u) {
     bool first = u.x < probability;
     float below = u.x / fmaxf(probability, SHARE_MIN);
     float above = (u.x - probability) / fmaxf(1.0f - probability, SHARE_MIN);
-    return UnityBrdf2Choose{first,
+    return UnityBrdf2Choice{first,
         Vec2{fminf(fmaxf(first ? below : above, 0.0f), RANDOM_MAX), u.y}};
 }
 
 // A direction with density cos(theta) / pi.
 inline Vec3 unity_brdf2_sample_cosine(Vec2 u) {
-    constexpr float two_pi = 6.2831855f;
     float r = sqrtf(fmaxf(u.x, 0.0f));
     float phi = two_pi * u.y;
     return Vec3{r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u.x, 0.0f))};
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// A normal with density G1(wo) max(wo . m, 0) unity_brdf2_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
 inline Vec3 unity_brdf2_sample_ggx_visible(Vec3 wo, float alpha_x, float alpha_y, Vec2 u) {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    constexpr float RANDOM_MARGIN = 5.9604645e-8f;
-    constexpr float two_pi = 6.2831855f;
     Vec3 w = normalize(Vec3{alpha_x * wo.x, alpha_y * wo.y, wo.z});
     // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
     // u = 1 would be the facet opposite to w, whose half vector has no direction
@@ -230,21 +238,19 @@ inline Vec3 unity_brdf2_sample_ggx_lobe(Vec3 wo, float alpha_x, float alpha_y, V
 
 // A direction of one of the two lobes; shares: the probabilities of the matte one and of the other.
 inline Vec3 unity_brdf2_sample_matte_gloss(Vec3 wo, float alpha, Vec2 shares, Vec2 u) {
-    UnityBrdf2Choose choose_result = unity_brdf2_choose(shares.x, u);
-    bool matte = choose_result.first;
-    Vec2 v = choose_result.second;
+    UnityBrdf2Choice choose_result = unity_brdf2_choose(shares.x, u);
+    bool matte = choose_result.is_first;
+    Vec2 v = choose_result.u;
     return matte ? unity_brdf2_sample_cosine(v) : unity_brdf2_sample_ggx_lobe(wo, alpha, alpha, v);
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of unity_brdf2_sample_cosine in 1/sr, for w above the horizon.
 inline float unity_brdf2_pdf_cosine(Vec3 w) {
-    constexpr float inv_pi = 0.31830987f;
     return w.z * inv_pi;
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
 inline float unity_brdf2_D_ggx(Vec3 m, float alpha_x, float alpha_y) {
-    constexpr float inv_pi = 0.31830987f;
     // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
     Vec3 v = Vec3{m.x / alpha_x, m.y / alpha_y, m.z};
     float s = dot(v, v);
@@ -256,17 +262,14 @@ inline float unity_brdf2_ggx_length(Vec3 w, float alpha_x, float alpha_y) {
     return length(Vec3{alpha_x * w.x, alpha_y * w.y, w.z});
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at unity_brdf2_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 inline float unity_brdf2_pdf_ggx_visible(Vec3 wo, Vec3 m, float alpha_x, float alpha_y) {
     return unity_brdf2_D_ggx(m, alpha_x, alpha_y)
         / (2.0f * (wo.z + unity_brdf2_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density of `sample_ggx_lobe` in 1/sr.
+// Density of unity_brdf2_sample_ggx_lobe in 1/sr.
 inline float unity_brdf2_pdf_ggx_lobe(Vec3 wi, Vec3 wo, float alpha_x, float alpha_y) {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    constexpr float mu_min = 1.0e-18f;
     float straight = unity_brdf2_pdf_ggx_visible(wo, unity_brdf2_half_vector(wi, wo), alpha_x,
         alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
@@ -279,41 +282,37 @@ inline float unity_brdf2_pdf_ggx_lobe(Vec3 wi, Vec3 wo, float alpha_x, float alp
     return straight + (exists ? folded : 0.0f);
 }
 
-// Density of `sample_matte_gloss` in 1/sr.
+// Density of unity_brdf2_sample_matte_gloss in 1/sr.
 inline float unity_brdf2_pdf_matte_gloss(Vec3 wi, Vec3 wo, float alpha, Vec2 shares) {
     return shares.x * unity_brdf2_pdf_cosine(wi)
         + shares.y * unity_brdf2_pdf_ggx_lobe(wi, wo, alpha, alpha);
 }
 
-// Density of `sample` in 1/sr.
+// Density of unity_brdf2_sample in 1/sr.
 inline float unity_brdf2_pdf(const UnityBrdf2& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0f;
     }
     return unity_brdf2_pdf_matte_gloss(wi, wo, unity_brdf2_alpha(params),
-        unity_brdf2_shares(params, wo));
+        unity_brdf2_shares(params));
 }
 
 // Cosine-weighted or a visible GGX normal, by the estimated albedos.
 inline UnityBrdf2Sample unity_brdf2_sample(const UnityBrdf2& params, Vec3 wo, Vec2 u) {
-    if (wo.z <= 1.0e-18f) {  // in the horizon or below
+    if (wo.z <= mu_min) {  // in the horizon or below
         return UnityBrdf2Sample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     Vec3 wi = unity_brdf2_sample_matte_gloss(wo, unity_brdf2_alpha(params),
-        unity_brdf2_shares(params, wo), u);
+        unity_brdf2_shares(params), u);
     return UnityBrdf2Sample{wi, unity_brdf2_pdf(params, wi, wo)};
 }
+
+// ---- albedo --------------------------------------------------------------------------------
 
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 inline Vec3 unity_brdf2_albedo(const UnityBrdf2& params, Vec3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    constexpr float HORIZON = 1.0e-6f;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
-    constexpr float ALBEDO_SAMPLES = 987.0f;
-    constexpr float GOLDEN = 0.618034f;
-    constexpr float mu_min = 1.0e-18f;
     if (wo.z < 0.0f) {  // below the horizon
         return splat(0.0f);
     }

@@ -1,17 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
 // Unity BRDF2: the cheaper shading that Unity's built-in render pipeline takes on mobile devices.
 //
 // Source: UnityStandardBRDF.cginc of Unity 2018.2, which "PBR theory, part 1: foundations" (SZ's temple,
 // 2019), section 5, names beside BRDF1; the highlight is the one of "Optimizing PBR for mobile", SIGGRAPH
 // 2015 course: masking and Fresnel together are 1 / ((wo.H)^2 (alpha + 0.5)). Unity's own value is pi times
-// f.
-// Where it departs from physics: the highlight has the colour F0 at every angle, and nothing masks grazing
-// directions. Unity's constants are kept: at roughness 0 there is no highlight at all.
+// f. Where it departs from physics: the highlight has the colour F0 at every angle, and nothing masks
+// grazing directions. Unity's constants are kept: at roughness 0 there is no highlight at all.
 // BRDF3, the lowest of the three, is absent: it reads its highlight from a table that is not public.
 //
-// Metal, made by gonio 0.1.0 from gonio/models/unity_brdf2.py.
+// Metal, made by gonio from gonio/models/unity_brdf2.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: UnityBrdf2 params; params.base_color = ...; ... unity_brdf2_eval(params, wi, wo)
 
 #include <metal_stdlib>
 using namespace metal;
@@ -30,16 +31,18 @@ struct UnityBrdf2 {
     float roughness;  // perceptual roughness, 1 - Unity's smoothness; 0 to 1, default 0.5
 };
 
-// Results of choose.
-struct UnityBrdf2Choose {
-    bool first;
-    float2 second;
+// Which of two lobes a sample is taken from.
+struct UnityBrdf2Choice {
+    bool is_first;  // Whether it is the first one
+    float2 u;  // Fresh random numbers, made of those that chose
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline float3 unity_brdf2_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which unity_brdf2_cos_half needs as well
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
@@ -54,17 +57,18 @@ inline float3 unity_brdf2_diffuse(UnityBrdf2 params) {
 }
 
 inline float3 unity_brdf2_specular(UnityBrdf2 params) {
-    const float F0_DIELECTRIC = 0.04;
+    const float F0_DIELECTRIC = 0.04;  // Unity's dielectric reflectance (linear colour space).
     return mix(float3(F0_DIELECTRIC), params.base_color, float3(params.metallic));
 }
 
 // BRDF value in 1/sr, without the cosine.
 inline float3 unity_brdf2_eval(UnityBrdf2 params, float3 wi, float3 wo) {
-    const float D_UNITY = 1.0e-5;
+    const float inv_pi = 0.31830987;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     // Unity's limits: of (wo.H)^2, and what its 1.00001 adds to the denominator of D.
     const float COS2_UNITY = 0.1;
-    const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float D_UNITY = 1.0e-5;
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return float3(0.0);
     }
     float a = params.roughness * params.roughness;
@@ -75,6 +79,8 @@ inline float3 unity_brdf2_eval(UnityBrdf2 params, float3 wi, float3 wo) {
     float highlight = a * a / (4.0 * max(c * c, COS2_UNITY) * (a + 0.5) * d * d);
     return inv_pi * (unity_brdf2_diffuse(params) + unity_brdf2_specular(params) * highlight);
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // Width of the GGX that d is the denominator of: D_UNITY never lets it vanish.
 inline float unity_brdf2_alpha(UnityBrdf2 params) {
@@ -98,8 +104,8 @@ inline float unity_brdf2_raised(float probability) {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 inline float2 unity_brdf2_lobes_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+    // can be seen is that small.
     const float BLACK = 1.0e-20;
     float inv = 1.0 / (first + second + BLACK);
     float a = unity_brdf2_raised((first + BLACK) * inv);
@@ -110,7 +116,7 @@ inline float2 unity_brdf2_lobes_shares(float first, float second) {
 }
 
 // Probabilities of the diffuse lobe and of the highlight.
-inline float2 unity_brdf2_shares(UnityBrdf2 params, float3 wo) {
+inline float2 unity_brdf2_shares(UnityBrdf2 params) {
     const float D_UNITY = 1.0e-5;
     // The highlight's albedo at the normal is near 1 / (a + 0.5), times the part that D_UNITY leaves.
     float a = params.roughness * params.roughness;
@@ -119,8 +125,8 @@ inline float2 unity_brdf2_shares(UnityBrdf2 params, float3 wo) {
         unity_brdf2_average(unity_brdf2_specular(params)) * reflected);
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-inline UnityBrdf2Choose unity_brdf2_choose(float probability, float2 u) {
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+inline UnityBrdf2Choice unity_brdf2_choose(float probability, float2 u) {
     // Smallest probability that is divided by: a random number falls below it once in a million million.
     const float SHARE_MIN = 1.0e-12;
     // The largest float32 below 1, up to which random numbers go.
@@ -128,7 +134,7 @@ inline UnityBrdf2Choose unity_brdf2_choose(float probability, float2 u) {
     bool first = u.x < probability;
     float below = u.x / max(probability, SHARE_MIN);
     float above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
-    return UnityBrdf2Choose{first, float2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y)};
+    return UnityBrdf2Choice{first, float2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y)};
 }
 
 // A direction with density cos(theta) / pi.
@@ -139,7 +145,7 @@ inline float3 unity_brdf2_sample_cosine(float2 u) {
     return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// A normal with density G1(wo) max(wo . m, 0) unity_brdf2_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
 inline float3 unity_brdf2_sample_ggx_visible(float3 wo, float alpha_x, float alpha_y,
     float2 u) {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
@@ -171,13 +177,13 @@ inline float3 unity_brdf2_sample_ggx_lobe(float3 wo, float alpha_x, float alpha_
 
 // A direction of one of the two lobes; shares: the probabilities of the matte one and of the other.
 inline float3 unity_brdf2_sample_matte_gloss(float3 wo, float alpha, float2 shares, float2 u) {
-    UnityBrdf2Choose choose_result = unity_brdf2_choose(shares.x, u);
-    bool matte = choose_result.first;
-    float2 v = choose_result.second;
+    UnityBrdf2Choice choose_result = unity_brdf2_choose(shares.x, u);
+    bool matte = choose_result.is_first;
+    float2 v = choose_result.u;
     return matte ? unity_brdf2_sample_cosine(v) : unity_brdf2_sample_ggx_lobe(wo, alpha, alpha, v);
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of unity_brdf2_sample_cosine in 1/sr, for w above the horizon.
 inline float unity_brdf2_pdf_cosine(float3 w) {
     const float inv_pi = 0.31830987;
     return w.z * inv_pi;
@@ -197,17 +203,15 @@ inline float unity_brdf2_ggx_length(float3 w, float alpha_x, float alpha_y) {
     return length(float3(alpha_x * w.x, alpha_y * w.y, w.z));
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at unity_brdf2_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 inline float unity_brdf2_pdf_ggx_visible(float3 wo, float3 m, float alpha_x, float alpha_y) {
     return unity_brdf2_D_ggx(m, alpha_x, alpha_y)
         / (2.0 * (wo.z + unity_brdf2_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density of `sample_ggx_lobe` in 1/sr.
+// Density of unity_brdf2_sample_ggx_lobe in 1/sr.
 inline float unity_brdf2_pdf_ggx_lobe(float3 wi, float3 wo, float alpha_x, float alpha_y) {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const float mu_min = 1.0e-18;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     float straight = unity_brdf2_pdf_ggx_visible(wo, unity_brdf2_half_vector(wi, wo), alpha_x,
         alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
@@ -220,41 +224,45 @@ inline float unity_brdf2_pdf_ggx_lobe(float3 wi, float3 wo, float alpha_x, float
     return straight + (exists ? folded : 0.0);
 }
 
-// Density of `sample_matte_gloss` in 1/sr.
+// Density of unity_brdf2_sample_matte_gloss in 1/sr.
 inline float unity_brdf2_pdf_matte_gloss(float3 wi, float3 wo, float alpha, float2 shares) {
     return shares.x * unity_brdf2_pdf_cosine(wi)
         + shares.y * unity_brdf2_pdf_ggx_lobe(wi, wo, alpha, alpha);
 }
 
-// Density of `sample` in 1/sr.
+// Density of unity_brdf2_sample in 1/sr.
 inline float unity_brdf2_pdf(UnityBrdf2 params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     return unity_brdf2_pdf_matte_gloss(wi, wo, unity_brdf2_alpha(params),
-        unity_brdf2_shares(params, wo));
+        unity_brdf2_shares(params));
 }
 
 // Cosine-weighted or a visible GGX normal, by the estimated albedos.
 inline UnityBrdf2Sample unity_brdf2_sample(UnityBrdf2 params, float3 wo, float2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return UnityBrdf2Sample{float3(0.0, 0.0, 1.0), 0.0};
     }
     float3 wi = unity_brdf2_sample_matte_gloss(wo, unity_brdf2_alpha(params),
-        unity_brdf2_shares(params, wo), u);
+        unity_brdf2_shares(params), u);
     return UnityBrdf2Sample{wi, unity_brdf2_pdf(params, wi, wo)};
 }
+
+// ---- albedo --------------------------------------------------------------------------------
 
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 inline float3 unity_brdf2_albedo(UnityBrdf2 params, float3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const float HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in unity_brdf2_albedo: a Fibonacci number, and the golden ratio.
     const float ALBEDO_SAMPLES = 987.0;
     const float GOLDEN = 0.618034;
-    const float mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const float HORIZON = 1.0e-6;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return float3(0.0);
     }

@@ -1,17 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
 // Unity BRDF2: the cheaper shading that Unity's built-in render pipeline takes on mobile devices.
 //
 // Source: UnityStandardBRDF.cginc of Unity 2018.2, which "PBR theory, part 1: foundations" (SZ's temple,
 // 2019), section 5, names beside BRDF1; the highlight is the one of "Optimizing PBR for mobile", SIGGRAPH
 // 2015 course: masking and Fresnel together are 1 / ((wo.H)^2 (alpha + 0.5)). Unity's own value is pi times
-// f.
-// Where it departs from physics: the highlight has the colour F0 at every angle, and nothing masks grazing
-// directions. Unity's constants are kept: at roughness 0 there is no highlight at all.
+// f. Where it departs from physics: the highlight has the colour F0 at every angle, and nothing masks
+// grazing directions. Unity's constants are kept: at roughness 0 there is no highlight at all.
 // BRDF3, the lowest of the three, is absent: it reads its highlight from a table that is not public.
 //
-// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/unity_brdf2.py.
+// WGSL (WebGPU), made by gonio from gonio/models/unity_brdf2.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: var params: UnityBrdf2; params.base_color = ...; ... unity_brdf2_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct UnityBrdf2Sample {
@@ -27,16 +28,18 @@ struct UnityBrdf2 {
     roughness: f32,  // perceptual roughness, 1 - Unity's smoothness; 0 to 1, default 0.5
 }
 
-// Results of choose.
-struct UnityBrdf2Choose {
-    first: bool,
-    second: vec2f,
+// Which of two lobes a sample is taken from.
+struct UnityBrdf2Choice {
+    is_first: bool,  // Whether it is the first one
+    u: vec2f,  // Fresh random numbers, made of those that chose
 }
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn unity_brdf2_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which unity_brdf2_cos_half needs as well
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
@@ -51,17 +54,18 @@ fn unity_brdf2_diffuse(params: UnityBrdf2) -> vec3f {
 }
 
 fn unity_brdf2_specular(params: UnityBrdf2) -> vec3f {
-    const F0_DIELECTRIC = 0.04;
+    const F0_DIELECTRIC = 0.04;  // Unity's dielectric reflectance (linear colour space).
     return mix(vec3f(F0_DIELECTRIC), params.base_color, vec3f(params.metallic));
 }
 
 // BRDF value in 1/sr, without the cosine.
 fn unity_brdf2_eval(params: UnityBrdf2, wi: vec3f, wo: vec3f) -> vec3f {
-    const D_UNITY = 1.0e-5;
+    const inv_pi = 0.31830987;
+    const mu_min = 1.0e-18;  // cosine of the horizon
     // Unity's limits: of (wo.H)^2, and what its 1.00001 adds to the denominator of D.
     const COS2_UNITY = 0.1;
-    const inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const D_UNITY = 1.0e-5;
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
     let a = params.roughness * params.roughness;
@@ -72,6 +76,8 @@ fn unity_brdf2_eval(params: UnityBrdf2, wi: vec3f, wo: vec3f) -> vec3f {
     let highlight = a * a / (4.0 * max(c * c, COS2_UNITY) * (a + 0.5) * d * d);
     return inv_pi * (unity_brdf2_diffuse(params) + unity_brdf2_specular(params) * highlight);
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // Width of the GGX that d is the denominator of: D_UNITY never lets it vanish.
 fn unity_brdf2_alpha(params: UnityBrdf2) -> f32 {
@@ -95,8 +101,8 @@ fn unity_brdf2_raised(probability: f32) -> f32 {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 fn unity_brdf2_lobes_shares(first: f32, second: f32) -> vec2f {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+    // can be seen is that small.
     const BLACK = 1.0e-20;
     let inv = 1.0 / (first + second + BLACK);
     let a = unity_brdf2_raised((first + BLACK) * inv);
@@ -107,7 +113,7 @@ fn unity_brdf2_lobes_shares(first: f32, second: f32) -> vec2f {
 }
 
 // Probabilities of the diffuse lobe and of the highlight.
-fn unity_brdf2_shares(params: UnityBrdf2, wo: vec3f) -> vec2f {
+fn unity_brdf2_shares(params: UnityBrdf2) -> vec2f {
     const D_UNITY = 1.0e-5;
     // The highlight's albedo at the normal is near 1 / (a + 0.5), times the part that D_UNITY leaves.
     let a = params.roughness * params.roughness;
@@ -116,15 +122,15 @@ fn unity_brdf2_shares(params: UnityBrdf2, wo: vec3f) -> vec2f {
         unity_brdf2_average(unity_brdf2_specular(params)) * reflected);
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-fn unity_brdf2_choose(probability: f32, u: vec2f) -> UnityBrdf2Choose {
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+fn unity_brdf2_choose(probability: f32, u: vec2f) -> UnityBrdf2Choice {
     // Smallest probability that is divided by: a random number falls below it once in a million million.
     const SHARE_MIN = 1.0e-12;
     const RANDOM_MAX = 0.99999994;  // The largest float32 below 1, up to which random numbers go.
     let first = u.x < probability;
     let below = u.x / max(probability, SHARE_MIN);
     let above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
-    return UnityBrdf2Choose(first, vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
+    return UnityBrdf2Choice(first, vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
 }
 
 // A direction with density cos(theta) / pi.
@@ -135,7 +141,7 @@ fn unity_brdf2_sample_cosine(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// A normal with density G1(wo) max(wo . m, 0) unity_brdf2_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
 fn unity_brdf2_sample_ggx_visible(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const RANDOM_MARGIN = 5.9604645e-8;
@@ -167,13 +173,13 @@ fn unity_brdf2_sample_ggx_lobe(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) 
 // A direction of one of the two lobes; shares: the probabilities of the matte one and of the other.
 fn unity_brdf2_sample_matte_gloss(wo: vec3f, alpha: f32, shares: vec2f, u: vec2f) -> vec3f {
     let choose_result = unity_brdf2_choose(shares.x, u);
-    let matte = choose_result.first;
-    let v = choose_result.second;
+    let matte = choose_result.is_first;
+    let v = choose_result.u;
     return select(unity_brdf2_sample_ggx_lobe(wo, alpha, alpha, v), unity_brdf2_sample_cosine(v),
         matte);
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of unity_brdf2_sample_cosine in 1/sr, for w above the horizon.
 fn unity_brdf2_pdf_cosine(w: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     return w.z * inv_pi;
@@ -193,17 +199,15 @@ fn unity_brdf2_ggx_length(w: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
     return length(vec3f(alpha_x * w.x, alpha_y * w.y, w.z));
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at unity_brdf2_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 fn unity_brdf2_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
     return unity_brdf2_D_ggx(m, alpha_x, alpha_y)
         / (2.0 * (wo.z + unity_brdf2_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density of `sample_ggx_lobe` in 1/sr.
+// Density of unity_brdf2_sample_ggx_lobe in 1/sr.
 fn unity_brdf2_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const mu_min = 1.0e-18;
+    const mu_min = 1.0e-18;  // cosine of the horizon
     let straight = unity_brdf2_pdf_ggx_visible(wo, unity_brdf2_half_vector(wi, wo), alpha_x,
         alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
@@ -216,41 +220,45 @@ fn unity_brdf2_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) ->
     return straight + select(0.0, folded, exists);
 }
 
-// Density of `sample_matte_gloss` in 1/sr.
+// Density of unity_brdf2_sample_matte_gloss in 1/sr.
 fn unity_brdf2_pdf_matte_gloss(wi: vec3f, wo: vec3f, alpha: f32, shares: vec2f) -> f32 {
     return shares.x * unity_brdf2_pdf_cosine(wi)
         + shares.y * unity_brdf2_pdf_ggx_lobe(wi, wo, alpha, alpha);
 }
 
-// Density of `sample` in 1/sr.
+// Density of unity_brdf2_sample in 1/sr.
 fn unity_brdf2_pdf(params: UnityBrdf2, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     return unity_brdf2_pdf_matte_gloss(wi, wo, unity_brdf2_alpha(params),
-        unity_brdf2_shares(params, wo));
+        unity_brdf2_shares(params));
 }
 
 // Cosine-weighted or a visible GGX normal, by the estimated albedos.
 fn unity_brdf2_sample(params: UnityBrdf2, wo: vec3f, u: vec2f) -> UnityBrdf2Sample {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return UnityBrdf2Sample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let wi = unity_brdf2_sample_matte_gloss(wo, unity_brdf2_alpha(params),
-        unity_brdf2_shares(params, wo), u);
+        unity_brdf2_shares(params), u);
     return UnityBrdf2Sample(wi, unity_brdf2_pdf(params, wi, wo));
 }
+
+// ---- albedo --------------------------------------------------------------------------------
 
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 fn unity_brdf2_albedo(params: UnityBrdf2, wo: vec3f) -> vec3f {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in unity_brdf2_albedo: a Fibonacci number, and the golden ratio.
     const ALBEDO_SAMPLES = 987.0;
     const GOLDEN = 0.618034;
-    const mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const HORIZON = 1.0e-6;
+    const mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return vec3f(0.0);
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Unity Standard: BRDF1, the full-quality shading of Unity's built-in render pipeline.
 //
 // Source: "PBR theory, part 1: foundations" (SZ's temple, 2019), section 5, which walks through
@@ -10,10 +11,11 @@
 // Deviation: Unity adds 1e-5 to V's and 1e-7 to D's denominator, against division by zero; neither is here.
 // The second dims its highlights: the peak by 4 % at roughness 0.2, 28 % at 0.15 and 91 % at 0.1.
 //
-// GLSL 4.5, made by gonio 0.1.0 from gonio/models/unity_standard.py.
+// GLSL 4.5, made by gonio from gonio/models/unity_standard.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: UnityStandard params; params.base_color = ...; ... unity_standard_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct UnityStandardSample {
@@ -29,11 +31,13 @@ struct UnityStandard {
     float roughness;  // perceptual roughness, 1 - Unity's smoothness; 0 to 1, default 0.5
 };
 
-// Results of choose.
-struct UnityStandardChoose {
-    bool first;
-    vec2 second;
+// Which of two lobes a sample is taken from.
+struct UnityStandardChoice {
+    bool is_first;  // Whether it is the first one
+    vec2 u;  // Fresh random numbers, made of those that chose
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 float unity_standard_alpha(UnityStandard params) {
     const float ALPHA_UNITY = 0.002;
@@ -50,7 +54,7 @@ float unity_standard_schlick_weight(float cos_theta) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 unity_standard_half_vector(vec3 wi, vec3 wo) {
     vec3 h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which unity_standard_cos_half needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -76,8 +80,8 @@ float unity_standard_cos_half(vec3 wi, vec3 wo) {
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 float unity_standard_schlick_weight_half(vec3 wi, vec3 wo) {
-    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
-    // weight keeps its digits where the two meet and it goes to 0.
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
+    // keeps its digits where the two meet and it goes to 0.
     vec3 apart = wi - wo;
     float k = 0.25 * dot(apart, apart) / (1.0 + unity_standard_cos_half(wi, wo));
     float k2 = k * k;
@@ -92,7 +96,8 @@ vec3 unity_standard_diffuse(UnityStandard params) {
 // BRDF value in 1/sr, without the cosine.
 vec3 unity_standard_eval(UnityStandard params, vec3 wi, vec3 wo) {
     const float inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3(0.0);
     }
     float r = params.roughness;
@@ -110,6 +115,8 @@ vec3 unity_standard_eval(UnityStandard params, vec3 wi, vec3 wo) {
     return inv_pi * burley * unity_standard_diffuse(params) + F * (D * V);
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // Mean of the three channels, by which lobes are weighed against each other.
 float unity_standard_average(vec3 color) {
     return (color.x + color.y + color.z) / 3.0;
@@ -125,15 +132,15 @@ float unity_standard_raised(float probability) {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 vec2 unity_standard_lobes_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+    // can be seen is that small.
     const float BLACK = 1.0e-20;
     float inv = 1.0 / (first + second + BLACK);
     float a = unity_standard_raised((first + BLACK) * inv);
     float b = unity_standard_raised(second * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
     bool smaller = first < second;
-    return vec2(mix(1.0 - b, a, smaller), mix(b, 1.0 - a, smaller));
+    return vec2(smaller ? a : 1.0 - b, smaller ? 1.0 - a : b);
 }
 
 // Probabilities of the diffuse lobe and of the highlight.
@@ -143,8 +150,8 @@ vec2 unity_standard_shares(UnityStandard params, vec3 wo) {
         unity_standard_average(F));
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-UnityStandardChoose unity_standard_choose(float probability, vec2 u) {
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+UnityStandardChoice unity_standard_choose(float probability, vec2 u) {
     // Smallest probability that is divided by: a random number falls below it once in a million million.
     const float SHARE_MIN = 1.0e-12;
     // The largest float32 below 1, up to which random numbers go.
@@ -152,7 +159,7 @@ UnityStandardChoose unity_standard_choose(float probability, vec2 u) {
     bool first = u.x < probability;
     float below = u.x / max(probability, SHARE_MIN);
     float above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
-    return UnityStandardChoose(first, vec2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y));
+    return UnityStandardChoice(first, vec2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y));
 }
 
 // A direction with density cos(theta) / pi.
@@ -163,7 +170,7 @@ vec3 unity_standard_sample_cosine(vec2 u) {
     return vec3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// A normal with density G1(wo) max(wo . m, 0) unity_standard_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
 vec3 unity_standard_sample_ggx_visible(vec3 wo, float alpha_x, float alpha_y, vec2 u) {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const float RANDOM_MARGIN = 5.9604645e-8;
@@ -194,14 +201,14 @@ vec3 unity_standard_sample_ggx_lobe(vec3 wo, float alpha_x, float alpha_y, vec2 
 
 // A direction of one of the two lobes; shares: the probabilities of the matte one and of the other.
 vec3 unity_standard_sample_matte_gloss(vec3 wo, float alpha, vec2 shares, vec2 u) {
-    UnityStandardChoose choose_result = unity_standard_choose(shares.x, u);
-    bool matte = choose_result.first;
-    vec2 v = choose_result.second;
+    UnityStandardChoice choose_result = unity_standard_choose(shares.x, u);
+    bool matte = choose_result.is_first;
+    vec2 v = choose_result.u;
     return mix(unity_standard_sample_ggx_lobe(wo, alpha, alpha, v), unity_standard_sample_cosine(v),
         bvec3(matte));
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of unity_standard_sample_cosine in 1/sr, for w above the horizon.
 float unity_standard_pdf_cosine(vec3 w) {
     const float inv_pi = 0.31830987;
     return w.z * inv_pi;
@@ -212,17 +219,15 @@ float unity_standard_ggx_length(vec3 w, float alpha_x, float alpha_y) {
     return length(vec3(alpha_x * w.x, alpha_y * w.y, w.z));
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at unity_standard_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 float unity_standard_pdf_ggx_visible(vec3 wo, vec3 m, float alpha_x, float alpha_y) {
     return unity_standard_D_ggx(m, alpha_x, alpha_y)
         / (2.0 * (wo.z + unity_standard_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density of `sample_ggx_lobe` in 1/sr.
+// Density of unity_standard_sample_ggx_lobe in 1/sr.
 float unity_standard_pdf_ggx_lobe(vec3 wi, vec3 wo, float alpha_x, float alpha_y) {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const float mu_min = 1.0e-18;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     float straight = unity_standard_pdf_ggx_visible(wo, unity_standard_half_vector(wi, wo), alpha_x,
         alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
@@ -235,15 +240,16 @@ float unity_standard_pdf_ggx_lobe(vec3 wi, vec3 wo, float alpha_x, float alpha_y
     return straight + (exists ? folded : 0.0);
 }
 
-// Density of `sample_matte_gloss` in 1/sr.
+// Density of unity_standard_sample_matte_gloss in 1/sr.
 float unity_standard_pdf_matte_gloss(vec3 wi, vec3 wo, float alpha, vec2 shares) {
     return shares.x * unity_standard_pdf_cosine(wi)
         + shares.y * unity_standard_pdf_ggx_lobe(wi, wo, alpha, alpha);
 }
 
-// Density of `sample` in 1/sr.
+// Density of unity_standard_sample in 1/sr.
 float unity_standard_pdf(UnityStandard params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     return unity_standard_pdf_matte_gloss(wi, wo, unity_standard_alpha(params),
@@ -252,7 +258,8 @@ float unity_standard_pdf(UnityStandard params, vec3 wi, vec3 wo) {
 
 // Cosine-weighted or a visible GGX normal, by the estimated albedos.
 UnityStandardSample unity_standard_sample(UnityStandard params, vec3 wo, vec2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return UnityStandardSample(vec3(0.0, 0.0, 1.0), 0.0);
     }
     vec3 wi = unity_standard_sample_matte_gloss(wo, unity_standard_alpha(params),
@@ -260,16 +267,18 @@ UnityStandardSample unity_standard_sample(UnityStandard params, vec3 wo, vec2 u)
     return UnityStandardSample(wi, unity_standard_pdf(params, wi, wo));
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 vec3 unity_standard_albedo(UnityStandard params, vec3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const float HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in unity_standard_albedo: a Fibonacci number, and the golden ratio.
     const float ALBEDO_SAMPLES = 987.0;
     const float GOLDEN = 0.618034;
-    const float mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const float HORIZON = 1.0e-6;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return vec3(0.0);
     }
@@ -279,7 +288,7 @@ vec3 unity_standard_albedo(UnityStandard params, vec3 wo) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         UnityStandardSample drawn = unity_standard_sample(params, w, u);
-        float weight = mix(0.0, drawn.wi.z / max(drawn.pdf, mu_min), drawn.pdf > 0.0);
+        float weight = drawn.pdf > 0.0 ? drawn.wi.z / max(drawn.pdf, mu_min) : 0.0;
         total = total + unity_standard_eval(params, drawn.wi, w) * weight;
     }
     return total / ALBEDO_SAMPLES;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Unity Standard: BRDF1, the full-quality shading of Unity's built-in render pipeline.
 //
 // Source: "PBR theory, part 1: foundations" (SZ's temple, 2019), section 5, which walks through
@@ -10,10 +11,11 @@
 // Deviation: Unity adds 1e-5 to V's and 1e-7 to D's denominator, against division by zero; neither is here.
 // The second dims its highlights: the peak by 4 % at roughness 0.2, 28 % at 0.15 and 91 % at 0.1.
 //
-// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/unity_standard.py.
+// WGSL (WebGPU), made by gonio from gonio/models/unity_standard.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: var params: UnityStandard; params.base_color = ...; ... unity_standard_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct UnityStandardSample {
@@ -29,11 +31,13 @@ struct UnityStandard {
     roughness: f32,  // perceptual roughness, 1 - Unity's smoothness; 0 to 1, default 0.5
 }
 
-// Results of choose.
-struct UnityStandardChoose {
-    first: bool,
-    second: vec2f,
+// Which of two lobes a sample is taken from.
+struct UnityStandardChoice {
+    is_first: bool,  // Whether it is the first one
+    u: vec2f,  // Fresh random numbers, made of those that chose
 }
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 fn unity_standard_alpha(params: UnityStandard) -> f32 {
     const ALPHA_UNITY = 0.002;
@@ -50,7 +54,7 @@ fn unity_standard_schlick_weight(cos_theta: f32) -> f32 {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn unity_standard_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which unity_standard_cos_half needs as well
 }
 
 // GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
@@ -76,8 +80,8 @@ fn unity_standard_cos_half(wi: vec3f, wo: vec3f) -> f32 {
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 fn unity_standard_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
-    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
-    // weight keeps its digits where the two meet and it goes to 0.
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
+    // keeps its digits where the two meet and it goes to 0.
     let apart = wi - wo;
     let k = 0.25 * dot(apart, apart) / (1.0 + unity_standard_cos_half(wi, wo));
     let k2 = k * k;
@@ -92,7 +96,8 @@ fn unity_standard_diffuse(params: UnityStandard) -> vec3f {
 // BRDF value in 1/sr, without the cosine.
 fn unity_standard_eval(params: UnityStandard, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
     let r = params.roughness;
@@ -110,6 +115,8 @@ fn unity_standard_eval(params: UnityStandard, wi: vec3f, wo: vec3f) -> vec3f {
     return inv_pi * burley * unity_standard_diffuse(params) + F * (D * V);
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // Mean of the three channels, by which lobes are weighed against each other.
 fn unity_standard_average(color: vec3f) -> f32 {
     return (color.x + color.y + color.z) / 3.0;
@@ -125,8 +132,8 @@ fn unity_standard_raised(probability: f32) -> f32 {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 fn unity_standard_lobes_shares(first: f32, second: f32) -> vec2f {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+    // can be seen is that small.
     const BLACK = 1.0e-20;
     let inv = 1.0 / (first + second + BLACK);
     let a = unity_standard_raised((first + BLACK) * inv);
@@ -143,15 +150,15 @@ fn unity_standard_shares(params: UnityStandard, wo: vec3f) -> vec2f {
         unity_standard_average(F));
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-fn unity_standard_choose(probability: f32, u: vec2f) -> UnityStandardChoose {
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+fn unity_standard_choose(probability: f32, u: vec2f) -> UnityStandardChoice {
     // Smallest probability that is divided by: a random number falls below it once in a million million.
     const SHARE_MIN = 1.0e-12;
     const RANDOM_MAX = 0.99999994;  // The largest float32 below 1, up to which random numbers go.
     let first = u.x < probability;
     let below = u.x / max(probability, SHARE_MIN);
     let above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
-    return UnityStandardChoose(first,
+    return UnityStandardChoice(first,
         vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
 }
 
@@ -163,7 +170,7 @@ fn unity_standard_sample_cosine(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+// A normal with density G1(wo) max(wo . m, 0) unity_standard_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
 fn unity_standard_sample_ggx_visible(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const RANDOM_MARGIN = 5.9604645e-8;
@@ -195,13 +202,13 @@ fn unity_standard_sample_ggx_lobe(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2
 // A direction of one of the two lobes; shares: the probabilities of the matte one and of the other.
 fn unity_standard_sample_matte_gloss(wo: vec3f, alpha: f32, shares: vec2f, u: vec2f) -> vec3f {
     let choose_result = unity_standard_choose(shares.x, u);
-    let matte = choose_result.first;
-    let v = choose_result.second;
+    let matte = choose_result.is_first;
+    let v = choose_result.u;
     return select(unity_standard_sample_ggx_lobe(wo, alpha, alpha, v),
         unity_standard_sample_cosine(v), matte);
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of unity_standard_sample_cosine in 1/sr, for w above the horizon.
 fn unity_standard_pdf_cosine(w: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     return w.z * inv_pi;
@@ -212,17 +219,15 @@ fn unity_standard_ggx_length(w: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
     return length(vec3f(alpha_x * w.x, alpha_y * w.y, w.z));
 }
 
-// Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o).
+// Density of wo mirrored at unity_standard_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
 fn unity_standard_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
     return unity_standard_D_ggx(m, alpha_x, alpha_y)
         / (2.0 * (wo.z + unity_standard_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density of `sample_ggx_lobe` in 1/sr.
+// Density of unity_standard_sample_ggx_lobe in 1/sr.
 fn unity_standard_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const mu_min = 1.0e-18;
+    const mu_min = 1.0e-18;  // cosine of the horizon
     let straight = unity_standard_pdf_ggx_visible(wo, unity_standard_half_vector(wi, wo), alpha_x,
         alpha_y);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
@@ -235,15 +240,16 @@ fn unity_standard_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32)
     return straight + select(0.0, folded, exists);
 }
 
-// Density of `sample_matte_gloss` in 1/sr.
+// Density of unity_standard_sample_matte_gloss in 1/sr.
 fn unity_standard_pdf_matte_gloss(wi: vec3f, wo: vec3f, alpha: f32, shares: vec2f) -> f32 {
     return shares.x * unity_standard_pdf_cosine(wi)
         + shares.y * unity_standard_pdf_ggx_lobe(wi, wo, alpha, alpha);
 }
 
-// Density of `sample` in 1/sr.
+// Density of unity_standard_sample in 1/sr.
 fn unity_standard_pdf(params: UnityStandard, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     return unity_standard_pdf_matte_gloss(wi, wo, unity_standard_alpha(params),
@@ -252,7 +258,8 @@ fn unity_standard_pdf(params: UnityStandard, wi: vec3f, wo: vec3f) -> f32 {
 
 // Cosine-weighted or a visible GGX normal, by the estimated albedos.
 fn unity_standard_sample(params: UnityStandard, wo: vec3f, u: vec2f) -> UnityStandardSample {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return UnityStandardSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let wi = unity_standard_sample_matte_gloss(wo, unity_standard_alpha(params),
@@ -260,16 +267,18 @@ fn unity_standard_sample(params: UnityStandard, wo: vec3f, u: vec2f) -> UnitySta
     return UnityStandardSample(wi, unity_standard_pdf(params, wi, wo));
 }
 
+// ---- albedo --------------------------------------------------------------------------------
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 fn unity_standard_albedo(params: UnityStandard, wo: vec3f) -> vec3f {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in unity_standard_albedo: a Fibonacci number, and the golden ratio.
     const ALBEDO_SAMPLES = 987.0;
     const GOLDEN = 0.618034;
-    const mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const HORIZON = 1.0e-6;
+    const mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return vec3f(0.0);
     }

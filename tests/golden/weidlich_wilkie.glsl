@@ -1,21 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
 // Weidlich-Wilkie: a rough clear coat over any base, which may be coated itself.
 //
 // Source: Elek, "Layered materials in real-time rendering", CESCG 2010, Eq. 2 to 4 and Algorithm 1, after
 // Weidlich, Wilkie, "Arbitrarily layered micro-facet surfaces", GRAPHITE 2007. Symbols are Elek's.
 // Deviations: refracted directions keep the azimuth of the ones they belong to (Algorithm 1 mirrors them at
 // the normal, which would turn an anisotropic base by 180 degrees); F is exact by default, not Lazanyi's
-// fit;
-// D carries the 1 / pi that Elek's lacks. What Eq. 2 leaves out can be switched on: Fresnel's reflection at
-// both crossings, the compression of solid angles, and the light that bounces between base and surface.
+// fit; D carries the 1 / pi that Elek's lacks. What Eq. 2 leaves out can be switched on: Fresnel's
+// reflection at both crossings, the compression of solid angles, and the light that bounces between base
+// and surface.
 //
 // Lambert: ideal diffuse reflection.
 //
 // Source: Johann Heinrich Lambert, "Photometria", 1760.
 //
-// GLSL 4.5, made by gonio 0.1.0 from gonio/models/weidlich_wilkie.py, gonio/models/lambert.py.
+// GLSL 4.5, made by gonio from gonio/models/weidlich_wilkie.py, gonio/models/lambert.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: WeidlichWilkie params; params.eta = ...; ... weidlich_wilkie_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct WeidlichWilkieSample {
@@ -40,16 +42,18 @@ struct WeidlichWilkie {
     WeidlichWilkieBase base;  // what lies below; its indices are relative to the coat
 };
 
-// Results of choose.
-struct WeidlichWilkieChoose {
-    bool first;
-    vec2 second;
+// Which of two lobes a sample is taken from.
+struct WeidlichWilkieChoice {
+    bool is_first;  // Whether it is the first one
+    vec2 u;  // Fresh random numbers, made of those that chose
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
 float weidlich_wilkie_refracted_cos2(float mu, float eta) {
-    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and
-    // at the critical one, little else is left.
+    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and at
+    // the critical one, little else is left.
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
@@ -63,11 +67,6 @@ vec3 weidlich_wilkie_optical_depth(vec3 sigma_a, float thickness) {
     return sigma_a * vec3(thickness, thickness, thickness);
 }
 
-// Optical depth of the coat along its normal (Eq. 3).
-vec3 weidlich_wilkie_depth(WeidlichWilkie params) {
-    return weidlich_wilkie_optical_depth(params.sigma_a, params.thickness);
-}
-
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float weidlich_wilkie_cos_half(vec3 wi, vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
@@ -76,11 +75,11 @@ float weidlich_wilkie_cos_half(vec3 wi, vec3 wo) {
 
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
 float weidlich_wilkie_transmittance_denser(float mu, float eta) {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
-    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
+    // is reached at the edge of total internal reflection, where the true derivative is infinite.
     const float ROOT_MIN = 1.0e-16;
-    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
-    // with q = c g + sin^2(theta)
+    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2 with q
+    // = c g + sin^2(theta)
     float g = sqrt(max(weidlich_wilkie_refracted_cos2(mu, eta), ROOT_MIN));
     float s = mu + g;
     float p = mu * g;
@@ -88,15 +87,10 @@ float weidlich_wilkie_transmittance_denser(float mu, float eta) {
     return 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
 }
 
-// 1 - F.
-float weidlich_wilkie_T(WeidlichWilkie params, float cos_theta) {
-    return weidlich_wilkie_transmittance_denser(cos_theta, params.eta);
-}
-
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 weidlich_wilkie_half_vector(vec3 wi, vec3 wo) {
     vec3 h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which weidlich_wilkie_cos_half needs as well
 }
 
 // Of V-grooves: min(1, 2 cos_m mu_o / cos_h, 2 cos_m mu_i / cos_h) with cos_m = m.z, cos_h = wo . m.
@@ -104,29 +98,20 @@ float weidlich_wilkie_G_cook_torrance(vec3 wi, vec3 wo, float cos_m, float cos_h
     return min(2.0 * cos_m * min(wi.z, wo.z) / cos_h, 1.0);
 }
 
-float weidlich_wilkie_G(WeidlichWilkie params, vec3 wi, vec3 wo) {
+float weidlich_wilkie_G(vec3 wi, vec3 wo) {
     return weidlich_wilkie_G_cook_torrance(wi, wo, weidlich_wilkie_half_vector(wi, wo).z,
         weidlich_wilkie_cos_half(wi, wo));
 }
 
 // T12 t: what the surface lets in and out again.
 float weidlich_wilkie_transmitted(WeidlichWilkie params, vec3 wi, vec3 wo) {
-    float T = weidlich_wilkie_T(params, weidlich_wilkie_cos_half(wi, wo));
-    float G = weidlich_wilkie_G(params, wi, wo);
+    float T = weidlich_wilkie_transmittance_denser(weidlich_wilkie_cos_half(wi, wo), params.eta);
+    float G = weidlich_wilkie_G(wi, wo);
     return T * (1.0 - G + T * G);  // Eq. 4; 1 - G F would lose the digits of a small T
 }
 
-float weidlich_wilkie_compression(WeidlichWilkie params) {
-    return 1.0;
-}
-
-// The base with the roughness that the coat leaves it.
-WeidlichWilkieBase weidlich_wilkie_below(WeidlichWilkie params) {
-    return params.base;
-}
-
 // rho / pi.
-vec3 weidlich_wilkie_base_eval_above(WeidlichWilkieBase params, vec3 wi, vec3 wo) {
+vec3 weidlich_wilkie_base_eval_above(WeidlichWilkieBase params) {
     const float inv_pi = 0.31830987;
     return params.rho * inv_pi;
 }
@@ -142,8 +127,8 @@ vec3 weidlich_wilkie_absorbed(vec3 depth, vec3 wi, vec3 wo) {
 float weidlich_wilkie_F_denser(float cos_theta, float eta) {
     const float ROOT_MIN = 1.0e-16;
     // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
-    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2),
-    // so that the mean of both squares is a product.
+    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
+    // that the mean of both squares is a product.
     float c = cos_theta;
     float contrast = (eta - 1.0) * (eta + 1.0);
     float sin2 = 1.0 - c * c;
@@ -154,10 +139,6 @@ float weidlich_wilkie_F_denser(float cos_theta, float eta) {
     float r_s = contrast / (s * s);
     float q = p + sin2;
     return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
-}
-
-float weidlich_wilkie_F(WeidlichWilkie params, float cos_h) {
-    return weidlich_wilkie_F_denser(cos_h, params.eta);
 }
 
 // `D_beckmann` for facets of the same width in all directions.
@@ -171,10 +152,6 @@ float weidlich_wilkie_D_beckmann_round(vec3 m, float alpha) {
     return inv_pi / a2 * inv_cos2 * inv_cos2 * exp(-tan2 / a2);
 }
 
-float weidlich_wilkie_D(WeidlichWilkie params, vec3 m) {
-    return weidlich_wilkie_D_beckmann_round(m, params.alpha);
-}
-
 // The same over 4 mu_i mu_o.
 float weidlich_wilkie_V_cook_torrance(vec3 wi, vec3 wo, float cos_m, float cos_h) {
     // One quotient after the other: the derivative by the product of two small cosines would be infinite
@@ -182,29 +159,31 @@ float weidlich_wilkie_V_cook_torrance(vec3 wi, vec3 wo, float cos_m, float cos_h
 }
 
 // G / (4 mu_i mu_o).
-float weidlich_wilkie_V(WeidlichWilkie params, vec3 wi, vec3 wo) {
+float weidlich_wilkie_V(vec3 wi, vec3 wo) {
     return weidlich_wilkie_V_cook_torrance(wi, wo, weidlich_wilkie_half_vector(wi, wo).z,
         weidlich_wilkie_cos_half(wi, wo));
 }
 
 // Eq. 2: BRDF value in 1/sr, without the cosine.
 vec3 weidlich_wilkie_eval(WeidlichWilkie params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3(0.0);
     }
     vec3 wi_t = weidlich_wilkie_refract(wi, params.eta);
     vec3 wo_t = weidlich_wilkie_refract(wo, params.eta);
-    vec3 depth = weidlich_wilkie_depth(params);
-    float through = weidlich_wilkie_transmitted(params, wi, wo)
-        * weidlich_wilkie_compression(params);
-    vec3 below = weidlich_wilkie_base_eval_above(weidlich_wilkie_below(params), wi_t, wo_t)
+    vec3 depth = weidlich_wilkie_optical_depth(params.sigma_a, params.thickness);
+    float through = weidlich_wilkie_transmitted(params, wi, wo);
+    vec3 below = weidlich_wilkie_base_eval_above(params.base)
         * (weidlich_wilkie_absorbed(depth, wi_t, wo_t) * through);
     float cos_h = weidlich_wilkie_cos_half(wi, wo);
-    float coat = weidlich_wilkie_F(params, cos_h)
-        * weidlich_wilkie_D(params, weidlich_wilkie_half_vector(wi, wo))
-            * weidlich_wilkie_V(params, wi, wo);
+    float coat = weidlich_wilkie_F_denser(cos_h, params.eta)
+        * weidlich_wilkie_D_beckmann_round(weidlich_wilkie_half_vector(wi, wo), params.alpha)
+            * weidlich_wilkie_V(wi, wo);
     return below + coat;
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
 //
@@ -214,7 +193,8 @@ float weidlich_wilkie_usual_cos_half(vec3 wo) {
     return 0.5 + 0.5 * wo.z;
 }
 
-// The most that `absorbed` leaves of light that goes out along wo: it came in along the normal.
+// The most that weidlich_wilkie_absorbed leaves of light that goes out along wo: it came in along the
+// normal.
 vec3 weidlich_wilkie_absorbed_least(vec3 depth, vec3 wo) {
     vec3 up = vec3(0.0, 0.0, 1.0);
     return weidlich_wilkie_absorbed(depth, up, wo);
@@ -235,15 +215,15 @@ float weidlich_wilkie_raised(float probability) {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 vec2 weidlich_wilkie_lobes_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+    // can be seen is that small.
     const float BLACK = 1.0e-20;
     float inv = 1.0 / (first + second + BLACK);
     float a = weidlich_wilkie_raised((first + BLACK) * inv);
     float b = weidlich_wilkie_raised(second * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
     bool smaller = first < second;
-    return vec2(mix(1.0 - b, a, smaller), mix(b, 1.0 - a, smaller));
+    return vec2(smaller ? a : 1.0 - b, smaller ? 1.0 - a : b);
 }
 
 // Probabilities of the coat and of the base: their parts of the light, if the base were white.
@@ -255,14 +235,15 @@ vec2 weidlich_wilkie_shares(WeidlichWilkie params, vec3 wo, vec3 wo_t) {
     const float LOBE_MIN = 1.0e-12;
     float mu = wo.z;
     mu = weidlich_wilkie_usual_cos_half(wo);
-    float through = weidlich_wilkie_T(params, mu)
-        * weidlich_wilkie_average(weidlich_wilkie_absorbed_least(weidlich_wilkie_depth(params), wo_t));
-    float reflected = max(weidlich_wilkie_F(params, wo.z), COAT_SHARE_MIN * through + LOBE_MIN);
+    float through = weidlich_wilkie_transmittance_denser(mu, params.eta)
+        * weidlich_wilkie_average(weidlich_wilkie_absorbed_least(weidlich_wilkie_optical_depth(params.sigma_a, params.thickness), wo_t));
+    float reflected = max(weidlich_wilkie_F_denser(wo.z, params.eta), COAT_SHARE_MIN * through
+        + LOBE_MIN);
     return weidlich_wilkie_lobes_shares(reflected, through);
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-WeidlichWilkieChoose weidlich_wilkie_choose(float probability, vec2 u) {
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+WeidlichWilkieChoice weidlich_wilkie_choose(float probability, vec2 u) {
     // Smallest probability that is divided by: a random number falls below it once in a million million.
     const float SHARE_MIN = 1.0e-12;
     // The largest float32 below 1, up to which random numbers go.
@@ -270,7 +251,7 @@ WeidlichWilkieChoose weidlich_wilkie_choose(float probability, vec2 u) {
     bool first = u.x < probability;
     float below = u.x / max(probability, SHARE_MIN);
     float above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
-    return WeidlichWilkieChoose(first, vec2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y));
+    return WeidlichWilkieChoice(first, vec2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y));
 }
 
 // A direction with density cos(theta) / pi.
@@ -281,19 +262,20 @@ vec3 weidlich_wilkie_sample_cosine(vec2 u) {
     return vec3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of weidlich_wilkie_sample_cosine in 1/sr, for w above the horizon.
 float weidlich_wilkie_pdf_cosine(vec3 w) {
     const float inv_pi = 0.31830987;
     return w.z * inv_pi;
 }
 
 // Cosine-weighted, which is exact here.
-WeidlichWilkieSample weidlich_wilkie_base_sample(WeidlichWilkieBase params, vec3 wo, vec2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+WeidlichWilkieSample weidlich_wilkie_base_sample(vec3 wo, vec2 u) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return WeidlichWilkieSample(vec3(0.0, 0.0, 1.0), 0.0);
     }
     vec3 wi = weidlich_wilkie_sample_cosine(u);
-    return WeidlichWilkieSample(wi, mix(0.0, weidlich_wilkie_pdf_cosine(wi), wi.z > 1.0e-18));
+    return WeidlichWilkieSample(wi, wi.z > mu_min ? weidlich_wilkie_pdf_cosine(wi) : 0.0);
 }
 
 // Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
@@ -303,11 +285,9 @@ float weidlich_wilkie_critical_cosine(float eta) {
 
 // The outer direction for a direction inside: refracted, or spread out if it cannot leave.
 vec3 weidlich_wilkie_leave(vec3 w, float eta) {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const float mu_min = 1.0e-18;
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+    // its reciprocal still fits into a float32.
     const float SIN2_MIN = 1.0e-18;
     // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
     const float LEAVE_MIN = 1.0e-12;
@@ -319,7 +299,7 @@ vec3 weidlich_wilkie_leave(vec3 w, float eta) {
     float sin2 = w.x * w.x + w.y * w.y;
     float scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
     // A sample above the horizon stays there, however flat.
-    z = mix(-1.0, max(z, LEAVE_MIN), w.z > 0.0);
+    z = w.z > 0.0 ? max(z, LEAVE_MIN) : -1.0;
     return normalize(vec3(w.x * scale, w.y * scale, z));
 }
 
@@ -340,22 +320,23 @@ vec3 weidlich_wilkie_mirror(vec3 wo, vec3 m) {
 
 // A direction that the coat mirrors.
 //
-// Visible normals need a G that is no larger than Smith's G1: with Cook-Torrance's the weights would
-// grow like alpha / mu_o in the horizon. Those of all normals are at most 2.
+// Visible normals need a G that is no larger than Smith's G1: with Cook-Torrance's the weights would grow
+// like alpha / mu_o in the horizon. Those of all normals are at most 2.
 vec3 weidlich_wilkie_sample_coat(WeidlichWilkie params, vec3 wo, vec2 u) {
     return weidlich_wilkie_mirror(wo,
         weidlich_wilkie_sample_beckmann(params.alpha, params.alpha, u));
 }
 
 // cos(theta_i) / pi.
-float weidlich_wilkie_base_pdf(WeidlichWilkieBase params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+float weidlich_wilkie_base_pdf(vec3 wi, vec3 wo) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     return weidlich_wilkie_pdf_cosine(wi);
 }
 
-// The inner direction that `leave` spreads to w; z = 0 for eta <= 1, which has none.
+// The inner direction that weidlich_wilkie_leave spreads to w; z = 0 for eta <= 1, which has none.
 vec3 weidlich_wilkie_gather(vec3 w, float eta) {
     const float SIN2_MIN = 1.0e-18;
     float k = weidlich_wilkie_critical_cosine(eta);
@@ -363,20 +344,20 @@ vec3 weidlich_wilkie_gather(vec3 w, float eta) {
     float sin2 = w.x * w.x + w.y * w.y;
     float scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
     bool near = sin2 < SIN2_MIN;  // no azimuth: any is right
-    float x = mix(w.x * scale, sqrt(max(1.0 - z * z, 0.0)), near);
-    return vec3(x, mix(w.y * scale, 0.0, near), z);
+    float x = near ? sqrt(max(1.0 - z * z, 0.0)) : w.x * scale;
+    return vec3(x, near ? 0.0 : w.y * scale, z);
 }
 
-// Density of `leave` at w, from the inner density at w_t = refract(w) and at gather(w).
+// Density of weidlich_wilkie_leave at w, from the inner density at w_t = refract(w) and at gather(w).
 float weidlich_wilkie_pdf_leave(float pdf_refracted, float pdf_gathered, vec3 w, vec3 w_t,
     float eta) {
-    // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
-    // k^2, and the cosines are k mu and mu.
+    // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by k^2,
+    // and the cosines are k mu and mu.
     return pdf_refracted * w.z / (eta * eta * w_t.z)
         + pdf_gathered * weidlich_wilkie_critical_cosine(eta);
 }
 
-// Density of `mirror` in 1/sr, if m has the given density and cos_h = wo . m.
+// Density of weidlich_wilkie_mirror in 1/sr, if m has the given density and cos_h = wo . m.
 float weidlich_wilkie_pdf_mirror(float density, float cos_h) {
     // Walter et al., Eq. 14
     return 0.25 * density / cos_h;
@@ -384,20 +365,20 @@ float weidlich_wilkie_pdf_mirror(float density, float cos_h) {
 
 float weidlich_wilkie_pdf_coat(WeidlichWilkie params, vec3 wi, vec3 wo) {
     vec3 m = weidlich_wilkie_half_vector(wi, wo);
-    return weidlich_wilkie_pdf_mirror(weidlich_wilkie_D(params, m) * m.z,
+    return weidlich_wilkie_pdf_mirror(weidlich_wilkie_D_beckmann_round(m, params.alpha) * m.z,
         weidlich_wilkie_cos_half(wi, wo));
 }
 
-// Density of `sample` in 1/sr.
+// Density of weidlich_wilkie_sample in 1/sr.
 float weidlich_wilkie_pdf(WeidlichWilkie params, vec3 wi, vec3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     vec3 wi_t = weidlich_wilkie_refract(wi, params.eta);
     vec3 wo_t = weidlich_wilkie_refract(wo, params.eta);
-    float refracted = weidlich_wilkie_base_pdf(weidlich_wilkie_below(params), wi_t, wo_t);
-    float gathered = weidlich_wilkie_base_pdf(weidlich_wilkie_below(params),
-        weidlich_wilkie_gather(wi, params.eta), wo_t);
+    float refracted = weidlich_wilkie_base_pdf(wi_t, wo_t);
+    float gathered = weidlich_wilkie_base_pdf(weidlich_wilkie_gather(wi, params.eta), wo_t);
     float below = weidlich_wilkie_pdf_leave(refracted, gathered, wi, wi_t, params.eta);
     vec2 P = weidlich_wilkie_shares(params, wo, wo_t);
     return P.x * weidlich_wilkie_pdf_coat(params, wi, wo) + P.y * below;
@@ -405,30 +386,32 @@ float weidlich_wilkie_pdf(WeidlichWilkie params, vec3 wi, vec3 wo) {
 
 // The coat by visible normals or the base below, chosen by what the coat reflects and absorbs.
 WeidlichWilkieSample weidlich_wilkie_sample(WeidlichWilkie params, vec3 wo, vec2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return WeidlichWilkieSample(vec3(0.0, 0.0, 1.0), 0.0);
     }
     vec3 wo_t = weidlich_wilkie_refract(wo, params.eta);
-    WeidlichWilkieChoose choose_result = weidlich_wilkie_choose(weidlich_wilkie_shares(params, wo,
+    WeidlichWilkieChoice choose_result = weidlich_wilkie_choose(weidlich_wilkie_shares(params, wo,
         wo_t).x, u);
-    bool on_coat = choose_result.first;
-    vec2 v = choose_result.second;
-    vec3 w_base = weidlich_wilkie_leave(weidlich_wilkie_base_sample(weidlich_wilkie_below(params),
-        wo_t, v).wi, params.eta);
+    bool on_coat = choose_result.is_first;
+    vec2 v = choose_result.u;
+    vec3 w_base = weidlich_wilkie_leave(weidlich_wilkie_base_sample(wo_t, v).wi, params.eta);
     vec3 wi = mix(w_base, weidlich_wilkie_sample_coat(params, wo, v), bvec3(on_coat));
     return WeidlichWilkieSample(wi, weidlich_wilkie_pdf(params, wi, wo));
 }
+
+// ---- albedo --------------------------------------------------------------------------------
 
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 vec3 weidlich_wilkie_albedo(WeidlichWilkie params, vec3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const float HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in weidlich_wilkie_albedo: a Fibonacci number, and the golden ratio.
     const float ALBEDO_SAMPLES = 987.0;
     const float GOLDEN = 0.618034;
-    const float mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const float HORIZON = 1.0e-6;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return vec3(0.0);
     }
@@ -438,7 +421,7 @@ vec3 weidlich_wilkie_albedo(WeidlichWilkie params, vec3 wo) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         WeidlichWilkieSample drawn = weidlich_wilkie_sample(params, w, u);
-        float weight = mix(0.0, drawn.wi.z / max(drawn.pdf, mu_min), drawn.pdf > 0.0);
+        float weight = drawn.pdf > 0.0 ? drawn.wi.z / max(drawn.pdf, mu_min) : 0.0;
         total = total + weidlich_wilkie_eval(params, drawn.wi, w) * weight;
     }
     return total / ALBEDO_SAMPLES;

@@ -1,21 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
 // Weidlich-Wilkie: a rough clear coat over any base, which may be coated itself.
 //
 // Source: Elek, "Layered materials in real-time rendering", CESCG 2010, Eq. 2 to 4 and Algorithm 1, after
 // Weidlich, Wilkie, "Arbitrarily layered micro-facet surfaces", GRAPHITE 2007. Symbols are Elek's.
 // Deviations: refracted directions keep the azimuth of the ones they belong to (Algorithm 1 mirrors them at
 // the normal, which would turn an anisotropic base by 180 degrees); F is exact by default, not Lazanyi's
-// fit;
-// D carries the 1 / pi that Elek's lacks. What Eq. 2 leaves out can be switched on: Fresnel's reflection at
-// both crossings, the compression of solid angles, and the light that bounces between base and surface.
+// fit; D carries the 1 / pi that Elek's lacks. What Eq. 2 leaves out can be switched on: Fresnel's
+// reflection at both crossings, the compression of solid angles, and the light that bounces between base
+// and surface.
 //
 // Lambert: ideal diffuse reflection.
 //
 // Source: Johann Heinrich Lambert, "Photometria", 1760.
 //
-// C++, made by gonio 0.1.0 from gonio/models/weidlich_wilkie.py, gonio/models/lambert.py.
+// C++, made by gonio from gonio/models/weidlich_wilkie.py, gonio/models/lambert.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: gonio_weidlich_wilkie::WeidlichWilkie params; params.eta = ...; ... gonio_weidlich_wilkie::weidlich_wilkie_eval(params, wi, wo)
 
 #pragma once
 #include <math.h>
@@ -87,6 +89,43 @@ inline Vec3 exp(Vec3 a) {
     return Vec3{expf(a.x), expf(a.y), expf(a.z)};
 }
 
+// Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
+// is reached at the edge of total internal reflection, where the true derivative is infinite.
+constexpr float ROOT_MIN = 1.0e-16f;
+constexpr float two_pi = 6.2831855f;
+constexpr float inv_pi = 0.31830987f;
+constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
+// Square of the cosine below which exp(-tan^2 / alpha^2) is 0 in any precision, for alpha up to 3.2.
+constexpr float COS2_MIN = 1.0e-6f;
+// Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+constexpr float RANDOM_MARGIN = 5.9604645e-8f;
+// Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+// can be seen is that small.
+constexpr float BLACK = 1.0e-20f;
+// The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+// its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+constexpr float SHARE_LEAST = 0.1f;
+constexpr float ESTIMATE_TRUST = 50.0f;
+// Smallest probability that is divided by: a random number falls below it once in a million million.
+constexpr float SHARE_MIN = 1.0e-12f;
+// The largest float32 below 1, up to which random numbers go.
+constexpr float RANDOM_MAX = 0.99999994f;
+// The coat gets at least a tenth as many samples as the base: facets reflect more than the mean surface
+// where they are tilted, and this bounds their weight.
+constexpr float COAT_SHARE_MIN = 0.1f;
+// Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
+constexpr float LOBE_MIN = 1.0e-12f;
+// Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
+constexpr float LEAVE_MIN = 1.0e-12f;
+// Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+// its reciprocal still fits into a float32.
+constexpr float SIN2_MIN = 1.0e-18f;
+// Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+constexpr float ALBEDO_SAMPLES = 987.0f;
+constexpr float GOLDEN = 0.618034f;
+// Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+constexpr float HORIZON = 1.0e-6f;
+
 // A sampled direction and its density.
 struct WeidlichWilkieSample {
     Vec3 wi;  // direction towards the light, unit, local frame
@@ -110,16 +149,18 @@ struct WeidlichWilkie {
     WeidlichWilkieBase base;  // what lies below; its indices are relative to the coat
 };
 
-// Results of choose.
-struct WeidlichWilkieChoose {
-    bool first;
-    Vec2 second;
+// Which of two lobes a sample is taken from.
+struct WeidlichWilkieChoice {
+    bool is_first;  // Whether it is the first one
+    Vec2 u;  // Fresh random numbers, made of those that chose
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
 inline float weidlich_wilkie_refracted_cos2(float mu, float eta) {
-    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and
-    // at the critical one, little else is left.
+    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and at
+    // the critical one, little else is left.
     return fmaf(mu, mu, (eta - 1.0f) * (eta + 1.0f));
 }
 
@@ -133,11 +174,6 @@ inline Vec3 weidlich_wilkie_optical_depth(Vec3 sigma_a, float thickness) {
     return sigma_a * Vec3{thickness, thickness, thickness};
 }
 
-// Optical depth of the coat along its normal (Eq. 3).
-inline Vec3 weidlich_wilkie_depth(const WeidlichWilkie& params) {
-    return weidlich_wilkie_optical_depth(params.sigma_a, params.thickness);
-}
-
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float weidlich_wilkie_cos_half(Vec3 wi, Vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
@@ -146,11 +182,8 @@ inline float weidlich_wilkie_cos_half(Vec3 wi, Vec3 wo) {
 
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
 inline float weidlich_wilkie_transmittance_denser(float mu, float eta) {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
-    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
-    constexpr float ROOT_MIN = 1.0e-16f;
-    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
-    // with q = c g + sin^2(theta)
+    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2 with q
+    // = c g + sin^2(theta)
     float g = sqrtf(fmaxf(weidlich_wilkie_refracted_cos2(mu, eta), ROOT_MIN));
     float s = mu + g;
     float p = mu * g;
@@ -158,15 +191,10 @@ inline float weidlich_wilkie_transmittance_denser(float mu, float eta) {
     return 2.0f * p * (q * q + eta * eta) / (s * s * (q * q));
 }
 
-// 1 - F.
-inline float weidlich_wilkie_T(const WeidlichWilkie& params, float cos_theta) {
-    return weidlich_wilkie_transmittance_denser(cos_theta, params.eta);
-}
-
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 weidlich_wilkie_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which weidlich_wilkie_cos_half needs as well
 }
 
 // Of V-grooves: min(1, 2 cos_m mu_o / cos_h, 2 cos_m mu_i / cos_h) with cos_m = m.z, cos_h = wo . m.
@@ -174,31 +202,20 @@ inline float weidlich_wilkie_G_cook_torrance(Vec3 wi, Vec3 wo, float cos_m, floa
     return fminf(2.0f * cos_m * fminf(wi.z, wo.z) / cos_h, 1.0f);
 }
 
-inline float weidlich_wilkie_G(const WeidlichWilkie& params, Vec3 wi, Vec3 wo) {
+inline float weidlich_wilkie_G(Vec3 wi, Vec3 wo) {
     return weidlich_wilkie_G_cook_torrance(wi, wo, weidlich_wilkie_half_vector(wi, wo).z,
         weidlich_wilkie_cos_half(wi, wo));
 }
 
 // T12 t: what the surface lets in and out again.
 inline float weidlich_wilkie_transmitted(const WeidlichWilkie& params, Vec3 wi, Vec3 wo) {
-    float T = weidlich_wilkie_T(params, weidlich_wilkie_cos_half(wi, wo));
-    float G = weidlich_wilkie_G(params, wi, wo);
+    float T = weidlich_wilkie_transmittance_denser(weidlich_wilkie_cos_half(wi, wo), params.eta);
+    float G = weidlich_wilkie_G(wi, wo);
     return T * (1.0f - G + T * G);  // Eq. 4; 1 - G F would lose the digits of a small T
 }
 
-inline float weidlich_wilkie_compression(const WeidlichWilkie& params) {
-    return 1.0f;
-}
-
-// The base with the roughness that the coat leaves it.
-inline WeidlichWilkieBase weidlich_wilkie_below(const WeidlichWilkie& params) {
-    return params.base;
-}
-
 // rho / pi.
-inline Vec3 weidlich_wilkie_base_eval_above(const WeidlichWilkieBase& params, Vec3 wi,
-    Vec3 wo) {
-    constexpr float inv_pi = 0.31830987f;
+inline Vec3 weidlich_wilkie_base_eval_above(const WeidlichWilkieBase& params) {
     return params.rho * inv_pi;
 }
 
@@ -211,10 +228,9 @@ inline Vec3 weidlich_wilkie_absorbed(Vec3 depth, Vec3 wi, Vec3 wo) {
 
 // Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
 inline float weidlich_wilkie_F_denser(float cos_theta, float eta) {
-    constexpr float ROOT_MIN = 1.0e-16f;
     // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
-    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2),
-    // so that the mean of both squares is a product.
+    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
+    // that the mean of both squares is a product.
     float c = cos_theta;
     float contrast = (eta - 1.0f) * (eta + 1.0f);
     float sin2 = 1.0f - c * c;
@@ -227,23 +243,12 @@ inline float weidlich_wilkie_F_denser(float cos_theta, float eta) {
     return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
 }
 
-inline float weidlich_wilkie_F(const WeidlichWilkie& params, float cos_h) {
-    return weidlich_wilkie_F_denser(cos_h, params.eta);
-}
-
 // `D_beckmann` for facets of the same width in all directions.
 inline float weidlich_wilkie_D_beckmann_round(Vec3 m, float alpha) {
-    // Square of the cosine below which exp(-tan^2 / alpha^2) is 0 in any precision, for alpha up to 3.2.
-    constexpr float COS2_MIN = 1.0e-6f;
-    constexpr float inv_pi = 0.31830987f;
     float inv_cos2 = 1.0f / fmaxf(m.z * m.z, COS2_MIN);
     float tan2 = (m.x * m.x + m.y * m.y) * inv_cos2;
     float a2 = alpha * alpha;
     return inv_pi / a2 * inv_cos2 * inv_cos2 * expf(-tan2 / a2);
-}
-
-inline float weidlich_wilkie_D(const WeidlichWilkie& params, Vec3 m) {
-    return weidlich_wilkie_D_beckmann_round(m, params.alpha);
 }
 
 // The same over 4 mu_i mu_o.
@@ -253,29 +258,30 @@ inline float weidlich_wilkie_V_cook_torrance(Vec3 wi, Vec3 wo, float cos_m, floa
 }
 
 // G / (4 mu_i mu_o).
-inline float weidlich_wilkie_V(const WeidlichWilkie& params, Vec3 wi, Vec3 wo) {
+inline float weidlich_wilkie_V(Vec3 wi, Vec3 wo) {
     return weidlich_wilkie_V_cook_torrance(wi, wo, weidlich_wilkie_half_vector(wi, wo).z,
         weidlich_wilkie_cos_half(wi, wo));
 }
 
 // Eq. 2: BRDF value in 1/sr, without the cosine.
 inline Vec3 weidlich_wilkie_eval(const WeidlichWilkie& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
     Vec3 wi_t = weidlich_wilkie_refract(wi, params.eta);
     Vec3 wo_t = weidlich_wilkie_refract(wo, params.eta);
-    Vec3 depth = weidlich_wilkie_depth(params);
-    float through = weidlich_wilkie_transmitted(params, wi, wo)
-        * weidlich_wilkie_compression(params);
-    Vec3 below = weidlich_wilkie_base_eval_above(weidlich_wilkie_below(params), wi_t, wo_t)
+    Vec3 depth = weidlich_wilkie_optical_depth(params.sigma_a, params.thickness);
+    float through = weidlich_wilkie_transmitted(params, wi, wo);
+    Vec3 below = weidlich_wilkie_base_eval_above(params.base)
         * (weidlich_wilkie_absorbed(depth, wi_t, wo_t) * through);
     float cos_h = weidlich_wilkie_cos_half(wi, wo);
-    float coat = weidlich_wilkie_F(params, cos_h)
-        * weidlich_wilkie_D(params, weidlich_wilkie_half_vector(wi, wo))
-            * weidlich_wilkie_V(params, wi, wo);
+    float coat = weidlich_wilkie_F_denser(cos_h, params.eta)
+        * weidlich_wilkie_D_beckmann_round(weidlich_wilkie_half_vector(wi, wo), params.alpha)
+            * weidlich_wilkie_V(wi, wo);
     return below + coat;
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
 //
@@ -285,7 +291,8 @@ inline float weidlich_wilkie_usual_cos_half(Vec3 wo) {
     return 0.5f + 0.5f * wo.z;
 }
 
-// The most that `absorbed` leaves of light that goes out along wo: it came in along the normal.
+// The most that weidlich_wilkie_absorbed leaves of light that goes out along wo: it came in along the
+// normal.
 inline Vec3 weidlich_wilkie_absorbed_least(Vec3 depth, Vec3 wo) {
     Vec3 up = Vec3{0.0f, 0.0f, 1.0f};
     return weidlich_wilkie_absorbed(depth, up, wo);
@@ -297,18 +304,11 @@ inline float weidlich_wilkie_average(Vec3 color) {
 }
 
 inline float weidlich_wilkie_raised(float probability) {
-    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
-    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
-    constexpr float SHARE_LEAST = 0.1f;
-    constexpr float ESTIMATE_TRUST = 50.0f;
     return fmaxf(probability, fminf(SHARE_LEAST, ESTIMATE_TRUST * probability));
 }
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 inline Vec2 weidlich_wilkie_lobes_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
-    constexpr float BLACK = 1.0e-20f;
     float inv = 1.0f / (first + second + BLACK);
     float a = weidlich_wilkie_raised((first + BLACK) * inv);
     float b = weidlich_wilkie_raised(second * inv);
@@ -319,54 +319,43 @@ inline Vec2 weidlich_wilkie_lobes_shares(float first, float second) {
 
 // Probabilities of the coat and of the base: their parts of the light, if the base were white.
 inline Vec2 weidlich_wilkie_shares(const WeidlichWilkie& params, Vec3 wo, Vec3 wo_t) {
-    // The coat gets at least a tenth as many samples as the base: facets reflect more than the mean surface
-    // where they are tilted, and this bounds their weight.
-    constexpr float COAT_SHARE_MIN = 0.1f;
-    // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
-    constexpr float LOBE_MIN = 1.0e-12f;
     float mu = wo.z;
     mu = weidlich_wilkie_usual_cos_half(wo);
-    float through = weidlich_wilkie_T(params, mu)
-        * weidlich_wilkie_average(weidlich_wilkie_absorbed_least(weidlich_wilkie_depth(params), wo_t));
-    float reflected = fmaxf(weidlich_wilkie_F(params, wo.z), COAT_SHARE_MIN * through + LOBE_MIN);
+    float through = weidlich_wilkie_transmittance_denser(mu, params.eta)
+        * weidlich_wilkie_average(weidlich_wilkie_absorbed_least(weidlich_wilkie_optical_depth(params.sigma_a, params.thickness), wo_t));
+    float reflected = fmaxf(weidlich_wilkie_F_denser(wo.z, params.eta), COAT_SHARE_MIN * through
+        + LOBE_MIN);
     return weidlich_wilkie_lobes_shares(reflected, through);
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-inline WeidlichWilkieChoose weidlich_wilkie_choose(float probability, Vec2 u) {
-    // Smallest probability that is divided by: a random number falls below it once in a million million.
-    constexpr float SHARE_MIN = 1.0e-12f;
-    // The largest float32 below 1, up to which random numbers go.
-    constexpr float RANDOM_MAX = 0.99999994f;
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+inline WeidlichWilkieChoice weidlich_wilkie_choose(float probability, Vec2 u) {
     bool first = u.x < probability;
     float below = u.x / fmaxf(probability, SHARE_MIN);
     float above = (u.x - probability) / fmaxf(1.0f - probability, SHARE_MIN);
-    return WeidlichWilkieChoose{first,
+    return WeidlichWilkieChoice{first,
         Vec2{fminf(fmaxf(first ? below : above, 0.0f), RANDOM_MAX), u.y}};
 }
 
 // A direction with density cos(theta) / pi.
 inline Vec3 weidlich_wilkie_sample_cosine(Vec2 u) {
-    constexpr float two_pi = 6.2831855f;
     float r = sqrtf(fmaxf(u.x, 0.0f));
     float phi = two_pi * u.y;
     return Vec3{r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u.x, 0.0f))};
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of weidlich_wilkie_sample_cosine in 1/sr, for w above the horizon.
 inline float weidlich_wilkie_pdf_cosine(Vec3 w) {
-    constexpr float inv_pi = 0.31830987f;
     return w.z * inv_pi;
 }
 
 // Cosine-weighted, which is exact here.
-inline WeidlichWilkieSample weidlich_wilkie_base_sample(const WeidlichWilkieBase& params,
-    Vec3 wo, Vec2 u) {
-    if (wo.z <= 1.0e-18f) {  // in the horizon or below
+inline WeidlichWilkieSample weidlich_wilkie_base_sample(Vec3 wo, Vec2 u) {
+    if (wo.z <= mu_min) {  // in the horizon or below
         return WeidlichWilkieSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     Vec3 wi = weidlich_wilkie_sample_cosine(u);
-    return WeidlichWilkieSample{wi, wi.z > 1.0e-18f ? weidlich_wilkie_pdf_cosine(wi) : 0.0f};
+    return WeidlichWilkieSample{wi, wi.z > mu_min ? weidlich_wilkie_pdf_cosine(wi) : 0.0f};
 }
 
 // Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
@@ -376,14 +365,6 @@ inline float weidlich_wilkie_critical_cosine(float eta) {
 
 // The outer direction for a direction inside: refracted, or spread out if it cannot leave.
 inline Vec3 weidlich_wilkie_leave(Vec3 w, float eta) {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    constexpr float mu_min = 1.0e-18f;
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
-    constexpr float SIN2_MIN = 1.0e-18f;
-    // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
-    constexpr float LEAVE_MIN = 1.0e-12f;
     float k = weidlich_wilkie_critical_cosine(eta);
     bool refracted = w.z > k;
     float spread = fminf(w.z / fmaxf(k, mu_min), 1.0f);
@@ -398,9 +379,6 @@ inline Vec3 weidlich_wilkie_leave(Vec3 w, float eta) {
 
 // A normal with density D_beckmann m.z. Walter et al., Eq. 28 and 29.
 inline Vec3 weidlich_wilkie_sample_beckmann(float alpha_x, float alpha_y, Vec2 u) {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    constexpr float RANDOM_MARGIN = 5.9604645e-8f;
-    constexpr float two_pi = 6.2831855f;
     float r = sqrtf(fmaxf(-logf(fmaxf(1.0f - u.x, RANDOM_MARGIN)), 0.0f));
     float phi = two_pi * u.y;
     return normalize(Vec3{alpha_x * r * cosf(phi), alpha_y * r * sinf(phi), 1.0f});
@@ -413,24 +391,23 @@ inline Vec3 weidlich_wilkie_mirror(Vec3 wo, Vec3 m) {
 
 // A direction that the coat mirrors.
 //
-// Visible normals need a G that is no larger than Smith's G1: with Cook-Torrance's the weights would
-// grow like alpha / mu_o in the horizon. Those of all normals are at most 2.
+// Visible normals need a G that is no larger than Smith's G1: with Cook-Torrance's the weights would grow
+// like alpha / mu_o in the horizon. Those of all normals are at most 2.
 inline Vec3 weidlich_wilkie_sample_coat(const WeidlichWilkie& params, Vec3 wo, Vec2 u) {
     return weidlich_wilkie_mirror(wo,
         weidlich_wilkie_sample_beckmann(params.alpha, params.alpha, u));
 }
 
 // cos(theta_i) / pi.
-inline float weidlich_wilkie_base_pdf(const WeidlichWilkieBase& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+inline float weidlich_wilkie_base_pdf(Vec3 wi, Vec3 wo) {
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0f;
     }
     return weidlich_wilkie_pdf_cosine(wi);
 }
 
-// The inner direction that `leave` spreads to w; z = 0 for eta <= 1, which has none.
+// The inner direction that weidlich_wilkie_leave spreads to w; z = 0 for eta <= 1, which has none.
 inline Vec3 weidlich_wilkie_gather(Vec3 w, float eta) {
-    constexpr float SIN2_MIN = 1.0e-18f;
     float k = weidlich_wilkie_critical_cosine(eta);
     float z = k * w.z;
     float sin2 = w.x * w.x + w.y * w.y;
@@ -440,16 +417,16 @@ inline Vec3 weidlich_wilkie_gather(Vec3 w, float eta) {
     return Vec3{x, near ? 0.0f : w.y * scale, z};
 }
 
-// Density of `leave` at w, from the inner density at w_t = refract(w) and at gather(w).
+// Density of weidlich_wilkie_leave at w, from the inner density at w_t = refract(w) and at gather(w).
 inline float weidlich_wilkie_pdf_leave(float pdf_refracted, float pdf_gathered, Vec3 w,
     Vec3 w_t, float eta) {
-    // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
-    // k^2, and the cosines are k mu and mu.
+    // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by k^2,
+    // and the cosines are k mu and mu.
     return pdf_refracted * w.z / (eta * eta * w_t.z)
         + pdf_gathered * weidlich_wilkie_critical_cosine(eta);
 }
 
-// Density of `mirror` in 1/sr, if m has the given density and cos_h = wo . m.
+// Density of weidlich_wilkie_mirror in 1/sr, if m has the given density and cos_h = wo . m.
 inline float weidlich_wilkie_pdf_mirror(float density, float cos_h) {
     // Walter et al., Eq. 14
     return 0.25f * density / cos_h;
@@ -457,20 +434,19 @@ inline float weidlich_wilkie_pdf_mirror(float density, float cos_h) {
 
 inline float weidlich_wilkie_pdf_coat(const WeidlichWilkie& params, Vec3 wi, Vec3 wo) {
     Vec3 m = weidlich_wilkie_half_vector(wi, wo);
-    return weidlich_wilkie_pdf_mirror(weidlich_wilkie_D(params, m) * m.z,
+    return weidlich_wilkie_pdf_mirror(weidlich_wilkie_D_beckmann_round(m, params.alpha) * m.z,
         weidlich_wilkie_cos_half(wi, wo));
 }
 
-// Density of `sample` in 1/sr.
+// Density of weidlich_wilkie_sample in 1/sr.
 inline float weidlich_wilkie_pdf(const WeidlichWilkie& params, Vec3 wi, Vec3 wo) {
-    if (fminf(wi.z, wo.z) <= 1.0e-18f) {  // in the horizon or below
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0f;
     }
     Vec3 wi_t = weidlich_wilkie_refract(wi, params.eta);
     Vec3 wo_t = weidlich_wilkie_refract(wo, params.eta);
-    float refracted = weidlich_wilkie_base_pdf(weidlich_wilkie_below(params), wi_t, wo_t);
-    float gathered = weidlich_wilkie_base_pdf(weidlich_wilkie_below(params),
-        weidlich_wilkie_gather(wi, params.eta), wo_t);
+    float refracted = weidlich_wilkie_base_pdf(wi_t, wo_t);
+    float gathered = weidlich_wilkie_base_pdf(weidlich_wilkie_gather(wi, params.eta), wo_t);
     float below = weidlich_wilkie_pdf_leave(refracted, gathered, wi, wi_t, params.eta);
     Vec2 P = weidlich_wilkie_shares(params, wo, wo_t);
     return P.x * weidlich_wilkie_pdf_coat(params, wi, wo) + P.y * below;
@@ -479,30 +455,25 @@ inline float weidlich_wilkie_pdf(const WeidlichWilkie& params, Vec3 wi, Vec3 wo)
 // The coat by visible normals or the base below, chosen by what the coat reflects and absorbs.
 inline WeidlichWilkieSample weidlich_wilkie_sample(const WeidlichWilkie& params, Vec3 wo,
     Vec2 u) {
-    if (wo.z <= 1.0e-18f) {  // in the horizon or below
+    if (wo.z <= mu_min) {  // in the horizon or below
         return WeidlichWilkieSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     Vec3 wo_t = weidlich_wilkie_refract(wo, params.eta);
-    WeidlichWilkieChoose choose_result = weidlich_wilkie_choose(weidlich_wilkie_shares(params, wo,
+    WeidlichWilkieChoice choose_result = weidlich_wilkie_choose(weidlich_wilkie_shares(params, wo,
         wo_t).x, u);
-    bool on_coat = choose_result.first;
-    Vec2 v = choose_result.second;
-    Vec3 w_base = weidlich_wilkie_leave(weidlich_wilkie_base_sample(weidlich_wilkie_below(params),
-        wo_t, v).wi, params.eta);
+    bool on_coat = choose_result.is_first;
+    Vec2 v = choose_result.u;
+    Vec3 w_base = weidlich_wilkie_leave(weidlich_wilkie_base_sample(wo_t, v).wi, params.eta);
     Vec3 wi = on_coat ? weidlich_wilkie_sample_coat(params, wo, v) : w_base;
     return WeidlichWilkieSample{wi, weidlich_wilkie_pdf(params, wi, wo)};
 }
+
+// ---- albedo --------------------------------------------------------------------------------
 
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 inline Vec3 weidlich_wilkie_albedo(const WeidlichWilkie& params, Vec3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    constexpr float HORIZON = 1.0e-6f;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
-    constexpr float ALBEDO_SAMPLES = 987.0f;
-    constexpr float GOLDEN = 0.618034f;
-    constexpr float mu_min = 1.0e-18f;
     if (wo.z < 0.0f) {  // below the horizon
         return splat(0.0f);
     }

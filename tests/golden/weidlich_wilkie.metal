@@ -1,21 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
 // Weidlich-Wilkie: a rough clear coat over any base, which may be coated itself.
 //
 // Source: Elek, "Layered materials in real-time rendering", CESCG 2010, Eq. 2 to 4 and Algorithm 1, after
 // Weidlich, Wilkie, "Arbitrarily layered micro-facet surfaces", GRAPHITE 2007. Symbols are Elek's.
 // Deviations: refracted directions keep the azimuth of the ones they belong to (Algorithm 1 mirrors them at
 // the normal, which would turn an anisotropic base by 180 degrees); F is exact by default, not Lazanyi's
-// fit;
-// D carries the 1 / pi that Elek's lacks. What Eq. 2 leaves out can be switched on: Fresnel's reflection at
-// both crossings, the compression of solid angles, and the light that bounces between base and surface.
+// fit; D carries the 1 / pi that Elek's lacks. What Eq. 2 leaves out can be switched on: Fresnel's
+// reflection at both crossings, the compression of solid angles, and the light that bounces between base
+// and surface.
 //
 // Lambert: ideal diffuse reflection.
 //
 // Source: Johann Heinrich Lambert, "Photometria", 1760.
 //
-// Metal, made by gonio 0.1.0 from gonio/models/weidlich_wilkie.py, gonio/models/lambert.py.
+// Metal, made by gonio from gonio/models/weidlich_wilkie.py, gonio/models/lambert.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: WeidlichWilkie params; params.eta = ...; ... weidlich_wilkie_eval(params, wi, wo)
 
 #include <metal_stdlib>
 using namespace metal;
@@ -43,16 +45,18 @@ struct WeidlichWilkie {
     WeidlichWilkieBase base;  // what lies below; its indices are relative to the coat
 };
 
-// Results of choose.
-struct WeidlichWilkieChoose {
-    bool first;
-    float2 second;
+// Which of two lobes a sample is taken from.
+struct WeidlichWilkieChoice {
+    bool is_first;  // Whether it is the first one
+    float2 u;  // Fresh random numbers, made of those that chose
 };
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
 inline float weidlich_wilkie_refracted_cos2(float mu, float eta) {
-    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and
-    // at the critical one, little else is left.
+    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and at
+    // the critical one, little else is left.
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
@@ -66,11 +70,6 @@ inline float3 weidlich_wilkie_optical_depth(float3 sigma_a, float thickness) {
     return sigma_a * float3(thickness, thickness, thickness);
 }
 
-// Optical depth of the coat along its normal (Eq. 3).
-inline float3 weidlich_wilkie_depth(WeidlichWilkie params) {
-    return weidlich_wilkie_optical_depth(params.sigma_a, params.thickness);
-}
-
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float weidlich_wilkie_cos_half(float3 wi, float3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
@@ -79,11 +78,11 @@ inline float weidlich_wilkie_cos_half(float3 wi, float3 wo) {
 
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
 inline float weidlich_wilkie_transmittance_denser(float mu, float eta) {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
-    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
+    // is reached at the edge of total internal reflection, where the true derivative is infinite.
     const float ROOT_MIN = 1.0e-16;
-    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
-    // with q = c g + sin^2(theta)
+    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2 with q
+    // = c g + sin^2(theta)
     float g = sqrt(max(weidlich_wilkie_refracted_cos2(mu, eta), ROOT_MIN));
     float s = mu + g;
     float p = mu * g;
@@ -91,15 +90,10 @@ inline float weidlich_wilkie_transmittance_denser(float mu, float eta) {
     return 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
 }
 
-// 1 - F.
-inline float weidlich_wilkie_T(WeidlichWilkie params, float cos_theta) {
-    return weidlich_wilkie_transmittance_denser(cos_theta, params.eta);
-}
-
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline float3 weidlich_wilkie_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which weidlich_wilkie_cos_half needs as well
 }
 
 // Of V-grooves: min(1, 2 cos_m mu_o / cos_h, 2 cos_m mu_i / cos_h) with cos_m = m.z, cos_h = wo . m.
@@ -107,29 +101,20 @@ inline float weidlich_wilkie_G_cook_torrance(float3 wi, float3 wo, float cos_m, 
     return min(2.0 * cos_m * min(wi.z, wo.z) / cos_h, 1.0);
 }
 
-inline float weidlich_wilkie_G(WeidlichWilkie params, float3 wi, float3 wo) {
+inline float weidlich_wilkie_G(float3 wi, float3 wo) {
     return weidlich_wilkie_G_cook_torrance(wi, wo, weidlich_wilkie_half_vector(wi, wo).z,
         weidlich_wilkie_cos_half(wi, wo));
 }
 
 // T12 t: what the surface lets in and out again.
 inline float weidlich_wilkie_transmitted(WeidlichWilkie params, float3 wi, float3 wo) {
-    float T = weidlich_wilkie_T(params, weidlich_wilkie_cos_half(wi, wo));
-    float G = weidlich_wilkie_G(params, wi, wo);
+    float T = weidlich_wilkie_transmittance_denser(weidlich_wilkie_cos_half(wi, wo), params.eta);
+    float G = weidlich_wilkie_G(wi, wo);
     return T * (1.0 - G + T * G);  // Eq. 4; 1 - G F would lose the digits of a small T
 }
 
-inline float weidlich_wilkie_compression(WeidlichWilkie params) {
-    return 1.0;
-}
-
-// The base with the roughness that the coat leaves it.
-inline WeidlichWilkieBase weidlich_wilkie_below(WeidlichWilkie params) {
-    return params.base;
-}
-
 // rho / pi.
-inline float3 weidlich_wilkie_base_eval_above(WeidlichWilkieBase params, float3 wi, float3 wo) {
+inline float3 weidlich_wilkie_base_eval_above(WeidlichWilkieBase params) {
     const float inv_pi = 0.31830987;
     return params.rho * inv_pi;
 }
@@ -145,8 +130,8 @@ inline float3 weidlich_wilkie_absorbed(float3 depth, float3 wi, float3 wo) {
 inline float weidlich_wilkie_F_denser(float cos_theta, float eta) {
     const float ROOT_MIN = 1.0e-16;
     // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
-    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2),
-    // so that the mean of both squares is a product.
+    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
+    // that the mean of both squares is a product.
     float c = cos_theta;
     float contrast = (eta - 1.0) * (eta + 1.0);
     float sin2 = 1.0 - c * c;
@@ -157,10 +142,6 @@ inline float weidlich_wilkie_F_denser(float cos_theta, float eta) {
     float r_s = contrast / (s * s);
     float q = p + sin2;
     return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
-}
-
-inline float weidlich_wilkie_F(WeidlichWilkie params, float cos_h) {
-    return weidlich_wilkie_F_denser(cos_h, params.eta);
 }
 
 // `D_beckmann` for facets of the same width in all directions.
@@ -174,10 +155,6 @@ inline float weidlich_wilkie_D_beckmann_round(float3 m, float alpha) {
     return inv_pi / a2 * inv_cos2 * inv_cos2 * exp(-tan2 / a2);
 }
 
-inline float weidlich_wilkie_D(WeidlichWilkie params, float3 m) {
-    return weidlich_wilkie_D_beckmann_round(m, params.alpha);
-}
-
 // The same over 4 mu_i mu_o.
 inline float weidlich_wilkie_V_cook_torrance(float3 wi, float3 wo, float cos_m, float cos_h) {
     // One quotient after the other: the derivative by the product of two small cosines would be infinite
@@ -185,29 +162,31 @@ inline float weidlich_wilkie_V_cook_torrance(float3 wi, float3 wo, float cos_m, 
 }
 
 // G / (4 mu_i mu_o).
-inline float weidlich_wilkie_V(WeidlichWilkie params, float3 wi, float3 wo) {
+inline float weidlich_wilkie_V(float3 wi, float3 wo) {
     return weidlich_wilkie_V_cook_torrance(wi, wo, weidlich_wilkie_half_vector(wi, wo).z,
         weidlich_wilkie_cos_half(wi, wo));
 }
 
 // Eq. 2: BRDF value in 1/sr, without the cosine.
 inline float3 weidlich_wilkie_eval(WeidlichWilkie params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return float3(0.0);
     }
     float3 wi_t = weidlich_wilkie_refract(wi, params.eta);
     float3 wo_t = weidlich_wilkie_refract(wo, params.eta);
-    float3 depth = weidlich_wilkie_depth(params);
-    float through = weidlich_wilkie_transmitted(params, wi, wo)
-        * weidlich_wilkie_compression(params);
-    float3 below = weidlich_wilkie_base_eval_above(weidlich_wilkie_below(params), wi_t, wo_t)
+    float3 depth = weidlich_wilkie_optical_depth(params.sigma_a, params.thickness);
+    float through = weidlich_wilkie_transmitted(params, wi, wo);
+    float3 below = weidlich_wilkie_base_eval_above(params.base)
         * (weidlich_wilkie_absorbed(depth, wi_t, wo_t) * through);
     float cos_h = weidlich_wilkie_cos_half(wi, wo);
-    float coat = weidlich_wilkie_F(params, cos_h)
-        * weidlich_wilkie_D(params, weidlich_wilkie_half_vector(wi, wo))
-            * weidlich_wilkie_V(params, wi, wo);
+    float coat = weidlich_wilkie_F_denser(cos_h, params.eta)
+        * weidlich_wilkie_D_beckmann_round(weidlich_wilkie_half_vector(wi, wo), params.alpha)
+            * weidlich_wilkie_V(wi, wo);
     return below + coat;
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
 //
@@ -217,7 +196,8 @@ inline float weidlich_wilkie_usual_cos_half(float3 wo) {
     return 0.5 + 0.5 * wo.z;
 }
 
-// The most that `absorbed` leaves of light that goes out along wo: it came in along the normal.
+// The most that weidlich_wilkie_absorbed leaves of light that goes out along wo: it came in along the
+// normal.
 inline float3 weidlich_wilkie_absorbed_least(float3 depth, float3 wo) {
     float3 up = float3(0.0, 0.0, 1.0);
     return weidlich_wilkie_absorbed(depth, up, wo);
@@ -238,8 +218,8 @@ inline float weidlich_wilkie_raised(float probability) {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 inline float2 weidlich_wilkie_lobes_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+    // can be seen is that small.
     const float BLACK = 1.0e-20;
     float inv = 1.0 / (first + second + BLACK);
     float a = weidlich_wilkie_raised((first + BLACK) * inv);
@@ -258,14 +238,15 @@ inline float2 weidlich_wilkie_shares(WeidlichWilkie params, float3 wo, float3 wo
     const float LOBE_MIN = 1.0e-12;
     float mu = wo.z;
     mu = weidlich_wilkie_usual_cos_half(wo);
-    float through = weidlich_wilkie_T(params, mu)
-        * weidlich_wilkie_average(weidlich_wilkie_absorbed_least(weidlich_wilkie_depth(params), wo_t));
-    float reflected = max(weidlich_wilkie_F(params, wo.z), COAT_SHARE_MIN * through + LOBE_MIN);
+    float through = weidlich_wilkie_transmittance_denser(mu, params.eta)
+        * weidlich_wilkie_average(weidlich_wilkie_absorbed_least(weidlich_wilkie_optical_depth(params.sigma_a, params.thickness), wo_t));
+    float reflected = max(weidlich_wilkie_F_denser(wo.z, params.eta), COAT_SHARE_MIN * through
+        + LOBE_MIN);
     return weidlich_wilkie_lobes_shares(reflected, through);
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-inline WeidlichWilkieChoose weidlich_wilkie_choose(float probability, float2 u) {
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+inline WeidlichWilkieChoice weidlich_wilkie_choose(float probability, float2 u) {
     // Smallest probability that is divided by: a random number falls below it once in a million million.
     const float SHARE_MIN = 1.0e-12;
     // The largest float32 below 1, up to which random numbers go.
@@ -273,7 +254,7 @@ inline WeidlichWilkieChoose weidlich_wilkie_choose(float probability, float2 u) 
     bool first = u.x < probability;
     float below = u.x / max(probability, SHARE_MIN);
     float above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
-    return WeidlichWilkieChoose{first, float2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y)};
+    return WeidlichWilkieChoice{first, float2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y)};
 }
 
 // A direction with density cos(theta) / pi.
@@ -284,20 +265,20 @@ inline float3 weidlich_wilkie_sample_cosine(float2 u) {
     return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of weidlich_wilkie_sample_cosine in 1/sr, for w above the horizon.
 inline float weidlich_wilkie_pdf_cosine(float3 w) {
     const float inv_pi = 0.31830987;
     return w.z * inv_pi;
 }
 
 // Cosine-weighted, which is exact here.
-inline WeidlichWilkieSample weidlich_wilkie_base_sample(WeidlichWilkieBase params, float3 wo,
-    float2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+inline WeidlichWilkieSample weidlich_wilkie_base_sample(float3 wo, float2 u) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return WeidlichWilkieSample{float3(0.0, 0.0, 1.0), 0.0};
     }
     float3 wi = weidlich_wilkie_sample_cosine(u);
-    return WeidlichWilkieSample{wi, wi.z > 1.0e-18 ? weidlich_wilkie_pdf_cosine(wi) : 0.0};
+    return WeidlichWilkieSample{wi, wi.z > mu_min ? weidlich_wilkie_pdf_cosine(wi) : 0.0};
 }
 
 // Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
@@ -307,11 +288,9 @@ inline float weidlich_wilkie_critical_cosine(float eta) {
 
 // The outer direction for a direction inside: refracted, or spread out if it cannot leave.
 inline float3 weidlich_wilkie_leave(float3 w, float eta) {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const float mu_min = 1.0e-18;
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+    // its reciprocal still fits into a float32.
     const float SIN2_MIN = 1.0e-18;
     // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
     const float LEAVE_MIN = 1.0e-12;
@@ -344,22 +323,23 @@ inline float3 weidlich_wilkie_mirror(float3 wo, float3 m) {
 
 // A direction that the coat mirrors.
 //
-// Visible normals need a G that is no larger than Smith's G1: with Cook-Torrance's the weights would
-// grow like alpha / mu_o in the horizon. Those of all normals are at most 2.
+// Visible normals need a G that is no larger than Smith's G1: with Cook-Torrance's the weights would grow
+// like alpha / mu_o in the horizon. Those of all normals are at most 2.
 inline float3 weidlich_wilkie_sample_coat(WeidlichWilkie params, float3 wo, float2 u) {
     return weidlich_wilkie_mirror(wo,
         weidlich_wilkie_sample_beckmann(params.alpha, params.alpha, u));
 }
 
 // cos(theta_i) / pi.
-inline float weidlich_wilkie_base_pdf(WeidlichWilkieBase params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+inline float weidlich_wilkie_base_pdf(float3 wi, float3 wo) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     return weidlich_wilkie_pdf_cosine(wi);
 }
 
-// The inner direction that `leave` spreads to w; z = 0 for eta <= 1, which has none.
+// The inner direction that weidlich_wilkie_leave spreads to w; z = 0 for eta <= 1, which has none.
 inline float3 weidlich_wilkie_gather(float3 w, float eta) {
     const float SIN2_MIN = 1.0e-18;
     float k = weidlich_wilkie_critical_cosine(eta);
@@ -371,16 +351,16 @@ inline float3 weidlich_wilkie_gather(float3 w, float eta) {
     return float3(x, near ? 0.0 : w.y * scale, z);
 }
 
-// Density of `leave` at w, from the inner density at w_t = refract(w) and at gather(w).
+// Density of weidlich_wilkie_leave at w, from the inner density at w_t = refract(w) and at gather(w).
 inline float weidlich_wilkie_pdf_leave(float pdf_refracted, float pdf_gathered, float3 w,
     float3 w_t, float eta) {
-    // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
-    // k^2, and the cosines are k mu and mu.
+    // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by k^2,
+    // and the cosines are k mu and mu.
     return pdf_refracted * w.z / (eta * eta * w_t.z)
         + pdf_gathered * weidlich_wilkie_critical_cosine(eta);
 }
 
-// Density of `mirror` in 1/sr, if m has the given density and cos_h = wo . m.
+// Density of weidlich_wilkie_mirror in 1/sr, if m has the given density and cos_h = wo . m.
 inline float weidlich_wilkie_pdf_mirror(float density, float cos_h) {
     // Walter et al., Eq. 14
     return 0.25 * density / cos_h;
@@ -388,20 +368,20 @@ inline float weidlich_wilkie_pdf_mirror(float density, float cos_h) {
 
 inline float weidlich_wilkie_pdf_coat(WeidlichWilkie params, float3 wi, float3 wo) {
     float3 m = weidlich_wilkie_half_vector(wi, wo);
-    return weidlich_wilkie_pdf_mirror(weidlich_wilkie_D(params, m) * m.z,
+    return weidlich_wilkie_pdf_mirror(weidlich_wilkie_D_beckmann_round(m, params.alpha) * m.z,
         weidlich_wilkie_cos_half(wi, wo));
 }
 
-// Density of `sample` in 1/sr.
+// Density of weidlich_wilkie_sample in 1/sr.
 inline float weidlich_wilkie_pdf(WeidlichWilkie params, float3 wi, float3 wo) {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     float3 wi_t = weidlich_wilkie_refract(wi, params.eta);
     float3 wo_t = weidlich_wilkie_refract(wo, params.eta);
-    float refracted = weidlich_wilkie_base_pdf(weidlich_wilkie_below(params), wi_t, wo_t);
-    float gathered = weidlich_wilkie_base_pdf(weidlich_wilkie_below(params),
-        weidlich_wilkie_gather(wi, params.eta), wo_t);
+    float refracted = weidlich_wilkie_base_pdf(wi_t, wo_t);
+    float gathered = weidlich_wilkie_base_pdf(weidlich_wilkie_gather(wi, params.eta), wo_t);
     float below = weidlich_wilkie_pdf_leave(refracted, gathered, wi, wi_t, params.eta);
     float2 P = weidlich_wilkie_shares(params, wo, wo_t);
     return P.x * weidlich_wilkie_pdf_coat(params, wi, wo) + P.y * below;
@@ -409,30 +389,32 @@ inline float weidlich_wilkie_pdf(WeidlichWilkie params, float3 wi, float3 wo) {
 
 // The coat by visible normals or the base below, chosen by what the coat reflects and absorbs.
 inline WeidlichWilkieSample weidlich_wilkie_sample(WeidlichWilkie params, float3 wo, float2 u) {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return WeidlichWilkieSample{float3(0.0, 0.0, 1.0), 0.0};
     }
     float3 wo_t = weidlich_wilkie_refract(wo, params.eta);
-    WeidlichWilkieChoose choose_result = weidlich_wilkie_choose(weidlich_wilkie_shares(params, wo,
+    WeidlichWilkieChoice choose_result = weidlich_wilkie_choose(weidlich_wilkie_shares(params, wo,
         wo_t).x, u);
-    bool on_coat = choose_result.first;
-    float2 v = choose_result.second;
-    float3 w_base = weidlich_wilkie_leave(weidlich_wilkie_base_sample(weidlich_wilkie_below(params),
-        wo_t, v).wi, params.eta);
+    bool on_coat = choose_result.is_first;
+    float2 v = choose_result.u;
+    float3 w_base = weidlich_wilkie_leave(weidlich_wilkie_base_sample(wo_t, v).wi, params.eta);
     float3 wi = on_coat ? weidlich_wilkie_sample_coat(params, wo, v) : w_base;
     return WeidlichWilkieSample{wi, weidlich_wilkie_pdf(params, wi, wo)};
 }
+
+// ---- albedo --------------------------------------------------------------------------------
 
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 inline float3 weidlich_wilkie_albedo(WeidlichWilkie params, float3 wo) {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const float HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in weidlich_wilkie_albedo: a Fibonacci number, and the golden ratio.
     const float ALBEDO_SAMPLES = 987.0;
     const float GOLDEN = 0.618034;
-    const float mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const float HORIZON = 1.0e-6;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return float3(0.0);
     }

@@ -1,21 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
 // Weidlich-Wilkie: a rough clear coat over any base, which may be coated itself.
 //
 // Source: Elek, "Layered materials in real-time rendering", CESCG 2010, Eq. 2 to 4 and Algorithm 1, after
 // Weidlich, Wilkie, "Arbitrarily layered micro-facet surfaces", GRAPHITE 2007. Symbols are Elek's.
 // Deviations: refracted directions keep the azimuth of the ones they belong to (Algorithm 1 mirrors them at
 // the normal, which would turn an anisotropic base by 180 degrees); F is exact by default, not Lazanyi's
-// fit;
-// D carries the 1 / pi that Elek's lacks. What Eq. 2 leaves out can be switched on: Fresnel's reflection at
-// both crossings, the compression of solid angles, and the light that bounces between base and surface.
+// fit; D carries the 1 / pi that Elek's lacks. What Eq. 2 leaves out can be switched on: Fresnel's
+// reflection at both crossings, the compression of solid angles, and the light that bounces between base
+// and surface.
 //
 // Lambert: ideal diffuse reflection.
 //
 // Source: Johann Heinrich Lambert, "Photometria", 1760.
 //
-// WGSL (WebGPU), made by gonio 0.1.0 from gonio/models/weidlich_wilkie.py, gonio/models/lambert.py.
+// WGSL (WebGPU), made by gonio from gonio/models/weidlich_wilkie.py, gonio/models/lambert.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: var params: WeidlichWilkie; params.eta = ...; ... weidlich_wilkie_eval(params, wi, wo)
 
 // A sampled direction and its density.
 struct WeidlichWilkieSample {
@@ -40,16 +42,18 @@ struct WeidlichWilkie {
     base: WeidlichWilkieBase,  // what lies below; its indices are relative to the coat
 }
 
-// Results of choose.
-struct WeidlichWilkieChoose {
-    first: bool,
-    second: vec2f,
+// Which of two lobes a sample is taken from.
+struct WeidlichWilkieChoice {
+    is_first: bool,  // Whether it is the first one
+    u: vec2f,  // Fresh random numbers, made of those that chose
 }
+
+// ---- evaluation ----------------------------------------------------------------------------
 
 // eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
 fn weidlich_wilkie_refracted_cos2(mu: f32, eta: f32) -> f32 {
-    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and
-    // at the critical one, little else is left.
+    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and at
+    // the critical one, little else is left.
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
@@ -63,11 +67,6 @@ fn weidlich_wilkie_optical_depth(sigma_a: vec3f, thickness: f32) -> vec3f {
     return sigma_a * vec3f(thickness, thickness, thickness);
 }
 
-// Optical depth of the coat along its normal (Eq. 3).
-fn weidlich_wilkie_depth(params: WeidlichWilkie) -> vec3f {
-    return weidlich_wilkie_optical_depth(params.sigma_a, params.thickness);
-}
-
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn weidlich_wilkie_cos_half(wi: vec3f, wo: vec3f) -> f32 {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
@@ -76,11 +75,11 @@ fn weidlich_wilkie_cos_half(wi: vec3f, wo: vec3f) -> f32 {
 
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
 fn weidlich_wilkie_transmittance_denser(mu: f32, eta: f32) -> f32 {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
-    // It is reached at the edge of total internal reflection, where the true derivative is infinite.
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
+    // is reached at the edge of total internal reflection, where the true derivative is infinite.
     const ROOT_MIN = 1.0e-16;
-    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
-    // with q = c g + sin^2(theta)
+    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2 with q
+    // = c g + sin^2(theta)
     let g = sqrt(max(weidlich_wilkie_refracted_cos2(mu, eta), ROOT_MIN));
     let s = mu + g;
     let p = mu * g;
@@ -88,15 +87,10 @@ fn weidlich_wilkie_transmittance_denser(mu: f32, eta: f32) -> f32 {
     return 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
 }
 
-// 1 - F.
-fn weidlich_wilkie_T(params: WeidlichWilkie, cos_theta: f32) -> f32 {
-    return weidlich_wilkie_transmittance_denser(cos_theta, params.eta);
-}
-
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn weidlich_wilkie_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / length(h);  // which weidlich_wilkie_cos_half needs as well
 }
 
 // Of V-grooves: min(1, 2 cos_m mu_o / cos_h, 2 cos_m mu_i / cos_h) with cos_m = m.z, cos_h = wo . m.
@@ -104,29 +98,20 @@ fn weidlich_wilkie_G_cook_torrance(wi: vec3f, wo: vec3f, cos_m: f32, cos_h: f32)
     return min(2.0 * cos_m * min(wi.z, wo.z) / cos_h, 1.0);
 }
 
-fn weidlich_wilkie_G(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> f32 {
+fn weidlich_wilkie_G(wi: vec3f, wo: vec3f) -> f32 {
     return weidlich_wilkie_G_cook_torrance(wi, wo, weidlich_wilkie_half_vector(wi, wo).z,
         weidlich_wilkie_cos_half(wi, wo));
 }
 
 // T12 t: what the surface lets in and out again.
 fn weidlich_wilkie_transmitted(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> f32 {
-    let T = weidlich_wilkie_T(params, weidlich_wilkie_cos_half(wi, wo));
-    let G = weidlich_wilkie_G(params, wi, wo);
+    let T = weidlich_wilkie_transmittance_denser(weidlich_wilkie_cos_half(wi, wo), params.eta);
+    let G = weidlich_wilkie_G(wi, wo);
     return T * (1.0 - G + T * G);  // Eq. 4; 1 - G F would lose the digits of a small T
 }
 
-fn weidlich_wilkie_compression(params: WeidlichWilkie) -> f32 {
-    return 1.0;
-}
-
-// The base with the roughness that the coat leaves it.
-fn weidlich_wilkie_below(params: WeidlichWilkie) -> WeidlichWilkieBase {
-    return params.base;
-}
-
 // rho / pi.
-fn weidlich_wilkie_base_eval_above(params: WeidlichWilkieBase, wi: vec3f, wo: vec3f) -> vec3f {
+fn weidlich_wilkie_base_eval_above(params: WeidlichWilkieBase) -> vec3f {
     const inv_pi = 0.31830987;
     return params.rho * inv_pi;
 }
@@ -142,8 +127,8 @@ fn weidlich_wilkie_absorbed(depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
 fn weidlich_wilkie_F_denser(cos_theta: f32, eta: f32) -> f32 {
     const ROOT_MIN = 1.0e-16;
     // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
-    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2),
-    // so that the mean of both squares is a product.
+    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
+    // that the mean of both squares is a product.
     let c = cos_theta;
     let contrast = (eta - 1.0) * (eta + 1.0);
     let sin2 = 1.0 - c * c;
@@ -154,10 +139,6 @@ fn weidlich_wilkie_F_denser(cos_theta: f32, eta: f32) -> f32 {
     let r_s = contrast / (s * s);
     let q = p + sin2;
     return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
-}
-
-fn weidlich_wilkie_F(params: WeidlichWilkie, cos_h: f32) -> f32 {
-    return weidlich_wilkie_F_denser(cos_h, params.eta);
 }
 
 // `D_beckmann` for facets of the same width in all directions.
@@ -171,10 +152,6 @@ fn weidlich_wilkie_D_beckmann_round(m: vec3f, alpha: f32) -> f32 {
     return inv_pi / a2 * inv_cos2 * inv_cos2 * exp(-tan2 / a2);
 }
 
-fn weidlich_wilkie_D(params: WeidlichWilkie, m: vec3f) -> f32 {
-    return weidlich_wilkie_D_beckmann_round(m, params.alpha);
-}
-
 // The same over 4 mu_i mu_o.
 fn weidlich_wilkie_V_cook_torrance(wi: vec3f, wo: vec3f, cos_m: f32, cos_h: f32) -> f32 {
     // One quotient after the other: the derivative by the product of two small cosines would be infinite
@@ -182,28 +159,31 @@ fn weidlich_wilkie_V_cook_torrance(wi: vec3f, wo: vec3f, cos_m: f32, cos_h: f32)
 }
 
 // G / (4 mu_i mu_o).
-fn weidlich_wilkie_V(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> f32 {
+fn weidlich_wilkie_V(wi: vec3f, wo: vec3f) -> f32 {
     return weidlich_wilkie_V_cook_torrance(wi, wo, weidlich_wilkie_half_vector(wi, wo).z,
         weidlich_wilkie_cos_half(wi, wo));
 }
 
 // Eq. 2: BRDF value in 1/sr, without the cosine.
 fn weidlich_wilkie_eval(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> vec3f {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
     let wi_t = weidlich_wilkie_refract(wi, params.eta);
     let wo_t = weidlich_wilkie_refract(wo, params.eta);
-    let depth = weidlich_wilkie_depth(params);
-    let through = weidlich_wilkie_transmitted(params, wi, wo) * weidlich_wilkie_compression(params);
-    let below = weidlich_wilkie_base_eval_above(weidlich_wilkie_below(params), wi_t, wo_t)
+    let depth = weidlich_wilkie_optical_depth(params.sigma_a, params.thickness);
+    let through = weidlich_wilkie_transmitted(params, wi, wo);
+    let below = weidlich_wilkie_base_eval_above(params.base)
         * (weidlich_wilkie_absorbed(depth, wi_t, wo_t) * through);
     let cos_h = weidlich_wilkie_cos_half(wi, wo);
-    let coat = weidlich_wilkie_F(params, cos_h)
-        * weidlich_wilkie_D(params, weidlich_wilkie_half_vector(wi, wo))
-            * weidlich_wilkie_V(params, wi, wo);
+    let coat = weidlich_wilkie_F_denser(cos_h, params.eta)
+        * weidlich_wilkie_D_beckmann_round(weidlich_wilkie_half_vector(wi, wo), params.alpha)
+            * weidlich_wilkie_V(wi, wo);
     return below + coat;
 }
+
+// ---- sampling ------------------------------------------------------------------------------
 
 // A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
 //
@@ -213,7 +193,8 @@ fn weidlich_wilkie_usual_cos_half(wo: vec3f) -> f32 {
     return 0.5 + 0.5 * wo.z;
 }
 
-// The most that `absorbed` leaves of light that goes out along wo: it came in along the normal.
+// The most that weidlich_wilkie_absorbed leaves of light that goes out along wo: it came in along the
+// normal.
 fn weidlich_wilkie_absorbed_least(depth: vec3f, wo: vec3f) -> vec3f {
     let up = vec3f(0.0, 0.0, 1.0);
     return weidlich_wilkie_absorbed(depth, up, wo);
@@ -234,8 +215,8 @@ fn weidlich_wilkie_raised(probability: f32) -> f32 {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 fn weidlich_wilkie_lobes_shares(first: f32, second: f32) -> vec2f {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-    // that can be seen is that small.
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
+    // can be seen is that small.
     const BLACK = 1.0e-20;
     let inv = 1.0 / (first + second + BLACK);
     let a = weidlich_wilkie_raised((first + BLACK) * inv);
@@ -254,21 +235,22 @@ fn weidlich_wilkie_shares(params: WeidlichWilkie, wo: vec3f, wo_t: vec3f) -> vec
     const LOBE_MIN = 1.0e-12;
     var mu = wo.z;
     mu = weidlich_wilkie_usual_cos_half(wo);
-    let through = weidlich_wilkie_T(params, mu)
-        * weidlich_wilkie_average(weidlich_wilkie_absorbed_least(weidlich_wilkie_depth(params), wo_t));
-    let reflected = max(weidlich_wilkie_F(params, wo.z), COAT_SHARE_MIN * through + LOBE_MIN);
+    let through = weidlich_wilkie_transmittance_denser(mu, params.eta)
+        * weidlich_wilkie_average(weidlich_wilkie_absorbed_least(weidlich_wilkie_optical_depth(params.sigma_a, params.thickness), wo_t));
+    let reflected = max(weidlich_wilkie_F_denser(wo.z, params.eta), COAT_SHARE_MIN * through
+        + LOBE_MIN);
     return weidlich_wilkie_lobes_shares(reflected, through);
 }
 
-// Whether the first of two lobes is taken, and fresh random numbers made of the used ones.
-fn weidlich_wilkie_choose(probability: f32, u: vec2f) -> WeidlichWilkieChoose {
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+fn weidlich_wilkie_choose(probability: f32, u: vec2f) -> WeidlichWilkieChoice {
     // Smallest probability that is divided by: a random number falls below it once in a million million.
     const SHARE_MIN = 1.0e-12;
     const RANDOM_MAX = 0.99999994;  // The largest float32 below 1, up to which random numbers go.
     let first = u.x < probability;
     let below = u.x / max(probability, SHARE_MIN);
     let above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
-    return WeidlichWilkieChoose(first,
+    return WeidlichWilkieChoice(first,
         vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
 }
 
@@ -280,20 +262,20 @@ fn weidlich_wilkie_sample_cosine(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// Density of `sample_cosine` in 1/sr, for w above the horizon.
+// Density of weidlich_wilkie_sample_cosine in 1/sr, for w above the horizon.
 fn weidlich_wilkie_pdf_cosine(w: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     return w.z * inv_pi;
 }
 
 // Cosine-weighted, which is exact here.
-fn weidlich_wilkie_base_sample(params: WeidlichWilkieBase, wo: vec3f,
-    u: vec2f) -> WeidlichWilkieSample {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+fn weidlich_wilkie_base_sample(wo: vec3f, u: vec2f) -> WeidlichWilkieSample {
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return WeidlichWilkieSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let wi = weidlich_wilkie_sample_cosine(u);
-    return WeidlichWilkieSample(wi, select(0.0, weidlich_wilkie_pdf_cosine(wi), wi.z > 1.0e-18));
+    return WeidlichWilkieSample(wi, select(0.0, weidlich_wilkie_pdf_cosine(wi), wi.z > mu_min));
 }
 
 // Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
@@ -303,11 +285,9 @@ fn weidlich_wilkie_critical_cosine(eta: f32) -> f32 {
 
 // The outer direction for a direction inside: refracted, or spread out if it cannot leave.
 fn weidlich_wilkie_leave(w: vec3f, eta: f32) -> vec3f {
-    // Where the horizon begins: eval, pdf and sample see no smaller cosine, and are 0 there. So a quotient
-    // 1 / mu and its derivative fit in a float32, and the half vector of two directions has a length.
-    const mu_min = 1.0e-18;
-    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
-    // of its reciprocal still fits into a float32.
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+    // its reciprocal still fits into a float32.
     const SIN2_MIN = 1.0e-18;
     // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
     const LEAVE_MIN = 1.0e-12;
@@ -340,22 +320,23 @@ fn weidlich_wilkie_mirror(wo: vec3f, m: vec3f) -> vec3f {
 
 // A direction that the coat mirrors.
 //
-// Visible normals need a G that is no larger than Smith's G1: with Cook-Torrance's the weights would
-// grow like alpha / mu_o in the horizon. Those of all normals are at most 2.
+// Visible normals need a G that is no larger than Smith's G1: with Cook-Torrance's the weights would grow
+// like alpha / mu_o in the horizon. Those of all normals are at most 2.
 fn weidlich_wilkie_sample_coat(params: WeidlichWilkie, wo: vec3f, u: vec2f) -> vec3f {
     return weidlich_wilkie_mirror(wo,
         weidlich_wilkie_sample_beckmann(params.alpha, params.alpha, u));
 }
 
 // cos(theta_i) / pi.
-fn weidlich_wilkie_base_pdf(params: WeidlichWilkieBase, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+fn weidlich_wilkie_base_pdf(wi: vec3f, wo: vec3f) -> f32 {
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     return weidlich_wilkie_pdf_cosine(wi);
 }
 
-// The inner direction that `leave` spreads to w; z = 0 for eta <= 1, which has none.
+// The inner direction that weidlich_wilkie_leave spreads to w; z = 0 for eta <= 1, which has none.
 fn weidlich_wilkie_gather(w: vec3f, eta: f32) -> vec3f {
     const SIN2_MIN = 1.0e-18;
     let k = weidlich_wilkie_critical_cosine(eta);
@@ -367,16 +348,16 @@ fn weidlich_wilkie_gather(w: vec3f, eta: f32) -> vec3f {
     return vec3f(x, select(w.y * scale, 0.0, near), z);
 }
 
-// Density of `leave` at w, from the inner density at w_t = refract(w) and at gather(w).
+// Density of weidlich_wilkie_leave at w, from the inner density at w_t = refract(w) and at gather(w).
 fn weidlich_wilkie_pdf_leave(pdf_refracted: f32, pdf_gathered: f32, w: vec3f, w_t: vec3f,
     eta: f32) -> f32 {
-    // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
-    // k^2, and the cosines are k mu and mu.
+    // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by k^2,
+    // and the cosines are k mu and mu.
     return pdf_refracted * w.z / (eta * eta * w_t.z)
         + pdf_gathered * weidlich_wilkie_critical_cosine(eta);
 }
 
-// Density of `mirror` in 1/sr, if m has the given density and cos_h = wo . m.
+// Density of weidlich_wilkie_mirror in 1/sr, if m has the given density and cos_h = wo . m.
 fn weidlich_wilkie_pdf_mirror(density: f32, cos_h: f32) -> f32 {
     // Walter et al., Eq. 14
     return 0.25 * density / cos_h;
@@ -384,20 +365,20 @@ fn weidlich_wilkie_pdf_mirror(density: f32, cos_h: f32) -> f32 {
 
 fn weidlich_wilkie_pdf_coat(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> f32 {
     let m = weidlich_wilkie_half_vector(wi, wo);
-    return weidlich_wilkie_pdf_mirror(weidlich_wilkie_D(params, m) * m.z,
+    return weidlich_wilkie_pdf_mirror(weidlich_wilkie_D_beckmann_round(m, params.alpha) * m.z,
         weidlich_wilkie_cos_half(wi, wo));
 }
 
-// Density of `sample` in 1/sr.
+// Density of weidlich_wilkie_sample in 1/sr.
 fn weidlich_wilkie_pdf(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> f32 {
-    if (min(wi.z, wo.z) <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
     let wi_t = weidlich_wilkie_refract(wi, params.eta);
     let wo_t = weidlich_wilkie_refract(wo, params.eta);
-    let refracted = weidlich_wilkie_base_pdf(weidlich_wilkie_below(params), wi_t, wo_t);
-    let gathered = weidlich_wilkie_base_pdf(weidlich_wilkie_below(params),
-        weidlich_wilkie_gather(wi, params.eta), wo_t);
+    let refracted = weidlich_wilkie_base_pdf(wi_t, wo_t);
+    let gathered = weidlich_wilkie_base_pdf(weidlich_wilkie_gather(wi, params.eta), wo_t);
     let below = weidlich_wilkie_pdf_leave(refracted, gathered, wi, wi_t, params.eta);
     let P = weidlich_wilkie_shares(params, wo, wo_t);
     return P.x * weidlich_wilkie_pdf_coat(params, wi, wo) + P.y * below;
@@ -405,29 +386,31 @@ fn weidlich_wilkie_pdf(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> f32 {
 
 // The coat by visible normals or the base below, chosen by what the coat reflects and absorbs.
 fn weidlich_wilkie_sample(params: WeidlichWilkie, wo: vec3f, u: vec2f) -> WeidlichWilkieSample {
-    if (wo.z <= 1.0e-18) {  // in the horizon or below
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
         return WeidlichWilkieSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let wo_t = weidlich_wilkie_refract(wo, params.eta);
     let choose_result = weidlich_wilkie_choose(weidlich_wilkie_shares(params, wo, wo_t).x, u);
-    let on_coat = choose_result.first;
-    let v = choose_result.second;
-    let w_base = weidlich_wilkie_leave(weidlich_wilkie_base_sample(weidlich_wilkie_below(params),
-        wo_t, v).wi, params.eta);
+    let on_coat = choose_result.is_first;
+    let v = choose_result.u;
+    let w_base = weidlich_wilkie_leave(weidlich_wilkie_base_sample(wo_t, v).wi, params.eta);
     let wi = select(w_base, weidlich_wilkie_sample_coat(params, wo, v), on_coat);
     return WeidlichWilkieSample(wi, weidlich_wilkie_pdf(params, wi, wo));
 }
+
+// ---- albedo --------------------------------------------------------------------------------
 
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
 fn weidlich_wilkie_albedo(params: WeidlichWilkie, wo: vec3f) -> vec3f {
-    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
-    const HORIZON = 1.0e-6;
-    // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+    // Steps of the rule in weidlich_wilkie_albedo: a Fibonacci number, and the golden ratio.
     const ALBEDO_SAMPLES = 987.0;
     const GOLDEN = 0.618034;
-    const mu_min = 1.0e-18;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const HORIZON = 1.0e-6;
+    const mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z < 0.0) {  // below the horizon
         return vec3f(0.0);
     }

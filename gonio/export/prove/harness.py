@@ -99,7 +99,7 @@ def statements(entry: Entry, dialect: Dialect) -> list[str]:
     lines.append(d.declaration.format(type=d.scope + entry.struct, name="params"))
     column = GIVEN
     for member in entry.members:
-        lines.append(f"params.{member.path} = {read(column, member.width)};")
+        lines.append(f"params.{member.place} = {read(column, member.width)};")
         column += member.width
     column = 0
     for function in WIDTHS:

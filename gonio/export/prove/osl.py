@@ -37,7 +37,7 @@ def run_osl(exports: Sequence[Export], rows: Sequence[Rows]) -> Results:
 def parameters(entry: Entry) -> list[tuple[str, int]]:
     """Name and width of the shader's inputs, in the order of the columns."""
     given = [("wi", 3), ("wo", 3), ("u1", 1), ("u2", 1)]
-    return given + [(m.path.replace(".", "_"), m.width) for m in entry.members]
+    return given + [(m.name or m.path.replace(".", "_"), m.width) for m in entry.members]
 
 
 def outputs(entry: Entry) -> list[tuple[str, int]]:

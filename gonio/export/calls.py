@@ -1,0 +1,463 @@
+"""Calls: of the vocabulary, of functions, of a model's methods, and of what makes structs."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import types
+from collections.abc import Sequence
+from typing import Any, cast
+
+from gonio import lang
+from gonio.export import library
+from gonio.export.expressions import SIGNATURES, UNTESTED, Expressions
+from gonio.export.source import source
+from gonio.export.tree import (
+    SELF,
+    Access,
+    Builtin,
+    Call,
+    Constant,
+    Construction,
+    ExportError,
+    Expr,
+    Number,
+    Operation,
+    Splat,
+    Struct,
+    Type,
+    Variable,
+    inside,
+)
+from gonio.export.values import Changed, Method, Static, Value, exact, is_number, spoken
+from gonio.export.vocabulary import RULES, widest
+from gonio.fields import Parameter
+from gonio.model import Model
+
+# Whole powers up to this are products; beyond it, a power of the absolute value.
+PRODUCT_MAX = 16
+
+# What annotations of a NamedTuple's members mean.
+ANNOTATED: dict[Any, Type] = {
+    lang.Vec2: "vec2",
+    lang.Vec3: "vec3",
+    lang.Color: "vec3",
+}
+
+
+class Calls(Expressions):
+    """Reads the calls of one function."""
+
+    def _call(self, node: ast.Call) -> Value:
+        above = self._above(node.func)
+        if above is not None and self.owner is not None:
+            return self._inherited_call(node, above, self.owner, node.args)
+        callee = self.value(node.func)
+        if isinstance(callee, Method):
+            return self._method_call(node, callee)
+        if not isinstance(callee, Static):
+            self.refuse(node, "this cannot be called.")
+        function = callee.value
+        if isinstance(function, type) and hasattr(function, "_fields"):
+            return self._record(node, function)
+        if isinstance(function, types.FunctionType):
+            if function.__module__ == lang.__name__ and function.__name__ in RULES:
+                return self._builtin(node, function.__name__)
+            if self.owner is not None and self._is_method_of_a_class(node, function):
+                return self._inherited_call(node, function, self.owner, node.args[1:])
+            if self._is_ours(function):
+                return self._function_call(node, function)
+        self.refuse(
+            node.func,
+            f"{ast.unparse(node.func)} is not in the vocabulary; use the functions of gonio.lang, or "
+            "your own functions made of them.",
+        )
+
+    # --- methods -----------------------------------------------------------------------------------
+
+    def _above(self, node: ast.expr) -> types.FunctionType | None:
+        """The method behind super().name, if that is what is called."""
+        if not (
+            isinstance(node, ast.Attribute)
+            and isinstance(node.value, ast.Call)
+            and isinstance(node.value.func, ast.Name)
+            and node.value.func.id == "super"
+            and "super" not in self.scope
+            and self.owner is not None
+        ):
+            return None
+        if node.value.args or node.value.keywords:
+            self.refuse(
+                node, "super() takes nothing here; or name the class: EON.eval(self, wi, wo)."
+            )
+        classes = type(self.owner.model).__mro__
+        here = next(
+            i
+            for i, cls in enumerate(classes)
+            if any(written(name, found) is self.python for name, found in vars(cls).items())
+        )
+        for cls in classes[here + 1 :]:
+            found = vars(cls).get(node.attr)
+            if isinstance(found, types.FunctionType) and cls is not Model:
+                return found
+        self.refuse(node, f"no class above this one has a method {node.attr!r}.")
+
+    def _is_method_of_a_class(self, node: ast.Call, function: types.FunctionType) -> bool:
+        """Whether a call is Class.method(self, ...), with a class that the model derives from."""
+        first = node.args[0] if node.args else None
+        if not (isinstance(first, ast.Name) and first.id == self.self_name):
+            return False
+        assert self.owner is not None
+        return any(
+            found is function
+            for cls in type(self.owner.model).__mro__
+            for found in vars(cls).values()
+        )
+
+    def _inherited_call(
+        self,
+        node: ast.Call,
+        function: types.FunctionType,
+        owner: Struct,
+        arguments: Sequence[ast.expr],
+    ) -> Expr:
+        """A method of a class above, for this model: its own function beside the one that replaces it."""
+        name = function.__name__
+        plain = self._plain_function(node, name, function)
+        call = ast.copy_location(ast.Call(node.func, list(arguments), node.keywords), node)
+        passed, kinds = self._typed(self._arguments(call, plain, 1))
+        guarded = name in SIGNATURES and name not in (UNTESTED, "mean_albedo")
+        if guarded:
+            self._check_signature(node, name, passed)
+        tested = self.tested | (self.upper if name == "albedo" else frozenset())
+        same = all(isinstance(e, Variable) and e.name in tested for e in passed)
+        made = self._made(node, plain, kinds, owner, name, guarded and not same, passed)
+        return Call(made, (Variable(SELF, owner), *passed), made.result)
+
+    def _method_call(self, node: ast.Call, method: Method) -> Value:
+        owner = method.model.type
+        assert isinstance(owner, Struct)
+        if method.name == "at_least_as_rough":
+            return self._rougher(node, method.model, owner)
+        name = "eval" if method.name == UNTESTED else method.name
+        function = self._method_of(node, owner, name)
+        passed, kinds = self._typed(self._arguments(node, function, 1))
+        if method.name in SIGNATURES:
+            self._check_signature(node, method.name, passed)
+            given = tuple(kind for _, kind in SIGNATURES[method.name][0])
+            made = self._made(node, function, given, owner, method.name, True, passed)
+        else:
+            made = self._made(node, function, kinds, owner, "", True, passed)
+        return Call(made, (method.model, *passed), made.result)
+
+    def _check_signature(self, node: ast.Call, name: str, passed: Sequence[Expr]) -> None:
+        expected = SIGNATURES[name][0]
+        if len(passed) != len(expected):
+            self.refuse(node, f"{name} takes {', '.join(n for n, _ in expected)}.")
+        for (argument, kind), expr in zip(expected, passed, strict=True):
+            if expr.type != kind:
+                self.refuse(node, f"{argument} must be a {spoken(kind)}.")
+
+    def _method_of(self, node: ast.AST, owner: Struct, name: str) -> types.FunctionType:
+        try:
+            return method_of(owner, name)
+        except MissingMethodError as error:
+            self.refuse(node, str(error))
+
+    def _plain_function(self, node: ast.AST, name: str, found: Any) -> types.FunctionType:
+        function = written(name, found)
+        if function is None:
+            self.refuse(node, f"{name!r} is no plain method.")
+        return function
+
+    def _property(self, node: ast.Attribute, model: Expr, found: property) -> Value:
+        owner = model.type
+        assert isinstance(owner, Struct)
+        if not isinstance(found.fget, types.FunctionType):
+            self.refuse(node, f"the property {node.attr!r} is no plain function; write a method.")
+        made = self._made(node, found.fget, [], owner, "", True, ())
+        return Call(made, (model,), made.result)
+
+    def _rougher(self, node: ast.Call, model: Expr, owner: Struct) -> Expr:
+        """A copy of a model with wider highlights, each parameter by the function that it declares."""
+        assert owner.model is not None
+        method = cast(types.FunctionType, Model.at_least_as_rough)
+        if type(owner.model).at_least_as_rough is not method:
+            self.refuse(node, "at_least_as_rough is gonio's own; give the method another name.")
+        ((at, value),) = self._arguments(node, method, 1)
+        alpha = self._expr(at, value)
+        members: dict[str, Expr] = {}
+        for name, declared in owner.model.fields.items():
+            if isinstance(declared, Parameter) and declared.rougher is not None:
+                own = Access(model, name, "float")
+                function = cast(types.FunctionType, declared.rougher)
+                made = self._made(node, function, ["float", "float"], None, "", True, (own, alpha))
+                members[name] = Call(made, (own, alpha), made.result)
+        return Changed(model, owner, members) if members else model
+
+    # --- functions ---------------------------------------------------------------------------------
+
+    def _made(
+        self,
+        node: ast.AST,
+        function: types.FunctionType,
+        kinds: Sequence[Type | Static],
+        owner: Struct | None,
+        method: str,
+        guarded: bool,
+        passed: Sequence[Expr],
+    ) -> Any:
+        """The exported function, unless it would call itself or takes its exponent from here."""
+        if self.reader.is_open(function, kinds, owner):
+            self.refuse(
+                node,
+                f"{function.__name__} calls itself, which shading languages do not allow; write a loop "
+                "over a fixed number of steps.",
+            )
+        made = self.reader.function_for(function, kinds, owner, method, guarded)
+        for i in made.exponents:
+            self._exponent(node, passed[i])
+        return made
+
+    @staticmethod
+    def _is_ours(function: types.FunctionType) -> bool:
+        """Whether it is a function of gonio's parts, or of the model's own files."""
+        package = function.__module__.partition(".")[0]
+        path = function.__code__.co_filename
+        if package == "gonio":
+            return (
+                ".parts." in function.__module__
+                or ".models." in function.__module__
+                or (function.__module__ == library.__name__)
+            )
+        return "site-packages" not in path and "/lib/python" not in path and "<frozen" not in path
+
+    def _function_call(self, node: ast.Call, function: types.FunctionType) -> Expr:
+        if hasattr(function, "__wrapped__"):
+            self.refuse(
+                node.func,
+                f"{function.__name__} is wrapped by a decorator, which would be left out; write what the "
+                "decorator does into the function.",
+            )
+        passed, kinds = self._typed(self._arguments(node, function, 0))
+        made = self._made(node, function, kinds, None, "", True, passed)
+        return Call(made, tuple(passed), made.result)
+
+    def _arguments(self, node: ast.Call, function: Any, skip: int) -> list[tuple[ast.expr, Value]]:
+        """The arguments of a call in the order of the function's own; `skip` of them are given already."""
+        for argument in node.args:
+            if isinstance(argument, ast.Starred):
+                self.refuse(argument, "name each argument.")
+        for keyword in node.keywords:
+            if keyword.arg is None:
+                self.refuse(keyword.value, "name each argument.")
+        signature = inspect.signature(function, follow_wrapped=False)
+        parameters = list(signature.parameters.values())[skip:]
+        names = ", ".join(p.name for p in parameters) or "none"
+        if any(p.kind in (p.VAR_POSITIONAL, p.VAR_KEYWORD) for p in parameters):
+            self.refuse(node, "*args and **kwargs have no meaning in a shader; name each one.")
+        if len(node.args) > sum(p.kind is not p.KEYWORD_ONLY for p in parameters):
+            self.refuse(node, f"{len(parameters)} arguments are expected: {names}.")
+        named = {str(k.arg): k.value for k in node.keywords}
+        try:
+            bound = signature.replace(parameters=parameters).bind(*node.args, **named).arguments
+        except TypeError as error:
+            text = str(error).removeprefix("missing a required argument: ")
+            wrong = f"{text} missing" if text != str(error) else text
+            self.refuse(node, f"{wrong}; the arguments are {names}.")
+        found: list[tuple[ast.expr, Value]] = []
+        for parameter in parameters:
+            if parameter.name in bound:
+                argument = bound[parameter.name]
+                found.append((argument, self.value(argument)))
+            elif is_number(parameter.default):
+                found.append((node, self._number(node, parameter.default)))
+            else:
+                found.append((node, Static(parameter.default)))
+        return found
+
+    def _typed(
+        self, arguments: list[tuple[ast.expr, Value]]
+    ) -> tuple[list[Expr], list[Type | Static]]:
+        """Arguments that are passed, and what a function is specialised for."""
+        passed: list[Expr] = []
+        kinds: list[Type | Static] = []
+        for node, value in arguments:
+            if isinstance(value, Static) and not is_number(value.value):
+                try:
+                    hash(value)
+                except TypeError:
+                    self.refuse(node, f"{shown_kind(value.value)} cannot be passed in a shader.")
+                kinds.append(value)
+                continue
+            expr = self._expr(node, value)
+            if isinstance(expr, Changed):
+                self.refuse(node, "give the changed model a name first: rougher = ...")
+            passed.append(expr)
+            kinds.append(expr.type)
+        return passed, kinds
+
+    # --- structs -----------------------------------------------------------------------------------
+
+    def _record(self, node: ast.Call, cls: Any) -> Expr:
+        """A NamedTuple from its members."""
+        arguments = self._arguments(node, cls.__new__, 1)
+        hints = inspect.get_annotations(cls, eval_str=True)
+        if cls is lang.Sample:
+            (at_wi, wi), (at_pdf, pdf) = arguments
+            wi, pdf = self._expr(at_wi, wi), self._expr(at_pdf, pdf)
+            parts = (self._coerce(node, wi, "vec3"), self._coerce(node, pdf, "float"))
+            return Construction(parts, self.reader.sample)
+        values: list[Expr] = []
+        given: list[Type | Static] = []
+        for name, (at, value) in zip(cls._fields, arguments, strict=True):
+            if isinstance(value, Static) and not is_number(value.value):
+                given.append(value)
+                continue
+            expr = self._expr(at, value)
+            wanted = ANNOTATED.get(hints.get(name))
+            if wanted is not None:
+                expr = self._coerce(at, expr, wanted)
+            if isinstance(expr, Changed):
+                self.refuse(at, "give the changed model a name first: rougher = ...")
+            values.append(expr)
+            given.append(expr.type)
+        if not values:
+            self.refuse(
+                node, f"{cls.__name__} has no value in a shader; give it a number or vector."
+            )
+        return Construction(tuple(values), self.reader.record(cls, tuple(given)))
+
+    # --- the vocabulary ----------------------------------------------------------------------------
+
+    def _builtin(self, node: ast.Call, name: str) -> Expr:
+        rule = RULES[name]
+        arguments = self._arguments(node, getattr(lang, name), 0)
+        values = [self._expr(n, v) for n, v in arguments]
+        if name in ("vec2", "vec3"):
+            kind: Type = "vec2" if name == "vec2" else "vec3"
+            if any(v.type != "float" for v in values):
+                self.refuse(node, f"{name} takes {rule.count} numbers.")
+            return Construction(tuple(values), kind)
+        if name == "select":
+            return self._select(node, *values)
+        kinds = tuple(v.type for v in values)
+        for kind in kinds:
+            if kind not in rule.takes:
+                self.refuse(node, f"{name} cannot take a {spoken(kind)}.")
+        if name == "power":
+            return self._power(node, *values)
+        if name in self.reader.lacking:
+            made = self.reader.function_for(getattr(library, name), kinds)
+            return Call(made, tuple(values), made.result)
+        if rule.splat:
+            values = [self._coerce(node, v, widest(kinds)) for v in values]
+        return Builtin(name, tuple(values), rule.result(kinds))
+
+    def _power(self, node: ast.Call, base: Expr, exponent: Expr) -> Expr:
+        """Whole powers by products: for any base, as in Python; a shader's pow knows positive ones."""
+        kind = widest((base.type, exponent.type))
+        number = exact(exponent)
+        if number is None:
+            self._exponent(node, exponent)
+        if number is None or number != int(number):
+            base, exponent = self._coerce(node, base, kind), self._coerce(node, exponent, kind)
+            return Builtin("power", (base, exponent), kind)
+        whole = int(number)
+        if whole < 0:
+            over = self._whole_power(base, -whole)
+            return self._of_numbers(node, Operation("/", Number(1), over, base.type))
+        return self._whole_power(base, whole)
+
+    def _whole_power(self, base: Expr, whole: int) -> Expr:
+        if whole == 0:
+            return Number(1) if base.type == "float" else Splat(Number(1), base.type)
+        if whole == 1:
+            return base
+        named = isinstance(base, (Variable, Access, Constant, Number))
+        if whole == 2 and named:
+            return Operation("*", base, base, base.type)
+        made = self.reader.power(whole, base.type)
+        return Call(made, (base,), base.type)
+
+    def _exponent(self, node: ast.AST, exponent: Expr) -> None:
+        """Take note of an exponent that may be a plain number in Python, for which it has products."""
+        names = {e.name for e in inside(exponent) if isinstance(e, Variable)}
+        arguments = {n for n in names if n in self.arguments}
+        self.exponents |= arguments
+        known = exact(exponent)
+        plain = bool(names & self.plain) and not (names - self.plain)
+        if plain or (known is not None and known == int(known)):
+            self.refuse(
+                node,
+                "this exponent is a whole number in Python, which allows negative bases, and a variable in "
+                "a shader, which does not; write it where power is called, or multiply in the loop.",
+            )
+
+    def _select(self, node: ast.Call, condition: Expr, yes: Expr, no: Expr) -> Expr:
+        if condition.type not in ("bool", "bool3"):
+            self.refuse(
+                node, "select's condition is a comparison, or comparisons joined by & and |."
+            )
+        kinds = (yes.type, no.type)
+        if kinds == ("bool", "bool"):
+            self.refuse(node, "select between numbers or vectors; join masks with & and |.")
+        if any(k not in ("float", "vec2", "vec3") for k in kinds):
+            self.refuse(node, "select between numbers or vectors.")
+        if condition.type == "bool3" and "vec2" in kinds:
+            self.refuse(node, "a mask of a colour selects between colours or numbers.")
+        kind: Type = "vec3" if condition.type == "bool3" else widest(kinds)
+        yes, no = self._coerce(node, yes, kind), self._coerce(node, no, kind)
+        return Builtin("select", (condition, yes, no), kind)
+
+
+class MissingMethodError(ExportError):
+    """A method that is not there, or that Python integrates."""
+
+
+def written(name: str, found: Any) -> types.FunctionType | None:
+    """The function that a model's author wrote, without the contract around its own methods."""
+    if isinstance(found, property):
+        found = found.fget
+    if name in SIGNATURES and isinstance(found, types.FunctionType):
+        found = getattr(found, "__wrapped__", found)
+    return found if isinstance(found, types.FunctionType) else None
+
+
+def method_of(owner: Struct, name: str) -> types.FunctionType:
+    """The function that a model's author wrote for a method, or the one that stands for Model's own.
+
+    Raises:
+        ExportError: there is none that could be exported.
+    """
+    model = owner.model
+    assert model is not None
+    found = inspect.getattr_static(type(model), name)
+    function = written(name, found)
+    if function is None:
+        raise MissingMethodError(f"{type(model).__name__}.{name} is no plain method.")
+    if function is written(name, vars(Model).get(name)):
+        if name == "albedo":
+            return cast(types.FunctionType, library.sampled_albedo)
+        if name == "mean_albedo":
+            raise MissingMethodError(
+                f"{model.name} has no closed form of its mean albedo, which shading code cannot integrate; "
+                "choose another base, or an option that does not need it."
+            )
+        raise MissingMethodError(
+            f"{model.name} has no {name}; write the method, or leave it out: --only eval, for example."
+        )
+    if hasattr(function, "__wrapped__"):
+        inner = cast(types.FunctionType, inspect.unwrap(function))
+        file = source(inner.__code__.co_filename)
+        raise file.complaint(
+            file.function(inner),
+            f"{name} is wrapped by a decorator, which would be left out; write what the decorator does "
+            "into the method.",
+        )
+    return function
+
+
+def shown_kind(value: Any) -> str:
+    """A value that no shader has, by its type."""
+    return f"a {type(value).__name__}"

@@ -1,0 +1,582 @@
+"""What Python can say and a shader cannot: refused with its place, or the same in both.
+
+Each case is the body of a model's eval. Either the exporter shows the line and says what to write, or the
+exported text gives what Python gives. In the long run (--long) that is tried in every language.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from gonio.export import Export, ExportError, export
+from gonio.export.prove.runners import RUNNERS
+from gonio.export.targets import TARGETS
+from gonio.materials.model_file import load
+from gonio.model import Model
+
+ROWS = 64
+
+# Single precision, after some ten operations on numbers about 1.
+NEAR = 2e-5
+
+HEAD = '''"""Mine."""
+import functools
+import math
+from typing import NamedTuple
+
+from gonio import lang
+from gonio.lang import *
+from gonio.lang import Color, Float, Sample, Vec2, Vec3
+from gonio.model import Model, option, param
+
+{head}
+
+
+class Mine(Model, register=False):
+    """Mine."""
+
+    rho: Color = param((0.8, 0.8, 0.8), 0, 1, "a colour")
+    width: Float = param(0.5, 0.1, 1, "a number")
+    form: str = option("round", "flat", doc="a choice")
+{fields}
+
+    def eval(self, wi: Vec3, wo: Vec3) -> Color:
+{body}
+
+    def sample(self, wo: Vec3, u: Vec2) -> Sample:
+        return Sample(wo, 1)
+
+    def pdf(self, wi: Vec3, wo: Vec3) -> Float:
+        return wi.z
+'''
+
+
+def made(folder: Path, body: str, fields: str = "", head: str = "") -> Model:
+    """A model with an eval of its own."""
+    path = folder / "mine.py"
+    inside = "\n".join("        " + line for line in body.split("\n"))
+    more = "\n".join("    " + line for line in fields.split("\n"))
+    path.write_text(HEAD.format(body=inside, fields=more, head=head), encoding="utf-8")
+    return load(path)()
+
+
+def rows(export_: Export) -> Any:
+    """wi, wo, u and the parameters that the export has."""
+    rng = np.random.default_rng(1)
+    w = rng.normal(size=(2, ROWS, 3))
+    w[..., 2] = np.abs(w[..., 2]) + 0.1
+    w /= np.linalg.norm(w, axis=-1, keepdims=True)
+    given = [rng.uniform(0.1, 1, (ROWS, m.width)) for m in export_.entry.members]
+    return np.concatenate([w[0], w[1], rng.uniform(size=(ROWS, 2)), *given], 1).astype(np.float32)
+
+
+def by_python(model: Model, export_: Export, inputs: Any) -> Any:
+    """The values by the model itself."""
+    x, column, given = inputs.astype(np.float64), 8, {}
+    for member in export_.entry.members:
+        value = x[:, column : column + member.width]
+        given[member.path] = value if member.width == 3 else value[:, 0]
+        column += member.width
+    return model.replace(**given).eval(x[:, :3], x[:, 3:6])
+
+
+def compare(models: Sequence[Model], language: str) -> None:
+    """The exports of some models, run, against Python."""
+    exports = [
+        export({f"mine{i}": model}, language, only=["eval"])[0] for i, model in enumerate(models)
+    ]
+    inputs = [rows(e) for e in exports]
+    results = RUNNERS[language](exports, inputs)
+    for model, made_, given, found in zip(models, exports, inputs, results.outputs, strict=True):
+        assert isinstance(found, np.ndarray), f"{found}\n{made_.source}"
+        right = by_python(model, made_, given)
+        assert np.isfinite(right).all()
+        off = np.abs(found - right) / (1 + np.abs(right))
+        assert off.max() < NEAR, made_.source
+
+
+# --- the same in both ------------------------------------------------------------------------------
+
+SAME: dict[str, tuple[str, str, str]] = {
+    "a property": (
+        "return self.rho * self.double",
+        "@property\ndef double(self):\n    return 2 * self.width",
+        "",
+    ),
+    "or gives the value": (
+        "mode = self.mode or 'other'\nif mode == 'other':\n    return self.rho\nreturn 2 * self.rho",
+        "mode = ''",
+        "",
+    ),
+    "and gives the last value": ("return self.rho * (self.form and self.width)", "", ""),
+    "a comment that ends in a backslash": (
+        "x = self.width  # a path C:\\\n# next \\\nreturn self.rho * x",
+        "",
+        "",
+    ),
+    "a comment with a form feed": ("# one \f two ??/\nreturn self.rho * self.width", "", ""),
+    "a docstring with a backslash": (
+        "return self.rho * f(wi.z)",
+        "",
+        'def f(x):\n    r"""Ends in \\ \\\n    """\n    return 2 * x',
+    ),
+    "whole powers of negative numbers": (
+        "return self.rho * power(wi.x, 3) + power(wi.y, 2.0) * power(wi.x - 2, -3) + power(wi.x, 20)"
+        " + power(wi.x, 17) + power(wi, 5)",
+        "",
+        "",
+    ),
+    "a number of math": ("return self.rho * math.pi / math.e", "", ""),
+    "arguments by keyword alone": (
+        "return self.rho * f(wi.z, k=3) + f(wo.z)",
+        "",
+        "def f(x, *, k=2):\n    return x * k",
+    ),
+    "a reassigned loop variable": (
+        "total = 0\nfor i in range(4):\n    i = i + wi.z\n    total = total + i\nreturn self.rho * total",
+        "",
+        "",
+    ),
+    "a swap": ("a, b = wi.x, wo.y\na, b = b, a\nreturn vec3(a, b, a - b)", "", ""),
+    "three names turned": (
+        "a, b, c = wi.x, wi.y, wi.z\na, b, c = b, c, a\nreturn vec3(a, b, c)",
+        "",
+        "",
+    ),
+    "two names for a value": ("a = b = wi.x * 2\nb = b + 1\nreturn vec3(a, b, a - b)", "", ""),
+    "+= in a loop": (
+        "total = 0.0\nfor i in range(4):\n    total += wi.z * i\n    total *= 0.5\nreturn self.rho * total",
+        "",
+        "",
+    ),
+    "an annotated name": ("x: Float = wi.z * 2\nreturn self.rho * x", "", ""),
+    "integers that single precision has not": (
+        "return self.rho * ((2**24 + 1 - 2**24) + (10**30 - (10**30 - 8)))",
+        "",
+        "",
+    ),
+    "names of other languages": (
+        "half, NULL, bool3, asm, PI_ = wi.x, wi.y, wi.z, wo.x, wo.y\nM_PI = half + NULL\n"
+        "float3 = M_PI + bool3\nreturn vec3(float3, asm, PI_)",
+        "",
+        "",
+    ),
+    "a name and its replacement": ("half, half_ = wi.x, wi.y\nreturn vec3(half, half_, 1)", "", ""),
+    "names with a prefix of OpenGL": (
+        "gl_x = wi.x\nwebgl_y = 2 * gl_x\nreturn vec3(gl_x, webgl_y, 1)",
+        "",
+        "",
+    ),
+    "underscores": ("_ = wi.x\n_A = wi.y\nreturn vec3(_, _A, 1)", "", ""),
+    "parameters with reserved names": (
+        "return self.rho * self.half + self.half_ * self.f",
+        'half: Float = param(0.5, 0, 1, "x")\nhalf_: Float = param(0.5, 0, 1, "x")\n'
+        'f: Float = param(0.5, 0, 1, "x")\nu1: Float = param(0.5, 0, 1, "x")\n'
+        'value: Float = param(0.5, 0, 1, "x")',
+        "",
+    ),
+    "two numbers of one name": (
+        "return self.rho * (K + self.K)",
+        "K = 3.0",
+        "K = 2.0",
+    ),
+    "a local named like a number of the class": (
+        "K = wi.z\nreturn self.rho * (K + self.K)",
+        "K = 3.0",
+        "",
+    ),
+    "a class's number, inherited": (
+        "return self.rho * self.twice()",
+        "",
+        "class Base(Model, register=False):\n    K = 2.0\n    def twice(self):\n        return 2 * self.K",
+    ),
+    "a static method": (
+        "return self.rho * self.twice(wi.z)",
+        "@staticmethod\ndef twice(x):\n    return 2 * x",
+        "",
+    ),
+    "a flag as an argument": (
+        "return self.rho * f(wi.z, True) + f(wi.z, False)",
+        "",
+        "def f(x, flag):\n    if flag:\n        return 2 * x\n    return x",
+    ),
+    "a function as an argument": (
+        "return self.rho * f(sin, wi.z)",
+        "",
+        "def f(g, x):\n    return g(x) + 1",
+    ),
+    "a condition on a named number": (
+        "if N > 2:\n    return self.rho\nreturn 2 * self.rho",
+        "",
+        "N = 3",
+    ),
+    "a NamedTuple": (
+        "pair = f(wi.z)\nheight, size = f(wo.z)\nreturn self.rho * pair.height + pair.size * size + height",
+        "",
+        'class Pair(NamedTuple):\n    """Two."""\n\n    height: Float\n    """The height."""\n'
+        "    size: Color\n\n\n"
+        "def f(x):\n    return Pair(2 * x, size=x)",
+    ),
+    "a NamedTuple that carries a choice": (
+        "return self.rho * f(Facets(self.width, self.form))",
+        "",
+        "class Facets(NamedTuple):\n    alpha: Float\n    form: str\n\n\ndef f(facets):\n"
+        "    if facets.form == 'round':\n        return 2 * facets.alpha\n    return facets.alpha",
+    ),
+    "a NamedTuple in another one": (
+        "pair = Outer(Inner(wi.x, wi.y), wo.x)\npair = Outer(Inner(pair.inner.b, pair.inner.a), pair.c)\n"
+        "return vec3(pair.inner.a, pair.inner.b, pair.c)",
+        "",
+        "class Inner(NamedTuple):\n    a: Float\n    b: Float\n\n\n"
+        "class Outer(NamedTuple):\n    inner: Inner\n    c: Float",
+    ),
+    "variables that nothing reads": ("x = wi.z\nx = x + 1\ny = 2\nreturn self.rho", "", ""),
+    "colours compared by ==": (
+        "return select(self.rho == self.rho, wi, wo) + select(wi != wo, wi, 1)",
+        "",
+        "",
+    ),
+    "a method for directions below the horizon": (
+        "down = vec3(wi.x, wi.y, -wi.z)\nreturn self.rho + self.pdf(down, wo) + self.pdf(wi, wo)",
+        "",
+        "",
+    ),
+    "many terms": (" + ".join(["return self.rho"] + ["wi * 0.01"] * 60), "", ""),
+}
+
+
+@pytest.fixture(scope="session")
+def languages(request: pytest.FixtureRequest) -> list[str]:
+    """C++, and all of them in the long run."""
+    return list(TARGETS) if request.config.getoption("--long") else ["cpp"]
+
+
+def test_what_is_accepted_means_the_same(tmp_path: Path, languages: list[str]) -> None:
+    models = []
+    for i, case in enumerate(SAME.values()):
+        folder = tmp_path / str(i)
+        folder.mkdir()
+        body, fields, head = case
+        if "class Base" in head:  # the model derives from it
+            model = made(folder, body, fields, head)
+            path = folder / "mine.py"
+            text = path.read_text(encoding="utf-8")
+            path.write_text(
+                text.replace("Mine(Model, register", "Mine(Base, register"), encoding="utf-8"
+            )
+            model = load(path)()
+        else:
+            model = made(folder, body, fields, head)
+        models.append(model)
+    for language in languages:
+        compare(models, language)
+
+
+# --- refused ---------------------------------------------------------------------------------------
+
+REFUSED: dict[str, tuple[str, str, str, str]] = {
+    "a cached property": (
+        "return self.rho * self.double",
+        "@functools.cached_property\ndef double(self):\n    return 2 * self.width",
+        "",
+        "@property",
+    ),
+    "a wrapped function": (
+        "return self.rho * f(wi.z)",
+        "",
+        "def twice(g):\n    @functools.wraps(g)\n    def inner(x):\n        return 2 * g(x)\n"
+        "    return inner\n\n\n"
+        "@twice\ndef f(x):\n    return x",
+        "decorator",
+    ),
+    "a wrapper without wraps": (
+        "return self.rho * f(wi.z)",
+        "",
+        "def twice(g):\n    def inner(x):\n        return 2 * g(x)\n    return inner\n\n\n"
+        "@twice\ndef f(x):\n    return x",
+        "around this one",
+    ),
+    "a cached function": (
+        "return self.rho * f(wi.z)",
+        "",
+        "@functools.cache\ndef f(x):\n    return x",
+        "vocabulary",
+    ),
+    "a flag that changes in a loop": (
+        "first = True\ntotal = 0\nfor i in range(3):\n    if first:\n        total = total + wi.z\n"
+        "    first = False\nreturn self.rho * total",
+        "",
+        "",
+        "from step to step",
+    ),
+    "a loop's local after the loop": (
+        "for i in range(3):\n    K = wi.z * i\nreturn self.rho * K",
+        "",
+        "K = 2.0",
+        "give it a value before",
+    ),
+    "the loop's variable after the loop": (
+        "for i in range(3):\n    x = i\nreturn self.rho * i",
+        "",
+        "",
+        "give it a value before",
+    ),
+    "a loop's variable that has a value": (
+        "i = wi.z\nfor i in range(3):\n    x = i\nreturn self.rho * i",
+        "",
+        "",
+        "has a value already",
+    ),
+    "a name of a branch that is not taken": (
+        "if self.form == 'flat':\n    K = wi.z\nreturn self.rho * K",
+        "",
+        "K = 2.0",
+        "give it a value before",
+    ),
+    "a closure": (
+        "return self.rho * f(wi.z)",
+        "",
+        "K = 9.0\n\n\ndef make(K):\n    def f(x):\n        return K * x\n    return f\n\n\nf = make(2.0)",
+        "around this one",
+    ),
+    "a complex result": ("return self.rho * (-2.0) ** 0.5", "", "", "complex"),
+    "a division by zero": ("return self.rho * (1 / 0)", "", "", "Python cannot compute"),
+    "an integer of 400 digits": (f"return self.rho * {'9' * 400}", "", "", "does not fit"),
+    "a power of 400 digits": ("return self.rho * 10**400", "", "", "does not fit"),
+    "infinity by name": ("return self.rho * math.inf", "", "", "does not fit"),
+    "1,500 terms": (" + ".join(["return self.rho"] + ["wi"] * 1500), "", "", "terms"),
+    "+= on an argument": (
+        "x = f(wi.z)\nreturn self.rho * x",
+        "",
+        "def f(x):\n    x += 1\n    return x",
+        "argument",
+    ),
+    "+= on the value of a parameter": (
+        "x = self.width\nx += 1\nreturn self.rho * x",
+        "",
+        "",
+        "another name",
+    ),
+    "+= on a component": ("x = wi.z\nx += 1\nreturn self.rho * x * wi.z", "", "", "another name"),
+    "+= after a second name": (
+        "x = wi.z * 2\ny = x\nx += 1\nreturn self.rho * x * y",
+        "",
+        "",
+        "another name",
+    ),
+    "+= through a loop": (
+        "x, y = wi.z * 2, wi.z * 3\nfor i in range(3):\n    x += y\n    y = x\nreturn self.rho * x * y",
+        "",
+        "",
+        "another name",
+    ),
+    "+= on what a function passes back": (
+        "y = wi.z * 2\nx = f(y)\nx += 1\nreturn self.rho * x * y",
+        "",
+        "def f(x):\n    return x",
+        "another name",
+    ),
+    "the loop's number as an exponent": (
+        "x = 0\nfor i in range(3):\n    x = x + power(wi.x, i)\nreturn self.rho * x",
+        "",
+        "",
+        "exponent",
+    ),
+    "a whole number passed as an exponent": (
+        "return self.rho * f(wi.x, 3)",
+        "",
+        "def f(x, n):\n    return power(x, n)",
+        "exponent",
+    ),
+    "a chain of comparisons": (
+        "return self.rho * select(0 < wi.z < 1, 1, 0)",
+        "",
+        "",
+        "(a < b) & (b < c)",
+    ),
+    "a walrus": ("return self.rho * (x := wi.z)", "", "", "assignment of its own"),
+    "star arguments": (
+        "return self.rho * f(*(wi.z, 1))",
+        "",
+        "def f(a, b):\n    return a",
+        "name each",
+    ),
+    "a nested function": (
+        "def f(x):\n    return x\nreturn self.rho * f(wi.z)",
+        "",
+        "",
+        "function of the module",
+    ),
+    "is between texts": (
+        "if self.form is ROUND:\n    return self.rho\nreturn wi",
+        "",
+        "ROUND = 'round'",
+        "==",
+    ),
+    "in on numbers": ("return self.rho * select(wi.z in wo, 1, 0)", "", "", "options"),
+    "a ternary on a value": ("return self.rho * (1 if wi.z > 0 else 2)", "", "", "select"),
+    "a comparison of kinds": (
+        "if self.form < 3:\n    return self.rho\nreturn wi",
+        "",
+        "",
+        "cannot compare",
+    ),
+    "a global that changes": ("global K\nK = 3\nreturn self.rho * K", "", "K = 2", "never changed"),
+    "a list": ("x = TABLE[0]\nreturn self.rho * x", "", "TABLE = [1.0, 2.0]", "unpack"),
+    "text": ("return self.rho * len(f'{wi.z}')", "", "", "a shader has no 'len'"),
+    "integer division": ("return self.rho * (wi.z // 0.1)", "", "", "fract"),
+    "a remainder": ("return self.rho * (wi.x % 1)", "", "", "fract"),
+    "a function of Python": ("return self.rho * max(wi.z, 0.5)", "", "", "maximum(a, b)"),
+    "an import inside": ("import math\nreturn self.rho * math.pi", "", "", "top of the file"),
+    "what __init__ sets": (
+        "return self.rho * self.extra",
+        "def __init__(self, **given):\n    super().__init__(**given)\n"
+        "    object.__setattr__(self, 'extra', 2.0)",
+        "",
+        "unknown in kernels",
+    ),
+    "what only kernels have": (
+        "if self.float_type is None:\n    return self.rho\nreturn wi",
+        "",
+        "",
+        "no meaning in a shader",
+    ),
+    "a class method": (
+        "return self.rho * self.twice(wi.z)",
+        "@classmethod\ndef twice(cls, x):\n    return 2 * x",
+        "",
+        "write a method",
+    ),
+    "results without names": (
+        "a, b = f(wi.z)\nreturn self.rho * a * b",
+        "",
+        "def f(x):\n    return x, 2 * x",
+        "NamedTuple",
+    ),
+    "a call for nothing": (
+        "f(wi.z)\nreturn self.rho",
+        "",
+        "def f(x):\n    return x",
+        "leave it out",
+    ),
+    "a copy with other parameters": (
+        "return self.replace(width=1).pdf(wi, wo) * self.rho",
+        "",
+        "",
+        "no meaning",
+    ),
+    "an inverted mask of a colour": (
+        "return select(~(wi > wo), wi, wo)",
+        "",
+        "",
+        "swap the branches",
+    ),
+    "the length of a number": ("return self.rho * length(wi.z)", "", "", "cannot take a number"),
+    "super with a class": (
+        "return super(Mine, self).eval(wi, wo)",
+        "",
+        "",
+        "super() takes nothing",
+    ),
+    "a third argument of eval": (
+        "return self.rho * f(wi.z)",
+        "",
+        "def f(x, /, y):\n    return x",
+        "missing",
+    ),
+    "match": (
+        "match self.form:\n    case 'round':\n        return self.rho\nreturn wi",
+        "",
+        "",
+        "if and elif",
+    ),
+    "a generator": ("return self.rho * sum(x for x in (1, 2))", "", "", "a + b + c"),
+    "assert": ("assert self.form\nreturn self.rho", "", "", "no exceptions"),
+    "deletion": ("x = wi.z\ndel x\nreturn self.rho", "", "", "cost nothing"),
+    "recursion by two": (
+        "return self.rho * f(wi.z)",
+        "",
+        "def f(x):\n    return g(x)\n\n\ndef g(x):\n    return f(x) + 1",
+        "calls itself",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_would_change_is_refused_with_its_place(case: str, tmp_path: Path) -> None:
+    body, fields, head, words = REFUSED[case]
+    model = made(tmp_path, body, fields, head)
+    with pytest.raises(ExportError) as caught:
+        export({"mine": model}, "glsl", only=["eval"])
+    told = str(caught.value)
+    assert words in told
+    path, line = re.match(r"(.+?\.py):(\d+)", told).groups()  # type: ignore[union-attr]
+    shown = Path(path).read_text(encoding="utf-8").split("\n")[int(line) - 1]
+    *_, quoted, marks = told.split("\n")
+    assert quoted == shown.rstrip()
+    assert set(marks.strip()) == {"^"}
+
+
+def test_a_wrapped_method_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "wrapped.py"
+    text = HEAD.format(
+        head="def dimmed(f):\n    @functools.wraps(f)\n    def inner(self, wi, wo):\n"
+        "        return 0.5 * f(self, wi, wo)\n    return inner",
+        fields="",
+        body="        return self.rho",
+    )
+    path.write_text(text.replace("    def eval", "    @dimmed\n    def eval"), encoding="utf-8")
+    model = load(path)()
+    with pytest.raises(ExportError, match=r"(?s)wrapped\.py:\d+:.*decorator.*\^"):
+        export({"wrapped": model}, "glsl")
+
+
+def test_a_density_for_another_direction_is_not_trusted_below_the_horizon(tmp_path: Path) -> None:
+    model = made(tmp_path, "return self.rho")
+    path = tmp_path / "mine.py"
+    text = path.read_text(encoding="utf-8")
+    for returned, masked in (
+        ("Sample(vec3(wo.x, wo.y, -wo.z), self.pdf(wo, wo))", True),
+        ("Sample(wo, self.pdf(wo, wo))", False),
+        ("Sample(wo, pdf(wo, wo))", True),
+    ):
+        changed = text.replace("return Sample(wo, 1)", f"return {returned}").replace(
+            "class Mine", "def pdf(wi, wo):\n    return wi.z\n\n\nclass Mine"
+        )
+        path.write_text(changed, encoding="utf-8")
+        model = load(path)()
+        found = export({"mine": model}, "glsl", only=["sample"])[0].source
+        body = found[found.index("MineSample mine_sample") :]
+        assert ("> mu_min" in body) is masked, returned
+
+
+def test_a_method_of_the_class_above_is_0_below_the_horizon_too(tmp_path: Path) -> None:
+    base = (
+        "class Base(Model, register=False):\n    def eval(self, wi, wo):\n        return wi.z * wi"
+    )
+    down = "vec3(wi.x, wi.y, -wi.z)"
+    for arguments, tests in ((f"{down}, wo", 2), ("wi, wo", 1), ("wo, wi", 1)):
+        made(tmp_path, f"return super().eval({arguments})", "", base)
+        path = tmp_path / "mine.py"
+        text = path.read_text(encoding="utf-8").replace("Mine(Model, reg", "Mine(Base, reg")
+        path.write_text(text, encoding="utf-8")
+        found = export({"mine": load(path)()}, "glsl", only=["eval"])[0].source
+        assert found.count("<= mu_min") == tests
+
+
+def test_a_file_that_is_not_what_python_runs_is_refused(tmp_path: Path) -> None:
+    model = made(tmp_path, "return self.rho * 2")
+    path = tmp_path / "mine.py"
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace("self.rho * 2", "self.rho * 3"), encoding="utf-8")
+    with pytest.raises(ExportError, match="the file has changed"):
+        export({"mine": model}, "glsl")
+    # A comment changes nothing
+    path.write_text(text.replace("self.rho * 2", "self.rho * 2  # so"), encoding="utf-8")
+    assert "* 2.0" in export({"mine": model}, "glsl")[0].source
