@@ -22,7 +22,7 @@ FLOORS = (
     {"export"},
     {"mitsuba"},
     {"render", "check"},
-    {"bake", "compare"},
+    {"bake", "compare", "view"},
     {"bench"},
     {"cli"},
 )
