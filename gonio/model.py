@@ -90,6 +90,9 @@ def child(default: str, doc: str) -> Any:
 
 _registry: dict[str, type[Model]] = {}
 
+HEADS = ("parameter", "value", "allowed", "meaning")
+"""What the columns of `Model.rows` are."""
+
 
 class Model:
     """A reflection model (BRDF). Directions are unit vectors in the local frame, with the normal +z.
@@ -209,17 +212,17 @@ class Model:
 
     def _repr_html_(self) -> str:
         """A table of the parameters, for notebooks."""
-        heads = ("parameter", "value", "allowed", "meaning")
-        return notebook.table(type(self).__name__, self.description, heads, self._rows())
+        return notebook.table(type(self).__name__, self.description, HEADS, self.rows())
 
-    def _rows(self, prefix: str = "") -> Iterator[tuple[str, ...]]:
+    def rows(self, prefix: str = "") -> Iterator[tuple[str, str, str, str]]:
+        """Path, value, allowed values and meaning of all fields, those of inner models included."""
         for name, declared in self.fields.items():
             value = getattr(self, name)
             inside = isinstance(value, Model)
             text = type(value).__name__ if inside else shown(value)
             yield prefix + name, text, declared.range_text(), declared.doc
             if inside:
-                yield from value._rows(f"{prefix}{name}.")
+                yield from value.rows(f"{prefix}{name}.")
 
     def replace(self, **changed: Any) -> Self:
         """Return a copy with some parameters or options changed."""

@@ -8,6 +8,7 @@ import pydoc
 import subprocess
 import sys
 from html.parser import HTMLParser
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -156,6 +157,22 @@ def test_a_model_is_a_table_of_its_parameters() -> None:
     assert found["interface"][1] == "'rough', 'smooth'"
     paths = {path for path, _, _ in model.parameters()}
     assert paths <= set(found)
+
+
+def test_a_material_is_a_table_that_names_its_pictures(tmp_path: Path) -> None:
+    Image.new("RGB", (4, 4), (200, 100, 50)).save(tmp_path / "oak.png")
+    file = tmp_path / "board.toml"
+    file.write_text(
+        'model = "weidlich_wilkie"\ndescription = "A board."\n[base]\nmodel = "eon"\nrho = "oak.png"\n',
+        encoding="utf-8",
+    )
+    text = gonio.load(file)._repr_html_()
+    found = {row[0]: row[1] for row in Cells(text).rows}
+    assert found["base.rho"] == "oak.png"
+    assert found["base.roughness"] == "0.5"
+    assert "A board." in text
+    flaky = {row[0]: row[1] for row in Cells(gonio.load("car_paint_red_strong")._repr_html_()).rows}
+    assert flaky["flake_x"] == "a map"
 
 
 def test_what_is_shown_is_escaped() -> None:

@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from gonio import notebook
 from gonio.fields import ModelError
-from gonio.model import Model
+from gonio.model import HEADS, Model
 
 FLAKE_PARAMETERS = ("flake_x", "flake_y")
 GROWTH_PARAMETER = "growth"
@@ -42,6 +43,14 @@ class Material:
     """How often pictures repeat along the texture coordinates u and v."""
     changed: dict[str, Any] = field(default_factory=dict)
     """What was changed since the material was read, for its label."""
+
+    def _repr_html_(self) -> str:
+        """A table of the parameters and of the pictures that drive them, for notebooks."""
+        maps = dict.fromkeys(self.driven_by_maps(), "a map")
+        driven = maps | {path: picture.name for path, picture in self.textures.items()}
+        rows = ((path, driven.get(path, value), *rest) for path, value, *rest in self.model.rows())
+        title = f"{self.name}: {type(self.model).__name__}"
+        return notebook.table(title, self.description, HEADS, rows)
 
     def driven_by_maps(self) -> list[str]:
         """Paths of the parameters that flakes and growth drive."""
