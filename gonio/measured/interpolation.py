@@ -74,6 +74,7 @@ class Scattered:
         from scipy.spatial import cKDTree
 
         self.isotropic, self.values = isotropic, values
+        self.reciprocal = bool((wo[:, 2] > 0).all())  # as the coordinates are
         places = coordinates(wi, wo, self.isotropic)
         self.tree: Any = cKDTree(places)
         self.count = min(NEIGHBOURS, len(places))

@@ -114,6 +114,7 @@ class Between:
     def __init__(self, grid: Grid, full_circle: bool) -> None:
         """`full_circle`: phi_d goes to 2 pi, not to pi, behind which the values repeat."""
         self.grid, self.turn = grid, 2 * np.pi if full_circle else np.pi
+        self.reciprocal = not full_circle
 
     def __call__(self, wi: Floats, wo: Floats) -> tuple[Floats, Mask]:
         """Values and whether they were measured."""
