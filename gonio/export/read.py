@@ -94,6 +94,8 @@ class Reader:
         key = _kind(model)
         if not title and key in self._models:
             return self._models[key]
+        if reason := getattr(model, "not_exported", ""):
+            raise ExportError(f"{model.name} cannot be exported: {reason}.")
         members: list[Member] = []
         for name, declared in model.fields.items():
             value = getattr(model, name)

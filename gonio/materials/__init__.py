@@ -3,6 +3,7 @@
     gonio.load("eon:roughness=1,rho=0.8/0.3/0.1")
     gonio.load("gold:alpha=0.3")                    # a ready material, changed
     gonio.load("oak.toml"), gonio.load("my_model.py:rho=0.5")
+    gonio.load("paint.binary:scale=0.5")            # measured reflection, of any format that gonio reads
 
 The same texts work wherever a command takes a MODEL.
 """
@@ -14,6 +15,7 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
+from gonio import measured
 from gonio.materials import model_file, notation, toml_file
 from gonio.materials.material import Material, MaterialError
 from gonio.model import Model, model, models
@@ -43,8 +45,9 @@ def load(text: str | Path, params: Iterable[str] = ()) -> Model | Material:
     """A model or a material from text.
 
     Args:
-        text: a model's or a ready material's name, or the path of a .toml or .py file; then, after a colon,
-            parameters and options with commas between them: eon:roughness=1,rho=0.8/0.3/0.1.
+        text: a model's or a ready material's name, or the path of a .toml or .py file or of one of measured
+            reflection; then, after a colon, parameters and options with commas between them:
+            eon:roughness=1,rho=0.8/0.3/0.1.
         params: further assignments, each "name=value". Those in the text win.
 
     Raises:
@@ -125,6 +128,8 @@ def _start(name: str, folder: Path, depth: int) -> Model | Material:
         if not (folder / name).is_file():
             raise FileNotFoundError(f"there is no material file {folder / name}.")
         return _material(folder / name, depth)
+    if measured.is_named_like_data(folder / name):
+        return measured.as_model(folder / name)
     raise toml_file.unknown(name, known)
 
 

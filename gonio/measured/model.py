@@ -1,14 +1,10 @@
 """A measured file as a model: it evaluates, samples, has albedos and renders as any other.
 
-    paint = gonio.measured.as_model("paint.binary")
-    paint.eval(wi, wo)
-    gonio.model("weidlich_wilkie", base=paint)
-
-Values are looked up in a table over half and difference angles (Rusinkiewicz 1998) and interpolated
-between its places. Samples are mirrored at normals from a tabulated distribution, one for each of 32
-angles of the viewer (after Dupuy et al., "Extracting Microfacet-based BRDF Parameters from Arbitrary
-Materials with Power Iterations", EGSR 2015, who have one for all), mixed with cosine-weighted ones, so
-that weights have a bound.
+Values are looked up in a table over half and difference angles (Rusinkiewicz 1998), interpolated.
+Samples are mirrored at normals from a tabulated distribution, one for each of 32 angles of the viewer
+(after Dupuy et al., "Extracting Microfacet-based BRDF Parameters from Arbitrary Materials with Power
+Iterations", EGSR 2015, who have one for all), mixed with cosine-weighted ones, so that weights have a
+bound.
 """
 
 from __future__ import annotations
@@ -40,10 +36,10 @@ from gonio.lang import (
     vec2,
     vec3,
 )
-from gonio.measured import load
+from gonio.measured.files import load
 from gonio.measured.lookup import Table, fetch
 from gonio.measured.measurement import DataError, Measurement
-from gonio.measured.tabulate import ALBEDOS, BINS, ROWS, Tables, tabulate
+from gonio.measured.tabulate import ALBEDOS, AZIMUTHS, BINS, ROWS, Tables, tabulate
 from gonio.model import Model, param
 from gonio.parts.frame import azimuth, cos_half, half_vector, mirror, pdf_mirror
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
@@ -79,6 +75,9 @@ def half_turn(x: Float, y: Float) -> Float:
 class MeasuredIsotropic(Model, register=False):
     """A measured material that does not change when it turns. Reciprocal, as it was made to be."""
 
+    not_exported: ClassVar[str] = (
+        "its tables need buffers, which exported shaders do not have; export a model fitted to it"
+    )
     scale: Color = param((1.0, 1.0, 1.0), 0, 10, "multiplies what was measured")
     albedo_rule = "half_vectors"
     tables: ClassVar[Tables]
@@ -164,10 +163,15 @@ class MeasuredIsotropic(Model, register=False):
     def albedo(self, wo: Vec3) -> Color:
         """Integrated when the file was read, to 1e-3 below 80 degrees."""
         theta_o = angle(smooth_sqrt(wo.x * wo.x + wo.y * wo.y), wo.z)
+        return self.scale * self._albedo_at(theta_o, 0 * theta_o)
+
+    def _albedo_at(self, theta_o: Float, first: Float) -> Color:
+        """Between the places of the table that begins at `first`."""
         x = clamp(theta_o * (2 * INV_PI) * (ALBEDOS - 1), 0, ALBEDOS - 1)
         k = minimum(floor(x), ALBEDOS - 2)
         t = x - k
-        return self.scale * ((1 - t) * fetch(self.albedos, k) + t * fetch(self.albedos, k + 1))
+        place = first + k
+        return (1 - t) * fetch(self.albedos, place) + t * fetch(self.albedos, place + 1)
 
     def mean_albedo(self) -> Color:
         """The mean of the table of albedos."""
@@ -200,6 +204,18 @@ class MeasuredAnisotropic(MeasuredIsotropic, register=False):
             row = row * n_d + minimum(j + c, n_d - 1)
             total = total + weight * fetch(self.values, row * n_p + _wrapped(k + d, n_p))
         return self.scale * total
+
+    def albedo(self, wo: Vec3) -> Color:
+        """Integrated when the file was read, to 1e-2; it changes when the sample turns."""
+        theta_o = angle(smooth_sqrt(wo.x * wo.x + wo.y * wo.y), wo.z)
+        line = half_turn(wo.x, wo.y)
+        x = AZIMUTHS * select(wo.y < 0, line + PI, line) * (0.5 * INV_PI)
+        k = floor(x)
+        t = x - k
+        low, high = _wrapped(k, AZIMUTHS) * ALBEDOS, _wrapped(k + 1, AZIMUTHS) * ALBEDOS
+        return self.scale * (
+            (1 - t) * self._albedo_at(theta_o, low) + t * self._albedo_at(theta_o, high)
+        )
 
 
 def _part(t: Float, upper: int) -> Float:

@@ -33,8 +33,8 @@ SHARES = (0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.95)
 # Of the mean density: what a normal is drawn with at least, where the table says 0.
 LEAST = 1e-3
 
-# Places of the table of albedos, along theta_o.
-ALBEDOS = 91
+# Places of the table of albedos along theta_o, and azimuths of the viewer for what is anisotropic.
+ALBEDOS, AZIMUTHS = 91, 12
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Tables:
     share: NDArray[np.float32]
     """(ROWS,): of cosine-weighted samples."""
     albedo: NDArray[np.float32]
-    """(ALBEDOS, 3): for theta_o in equal steps from 0 to 90 degrees."""
+    """(azimuths, ALBEDOS, 3): for theta_o in equal steps from 0 to 90 degrees."""
     mean_albedo: tuple[float, float, float]
     notes: tuple[str, ...]
     """What was changed, with its size."""
@@ -86,7 +86,7 @@ def tabulate(measured: Measurement, shape: tuple[int, ...] | None = None) -> Tab
     albedo = _albedos(evaluate, measured.isotropic)
     theta = np.linspace(0, 0.5 * np.pi, ALBEDOS)
     weight = np.sin(2 * theta) * (theta[1] - theta[0])
-    mean = (albedo * weight[:, None]).sum(0) / weight.sum()
+    mean = (albedo.mean(0) * weight[:, None]).sum(0) / weight.sum()
     if not known.all():
         notes.append(
             f"{1 - known.mean():.1%} of the table is filled with the nearest measured value"
@@ -239,30 +239,32 @@ def _normals(evaluate: Any, isotropic: bool) -> tuple[Floats, Floats, Floats]:
 
 
 def _albedos(evaluate: Any, isotropic: bool) -> Floats:
-    """Directional albedos, integrated over half vectors in the middle of the table's steps."""
-    n, turns = (2 * BINS, 48) if isotropic else (BINS, 48)
+    """Directional albedos (azimuths, ALBEDOS, 3), integrated over half vectors in the table's steps."""
+    n, turns, every = (2 * BINS, 48, 1) if isotropic else (BINS, 36, 3)
     bounds = 0.5 * np.pi * (np.arange(n + 1) / n) ** 2
     solid = np.repeat((np.cos(bounds[:-1]) - np.cos(bounds[1:])) * 2 * np.pi / turns, turns)
     theta = 0.5 * np.pi * ((np.arange(n) + 0.5) / n) ** 2
     m = spherical(theta[:, None], 2 * np.pi * (np.arange(turns) + 0.5) / turns).reshape(-1, 3)
-    albedo = np.zeros((ALBEDOS, 3))
-    # Anisotropic ones are evaluated at every second angle
-    azimuths = [0.0] if isotropic else [np.pi * k / 4 for k in range(4)]
-    every = 1 if isotropic else 2
+    azimuths = 1 if isotropic else AZIMUTHS
     thetas = np.linspace(0, 0.5 * np.pi, ALBEDOS)
-    for row in range(0, ALBEDOS, every):
-        for azimuth in azimuths:
+    given = thetas[::every]  # those between are interpolated for what is anisotropic
+    albedo = np.empty((azimuths, len(given), 3))
+    for turn in range(azimuths):
+        for row, theta_o in enumerate(given):
             # In the horizon there is a limit: what grazes it by a quarter of a degree
-            wo = spherical(min(thetas[row], 0.5 * np.pi - 0.005), azimuth)
+            wo = spherical(min(theta_o, 0.5 * np.pi - 0.005), 2 * np.pi * turn / azimuths)
             cos_h = m @ wo
             wi = 2 * cos_h[:, None] * m - wo
             up = (wi[:, 2] > 1e-6) & (cos_h > 1e-6)
             f = evaluate(wi[up], np.broadcast_to(wo, wi[up].shape))
             weight = (4 * cos_h * solid)[up] * wi[up, 2]
-            albedo[row] += (f * weight[:, None]).sum(0) / len(azimuths)
-    given = thetas[::every]
-    columns = [np.interp(thetas, given, albedo[::every, c]) for c in range(3)]
-    return np.stack(columns, -1)
+            albedo[turn, row] = (f * weight[:, None]).sum(0)
+    return np.array(
+        [
+            np.stack([np.interp(thetas, given, around[:, c]) for c in range(3)], -1)
+            for around in albedo
+        ]
+    )
 
 
-__all__ = ["ALBEDOS", "ANISOTROPIC", "BINS", "ISOTROPIC", "ROWS", "Tables", "tabulate"]
+__all__ = ["ALBEDOS", "ANISOTROPIC", "AZIMUTHS", "BINS", "ISOTROPIC", "ROWS", "Tables", "tabulate"]
