@@ -25,6 +25,7 @@ from gonio import measured as measured
 from gonio import mitsuba as mitsuba
 from gonio import notebook as notebook
 from gonio import notices as notices
+from gonio import numeric_albedo as numeric_albedo
 from gonio import parts as parts
 from gonio import plot as plot
 from gonio import quadrature as quadrature

@@ -18,8 +18,9 @@ from typing import Any, ClassVar, Self, get_type_hints
 
 from gonio import arrays, notebook, quadrature
 from gonio.claims import Claims
-from gonio.fields import ModelError, Option, Parameter, shown
+from gonio.fields import ModelError, Option, Parameter, framework, shown
 from gonio.lang import MU_MIN, Color, Float, Sample, Vec2, Vec3, select, vec2, vec3
+from gonio.numeric_albedo import for_quadrature, mean_over_directions
 
 
 @dataclass
@@ -110,10 +111,16 @@ class Model:
     """What is known to be wrong with the model, each with its size; for people."""
     claims: ClassVar[Claims] = Claims()
     """What the model promises, for `gonio check`; strict unless a model says otherwise."""
-    albedo_rule: ClassVar[str] = "angles"
-    """How `gonio.quadrature` finds albedos without a closed form: "angles", or "half_vectors"."""
+    albedo_rule: str = ""
+    """How `gonio.quadrature` finds albedos without a closed form: "angles", "half_vectors" or "mirror".
+
+    Without it, `gonio.numeric_albedo` finds the rule that fits; inside kernels it is then "angles".
+    """
     isotropic: ClassVar[bool] = True
     """False if turning both directions about the normal changes the value."""
+
+    symmetric: bool = False
+    """Whether the plane of wo is a mirror for the values, as `gonio.numeric_albedo` has found out."""
 
     float_type: Any = None
     """Number type of the kernel a bound copy lives in; None for the model that users hold."""
@@ -139,6 +146,11 @@ class Model:
                     declared.default = declared.check(cls.name, declared.default)
                 cls.fields[name] = declared
                 delattr(cls, name)
+        if cls.albedo_rule and cls.albedo_rule not in quadrature.RULES:
+            raise ModelError(
+                f"{cls.name}: albedo_rule={cls.albedo_rule!r} is not known; allowed are "
+                f"{', '.join(map(repr, quadrature.RULES))}."
+            )
         cls.description = inspect.cleandoc(vars(cls).get("__doc__") or cls.description)
         cls.__doc__ = "\n".join([cls.description, *_explained(cls.fields)])
         for name, guard in _GUARDS.items():
@@ -271,6 +283,16 @@ class Model:
         """Mean albedo (1/π) ∫ albedo(wo) μo dωo, shape (..., 3): closed form or quadrature."""
         return quadrature.mean_albedo(self)
 
+    def with_albedo_rule(self, rule: str, symmetric: bool = False) -> Self:
+        """A copy whose albedos without a closed form are found by one of `gonio.quadrature.RULES`.
+
+        symmetric: the values are the same on both sides of the plane of wo, which halves the work.
+        """
+        copy = self.replace()
+        object.__setattr__(copy, "albedo_rule", rule)
+        object.__setattr__(copy, "symmetric", symmetric)
+        return copy
+
     def slope_widths(self) -> Vec2:
         """Widths of the highlight's slopes along x and y, up to a factor; only `gonio.quadrature` asks."""
         return vec2(1, 1)
@@ -311,6 +333,8 @@ class Model:
                 value = value.bind(Float, convert, prefix=f"{prefix}{name}.")
             object.__setattr__(bound, name, value)
         object.__setattr__(bound, "float_type", Float)
+        object.__setattr__(bound, "albedo_rule", self.albedo_rule)
+        object.__setattr__(bound, "symmetric", self.symmetric)
         if keep:
             self._bound[Float] = bound
         return bound
@@ -364,6 +388,20 @@ _GUARDS: dict[str, Callable[..., Any] | None] = {
 }
 
 
+def _for_user(model: Model, method: Any, directions: tuple[Any, ...]) -> Any:
+    """A method of a model that users hold, on their arrays."""
+    if method is _NUMERIC_MEAN and (mean := mean_over_directions(model)) is not None:
+        return mean
+    if method is _NUMERIC_ALBEDO and framework(directions[0]) != "drjit":
+        if "numeric" not in model._bound or not model.albedo_rule:
+            model._bound["numeric"] = for_quadrature(model, directions[0])
+        model = model._bound["numeric"]
+    return arrays.call(model, method.__name__, directions)
+
+
+_NUMERIC_ALBEDO, _NUMERIC_MEAN = Model.albedo, Model.mean_albedo
+
+
 def _contract(method: Any, guard: Any) -> Any:
     """Wrap a model's method: convert what users pass in, and mask what is below the horizon."""
 
@@ -375,7 +413,7 @@ def _contract(method: Any, guard: Any) -> Any:
         if named or len(directions) != count:
             directions = signature.bind(self, *directions, **named).args[1:]
         if self.float_type is None:
-            return arrays.call(self, method.__name__, directions)
+            return _for_user(self, method, directions)
         if guard is None:
             return method(self, *directions)
         return guard(method, self, *directions)

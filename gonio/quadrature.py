@@ -23,6 +23,7 @@ from typing import Any, ClassVar, Protocol, Self
 
 import drjit as dr
 import numpy as np
+from numpy.typing import NDArray
 
 from gonio.lang import Color, Vec2, Vec3, cos, safe_acos, sin, sqrt, vec2, vec3
 from gonio.parts.frame import azimuth
@@ -31,9 +32,10 @@ from gonio.parts.frame import azimuth
 class Reflecting(Protocol):
     """What the rules ask of a model bound to Dr.Jit values; `gonio.model.Model` has it."""
 
-    albedo_rule: ClassVar[str]
+    albedo_rule: str
     isotropic: ClassVar[bool]
     float_type: Any
+    symmetric: bool
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """BRDF value in 1/sr."""
@@ -85,26 +87,42 @@ def _table(Float: Any) -> tuple[Any, ...]:
     x, w = np.polynomial.legendre.leggauss(PHI_NODES)
     phi = 0.5 * np.pi * (np.arange(4)[:, None] + (x + 1) / 2).ravel()
     phi_weight = np.tile(0.25 * np.pi * w, 4)
-    columns = (
+    return _columns(
+        Float,
         np.repeat(theta, len(phi)),
         np.tile(np.cos(phi), len(theta)),
         np.tile(np.sin(phi), len(theta)),
         np.outer(theta_weight, phi_weight).ravel(),
     )
+
+
+def _columns(Float: Any, *columns: Any) -> tuple[Any, ...]:
+    """Columns of a table as Dr.Jit arrays, or as lists for plain Python."""
     return tuple(c.tolist() if Float is float else Float(c) for c in columns)
 
 
-def _take(column: Any, index: Any) -> Any:
-    return column[index] if isinstance(column, list) else dr.gather(type(column), column, index)
+def _sum(table: tuple[Any, ...], term: Callable[..., Color], zero: Color, label: str) -> Color:
+    """The sum of a term over the rows of a table: one loop in a kernel, instead of a copy for each row."""
+
+    def take(column: Any, index: Any) -> Any:
+        return column[index] if isinstance(column, list) else dr.gather(type(column), column, index)
+
+    def step(index: Any, total: Any) -> tuple[Any, Any]:
+        return index + 1, total + term(*(take(column, index) for column in table))
+
+    count = len(table[0])
+    start = 0 if isinstance(table[0], list) else dr.uint32_array_t(table[0])(0)
+    # Only the sum is carried along, so max_iterations=-1 lets derivatives run the loop again instead of
+    # storing every step.
+    _, total = dr.while_loop(
+        (start, zero), lambda i, _: i < count, step, max_iterations=-1, label=label
+    )
+    return total
 
 
 def directional_albedo(model: Reflecting, wo: Vec3) -> Color:
     """∫ f μi dωi over the upper hemisphere, for a model that is already bound to Dr.Jit values."""
-    if model.albedo_rule == "half_vectors":
-        return _by_half_vectors(model, wo)
-    if model.albedo_rule == "mirror":
-        return _around_mirror(model, wo)
-    return _by_angles(model, wo)
+    return RULES[model.albedo_rule or "angles"](model, wo)
 
 
 def _by_angles(model: Reflecting, wo: Vec3) -> Color:
@@ -113,11 +131,9 @@ def _by_angles(model: Reflecting, wo: Vec3) -> Color:
     theta_o = safe_acos(wo.z)
     axis = azimuth(wo)
     cos_o, sin_o = axis.x, axis.y
-    table = _table(Float)
-    count = len(table[0])
 
-    def step(index: Any, total: Any) -> tuple[Any, Any]:
-        node, c, s, weight = (_take(column, index) for column in table)
+    def term(node: Any, c: Any, s: Any, weight: Any) -> Color:
+        total: Any = 0
         for extent in (-theta_o, 0.5 * np.pi - theta_o):
             theta = theta_o + node * extent
             sin_theta, cos_theta = sin(theta), cos(theta)
@@ -126,37 +142,34 @@ def _by_angles(model: Reflecting, wo: Vec3) -> Color:
                 sin_theta * (s * cos_o + c * sin_o),
                 cos_theta,
             )
-            total += model.eval(wi, wo) * (sin_theta * cos_theta * weight * dr.abs(extent))
-        return index + 1, total
+            total = total + model.eval(wi, wo) * (sin_theta * cos_theta * weight * dr.abs(extent))
+        return total
 
-    # One loop in the kernel instead of `count` copies of the model. Only its sum is carried along, so
-    # max_iterations=-1 lets derivatives run it again instead of storing every step.
-    zero = 0 * model.eval(wo, wo)
-    index = 0 if Float is float else dr.uint32_array_t(Float)(0)
-    _, total = dr.while_loop(
-        (index, zero), lambda i, _: i < count, step, max_iterations=-1, label="albedo"
-    )
-    return total
+    return _sum(_table(Float), term, 0 * model.eval(wo, wo), "albedo")
 
 
 @functools.cache
-def _half_vector_table(Float: Any) -> tuple[Any, ...]:
-    """Azimuth (cos, sin) of m, place in the range of slopes, and weight of every node."""
+def _half_vector_table(Float: Any, symmetric: bool) -> tuple[Any, ...]:
+    """Azimuth (cos, sin) of m, place in the range of slopes, and weight of every node.
+
+    symmetric: one side of the plane of wo stands for both.
+    """
     x, w = np.polynomial.legendre.leggauss(AZIMUTH_NODES)
     x = (x + 1) / 2
     # Crowding at a quarter turn from wo, where m begins to turn away from it
     bend, bend_weight = 0.5 * np.pi * x**CROWDING, 0.25 * np.pi * CROWDING * x ** (CROWDING - 1) * w
     toward, across = np.sin(bend), np.cos(bend)
-    c = np.concatenate([toward, toward, -toward, -toward])
-    s = np.concatenate([across, -across, across, -across])
+    sides = (1,) if symmetric else (1, -1)
+    c = np.concatenate([sign * toward for sign in (1, -1) for _ in sides])
+    s = np.concatenate([side * across for _ in (1, -1) for side in sides])
     x, w = np.polynomial.legendre.leggauss(SLOPE_NODES)
-    columns = (
+    return _columns(
+        Float,
         np.repeat(c, SLOPE_NODES),
         np.repeat(s, SLOPE_NODES),
         np.tile((x + 1) / 2, len(c)),
-        np.outer(np.tile(bend_weight, 4), w / 2).ravel(),
+        np.outer(np.tile(2 / len(sides) * bend_weight, 2 * len(sides)), w / 2).ravel(),
     )
-    return tuple(c.tolist() if Float is float else Float(c) for c in columns)
 
 
 def _double(value: Any) -> Any:
@@ -173,21 +186,23 @@ def _by_half_vectors(model: Reflecting, wo: Vec3) -> Color:
     if eval_round is None:
         # Azimuths are spread in the plane of slopes over the root of their widths: the lobe becomes
         # rounder, and what is round becomes elliptic by no more than that
-        return single(_over_half_vectors(model.eval, wo, sqrt(widths)))
-    total = _over_half_vectors(lambda i, o: model.eval(i, o) - eval_round(i, o), wo, widths)
-    return single(total + _over_half_vectors(eval_round, wo, vec2(1, 1)))
+        return single(_over_half_vectors(model.eval, wo, sqrt(widths), model.symmetric))
+    total = _over_half_vectors(
+        lambda i, o: model.eval(i, o) - eval_round(i, o), wo, widths, model.symmetric
+    )
+    return single(total + _over_half_vectors(eval_round, wo, vec2(1, 1), model.symmetric))
 
 
-def _over_half_vectors(evaluate: Callable[[Vec3, Vec3], Color], wo: Vec3, width: Vec2) -> Color:
+def _over_half_vectors(
+    evaluate: Callable[[Vec3, Vec3], Color], wo: Vec3, width: Vec2, symmetric: bool
+) -> Color:
     Float: Any = type(wo.z)
     stretched = vec3(width.x * wo.x, width.y * wo.y, wo.z)
     axis = azimuth(stretched)
     sine = sqrt(stretched.x * stretched.x + stretched.y * stretched.y + 1e-30)
-    table = _half_vector_table(Float)
-    count = len(table[0])
 
-    def step(index: Any, total: Any) -> tuple[Any, Any]:
-        c, s, node, weight = (_take(column, index) for column in table)
+    def term(c: Any, s: Any, node: Any, weight: Any) -> Color:
+        total: Any = 0
         x = width.x * (c * axis.x - s * axis.y)
         y = width.y * (c * axis.y + s * axis.x)
         inv = dr.rsqrt(x * x + y * y)
@@ -209,15 +224,10 @@ def _over_half_vectors(evaluate: Callable[[Vec3, Vec3], Color], wo: Vec3, width:
             wi = 2 * cos_h * m - wo
             # dωi = 4 (wo · m) dm, and dm = t cos³θm dt dφ
             dwi = 4 * cos_h * t * cos_m * cos_m * cos_m * dt * dphi
-            total += evaluate(wi, wo) * (wi.z * dwi)
-        return index + 1, total
+            total = total + evaluate(wi, wo) * (wi.z * dwi)
+        return total
 
-    zero = 0 * evaluate(wo, wo)
-    index = 0 if Float is float else dr.uint32_array_t(Float)(0)
-    _, total = dr.while_loop(
-        (index, zero), lambda i, _: i < count, step, max_iterations=-1, label="albedo"
-    )
-    return total
+    return _sum(_half_vector_table(Float, symmetric), term, 0 * evaluate(wo, wo), "albedo")
 
 
 @functools.cache
@@ -225,12 +235,12 @@ def _mirror_table(Float: Any) -> tuple[Any, ...]:
     """Place in a range of angles and in an arc, both in [0, 1], and weight of every node."""
     x, w = np.polynomial.legendre.leggauss(MIRROR_NODES)
     y, v = np.polynomial.legendre.leggauss(ARC_NODES)
-    columns = (
+    return _columns(
+        Float,
         np.repeat((x + 1) / 2, ARC_NODES),
         np.tile((y + 1) / 2, MIRROR_NODES),
         np.outer(w / 2, v / 2).ravel(),
     )
-    return tuple(c.tolist() if Float is float else Float(c) for c in columns)
 
 
 def _around_mirror(model: Reflecting, wo: Vec3) -> Color:
@@ -243,11 +253,9 @@ def _around_mirror(model: Reflecting, wo: Vec3) -> Color:
     sine = sqrt(wo.x * wo.x + wo.y * wo.y + 1e-30)
     # Angle between the mirror direction and the horizon, where circles begin to be cut
     low = dr.atan2(wo.z, sine)
-    table = _mirror_table(Float)
-    count = len(table[0])
 
-    def step(index: Any, total: Any) -> tuple[Any, Any]:
-        node, turn, weight = (_take(column, index) for column in table)
+    def term(node: Any, turn: Any, weight: Any) -> Color:
+        total: Any = 0
         for begin, extent in (
             (0, low),
             (low, 0.5 * np.pi - low),
@@ -271,20 +279,15 @@ def _around_mirror(model: Reflecting, wo: Vec3) -> Color:
                 -axis.y * outward - axis.x * across,
                 c * wo.z + up * sine,
             )
-            total += model.eval(wi, wo) * (wi.z * s * dalpha * 2 * arc * weight)
-        return index + 1, total
+            total = total + model.eval(wi, wo) * (wi.z * s * dalpha * 2 * arc * weight)
+        return total
 
-    zero = 0 * model.eval(wo, wo)
-    index = 0 if Float is float else dr.uint32_array_t(Float)(0)
-    _, total = dr.while_loop(
-        (index, zero), lambda i, _: i < count, step, max_iterations=-1, label="albedo"
-    )
-    return single(total)
+    return single(_sum(_mirror_table(Float), term, 0 * model.eval(wo, wo), "albedo"))
 
 
-def mean_albedo(model: Reflecting) -> Color:
-    """(1/π) ∫ albedo(wo) μo dωo of a model that is already bound to Dr.Jit values."""
-    Float = model.float_type
+@functools.cache
+def mean_nodes(isotropic: bool) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Directions, shape (n, 3), and weights, shape (n,), for the mean (1/π) ∫ E(wo) μo dωo."""
     x, w = np.polynomial.legendre.leggauss(ELEVATION_NODES)
     x = (x + 1) / 2
     elevation = 0.5 * np.pi * x**CROWDING
@@ -292,25 +295,34 @@ def mean_albedo(model: Reflecting) -> Color:
     weight *= np.sin(2 * elevation)
     # Models that are not isotropic are at least mirror-symmetric, and periodic functions need no more
     # than even steps.
-    turns = MEAN_AZIMUTHS if not model.isotropic else 1
+    turns = 1 if isotropic else MEAN_AZIMUTHS
     azimuth = 0.5 * np.pi * (np.arange(turns) + 0.5) / turns if turns > 1 else np.zeros(1)
-    columns = (
-        np.outer(np.cos(elevation), np.cos(azimuth)).ravel(),
-        np.outer(np.cos(elevation), np.sin(azimuth)).ravel(),
-        np.repeat(np.sin(elevation), turns),
-        np.repeat(weight / turns, turns),
+    wo = np.stack(
+        [
+            np.outer(np.cos(elevation), np.cos(azimuth)).ravel(),
+            np.outer(np.cos(elevation), np.sin(azimuth)).ravel(),
+            np.repeat(np.sin(elevation), turns),
+        ],
+        axis=-1,
     )
-    table = tuple(c.tolist() if Float is float else Float(c) for c in columns)
-    count = len(table[0])
+    return wo, np.repeat(weight / turns, turns)
 
-    def step(index: Any, total: Any) -> tuple[Any, Any]:
-        x, y, z, weight = (_take(column, index) for column in table)
-        return index + 1, total + model.albedo(vec3(x, y, z)) * weight
+
+def mean_albedo(model: Reflecting) -> Color:
+    """(1/π) ∫ albedo(wo) μo dωo of a model that is already bound to Dr.Jit values."""
+    Float = model.float_type
+    wo, weights = mean_nodes(model.isotropic)
+
+    def term(x: Any, y: Any, z: Any, weight: Any) -> Color:
+        return model.albedo(vec3(x, y, z)) * weight
 
     up = vec3(Float(0), Float(0), Float(1))
-    zero = 0 * model.eval(up, up)
-    index = 0 if Float is float else dr.uint32_array_t(Float)(0)
-    _, total = dr.while_loop(
-        (index, zero), lambda i, _: i < count, step, max_iterations=-1, label="mean_albedo"
-    )
-    return total
+    return _sum(_columns(Float, *wo.T, weights), term, 0 * model.eval(up, up), "mean_albedo")
+
+
+RULES: dict[str, Callable[[Any, Vec3], Color]] = {
+    "angles": _by_angles,
+    "half_vectors": _by_half_vectors,
+    "mirror": _around_mirror,
+}
+"""How an albedo is found, by the name that a model gives in `albedo_rule`."""

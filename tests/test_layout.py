@@ -16,7 +16,7 @@ FLOORS = (
     {"version", "files", "notices", "images", "notebook", "lang", "backend", "claims"},
     {"fields", "conversions"},
     {"parts", "arrays"},
-    {"quadrature"},
+    {"quadrature", "numeric_albedo"},
     {"model"},
     {"models", "materials", "description", "citations", "reference", "plot", "measured"},
     {"export"},

@@ -41,6 +41,8 @@ K_MEAN = 0.027764286107928
 class OrenNayar(Model):
     """Rough diffuse from V-shaped grooves, single and double scattering. Reciprocal; loses energy."""
 
+    albedo_rule = "angles"
+
     rho: Color = param((0.8, 0.8, 0.8), 0, 1, "albedo of the facets, linear RGB")
     sigma: Float = param(0.5, 0, PI / 2, "standard deviation of the facet angle, radians")
     caveats = (

@@ -1,0 +1,169 @@
+"""Albedos without a closed form: a rule that fits is found, the others are noticed, means agree."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import drjit as dr
+import numpy as np
+import pytest
+from support.directions import polar
+
+import gonio
+from gonio import backend, quadrature
+from gonio.arrays.kernel import opaque
+from gonio.fields import ModelError
+from gonio.lang import (
+    TWO_PI,
+    Color,
+    Float,
+    Sample,
+    Vec2,
+    Vec3,
+    cos,
+    maximum,
+    power,
+    sin,
+    sqrt,
+    vec3,
+)
+from gonio.model import Model, param
+from gonio.notices import Notice
+from gonio.parts.frame import azimuth
+from gonio.parts.hemisphere import pdf_cosine, sample_cosine
+
+UP = np.array([[0.0, 0.0, 1.0]])
+
+
+class Lobe(Model, register=False):
+    """A normalised lobe cos^n about the mirror direction, over the cosine: its albedo is 1 at N."""
+
+    n: Float = param(100, 1, 1e5, "exponent")
+
+    def eval(self, wi: Vec3, wo: Vec3) -> Color:
+        value = self.pdf(wi, wo) / wi.z
+        return vec3(value, value, value)
+
+    def sample(self, wo: Vec3, u: Vec2) -> Sample:
+        c = power(maximum(1 - u.x, 1e-7), 1 / (self.n + 1))
+        s = sqrt(maximum(1 - c * c, 0))
+        axis, sine = azimuth(wo), sqrt(maximum(1 - wo.z * wo.z, 0))
+        x, y = s * cos(TWO_PI * u.y), s * sin(TWO_PI * u.y)
+        out = x * wo.z - c * sine
+        wi = vec3(axis.x * out - axis.y * y, axis.y * out + axis.x * y, x * sine + c * wo.z)
+        return Sample(wi, self.pdf(wi, wo))
+
+    def pdf(self, wi: Vec3, wo: Vec3) -> Float:
+        c = maximum(wi.z * wo.z - wi.x * wo.x - wi.y * wo.y, 1e-20)
+        return (self.n + 1) / TWO_PI * power(c, self.n)
+
+
+class Lying(Lobe, register=False):
+    """The same, whose sampler claims twice the density."""
+
+    def sample(self, wo: Vec3, u: Vec2) -> Sample:
+        wi, pdf = super().sample(wo, u)
+        return Sample(wi, 2 * pdf)
+
+
+class Chiral(Model, register=False):
+    """Brighter to the left of the viewer: unchanged by turns, but no mirror image of itself."""
+
+    def eval(self, wi: Vec3, wo: Vec3) -> Color:
+        value = 0.2 + 0.1 * (wo.x * wi.y - wo.y * wi.x)
+        return vec3(value, value, value)
+
+    def sample(self, wo: Vec3, u: Vec2) -> Sample:
+        wi = sample_cosine(u)
+        return Sample(wi, pdf_cosine(wi))
+
+    def pdf(self, wi: Vec3, wo: Vec3) -> Float:
+        return pdf_cosine(wi)
+
+
+@pytest.mark.parametrize("n", [1, 50, 5000, 1e5])
+def test_a_users_lobe_of_any_sharpness_has_its_albedo(n: float) -> None:
+    # ∫ (n + 1) / 2π cos^n θ dω over the hemisphere is 1.
+    assert Lobe(n=n).albedo(UP)[0] == pytest.approx(1, abs=2e-4)
+
+
+def test_lobes_of_different_sharpness_in_one_array_have_their_albedos() -> None:
+    lobes = Lobe(n=np.array([2.0, 300.0, 1e5]))
+    np.testing.assert_allclose(lobes.albedo(UP[0])[:, 0], 1, atol=2e-4)
+
+
+def test_an_albedo_that_disagrees_with_the_sampler_is_noticed_with_the_cure() -> None:
+    with pytest.warns(Notice, match=r"albedo is uncertain; at 0.0 degrees .* samples 0.5\. Write"):
+        Lying(n=50).albedo(UP)
+
+
+def test_the_first_rule_alone_would_be_wrong_in_silence() -> None:
+    tilted = polar(0.7, 1.0)
+    assert Lobe(n=5000).albedo(tilted)[0] == pytest.approx(1, abs=1e-3)
+    assert abs(Lobe(n=5000).with_albedo_rule("angles").albedo(tilted)[0] - 1) > 0.02
+
+
+def test_a_rule_that_does_not_exist_is_refused_when_the_class_is_made() -> None:
+    with pytest.raises(ModelError, match="albedo_rule='half_vector' is not known; allowed are"):
+
+        class Wrong(Lobe, register=False):
+            albedo_rule = "half_vector"
+
+
+def test_what_is_no_mirror_image_of_itself_is_not_halved() -> None:
+    turned = polar(0.9, 2.0)[None]
+    # The odd part integrates to 0: 0.2 π.
+    np.testing.assert_allclose(Chiral().albedo(turned)[0], 0.2 * np.pi, rtol=1e-5)
+
+    class ChiralHighlight(Chiral, register=False):
+        albedo_rule = "half_vectors"
+
+    np.testing.assert_allclose(ChiralHighlight().albedo(turned)[0], 0.2 * np.pi, rtol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters"),
+    [("torrance_sparrow", {}), ("disney", {"anisotropic": 0.5}), ("patina", {}), ("phong", {})],
+)
+def test_half_the_azimuths_give_the_albedo_of_all(name: str, parameters: dict[str, Any]) -> None:
+    model = gonio.model(name, **parameters)
+    wo = np.stack([polar(t, p) for t, p in ((0, 0), (0.7, 1.0), (1.5, 4.0))])
+    full = model.with_albedo_rule(model.albedo_rule)
+    np.testing.assert_allclose(model.albedo(wo), full.albedo(wo), rtol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["torrance_sparrow", "weidlich_wilkie", "oren_nayar"])
+def test_means_over_arrays_of_directions_are_those_of_the_kernels_loop(name: str) -> None:
+    model = gonio.model(name)
+    Float = backend.array_module().Float
+    bound = model.bind(Float, lambda path, p, value: opaque(Float, p.width, value))
+    looped = np.array(quadrature.mean_albedo(bound)).ravel()
+    np.testing.assert_allclose(model.mean_albedo(), looped, rtol=2e-6)
+
+
+def test_means_take_parameters_from_arrays_and_have_gradients() -> None:
+    import torch
+
+    alpha = torch.tensor([0.1, 0.5], dtype=torch.float64, requires_grad=True)
+    mean = gonio.TorranceSparrow(alpha=alpha).mean_albedo()
+    assert mean.shape == (2, 3)
+    (gradient,) = torch.autograd.grad(mean[:, 0].sum(), alpha)
+    step = 1e-4
+    up, down = (
+        gonio.TorranceSparrow(alpha=alpha.detach() + s).mean_albedo() for s in (step, -step)
+    )
+    np.testing.assert_allclose(gradient, (up - down)[:, 0] / (2 * step), rtol=1e-4)
+
+
+def test_no_notice_comes_from_models_of_gonio() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for name in gonio.models():
+            gonio.model(name).albedo(UP)
+
+
+def test_drjit_arrays_pass_straight_through() -> None:
+    Array3f = backend.array_module().Array3f
+    found = gonio.OrenNayar().albedo(Array3f(0, 0, 1))
+    assert dr.is_array_v(found)
