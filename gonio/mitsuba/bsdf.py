@@ -14,6 +14,7 @@ import mitsuba as mi
 from gonio.fields import ModelError, Parameter
 from gonio.lang import vec2, vec3
 from gonio.mitsuba.properties import PREFIX, parameter_texture, plain, reject_unknown
+from gonio.mitsuba.upsampling import Spread, holds_rgb
 from gonio.model import Child, Model
 
 
@@ -28,7 +29,13 @@ def derive(cls: type[Model]) -> Any:
     count = dr.size_v(types.UnpolarizedSpectrum)
     triples = [[min(first + c, count - 1) for c in range(3)] for first in range(0, count, 3)]
 
-    def spectrum(colours: list[Any]) -> Any:
+    spectral = mi.is_spectral
+    spread = Spread() if spectral else None
+
+    def spectrum(colours: list[Any], si: Any, active: Any) -> Any:
+        if spread is not None and len(colours) == 1:  # of a model that was evaluated in RGB
+            value = spread(colours[0], si, active)
+            return types.mueller.depolarizer(value) if types.is_polarized else value
         channels = [c for colour in colours for c in types.Vector3f(colour)]
         value = types.UnpolarizedSpectrum(*channels[:count])
         return types.mueller.depolarizer(value) if types.is_polarized else types.Spectrum(value)
@@ -54,6 +61,8 @@ def derive(cls: type[Model]) -> Any:
                 elif name in properties:
                     choices[name] = properties[name]
             self.model = cls(**choices)
+            coloured = [self.textures[p] for p, d, _ in self.model.parameters() if d.width == 3]
+            self.in_rgb = spectral and all(holds_rgb(texture) for texture in coloured)
             self.m_flags = lobe | mi.BSDFFlags.FrontSide
             self.m_components = [self.m_flags]
 
@@ -77,7 +86,7 @@ def derive(cls: type[Model]) -> Any:
                 wi, pdf = models[0].sample(wo, vec2(sample2.x, sample2.y))
             active = active & (pdf > 0) & ctx.is_enabled(lobe)
             factor = wi.z / dr.select(active, pdf, 1)
-            weight = spectrum([model.eval(wi, wo) * factor for model in models])
+            weight = spectrum([model.eval(wi, wo) * factor for model in models], si, active)
             bs = dr.zeros(types.BSDFSample3f)
             bs.wo = types.Vector3f(wi.x, wi.y, wi.z)
             bs.pdf = dr.select(active, pdf, 0)
@@ -96,21 +105,32 @@ def derive(cls: type[Model]) -> Any:
             active = active & ctx.is_enabled(lobe)
             models, wi, wo = self._bound(si, active), plain(wo), plain(si.wi)
             # 0 where wi.z is negative
-            value = spectrum([model.eval(wi, wo) * wi.z for model in models])
+            value = spectrum([model.eval(wi, wo) * wi.z for model in models], si, active)
             with dr.suspend_grad():  # as in sample, so that weights of MIS still add up to 1
                 pdf = models[0].pdf(wi, wo)
             return dr.select(active, value, 0), dr.select(active, pdf, 0)
 
         def eval_diffuse_reflectance(self, si: Any, active: Any = True) -> Any:
             albedos = [model.albedo(plain(si.wi)) for model in self._bound(si, active)]
-            return dr.select(active, spectrum(albedos), 0)
+            return dr.select(active, spectrum(albedos, si, active), 0)
 
-        def _bound(self, si: Any, active: Any) -> list[Model]:
-            """The model with what the textures hold at si, once for every three channels."""
+        def _bound(self, si: Any, active: Any, by_wavelength: bool = False) -> list[Model]:
+            """The model with what the textures hold at si, once for every three channels.
+
+            Where all its colours are RGB it is bound once, to those; `by_wavelength` spreads them first.
+            """
+            in_rgb = self.in_rgb and not by_wavelength
             values = {}
             for path, declared, _ in self.model.parameters():
                 texture = self.textures[path]
-                value = (texture.eval if declared.width == 3 else texture.eval_1)(si, active)
+                if declared.width == 1:
+                    value = texture.eval_1(si, active)
+                elif in_rgb:
+                    value = texture.eval_3(si, active)
+                elif spread is not None and holds_rgb(texture):
+                    value = spread(texture.eval_3(si, active), si, active)
+                else:
+                    value = texture.eval(si, active)
                 # Not dr.clip, whose derivative is 0 at the lower end: optimisers would stay there.
                 value = dr.select(value < declared.low, declared.low, value)
                 values[path] = dr.select(value > declared.high, declared.high, value)
@@ -122,7 +142,7 @@ def derive(cls: type[Model]) -> Any:
 
                 return self.model.bind(type(si.t), convert)
 
-            return [bind(triple) for triple in triples]
+            return [bind(triple) for triple in ([[0, 1, 2]] if in_rgb else triples)]
 
     return Plugin
 

@@ -27,6 +27,7 @@ import mitsuba as mi
 from gonio.fields import ModelError, Parameter
 from gonio.lang import select, vec3
 from gonio.mitsuba.properties import PLUGIN, PREFIX, parameter_texture, plain, reject_unknown
+from gonio.mitsuba.upsampling import Spread, holds_rgb
 from gonio.parts.distribution import ALPHA_MIN
 from gonio.reference.generator import generator, scramble
 from gonio.reference.interfaces import Pile, chance
@@ -59,6 +60,7 @@ def derive() -> Any:
     scalar = dr.scalar.Array3f64 if count == 3 else dr.scalar.Array4f64
     channels = scalar if types.Float is float else dr.replace_shape_t(types.Float, (count, -1))
     flags = mi.BSDFFlags
+    spread = Spread() if mi.is_spectral else None
 
     def spectrum(colour: Any) -> Any:
         value = types.UnpolarizedSpectrum(*[colour[c] for c in range(width)])
@@ -115,7 +117,12 @@ def derive() -> Any:
             held = {}
             for declared in PARAMETERS:
                 texture = self.parts[declared.name]
-                value = (texture.eval if declared.width == 3 else texture.eval_1)(si, active)
+                if declared.width == 1:
+                    value = texture.eval_1(si, active)
+                elif spread is not None and holds_rgb(texture):
+                    value = spread(texture.eval_3(si, active), si, active)
+                else:
+                    value = texture.eval(si, active)
                 value = dr.clip(value, declared.low, declared.high)
                 held[declared.name] = value
             sigma, d = held["sigma_a"], held["thickness"]
@@ -129,7 +136,7 @@ def derive() -> Any:
             """The model below all layers, with what its textures hold at si."""
             if hasattr(self.base, "slabs"):
                 return self.base.innermost(si, active)
-            models = self.base._bound(si, active)
+            models = self.base._bound(si, active, by_wavelength=True)
             return models[0] if len(models) == 1 else Channels(models, count)
 
         def sample(

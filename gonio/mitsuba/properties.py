@@ -1,4 +1,4 @@
-"""What plug-ins make of their properties: textures, constants and upsampled colours."""
+"""What plug-ins make of their properties: textures and constants."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from typing import Any
 
 import drjit as dr
 import mitsuba as mi
-import numpy as np
 
 from gonio.fields import ModelError, Parameter
 from gonio.lang import vec3
+from gonio.mitsuba.upsampling import rgb_constant
 
 PREFIX = "gonio_"
 
@@ -59,19 +59,8 @@ def parameter_texture(model: str, declared: Parameter, properties: Any) -> Any:
     if isinstance(value, tuple) and declared.width == 1:
         value = sum(value) / 3  # the mean stands for a colour where one number is needed
     value = declared.check(model, value)
-    if isinstance(value, tuple) and mi.is_spectral and max(value) > 1:
-        return _upsampled(value)
+    if declared.width == 3 and mi.is_spectral:
+        return rgb_constant(value if isinstance(value, tuple) else (value,) * 3)
     constant = mi.Properties()
     constant["value"] = mi.ScalarColor3d(value) if isinstance(value, tuple) else value
     return constant.get_unbounded_texture("value")  # the range has been checked
-
-
-def _upsampled(colour: tuple[float, ...]) -> Any:
-    """A spectrum for a colour above 1, such as a metal's index, at which Mitsuba's own spectra end."""
-    scale = max(colour)
-    coefficients = np.ravel(mi.srgb_model_fetch(mi.ScalarColor3f([c / scale for c in colour])))
-    x = np.polyval(coefficients, np.arange(mi.MI_CIE_MIN, mi.MI_CIE_MAX + 5, 5))
-    # The sigmoid of Jakob, Hanika, "A low-dimensional function space for spectral upsampling", 2019
-    values = scale * (0.5 + 0.5 * x / np.sqrt(1 + x * x))
-    limits = {"wavelength_min": mi.MI_CIE_MIN, "wavelength_max": mi.MI_CIE_MAX}
-    return mi.load_dict({"type": "regular", "values": ", ".join(map(str, values))} | limits)
