@@ -315,9 +315,9 @@ def test_samples_say_what_they_are(variant: str) -> None:
     assert dr.all(bs.eta == 1)
 
 
-@IN_EACH_VARIANT
+@pytest.mark.parametrize("variant", [v for v in RUNNABLE if "spectral" not in v], indirect=True)
 def test_lambert_is_mitsubas_diffuse(variant: str) -> None:
-    """Spectral upsampling, luminance and depolarisation included."""
+    """Luminance and depolarisation included; spectral variants are in test_upsampling.py."""
     colour = {"type": "rgb", "value": [0.9, 0.4, 0.1]}
     ours = mi.load_dict({"type": "gonio_lambert", "rho": colour})
     theirs = mi.load_dict({"type": "diffuse", "reflectance": colour})

@@ -103,6 +103,19 @@ def test_every_kind_of_parameter_is_upsampled_rightly(model: str, parameters: An
     np.testing.assert_allclose(spectral, rgb, rtol=0.01, atol=0.002 * rgb.max())
 
 
+@pytest.mark.parametrize("colour", [(0.9, 0.4, 0.1), (0.05, 0.6, 0.9), (0.5, 0.5, 0.5)])
+def test_lambert_has_the_colour_of_mitsubas_diffuse(colour: tuple[float, ...]) -> None:
+    """The spectra differ (Mitsuba's are smoother); what the observer sees does not."""
+    mi.set_variant("scalar_spectral")
+    rgb = {"type": "rgb", "value": list(colour)}
+    ours = mi.load_dict({"type": "gonio_lambert", "rho": rgb})
+    theirs = mi.load_dict({"type": "diffuse", "reflectance": rgb})
+    found, expected = (seen(bsdf, (0, 0, 1), (0, 0.6, 0.8)) for bsdf in (ours, theirs))
+    np.testing.assert_allclose(found, np.array(colour) / np.pi, rtol=0.01, atol=1e-3)
+    # 2 %: Mitsuba's fit of smooth spectra meets a colour to that
+    np.testing.assert_allclose(found, expected, rtol=0.02, atol=3e-3)
+
+
 def test_colours_beside_a_real_spectrum_keep_their_colour() -> None:
     """A grey spectrum changes nothing but that the model computes by wavelength."""
     mi.set_variant("scalar_spectral")

@@ -2,9 +2,9 @@
 
 A model's colours are three numbers, and it computes with each of them alone. In spectral variants it
 computes with the same three, and its result is spread over the wavelengths by three spectra that lie
-between 0 and 1, add up to 1, and look like the primaries of sRGB under daylight (D65). So reflectances, indices,
-extinctions and absorptions alike give the colour that they give in RGB, grey stays grey, and no energy is
-made. Where real spectra meet colours in one model, the colours themselves are spread so.
+between 0 and 1, add up to 1, and look like the primaries of sRGB under daylight (D65). So reflectances,
+indices, extinctions and absorptions alike give the colour that they give in RGB, grey stays grey, and no
+energy is made. Where real spectra meet colours in one model, the colours themselves are spread so.
 
 After Mallett and Yuksel, "Spectral primary decomposition for rendering with sRGB reflectance", EGSR 2019:
 the smoothest such spectra, found here by least squares.
