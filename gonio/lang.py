@@ -85,7 +85,13 @@ def select(condition: Mask, yes: Any, no: Any) -> Any:
     """
     if type(yes) is int and type(no) is int:  # they would become integers, which have no sine
         return dr.select(condition, float(yes), float(no))
-    return dr.select(condition, yes, no)
+    return dr.select(condition, _like(no, yes), _like(yes, no))
+
+
+def _like(other: Any, value: Any) -> Any:
+    """A vector of Python numbers in the precision of the value that it stands beside."""
+    plain = dr.is_array_v(value) and not dr.is_jit_v(value)
+    return type(other)(value) if plain and dr.is_jit_v(other) else value
 
 
 def absolute(x: Any) -> Any:

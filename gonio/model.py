@@ -16,6 +16,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self, get_type_hints
 
+import drjit as dr
+
 from gonio import arrays, notebook, quadrature
 from gonio.claims import Claims
 from gonio.fields import ModelError, Option, Parameter, framework, shown
@@ -354,6 +356,10 @@ def _suggest(name: str, known: Mapping[str, Any]) -> str:
     return f"{did}{'' if near else ';'} known are {', '.join(known)}" if known else ""
 
 
+# Where derivatives end: they are 0 below this cosine, down to the horizon. Those of a sharp highlight grow
+# like the cube of 1 / mu there, and would leave a float32.
+MU_STEEP = 1e-7
+
 # The horizon is handled here and nowhere else. Directions in it or below are replaced by the normal before
 # the model sees them: the values are masked anyway, and their derivatives stay finite that way.
 
@@ -361,18 +367,26 @@ def _suggest(name: str, known: Mapping[str, Any]) -> str:
 def _guard_eval(method: Any, model: Model, wi: Vec3, wo: Vec3) -> Color:
     above_i, above_o = wi.z > MU_MIN, wo.z > MU_MIN
     value = method(model, _upwards(above_i, wi), _upwards(above_o, wo))
-    return select(above_i & above_o, value, 0)
+    value = _steady((wi.z > MU_STEEP) & (wo.z > MU_STEEP), value)
+    # A number of the kernel's type, in which a constant value is then returned
+    return select(above_i & above_o, value, type(wi.z)(0))
 
 
 def _guard_sample(method: Any, model: Model, wo: Vec3, u: Vec2) -> Sample:
     above = wo.z > MU_MIN
     wi, pdf = method(model, _upwards(above, wo), u)
+    wi, pdf = _steady(wo.z > MU_STEEP, wi), _steady(wo.z > MU_STEEP, pdf)
     return Sample(wi, select(above & (wi.z > MU_MIN), pdf, 0))
 
 
 def _guard_albedo(method: Any, model: Model, wo: Vec3) -> Color:
     above = wo.z >= 0  # the albedo has a limit at the horizon
-    return select(above, method(model, _upwards(above, wo)), 0)
+    return select(above, method(model, _upwards(above, wo)), type(wo.z)(0))
+
+
+def _steady(condition: Any, value: Any) -> Any:
+    """A value without its derivative where the condition does not hold."""
+    return select(condition, value, dr.detach(value)) if dr.grad_enabled(value) else value
 
 
 def _upwards(above: Any, w: Vec3) -> Vec3:

@@ -249,13 +249,28 @@ def torrance_sparrow(m, p, wi, wo):
 
 
 def torrance_sparrow_pdf(p, wi, wo):
-    """Density of wi: of visible normals (GGX, Beckmann) or of all normals, over 4 wo.H."""
+    """Density of wi: of visible normals (GGX, Beckmann) or of all normals, over 4 wo.H.
+
+    For Blinn-Phong with a masking that is no larger than Smith's: visible GGX normals, and what they mirror
+    below the horizon is mirrored up again.
+    """
     h = half_vector(Exact, wi, wo)
-    d = DISTRIBUTIONS[p["distribution"]](Exact, p, h)
+    if p["distribution"] == "blinn_phong" and p["masking"] not in ("cook_torrance", "kelemen"):
+        ggx = {**p, "distribution": "ggx"}
+        found = visible_pdf(ggx, h, wo)
+        if wo[2] <= wi[2]:  # no facet mirrors wo that far down
+            return found
+        return found + visible_pdf(ggx, half_vector(Exact, (wi[0], wi[1], -wi[2]), wo), wo)
     if p["distribution"] in ("ggx", "beckmann"):
-        visible = d * dot(wo, h) / ((1 + smith_lambda(Exact, p, wo)) * wo[2])
-        return visible / (4 * dot(wo, h))
-    return d * h[2] / (4 * dot(wo, h))
+        return visible_pdf(p, h, wo)
+    return DISTRIBUTIONS[p["distribution"]](Exact, p, h) * h[2] / (4 * dot(wo, h))
+
+
+def visible_pdf(p, h, wo):
+    """Density of wo mirrored at visible normals."""
+    d = DISTRIBUTIONS[p["distribution"]](Exact, p, h)
+    visible = d * dot(wo, h) / ((1 + smith_lambda(Exact, p, wo)) * wo[2])
+    return visible / (4 * dot(wo, h))
 
 
 def phong(m, p, wi, wo):
@@ -796,16 +811,23 @@ def pdf_rows():
         "beckmann": ("visible normals, G1(wo) D / (4 mu_o)", "heitz2014 Eq. 16 and 66"),
         "blinn_phong": ("normals by D, D (m.z) / (4 wo.m)", "walter2007 Eq. 14"),
     }
+    maskings = {
+        "ggx": ("smith", "smith_correlated", "smith"),
+        "beckmann": ("smith", "smith_correlated", "smith"),
+        "blinn_phong": ("cook_torrance", "kelemen", "cook_torrance"),
+    }
     pairs = itertools.cycle(PAIRS)
     cases = [
         {"alpha": alpha, "distribution": d, "masking": kind, "fresnel": "white"}
         for d in sources
-        for alpha, kind in ((0.3, "smith"), (0.6, "smith_correlated"), (0.15, "smith"))
+        for alpha, kind in zip((0.3, 0.6, 0.15), maskings[d], strict=True)
     ]
     cases += [
         {"alpha": 0.4, "anisotropy": a, "distribution": d, "masking": "smith", "fresnel": "white"}
         for d, a in itertools.product(("ggx", "beckmann"), (0.5, 1.0))
     ]
+    folded = {"distribution": "blinn_phong", "masking": "smith_correlated", "fresnel": "white"}
+    cases += [{"alpha": alpha, **folded} for alpha in (0.3, 1.0)]
     for p in cases:
         count = 0
         while count < 4:
@@ -813,8 +835,11 @@ def pdf_rows():
             value = torrance_sparrow_pdf(exact(p), exact(wi), exact(wo))
             if value > VISIBLE:
                 count += 1
-                drawn, publication = sources[p["distribution"]]
-                publications = [publication, D_SOURCES[p["distribution"]]]
+                d = p["distribution"]
+                drawn, publication = sources[d]
+                if d == "blinn_phong" and p["masking"] not in maskings[d]:
+                    drawn, publication = "visible GGX normals, folded", "heitz2014 Eq. 16 and 72"
+                publications = [publication, D_SOURCES[d]]
                 found_by = source(
                     f"{BY_FORMULA}, {drawn}", publications, HERE, "torrance_sparrow_pdf"
                 )

@@ -11,10 +11,22 @@ the model stays reciprocal. Options restore all three. The metal's index is take
 """
 
 from gonio.claims import Claims, kink, known
-from gonio.lang import MU_MIN, Color, Float, Sample, Vec2, Vec3, maximum, select, vec3
+from gonio.lang import (
+    MU_MIN,
+    Color,
+    Float,
+    Sample,
+    Vec2,
+    Vec3,
+    length,
+    maximum,
+    normalize,
+    select,
+    vec3,
+)
 from gonio.model import Model, option, param
 from gonio.parts.coat import (
-    absorbed_least,
+    attenuation_least,
     ggx_facets,
     optical_depth,
     through_facets,
@@ -22,8 +34,16 @@ from gonio.parts.coat import (
 )
 from gonio.parts.distribution import ALPHA_MIN, pdf_ggx_visible, sample_ggx_visible
 from gonio.parts.frame import cos_half, half_vector, mirror
-from gonio.parts.fresnel import F_conductor, F_denser, transmittance_denser
-from gonio.parts.interface import LOBE_MIN, absorbed, gather, leave, pdf_leave, refract
+from gonio.parts.fresnel import F_conductor, F_dielectric_entering, transmittance_entering
+from gonio.parts.interface import (
+    LOBE_MIN,
+    attenuation,
+    gather,
+    leave,
+    pdf_leave,
+    refract,
+    refracted_sum,
+)
 from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, shares
 from gonio.parts.metals import metal
 from gonio.parts.roughness import at_least_alpha
@@ -88,17 +108,21 @@ class CarPaint(Model):
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """Eq. 2 with a tilted base: BRDF value in 1/sr, without the cosine."""
         cos_h = cos_half(wi, wo)
-        coat = F_denser(cos_h, self.eta) * ggx_facets(wi, wo, self.alpha)
+        facets = ggx_facets(half_vector(wi, wo), wi, wo, self.alpha)
+        coat = F_dielectric_entering(cos_h, self.eta) * facets
 
         if self.transmission == "half_vector":
-            through = through_facets(wi, wo, self.alpha, transmittance_denser(cos_h, self.eta))
+            through = through_facets(wi, wo, self.alpha, transmittance_entering(cos_h, self.eta))
         else:
-            through = transmittance_denser(wi.z, self.eta) * transmittance_denser(wo.z, self.eta)
+            through = transmittance_entering(wi.z, self.eta) * transmittance_entering(
+                wo.z, self.eta
+            )
         if self.solid_angle == "compressed":
             through = through / (self.eta * self.eta)
         wi_t, wo_t = refract(wi, self.eta), refract(wo, self.eta)
-        kept = absorbed(self._depth(), wi_t, wo_t)
-        return coat + self._flake(wi_t, wo_t) * (kept * through)
+        kept = attenuation(self._optical_depth(), wi_t, wo_t)
+        flake = self._flake(wi_t, wo_t, refracted_sum(wi, wo, self.eta))
+        return coat + flake * (kept * through)
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """Visible normals of the coat, or of the flake and then out through the coat."""
@@ -109,16 +133,16 @@ class CarPaint(Model):
         tilted = self._facing(to_tilted(wo_t, n))
         flake = mirror(tilted, sample_ggx_visible(tilted, alpha, alpha, v))
         # What the flake mirrors behind itself is wasted.
-        down = vec3(0 * wo.z, 0 * wo.z, 0 * wo.z - 1)
-        w_flake = leave(select(flake.z > 0, from_tilted(flake, n), down), self.eta)
+        w_flake = leave(select(flake.z > 0, from_tilted(flake, n), vec3(0, 0, -1)), self.eta)
         wi = select(on_coat, w_coat, w_flake)
         return Sample(wi, self.pdf(wi, wo))
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample` in 1/sr."""
         wi_t, wo_t = refract(wi, self.eta), refract(wo, self.eta)
-        refracted = self._pdf_flake(wi_t, wo_t)
-        gathered = self._pdf_flake(gather(wi, self.eta), wo_t)
+        refracted = self._pdf_flake(wi_t, wo_t, refracted_sum(wi, wo, self.eta))
+        w = gather(wi, self.eta)
+        gathered = self._pdf_flake(w, wo_t, w + wo_t)
         below = pdf_leave(refracted, gathered, wi, wi_t, self.eta)
         coat = pdf_ggx_lobe(wi, wo, self.alpha, self.alpha)
         P = self._shares(wo, wo_t)
@@ -127,7 +151,7 @@ class CarPaint(Model):
     def _normal(self) -> Vec3:
         return flake_normal(self.flake_x, self.flake_y, self.distance)
 
-    def _depth(self) -> Color:
+    def _optical_depth(self) -> Color:
         return optical_depth(self.sigma_a, self.thickness)
 
     def _flake_alpha(self) -> Float:
@@ -135,26 +159,28 @@ class CarPaint(Model):
 
     def _facing(self, w: Vec3) -> Vec3:
         """w, or the flake's normal in place of a direction behind it, which is masked elsewhere."""
-        return select(w.z > MU_MIN, w, vec3(0 * w.z, 0 * w.z, 0 * w.z + 1))
+        return select(w.z > MU_MIN, w, vec3(0, 0, 1))
 
-    def _flake(self, wi_t: Vec3, wo_t: Vec3) -> Color:
-        """The metal's BRDF in the flake's frame."""
+    def _flake(self, wi_t: Vec3, wo_t: Vec3, both: Vec3) -> Color:
+        """The metal's BRDF in the flake's frame; both: eta times the sum of the directions."""
         n, alpha = self._normal(), self._flake_alpha()
         tilted_i, tilted_o = to_tilted(wi_t, n), to_tilted(wo_t, n)
         wi, wo = self._facing(tilted_i), self._facing(tilted_o)
-        F = F_conductor(cos_half(wi, wo), self.metal_eta / self.eta, self.metal_k / self.eta)
+        cos_h = 0.5 * length(both) / self.eta
+        F = F_conductor(cos_h, self.metal_eta / self.eta, self.metal_k / self.eta)
         if self.flake_cosine == "light":
             visible = maximum(tilted_i.z, 0) / wi_t.z
         else:
             visible = seen(tilted_i.z, wi_t.z) * seen(tilted_o.z, wo_t.z)
-        return select(tilted_o.z > 0, F * (ggx_facets(wi, wo, alpha) * visible), 0)
+        m = normalize(to_tilted(both, n))
+        return select(tilted_o.z > 0, F * (ggx_facets(m, wi, wo, alpha) * visible), 0)
 
-    def _pdf_flake(self, wi_t: Vec3, wo_t: Vec3) -> Float:
-        """Density inside the coat of the flake's part of `sample`."""
+    def _pdf_flake(self, wi_t: Vec3, wo_t: Vec3, both: Vec3) -> Float:
+        """Density inside the coat of the flake's part of `sample`; both: along the half vector."""
         n, alpha = self._normal(), self._flake_alpha()
         tilted_i, tilted_o = to_tilted(wi_t, n), to_tilted(wo_t, n)
-        wi, wo = self._facing(tilted_i), self._facing(tilted_o)
-        density = pdf_ggx_visible(wo, half_vector(wi, wo), alpha, alpha)
+        m = normalize(to_tilted(both, n))
+        density = pdf_ggx_visible(self._facing(tilted_o), m, alpha, alpha)
         return select((tilted_i.z > 0) & (wi_t.z > 0), density, 0)
 
     def _shares(self, wo: Vec3, wo_t: Vec3) -> Vec2:
@@ -162,8 +188,10 @@ class CarPaint(Model):
         mu = wo.z
         if self.transmission == "half_vector":
             mu = usual_cos_half(wo)
-        below = transmittance_denser(mu, self.eta) * average(absorbed_least(self._depth(), wo_t))
+        below = transmittance_entering(mu, self.eta) * average(
+            attenuation_least(self._optical_depth(), wo_t)
+        )
         tilted = to_tilted(wo_t, self._normal())
         lit = select(tilted.z > 0, below, 0)
-        coat = maximum(F_denser(wo.z, self.eta), COAT_SHARE_MIN * below + LOBE_MIN)
+        coat = maximum(F_dielectric_entering(wo.z, self.eta), COAT_SHARE_MIN * below + LOBE_MIN)
         return shares(coat, lit)

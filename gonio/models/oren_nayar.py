@@ -26,7 +26,8 @@ from gonio.lang import (
 )
 from gonio.model import Model, param
 from gonio.parts import cltc
-from gonio.parts.oren_nayar import qualitative_coefficients, tangential_cross, tangential_dot
+from gonio.parts.frame import tangential_cross, tangential_dot
+from gonio.parts.oren_nayar import qualitative_coefficients
 
 # Smallest product of squared sines that is divided by. Directions nearer to the normal have no
 # azimuth that matters, and the reciprocal's derivative still fits into a float32.

@@ -17,13 +17,15 @@ from gonio.lang import (
     Vec2,
     Vec3,
     clamp,
+    length,
     lerp,
     maximum,
+    normalize,
     select,
 )
 from gonio.model import Model, option, param
 from gonio.parts.coat import (
-    absorbed_least,
+    attenuation_least,
     ggx_facets,
     optical_depth,
     through_facets,
@@ -33,10 +35,19 @@ from gonio.parts.distribution import ALPHA_MIN, pdf_ggx_visible, sample_ggx_visi
 from gonio.parts.frame import cos_half, half_vector, mirror
 from gonio.parts.fresnel import F_conductor, transmittance_conductor
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
-from gonio.parts.interface import LOBE_MIN, absorbed, gather, leave, pdf_leave, refract
+from gonio.parts.interface import (
+    LOBE_MIN,
+    attenuation,
+    gather,
+    leave,
+    pdf_leave,
+    refract,
+    refracted_sum,
+)
 from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, shares
 from gonio.parts.metals import metal
 from gonio.parts.roughness import at_least_alpha
+from gonio.parts.special import sum3
 
 COPPER, CUPRITE = metal("Cu"), metal("Cu2O", neutral=True)
 
@@ -87,11 +98,9 @@ class Patina(Model):
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """The bare and the coated metal, mixed: BRDF value in 1/sr, without the cosine."""
-        grown = self._grown()
-        bare = self._metal(wi, wo, self._metal_alpha())
-        # Not lerp, which may be bare + grown (coated - bare) in a shader: a sharp highlight of a metal that
-        # is all covered would leave its rounding error
-        return (1 - grown) * bare + grown * self._coated(wi, wo)
+        alpha = self._metal_alpha()
+        bare = self._metal_F(cos_half(wi, wo)) * ggx_facets(half_vector(wi, wo), wi, wo, alpha)
+        return self._bare() * bare + self._grown() * self._coated(wi, wo)
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """One of the bare metal, the patina's surface, its diffuse part, and the metal below."""
@@ -116,7 +125,8 @@ class Patina(Model):
         index = average(self.coat_eta)
         alpha, below_alpha = self._metal_alpha(), self._below_alpha()
         wi_t, wo_t = refract(wi, index), refract(wo, index)
-        m, m_gathered = half_vector(wi_t, wo_t), half_vector(gather(wi, index), wo_t)
+        m = normalize(refracted_sum(wi, wo, index))
+        m_gathered = half_vector(gather(wi, index), wo_t)
         refracted = pdf_ggx_visible(wo_t, m, below_alpha, below_alpha)
         gathered = pdf_ggx_visible(wo_t, m_gathered, below_alpha, below_alpha)
         below = pdf_leave(refracted, gathered, wi, wi_t, index)
@@ -126,44 +136,52 @@ class Patina(Model):
 
     def _grown(self) -> Float:
         """extentFactor: 1 - smoothstep(extent - transition, extent + transition, growth)."""
-        start = self.extent - self.transition
-        t = clamp((self.growth - start) / (2 * self.transition), 0, 1)
-        return (1 - t) * (1 - t) * (1 + 2 * t)
+        rest = sum3(self.extent, -self.growth, self.transition) / (2 * self.transition)
+        t = clamp(rest, 0, 1)
+        return t * t * (3 - 2 * t)
+
+    def _bare(self) -> Float:
+        """1 - extentFactor, with all its digits: a sharp highlight counts however little of it is left."""
+        rise = sum3(self.growth, -self.extent, self.transition) / (2 * self.transition)
+        t = clamp(rise, 0, 1)
+        return t * t * (3 - 2 * t)
 
     def _metal_alpha(self) -> Float:
-        grown = self._grown()
-        return (1 - grown) * self.bare_alpha + grown * self.grown_alpha  # not lerp, as in eval
+        return self._bare() * self.bare_alpha + self._grown() * self.grown_alpha
 
     def _below_alpha(self) -> Float:
         """The metal's width under the patina, at least that of the patina itself (Figure 2)."""
         return maximum(self._metal_alpha(), self.alpha)
 
-    def _depth(self) -> Color:
+    def _optical_depth(self) -> Color:
         return optical_depth(self.sigma_a, self.thickness)
 
     def _metal_F(self, cos_h: Float) -> Color:
         """The metal's reflectance: its index turns into the patina's as that grows, and it tarnishes."""
-        grown = self._grown()
-        eta = lerp(self.metal_eta, self.coat_eta, grown)
-        k = lerp(self.metal_k, self.coat_k, grown)
+        bare, grown = self._bare(), self._grown()
+        eta = bare * self.metal_eta + grown * self.coat_eta
+        k = bare * self.metal_k + grown * self.coat_k
         return F_conductor(cos_h, eta, k) * lerp(1, self.tarnish_tint, self.tarnish)
-
-    def _metal(self, wi: Vec3, wo: Vec3, alpha: Float) -> Color:
-        return self._metal_F(cos_half(wi, wo)) * ggx_facets(wi, wo, alpha)
 
     def _coated(self, wi: Vec3, wo: Vec3) -> Color:
         """Eq. 2 with a coat that scatters."""
         cos_h, index = cos_half(wi, wo), average(self.coat_eta)
         F = F_conductor(cos_h, self.coat_eta, self.coat_k)
         T = transmittance_conductor(cos_h, self.coat_eta, self.coat_k)
-        surface = F * ggx_facets(wi, wo, self.alpha) + (1 - self.sigma_a) * T * INV_PI
+        surface = (
+            F * ggx_facets(half_vector(wi, wo), wi, wo, self.alpha)
+            + (1 - self.sigma_a) * T * INV_PI
+        )
 
         through = through_facets(wi, wo, self.alpha, T)
         if self.solid_angle == "compressed":
             through = through / (index * index)
         wi_t, wo_t = refract(wi, index), refract(wo, index)
-        kept = absorbed(self._depth(), wi_t, wo_t)
-        return surface + self._metal(wi_t, wo_t, self._below_alpha()) * through * kept
+        kept = attenuation(self._optical_depth(), wi_t, wo_t)
+        both = refracted_sum(wi, wo, index)
+        metal = self._metal_F(0.5 * length(both) / index)
+        metal = metal * ggx_facets(normalize(both), wi_t, wo_t, self._below_alpha())
+        return surface + metal * through * kept
 
     def _shares(self, wo: Vec3) -> tuple[Vec2, Vec2, Vec2]:
         """Probabilities: bare metal or patina; of that, surface or not; of the rest, diffuse or below."""
@@ -172,10 +190,10 @@ class Patina(Model):
         F = F_conductor(wo.z, self.coat_eta, self.coat_k)
         T = transmittance_conductor(usual_cos_half(wo), self.coat_eta, self.coat_k)
         F_metal = self._metal_F(wo.z)
-        bare = (1 - grown) * average(F_metal)
+        bare = self._bare() * average(F_metal)
         coat = grown * average(F)
         diffuse = grown * average((1 - self.sigma_a) * T)
-        kept = absorbed_least(self._depth(), wo_t)
+        kept = attenuation_least(self._optical_depth(), wo_t)
         below = grown * average(T * kept * F_metal) + LOBE_MIN
         inside = diffuse + below
         P_bare, P_coat = shares(bare, coat + inside), shares(coat, inside)

@@ -8,12 +8,12 @@ from gonio.claims import Claims, kink, known
 from gonio.lang import INV_PI, PI, Color, Float, Sample, Vec2, Vec3
 from gonio.model import Model, param
 from gonio.parts import cltc
+from gonio.parts.frame import tangential_dot
 from gonio.parts.oren_nayar import (
     MEAN_G_FUJII,
     G_fujii,
     qualitative_coefficients,
     s_over_t_fujii,
-    tangential_dot,
 )
 
 

@@ -29,7 +29,8 @@ from gonio.lang import (
 from gonio.model import Model, option, param
 from gonio.parts import distribution, frame, fresnel, ggx_loss, masking
 from gonio.parts.distribution import ALPHA_MIN
-from gonio.parts.hemisphere import pdf_cosine, sample_cosine
+from gonio.parts.hemisphere import pdf_grazing, sample_grazing
+from gonio.parts.lobes import pdf_ggx_lobe, sample_ggx_lobe
 from gonio.parts.metals import metal
 from gonio.parts.roughness import at_least_alpha
 
@@ -42,6 +43,9 @@ ETA_MIN, ETA_MAX = 0.01, 20.0
 # It is exact for Schlick's F.
 MU_1, MU_2, MU_3 = 0.21234053823915294, 0.59053313555926529, 0.91141204048729605
 W_1, W_2, W_3 = 0.13965395980290825, 0.45848221271917249, 0.40186382747791926
+
+# What is lost at a cosine mu goes like mu / (mu^2 + (1.5 alpha)^2), near enough to be sampled by.
+LOST_WIDTH = 1.5
 
 # Smallest share of the samples that the compensation gets, so that no weight grows without bound.
 SHARE_MIN = 0.05
@@ -108,6 +112,8 @@ class TorranceSparrow(Model):
         "Wastes the samples that a facet mirrors below the horizon: at most 52 % of them where it is "
         "isotropic, 74 % where it is stretched.",
         "compensation='turquin' is not reciprocal.",
+        "float32 loses digits of an index near 0.01: all but its square cancels where the facet is met "
+        "head-on.",
         "Reflects more than it receives with maskings that do not belong to the distribution, up to: "
         "schlick_ggx 2.99, schlick_beckmann 1.83, neumann 1.58; with Beckmann's masking for other facets, "
         "blinn_phong 1.78, gaussian 1.08.",
@@ -125,13 +131,13 @@ class TorranceSparrow(Model):
             known(1.09, compensation="turquin"),
         ),
         reciprocity=known(0.7, compensation="turquin"),
-        float32=known(2e-5, fresnel="dielectric"),
+        float32=known(5e-5, fresnel=("conductor", "dielectric")),
         wasted=(
             known(0.404, compensation="kulla_conty"),
             known(0.663, distribution="beckmann"),
-            known(0.5, distribution="blinn_phong"),
+            known(0.5, distribution="blinn_phong", masking=("cook_torrance", "kelemen")),
             known(0.509, distribution="gaussian"),
-            known(0.74),
+            known(0.74, distribution="ggx"),
         ),
         numeric_albedo=(
             known(0.03, fresnel="dielectric"),
@@ -174,25 +180,35 @@ class TorranceSparrow(Model):
         return single
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
-        """Visible normals where the masking has them, else normals; a cosine lobe for Kulla-Conty."""
+        """Visible normals where the masking has them, else normals; a grazing lobe for Kulla-Conty."""
         if self.compensation == "kulla_conty":
             share = self._diffuse_share(wo)
             diffuse = u.x < share
             u1 = select(diffuse, u.x / share, (u.x - share) / (1 - share))
             facet = frame.mirror(wo, self._sample_m(wo, vec2(u1, u.y)))
-            wi = select(diffuse, sample_cosine(vec2(u1, u.y)), facet)
+            lost = sample_grazing(LOST_WIDTH * self.alpha, vec2(u1, u.y))
+            wi = select(diffuse, lost, facet)
+        elif self.distribution == "blinn_phong" and self.masking not in (
+            "cook_torrance",
+            "kelemen",
+        ):
+            # GGX's longer tail: Blinn-Phong's own normals have weights without bound in the horizon
+            wi = sample_ggx_lobe(wo, self.alpha, self.alpha, u)
         else:
             wi = frame.mirror(wo, self._sample_m(wo, u))
         return Sample(wi, self.pdf(wi, wo))
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample` in 1/sr."""
+        if self.distribution == "blinn_phong" and self.masking not in ("cook_torrance", "kelemen"):
+            return pdf_ggx_lobe(wi, wo, self.alpha, self.alpha)
         m = frame.half_vector(wi, wo)
         cos_h = frame.cos_half(wi, wo)
         specular = self._pdf_m(wo, m, cos_h)
         if self.compensation == "kulla_conty":
             share = self._diffuse_share(wo)
-            return share * pdf_cosine(wi) + (1 - share) * specular
+            lost = pdf_grazing(wi, LOST_WIDTH * self.alpha)
+            return share * lost + (1 - share) * specular
         return specular
 
     def facet_terms(self, wi: Vec3, wo: Vec3) -> dict[str, Float]:
@@ -266,7 +282,7 @@ class TorranceSparrow(Model):
             return fresnel.F_schlick(cos_h, self.f0, self.f90)
         if self.fresnel == "lazanyi":
             return fresnel.F_lazanyi(cos_h, self.eta, self.k)
-        return 1 + 0 * self.f0
+        return 1
 
     def _F_mean(self) -> Color:
         """Mean of F over the hemisphere, by Gauss's rule."""

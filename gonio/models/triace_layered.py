@@ -22,28 +22,28 @@ from gonio.lang import (
     lerp,
     maximum,
     select,
-    sqrt,
     vec3,
 )
 from gonio.model import Model, option, param
 from gonio.parts import cltc
 from gonio.parts.coat import optical_depth, usual_cos_half
 from gonio.parts.distribution import blinn_phong_alpha
-from gonio.parts.frame import cos_half
+from gonio.parts.frame import cos_half, tangential_dot
 from gonio.parts.fresnel import (
-    F_between,
+    F_below,
+    F_dielectric_entering,
     f0_between,
     f0_from_eta,
-    refracted_cos2,
     schlick_weight,
     schlick_weight_half,
-    transmittance_denser,
+    transmittance_below,
+    transmittance_entering,
     transmittance_lazanyi,
 )
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
-from gonio.parts.interface import LOBE_MIN, absorbed, refract
+from gonio.parts.interface import LOBE_MIN, attenuation, refract
 from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, shares
-from gonio.parts.oren_nayar import s_over_t_fujii, tangential_dot
+from gonio.parts.oren_nayar import s_over_t_fujii
 from gonio.parts.roughness import at_most_blinn_phong
 from gonio.parts.triace import blinn_phong_highlight
 
@@ -165,32 +165,32 @@ class TriAceLayered(Model):
         n1, n2 = self.top_eta, self.bottom_eta
         if self.bottom_fresnel == "exact":
             # Both crossings of the upper surface have the same F at angles that belong together.
-            T = transmittance_denser(cos_h, n1)
-            cos_t = sqrt(refracted_cos2(cos_h, n1)) / n1
-            inner = F_between(cos_t, n1, n2) * T
-            glossy = T * inner
-        else:
-            T = transmittance_lazanyi(cos_h, n1)  # with k = 0, which is Schlick's
-            inner = f0_between(n1, n2) * (1 - f0_from_eta(n1)) + 0 * cos_h
-            glossy = inner
+            F, T = F_dielectric_entering(cos_h, n1), transmittance_entering(cos_h, n1)
+            glossy, lost = T * T * F_below(cos_h, n1, n2), T * transmittance_below(cos_h, n1, n2)
+            # 1 - T F_below and 1 - T T F_below without their cancellation
             if self.top_transmission == "on":
-                glossy = T * inner
+                return BottomFresnel(glossy, T * (F + lost))
+            return BottomFresnel(glossy, F * (1 + T) + T * lost)
+        T = transmittance_lazanyi(cos_h, n1)  # with k = 0, which is Schlick's
+        inner = f0_between(n1, n2) * (1 - f0_from_eta(n1))
         if self.top_transmission == "on":
-            return BottomFresnel(glossy, T * (1 - inner))
-        return BottomFresnel(glossy, 1 - glossy)
+            return BottomFresnel(T * inner, T * (1 - inner))
+        return BottomFresnel(inner, 1 - inner)
 
-    def _depth(self) -> Color:
+    def _optical_depth(self) -> Color:
         return optical_depth(self.sigma_a, self.thickness)
 
     def _absorption(self, wi: Vec3, wo: Vec3) -> Color:
         """Eq. 2 or 3."""
         if self.absorption == "exact":
-            return absorbed(self._depth(), refract(wi, self.top_eta), refract(wo, self.top_eta))
-        return maximum(1 - self._depth() * (1 / wi.z + 1 / wo.z), 0)
+            return attenuation(
+                self._optical_depth(), refract(wi, self.top_eta), refract(wo, self.top_eta)
+            )
+        return maximum(1 - self._optical_depth() * (1 / wi.z + 1 / wo.z), 0)
 
     def _diffuse_shape(self, wi: Vec3, wo: Vec3) -> Float:
         if self.diffuse == "lambert":
-            return 1 + 0 * wi.z
+            return 1
         A, B = self._coefficients()
         return A + B * s_over_t_fujii(tangential_dot(wi, wo), wi, wo)
 
@@ -208,8 +208,7 @@ class TriAceLayered(Model):
         """Probabilities: upper highlight or lower layer; of that, its highlight or its diffuse part."""
         glossy, matte = self._bottom_fresnel(usual_cos_half(wo))
         # The shortest way in, the light's, bounds what the absorption can leave.
-        up = vec3(0 * wo.z, 0 * wo.z, 0 * wo.z + 1)
-        kept = self._absorption(up, wo)
+        kept = self._absorption(vec3(0, 0, 1), wo)
         top = lerp(f0_from_eta(self.top_eta), 1, schlick_weight(wo.z))
         bottom, diffuse = glossy * average(kept), matte * average(kept * self.rho) + LOBE_MIN
         lower = bottom + diffuse

@@ -12,6 +12,7 @@ from gonio.claims import UNBOUNDED, Claims, kink, known
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3
 from gonio.model import Model, option, param
 from gonio.parts import cltc
+from gonio.parts.frame import tangential_dot
 from gonio.parts.oren_nayar import (
     MEAN_G_FUJII,
     MEAN_G_QUALITATIVE,
@@ -20,7 +21,6 @@ from gonio.parts.oren_nayar import (
     s_over_max,
     s_over_t_fujii,
     s_over_t_qualitative,
-    tangential_dot,
 )
 
 
@@ -88,12 +88,10 @@ class TriAceOrenNayar(Model):
         """rho (A + B G / pi); for eq24 the azimuth averages s to nothing and rho A remains."""
         A, B = self._coefficients()
         if self.variant == "eq23":
-            G = G_qualitative(wo.z)
-        elif self.variant == "eq24":
-            G = 0 * wo.z
-        else:
-            G = G_fujii(wo.z)
-        return self.rho * (A + B * INV_PI * G)
+            return self.rho * (A + B * INV_PI * G_qualitative(wo.z))
+        if self.variant == "eq24":
+            return self.rho * A
+        return self.rho * (A + B * INV_PI * G_fujii(wo.z))
 
     def mean_albedo(self) -> Color:
         """Hemispherical mean of `albedo`."""

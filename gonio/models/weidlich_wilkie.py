@@ -11,13 +11,18 @@ both crossings, the compression of solid angles, and the light that bounces betw
 from gonio.claims import Claims, kink, known
 from gonio.lang import Color, Float, Sample, Vec2, Vec3, maximum, select
 from gonio.model import Model, child, option, param
-from gonio.parts.coat import absorbed_least, optical_depth, usual_cos_half
+from gonio.parts.coat import attenuation_least, optical_depth, usual_cos_half
 from gonio.parts.distribution import ALPHA_MIN, D_beckmann_round, D_ggx, sample_beckmann, sample_ggx
 from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
-from gonio.parts.fresnel import F_denser, F_lazanyi, transmittance_denser, transmittance_lazanyi
+from gonio.parts.fresnel import (
+    F_dielectric_entering,
+    F_lazanyi,
+    transmittance_entering,
+    transmittance_lazanyi,
+)
 from gonio.parts.interface import (
     LOBE_MIN,
-    absorbed,
+    attenuation,
     diffuse_return,
     gather,
     leave,
@@ -112,11 +117,11 @@ class WeidlichWilkie(Model):
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """Eq. 2: BRDF value in 1/sr, without the cosine."""
         wi_t, wo_t = refract(wi, self.eta), refract(wo, self.eta)
-        depth = self._depth()
+        tau = self._optical_depth()
         through = self._transmitted(wi, wo) * self._compression()
-        below = self._below().eval_above(wi_t, wo_t) * (absorbed(depth, wi_t, wo_t) * through)
+        below = self._below().eval_above(wi_t, wo_t) * (attenuation(tau, wi_t, wo_t) * through)
         if self.bounces == "diffuse":
-            below = below / (1 - self.base.mean_albedo() * diffuse_return(depth, self.eta))
+            below = below / (1 - self.base.mean_albedo() * diffuse_return(tau, self.eta))
         if self.interface == "smooth":
             return below
         cos_h = cos_half(wi, wo)
@@ -172,7 +177,7 @@ class WeidlichWilkie(Model):
         m = half_vector(wi, wo)
         return pdf_mirror(self._D(m) * m.z, cos_half(wi, wo))
 
-    def _depth(self) -> Color:
+    def _optical_depth(self) -> Color:
         """Optical depth of the coat along its normal (Eq. 3)."""
         return optical_depth(self.sigma_a, self.thickness)
 
@@ -184,13 +189,13 @@ class WeidlichWilkie(Model):
 
     def _F(self, cos_h: Float) -> Float:
         if self.fresnel == "exact":
-            return F_denser(cos_h, self.eta)
+            return F_dielectric_entering(cos_h, self.eta)
         return F_lazanyi(cos_h, self.eta, 0)
 
     def _T(self, cos_theta: Float) -> Float:
         """1 - F."""
         if self.fresnel == "exact":
-            return transmittance_denser(cos_theta, self.eta)
+            return transmittance_entering(cos_theta, self.eta)
         return transmittance_lazanyi(cos_theta, self.eta)
 
     def _D(self, m: Vec3) -> Float:
@@ -236,6 +241,6 @@ class WeidlichWilkie(Model):
         mu = wo.z
         if self.transmission == "half_vector":
             mu = usual_cos_half(wo)
-        through = self._T(mu) * average(absorbed_least(self._depth(), wo_t))
+        through = self._T(mu) * average(attenuation_least(self._optical_depth(), wo_t))
         reflected = maximum(self._F(wo.z), COAT_SHARE_MIN * through + LOBE_MIN)
         return shares(reflected, through)

@@ -5,14 +5,13 @@ Source: Elek, "Layered materials in real-time rendering", CESCG 2010, Eq. 2 to 4
 
 from gonio.lang import Color, Float, Vec3, vec3
 from gonio.parts.distribution import D_ggx
-from gonio.parts.frame import half_vector
-from gonio.parts.interface import absorbed
+from gonio.parts.interface import attenuation
 from gonio.parts.masking import V_smith_correlated_ggx
 
 
-def ggx_facets(wi: Vec3, wo: Vec3, alpha: Float) -> Float:
-    """D G / (4 mu_i mu_o) of GGX with height-correlated Smith: times F it is a reflection."""
-    D = D_ggx(half_vector(wi, wo), alpha, alpha)
+def ggx_facets(m: Vec3, wi: Vec3, wo: Vec3, alpha: Float) -> Float:
+    """D G / (4 mu_i mu_o) of GGX with height-correlated Smith at the half vector m; F is missing."""
+    D = D_ggx(m, alpha, alpha)
     return D * V_smith_correlated_ggx(wi, wo, alpha, alpha)
 
 
@@ -27,10 +26,9 @@ def optical_depth(sigma_a: Color, thickness: Float) -> Color:
     return sigma_a * vec3(thickness, thickness, thickness)
 
 
-def absorbed_least(depth: Color, wo: Vec3) -> Color:
-    """The most that `absorbed` leaves of light that goes out along wo: it came in along the normal."""
-    up = vec3(0 * wo.z, 0 * wo.z, 0 * wo.z + 1)
-    return absorbed(depth, up, wo)
+def attenuation_least(optical_depth: Color, wo: Vec3) -> Color:
+    """The most that `attenuation` leaves of light that goes out along wo: it came in along the normal."""
+    return attenuation(optical_depth, vec3(0, 0, 1), wo)
 
 
 def usual_cos_half(wo: Vec3) -> Float:

@@ -293,7 +293,7 @@ def density_gaussian(m: Vec3, alpha: Float) -> Float:
     theta = _angle(m)
     t = theta / alpha
     sine = safe_sqrt(m.x * m.x + m.y * m.y)
-    ratio = select(sine > 0, theta / maximum(sine, MU_MIN), 1)
+    ratio = select(sine > MU_MIN, theta / maximum(sine, MU_MIN), 1)
     return INV_PI * exp(-t * t) * ratio / (alpha * alpha * _gaussian_covered(alpha))
 
 

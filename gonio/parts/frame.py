@@ -4,7 +4,7 @@ Source of `pdf_mirror`: Walter, Marschner, Li, Torrance, "Microfacet models for 
 surfaces", EGSR 2007.
 """
 
-from gonio.lang import Float, Vec2, Vec3, dot, length, maximum, select, sqrt, vec2, vec3
+from gonio.lang import Float, Vec2, Vec3, dot, fma, length, maximum, select, sqrt, vec2, vec3
 
 # Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
 # of its reciprocal still fits into a float32.
@@ -27,6 +27,24 @@ def from_frame(w: Vec3, axis: Vec2) -> Vec3:
 def to_frame(w: Vec3, axis: Vec2) -> Vec3:
     """A direction relative to an azimuth (cosine, sine): the inverse of `from_frame`."""
     return vec3(axis.x * w.x + axis.y * w.y, axis.x * w.y - axis.y * w.x, w.z)
+
+
+def tangential_dot(wi: Vec3, wo: Vec3) -> Float:
+    """s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
+
+    It is divided by cosines that may be tiny, so its last bits count: the rounding error of one
+    product is carried along (Kahan), which plain wi.x wo.x + wi.y wo.y or dot(wi, wo) - mu_i mu_o loses.
+    """
+    q = wi.y * wo.y
+    error = fma(wi.y, wo.y, -q)
+    return fma(wi.x, wo.x, q) + error
+
+
+def tangential_cross(wi: Vec3, wo: Vec3) -> Float:
+    """sin(phi_o - phi_i) sin(theta_i) sin(theta_o), as exact as `tangential_dot`."""
+    q = wi.y * wo.x
+    error = fma(wi.y, wo.x, -q)
+    return fma(wi.x, wo.y, -q) - error
 
 
 def half_vector(wi: Vec3, wo: Vec3) -> Vec3:

@@ -6,6 +6,7 @@ may be numbers or colours.
 """
 
 from gonio.lang import (
+    MU_MIN,
     Color,
     Float,
     Vec3,
@@ -13,6 +14,7 @@ from gonio.lang import (
     dot,
     fma,
     maximum,
+    minimum,
     select,
     sqrt,
 )
@@ -32,32 +34,36 @@ def schlick_weight(cos_theta: Float) -> Float:
 
 def F_schlick(cos_theta: Float, f0: Color, f90: Color) -> Color:
     """Schlick, "An inexpensive BRDF model for physically-based rendering", 1994, Eq. 15, with an F90."""
-    # 1 - k^5 with k = 1 - c, without its cancellation in the horizon
-    k = 1 - cos_theta
-    rest = cos_theta * (1 + k * (1 + k * (1 + k * (1 + k))))
-    return f0 * rest + f90 * schlick_weight(cos_theta)
+    c = minimum(cos_theta, 1)  # a half vector's cosine may be rounded up
+    return f0 * schlick_complement(c) + f90 * schlick_weight(c)
 
 
-def F_denser(cos_theta: Float, eta: Color) -> Color:
+def F_dielectric_entering(cos_theta: Float, eta: Color) -> Color:
     """Exact reflectance of a dielectric with eta >= 1, which never reflects all light."""
+    # c^2 with its rounding error: at grazing angles little else is left
+    return _F_dielectric(cos_theta, eta, maximum(refracted_cos2(cos_theta, eta), MU_MIN * MU_MIN))
+
+
+def _F_dielectric(cos_theta: Float, eta: Color, g2: Color) -> Color:
+    """The same from the square of g = eta cos(theta_t)."""
     # r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
     # difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2),
     # so that the mean of both squares is a product.
     c = cos_theta
-    contrast = (eta - 1) * (eta + 1)
     sin2 = 1 - c * c
-    # c^2 with its rounding error: at grazing angles, and at the critical one, little else is left
-    g = sqrt(maximum(fma(c, c, contrast), ROOT_MIN))
+    g = sqrt(g2)
     s, p = c + g, c * g
-    r_s = contrast / (s * s)
+    r_s = (eta - 1) * (eta + 1) / (s * s)
     q = p + sin2
     return r_s * r_s * ((p * p + sin2 * sin2) / (q * q))
 
 
 def F_dielectric(cos_theta: Float, eta: Color) -> Color:
     """Exact reflectance of a dielectric. Below eta = 1 all light is reflected past the critical angle."""
-    g2 = fma(cos_theta, cos_theta, (eta - 1) * (eta + 1))
-    return select(g2 > ROOT_MIN, F_denser(cos_theta, eta), 1)
+    c = cos_theta
+    # Of a small index little but eta^2 - sin^2 is left near the normal
+    g2 = select(c > 0.75, eta * eta - fma(-c, c, 1), refracted_cos2(c, eta))
+    return select(g2 > ROOT_MIN, _F_dielectric(c, eta, maximum(g2, ROOT_MIN)), 1)
 
 
 def F_conductor(cos_theta: Float, eta: Color, k: Color) -> Color:
@@ -69,8 +75,8 @@ def F_conductor(cos_theta: Float, eta: Color, k: Color) -> Color:
     c2 = c * c
     sin2 = 1 - c2
     w_re = contrast_re + c2
-    im2 = 4 * half_im * half_im
-    w_abs = sqrt(w_re * w_re + im2)
+    im = 2 * half_im
+    w_abs = sqrt(w_re * w_re + im * im)
     # Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     large = sqrt(0.5 * (w_abs + absolute(w_re)))
     g_re = select(w_re > 0, large, half_im / large)
@@ -78,9 +84,9 @@ def F_conductor(cos_theta: Float, eta: Color, k: Color) -> Color:
     cross = 2 * c * g_re
     s_abs2 = c2 + w_abs + cross
     p = c2 * w_abs + sin2 * sin2
-    # One quotient after the other: for a matched index in the horizon the squares would leave a float32
-    R_s = (contrast_re * contrast_re + im2) / s_abs2 / s_abs2
-    return R_s * (p / (p + cross * sin2))
+    # Quotients before their squares: for a matched index in the horizon these would leave a float32
+    r_re, r_im = contrast_re / s_abs2, im / s_abs2
+    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2))
 
 
 def F_lazanyi(cos_theta: Float, eta: Color, k: Color) -> Color:
@@ -93,7 +99,8 @@ def F_lazanyi(cos_theta: Float, eta: Color, k: Color) -> Color:
     below = eta - 1
     above = eta + 1
     k2 = k * k
-    return (below * below + 4 * eta * schlick_weight(cos_theta) + k2) / (above * above + k2)
+    weight = schlick_weight(minimum(cos_theta, 1))
+    return (below * below + 4 * eta * weight + k2) / (above * above + k2)
 
 
 def f0_from_eta(eta: Color) -> Color:
@@ -122,11 +129,11 @@ def refracted_cos2(mu: Float, eta: Float) -> Float:
     return fma(mu, mu, (eta - 1) * (eta + 1))
 
 
-def transmittance_denser(mu: Float, eta: Float) -> Float:
+def transmittance_entering(mu: Float, eta: Float) -> Float:
     """1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes."""
     # 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
     # with q = c g + sin^2(theta)
-    g = sqrt(maximum(refracted_cos2(mu, eta), ROOT_MIN))
+    g = sqrt(maximum(refracted_cos2(mu, eta), MU_MIN * MU_MIN))
     s, p = mu + g, mu * g
     q = p + (1 - mu * mu)
     return 2 * p * (q * q + eta * eta) / (s * s * (q * q))
@@ -134,7 +141,7 @@ def transmittance_denser(mu: Float, eta: Float) -> Float:
 
 def transmittance(mu: Float, eta: Float) -> Float:
     """1 - F of a smooth dielectric, 0 where it reflects totally."""
-    return select(refracted_cos2(mu, eta) > ROOT_MIN, transmittance_denser(mu, eta), 0)
+    return select(refracted_cos2(mu, eta) > ROOT_MIN, transmittance_entering(mu, eta), 0)
 
 
 def transmittance_lazanyi(cos_theta: Float, eta: Float) -> Float:
@@ -161,23 +168,37 @@ def transmittance_conductor(cos_theta: Float, eta: Color, k: Color) -> Color:
     return 2 * c * (T_s + T_p)
 
 
-def F_between(cos_theta: Float, n1: Float, n2: Float) -> Float:
-    """Exact reflectance between two dielectrics, with the cosine on the side of n1.
+def F_below(cos_theta: Float, n1: Float, n2: Float) -> Float:
+    """Exact reflectance of the lower surface, between layers of n1 and n2, at a cosine above the upper one.
 
-    `F_dielectric` for n2 / n1; the difference of the two indices keeps its digits here.
+    Both indices are at least 1, relative to where the cosine is: nothing is reflected totally.
     """
-    c = n1 * cos_theta
-    contrast = (n2 - n1) * (n2 + n1)
-    g2 = contrast + c * c
-    g = sqrt(maximum(g2, ROOT_MIN))
-    s, p = c + g, n2 * n2 * c + n1 * n1 * g
-    r_s = contrast / (s * s)
-    r_p = contrast * ((n2 * n2 + n1 * n1) * c * c - n1 * n1 * n1 * n1) / (p * p)
-    return select(g2 > 0, 0.5 * (r_s * r_s + r_p * r_p), 1)
+    # With g = n cos(theta) on both sides: r_s = (g1 - g2) / (g1 + g2), r_p = (n2^2 g1 - n1^2 g2) / p. Both
+    # differences leave n1^2 - n2^2 as a factor, and g from the cosine above has no cancellation.
+    g1, g2 = _below(cos_theta, n1), _below(cos_theta, n2)
+    a, b = n1 * n1, n2 * n2
+    sin2 = (1 - cos_theta) * (1 + cos_theta)
+    contrast = (n1 - n2) * (n1 + n2)
+    s, p = g1 + g2, b * g1 + a * g2
+    r_s, r_p = contrast / (s * s), contrast * (a * b - sin2 * (a + b)) / (p * p)
+    return 0.5 * (r_s * r_s + r_p * r_p)
+
+
+def transmittance_below(cos_theta: Float, n1: Float, n2: Float) -> Float:
+    """1 - F_below; exact where it nearly vanishes."""
+    g1, g2 = _below(cos_theta, n1), _below(cos_theta, n2)
+    a, b = n1 * n1, n2 * n2
+    s, p = g1 + g2, b * g1 + a * g2
+    return 2 * (g1 / s * (g2 / s) + a * b * (g1 / p) * (g2 / p))
+
+
+def _below(cos_theta: Float, n: Float) -> Float:
+    """n times the cosine inside a layer of index n."""
+    return sqrt(maximum(refracted_cos2(cos_theta, n), MU_MIN * MU_MIN))
 
 
 def f0_between(n1: Float, n2: Float) -> Float:
-    """The same at normal incidence."""
+    """`F_below` at normal incidence."""
     r = (n2 - n1) / (n2 + n1)
     return r * r
 

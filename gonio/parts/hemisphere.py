@@ -1,6 +1,20 @@
-"""Cosine-weighted and uniform sampling of the upper hemisphere."""
+"""Cosine-weighted, uniform and grazing sampling of the upper hemisphere."""
 
-from gonio.lang import INV_PI, INV_TWO_PI, TWO_PI, Float, Vec2, Vec3, cos, safe_sqrt, sin, vec3
+from gonio.lang import (
+    INV_PI,
+    INV_TWO_PI,
+    TWO_PI,
+    Float,
+    Vec2,
+    Vec3,
+    cos,
+    log,
+    minimum,
+    safe_sqrt,
+    sin,
+    vec3,
+)
+from gonio.parts.special import expm1
 
 
 def sample_cosine(u: Vec2) -> Vec3:
@@ -27,3 +41,19 @@ def sample_uniform(u: Vec2) -> Vec3:
 def pdf_uniform() -> Float:
     """Density of `sample_uniform` in 1/sr."""
     return INV_TWO_PI
+
+
+def sample_grazing(width: Float, u: Vec2) -> Vec3:
+    """A direction with a density like mu / (mu^2 + width^2): near the horizon for a small width."""
+    # The inverse of log(1 + mu^2 / width^2) / log(1 + 1 / width^2)
+    w2 = width * width
+    z2 = minimum(w2 * expm1((1 - u.x) * log(1 + 1 / w2)), 1)
+    r = safe_sqrt(1 - z2)
+    phi = TWO_PI * u.y
+    return vec3(r * cos(phi), r * sin(phi), safe_sqrt(z2))
+
+
+def pdf_grazing(w: Vec3, width: Float) -> Float:
+    """Density of `sample_grazing` in 1/sr, for w above the horizon."""
+    w2 = width * width
+    return INV_PI * w.z / ((w.z * w.z + w2) * log(1 + 1 / w2))

@@ -51,12 +51,22 @@ def refract(w: Vec3, eta: Float) -> Vec3:
     return vec3(w.x, w.y, smooth_sqrt(refracted_cos2(w.z, eta))) / eta
 
 
-def absorbed(depth: Color, wi: Vec3, wo: Vec3) -> Color:
-    """exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+def refracted_sum(wi: Vec3, wo: Vec3, eta: Float) -> Vec3:
+    """eta times the sum of both refracted directions, which has their half vector's direction.
 
-    wi, wo: refracted directions. depth: absorption times thickness.
+    Where the two are nearly mirrored the tangential parts cancel: they are summed before they are rounded
+    by refraction, so that a sharp highlight below keeps its place.
     """
-    return exp(-depth * (1 / wi.z + 1 / wo.z))
+    z_i, z_o = refracted_cos2(wi.z, eta), refracted_cos2(wo.z, eta)
+    return vec3(wi.x + wo.x, wi.y + wo.y, smooth_sqrt(z_i) + smooth_sqrt(z_o))
+
+
+def attenuation(optical_depth: Color, wi: Vec3, wo: Vec3) -> Color:
+    """exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+
+    wi, wo: refracted directions. optical_depth: absorption times thickness.
+    """
+    return exp(-optical_depth * (1 / wi.z + 1 / wo.z))
 
 
 # --- diffuse light -------------------------------------------------------------------------------------
@@ -89,14 +99,14 @@ def diffuse_reflectance_inside(eta: Float) -> Float:
     return select(eta >= 1, 1 - (1 - above) * flipped * flipped, above)
 
 
-def diffuse_return(depth: Color, eta: Float) -> Color:
+def diffuse_return(optical_depth: Color, eta: Float) -> Color:
     """Share of diffuse light leaving the base that comes back to it from the surface.
 
     Exact without absorption. With it, the light is taken as diffuse within the angles of total reflection,
     which holds most of it.
     """
     slant = sqrt(maximum(1 - 1 / (eta * eta), SLANT_MIN * SLANT_MIN))
-    x = 2 * depth / slant
+    x = 2 * optical_depth / slant
     kept = exp(-x) * (1 + E3_A * x) / (1 + x * (E3_B + 0.5 * E3_A * x))
     return diffuse_reflectance_inside(eta) * kept
 

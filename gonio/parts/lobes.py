@@ -27,9 +27,9 @@ from gonio.parts.distribution import pdf_ggx_visible, sample_ggx_visible
 from gonio.parts.frame import half_vector, mirror
 from gonio.parts.special import log1p
 
-# Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo
-# that can be seen is that small.
-BLACK = 1e-20
+# Added to the first lobe's weight, so that two black lobes still leave something to choose and the
+# reciprocal of their sum has a derivative; no albedo that can be seen is that small.
+BLACK = 1e-12
 
 # The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
 # its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
@@ -50,10 +50,11 @@ def average(color: Color) -> Float:
 
 def shares(first: Float, second: Float) -> Vec2:
     """Probabilities of two lobes with the given albedos; the first is certain if both are black."""
-    inv = 1 / (first + second + BLACK)
-    a, b = _raised((first + BLACK) * inv), _raised(second * inv)
+    lifted = first + BLACK
+    inv = 1 / (lifted + second)
+    a, b = _raised(lifted * inv), _raised(second * inv)
     # The smaller one by itself: 1 minus a probability near 1 has no digits left.
-    smaller = first < second
+    smaller = lifted < second
     return vec2(select(smaller, a, 1 - b), select(smaller, 1 - a, b))
 
 

@@ -26,6 +26,10 @@ from gonio.parts.distribution import beckmann_lambda_mu, ggx_length, stretched_s
 
 SQRT_2_OVER_PI = 0.7978845608028654
 
+# Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
+# it still is a float32. It is reached at cosines of 5e-16.
+V_MAX = 1e30
+
 
 # --- without a width -------------------------------------------------------------------------------
 
@@ -48,12 +52,12 @@ def G_cook_torrance(wi: Vec3, wo: Vec3, cos_m: Float, cos_h: Float) -> Float:
 def V_cook_torrance(wi: Vec3, wo: Vec3, cos_m: Float, cos_h: Float) -> Float:
     """The same over 4 mu_i mu_o."""
     # One quotient after the other: the derivative by the product of two small cosines would be infinite
-    return 0.25 * G_cook_torrance(wi, wo, cos_m, cos_h) / wi.z / wo.z
+    return minimum(0.25 * G_cook_torrance(wi, wo, cos_m, cos_h) / wi.z / wo.z, V_MAX)
 
 
 def V_kelemen(cos_h: Float) -> Float:
     """G = mu_i mu_o / (wo . m)^2."""
-    return 0.25 / cos_h / cos_h
+    return minimum(0.25 / cos_h / cos_h, V_MAX)
 
 
 # --- Smith, GGX ------------------------------------------------------------------------------------

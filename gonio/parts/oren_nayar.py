@@ -1,36 +1,10 @@
-"""What the Oren–Nayar family shares: the azimuthal term s, and the albedo integrals of s/t.
+"""What the Oren–Nayar family shares: s/t of its azimuthal term s, and the albedo integrals of it.
 
 Numbers of equations are those of Portsmouth, Kutz, Hill, "EON", arXiv:2410.18026.
 """
 
-from gonio.lang import (
-    PI,
-    Float,
-    Vec3,
-    fma,
-    maximum,
-    safe_acos,
-    safe_sqrt,
-    select,
-)
-
-
-def tangential_dot(wi: Vec3, wo: Vec3) -> Float:
-    """s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
-
-    s is divided by a cosine that may be tiny, so its last bits count: the rounding error of one
-    product is carried along (Kahan), which plain wi.x wo.x + wi.y wo.y or dot(wi, wo) - mu_i mu_o loses.
-    """
-    q = wi.y * wo.y
-    error = fma(wi.y, wo.y, -q)
-    return fma(wi.x, wo.x, q) + error
-
-
-def tangential_cross(wi: Vec3, wo: Vec3) -> Float:
-    """sin(phi_o - phi_i) sin(theta_i) sin(theta_o), as exact as `tangential_dot`."""
-    q = wi.y * wo.x
-    error = fma(wi.y, wo.x, -q)
-    return fma(wi.x, wo.y, -q) - error
+from gonio.lang import PI, Float, Vec3, maximum, safe_acos, safe_sqrt, select
+from gonio.parts.frame import tangential_dot
 
 
 def s_over_max(s: Float, wi: Vec3, wo: Vec3) -> Float:

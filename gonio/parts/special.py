@@ -1,4 +1,4 @@
-"""log(1 + x) and exp(x) - 1, whose digits the plain functions lose near x = 0."""
+"""What plain arithmetic loses digits of: log(1 + x) and exp(x) - 1 near x = 0, and sums that cancel."""
 
 from gonio.lang import Float, exp, log, maximum, minimum, select
 
@@ -35,3 +35,11 @@ def expm1(x: Float) -> Float:
     series = 1 + near / 5 * (1 + near / 6 * (1 + near / 7 * series))
     series = near * (1 + near / 2 * (1 + near / 3 * (1 + near / 4 * series)))
     return select((x > -EXPM1_SMALL) & (x < EXPM1_SMALL), series, exp(x) - 1)
+
+
+def sum3(a: Float, b: Float, c: Float) -> Float:
+    """a + b + c with the rounding error of a + b carried along (Knuth), for a c that cancels it."""
+    ab = a + b
+    back = ab - a
+    error = (a - (ab - back)) + (b - back)
+    return (ab + c) + error

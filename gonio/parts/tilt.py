@@ -1,6 +1,7 @@
 """The frame of a tilted normal, for a surface whose normal alone is perturbed."""
 
-from gonio.lang import Float, Vec3, dot, maximum, minimum, normalize, vec3
+from gonio.lang import Float, Vec3, maximum, minimum, normalize, vec3
+from gonio.parts.frame import tangential_dot
 
 
 def flake_normal(slope_x: Float, slope_y: Float, distance: Float) -> Vec3:
@@ -13,21 +14,17 @@ def flake_normal(slope_x: Float, slope_y: Float, distance: Float) -> Vec3:
     return normalize(vec3(flake.x, flake.y, flake.z + maximum(distance, 1)))
 
 
-def _half_turn(w: Vec3, n: Vec3) -> Vec3:
-    """w turned by 180 degrees about the bisector of n and the z axis, which swaps these two."""
-    h = vec3(n.x, n.y, n.z + 1)
-    return dot(w, h) / h.z * h - w
-
-
 def to_tilted(w: Vec3, n: Vec3) -> Vec3:
     """w in the frame of n, turned there the shortest way; n.z > 0."""
-    t = _half_turn(w, n)
-    return vec3(-t.x, -t.y, t.z)
+    # Its sign decides whether the surface is seen at all: the last digits count.
+    z = tangential_dot(w, n) + w.z * n.z
+    along = (z + w.z) / (n.z + 1)
+    return vec3(w.x - along * n.x, w.y - along * n.y, z)
 
 
 def from_tilted(w: Vec3, n: Vec3) -> Vec3:
     """The inverse of `to_tilted`."""
-    return _half_turn(vec3(-w.x, -w.y, w.z), n)
+    return to_tilted(w, vec3(-n.x, -n.y, n.z))
 
 
 def seen(cos_tilted: Float, mu: Float) -> Float:

@@ -18,6 +18,7 @@ from gonio.arrays.leaf import UNIT_TOLERANCE
 from gonio.fields import ModelError, framework, is_array
 from gonio.model import Model, model
 from gonio.parts.distribution import ALPHA_MIN, blinn_phong_alpha
+from gonio.quadrature import HORIZON
 from gonio.reference.generator import WORD, generator, scramble
 from gonio.reference.interfaces import Pile, Rough, channels
 from gonio.reference.walk import Channels, Quantity, Scene, State, direct, walk
@@ -108,8 +109,14 @@ class Layer:
         """Check the numbers."""
         for name, low, high in (("eta", 1 / 3, 3), ("alpha", 0, 1), ("thickness", 0, math.inf)):
             _check(name, getattr(self, name), low, high)
-        for value in self.depth:
+        several = isinstance(self.sigma_a, (tuple, list))
+        sigma = tuple(self.sigma_a) if isinstance(self.sigma_a, (tuple, list)) else (self.sigma_a,)
+        if several and len(sigma) != 3:
+            raise ModelError(f"layer: sigma_a takes one or three numbers, got {self.sigma_a!r}.")
+        for value in sigma:
             _check("sigma_a", value, 0, math.inf)
+        if several:
+            object.__setattr__(self, "sigma_a", sigma)
         if 0 < self.alpha < ALPHA_MIN:
             raise ModelError(
                 f"layer: alpha={self.alpha!r} is out of range; allowed is {ALPHA_MIN:g} to 1, or 0 for "
@@ -159,6 +166,8 @@ class Stack:
 
     def __init__(self, layers: Sequence[Layer], base: Model | str = "lambert") -> None:
         """Take the layers from the top down, and the model below them or its name."""
+        if not isinstance(layers, Sequence):
+            raise ModelError(f"a stack takes a list of layers, got {layers!r}.")
         object.__setattr__(self, "layers", tuple(layers))
         object.__setattr__(self, "base", model(base) if isinstance(base, str) else base)
         object.__setattr__(self, "_scenes", {})
@@ -241,12 +250,15 @@ class Stack:
     def albedo(
         self, wo: Any, *, walks: int = 1024, seed: int = 0, progress: Progress = None
     ) -> Estimate:
-        """Directional albedo, specular reflection included: mean and standard error, shape (..., 3)."""
-        return self._estimate("sample", None, wo, walks, seed, progress)
+        """Directional albedo, specular reflection included: mean and standard error, shape (..., 3).
+
+        In the horizon it is the limit.
+        """
+        return self._estimate("sample", None, _lifted(wo), walks, seed, progress)
 
     def mirrored(self, wo: Any) -> NDArray[Any]:
         """The part of `albedo` that a smooth top mirrors, shape (..., 3); 0 for a rough one."""
-        (wo,), batch, dtype = _directions(("wo",), (wo,))
+        (wo,), batch, dtype = _directions(("wo",), (_lifted(wo),))
         found = np.zeros((len(wo), 3))
         for n, w in enumerate(wo if self.layers[0].smooth else ()):
             top = self.scene(float).surfaces[0]
@@ -405,6 +417,21 @@ def _upload(Float: Any, w: NDArray[Any]) -> Any:
     """Directions as Dr.Jit values; those below the horizon, whose values are masked, become the normal."""
     safe = np.where(w[:, 2:] > 0, w, np.array((0, 0, 1), w.dtype))
     return dr.replace_shape_t(Float, (3, -1))(*(Float(np.ascontiguousarray(c)) for c in safe.T))
+
+
+def _lifted(wo: Any) -> Any:
+    """Directions of which those in the horizon are raised a little; what is no array of numbers stays."""
+    if framework(wo) not in (None, "numpy"):
+        return wo
+    try:
+        array = np.array(wo, getattr(wo, "dtype", np.float32))
+        array = array if array.dtype.kind == "f" else array.astype(np.float32)
+    except (TypeError, ValueError):
+        return wo
+    if array.shape[-1:] == (3,):
+        z = array[..., 2]
+        z[(z >= 0) & (z < HORIZON)] = HORIZON
+    return array
 
 
 def _directions(

@@ -54,26 +54,6 @@ float car_paint_cos_half(vec3 wi, vec3 wo) {
     return 0.5 * length(wi + wo);
 }
 
-// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
-float car_paint_F_denser(float cos_theta, float eta) {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
-    // is reached at the edge of total internal reflection, where the true derivative is infinite.
-    const float ROOT_MIN = 1.0e-16;
-    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
-    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
-    // that the mean of both squares is a product.
-    float c = cos_theta;
-    float contrast = (eta - 1.0) * (eta + 1.0);
-    float sin2 = 1.0 - c * c;
-    // c^2 with its rounding error: at grazing angles, and at the critical one, little else is left
-    float g = sqrt(max(fma(c, c, contrast), ROOT_MIN));
-    float s = c + g;
-    float p = c * g;
-    float r_s = contrast / (s * s);
-    float q = p + sin2;
-    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
-}
-
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 car_paint_half_vector(vec3 wi, vec3 wo) {
     vec3 h = wi + wo;
@@ -101,9 +81,9 @@ float car_paint_V_smith_correlated_ggx(vec3 wi, vec3 wo, float alpha_x, float al
     return 0.5 / (wo.z * length_i + wi.z * length_o);
 }
 
-// D G / (4 mu_i mu_o) of GGX with height-correlated Smith: times F it is a reflection.
-float car_paint_ggx_facets(vec3 wi, vec3 wo, float alpha) {
-    float D = car_paint_D_ggx(car_paint_half_vector(wi, wo), alpha, alpha);
+// D G / (4 mu_i mu_o) of GGX with height-correlated Smith at the half vector m; F is missing.
+float car_paint_ggx_facets(vec3 m, vec3 wi, vec3 wo, float alpha) {
+    float D = car_paint_D_ggx(m, alpha, alpha);
     return D * car_paint_V_smith_correlated_ggx(wi, wo, alpha, alpha);
 }
 
@@ -114,12 +94,35 @@ float car_paint_refracted_cos2(float mu, float eta) {
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
+// The same from the square of g = eta cos(theta_t).
+float car_paint_F_dielectric(float cos_theta, float eta, float g2) {
+    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
+    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
+    // that the mean of both squares is a product.
+    float c = cos_theta;
+    float sin2 = 1.0 - c * c;
+    float g = sqrt(g2);
+    float s = c + g;
+    float p = c * g;
+    float r_s = (eta - 1.0) * (eta + 1.0) / (s * s);
+    float q = p + sin2;
+    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
+}
+
+// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
+float car_paint_F_dielectric_entering(float cos_theta, float eta) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    // c^2 with its rounding error: at grazing angles little else is left
+    return car_paint_F_dielectric(cos_theta, eta,
+        max(car_paint_refracted_cos2(cos_theta, eta), mu_min * mu_min));
+}
+
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
-float car_paint_transmittance_denser(float mu, float eta) {
-    const float ROOT_MIN = 1.0e-16;
+float car_paint_transmittance_entering(float mu, float eta) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2 with q
     // = c g + sin^2(theta)
-    float g = sqrt(max(car_paint_refracted_cos2(mu, eta), ROOT_MIN));
+    float g = sqrt(max(car_paint_refracted_cos2(mu, eta), mu_min * mu_min));
     float s = mu + g;
     float p = mu * g;
     float q = p + (1.0 - mu * mu);
@@ -132,15 +135,25 @@ vec3 car_paint_refract(vec3 w, float eta) {
 }
 
 // Absorption times thickness, for each channel.
-vec3 car_paint_optical_depth(vec3 sigma_a, float thickness) {
+vec3 car_paint_coat_optical_depth(vec3 sigma_a, float thickness) {
     return sigma_a * vec3(thickness, thickness, thickness);
 }
 
-// exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
-// wi, wo: refracted directions. depth: absorption times thickness.
-vec3 car_paint_absorbed(vec3 depth, vec3 wi, vec3 wo) {
-    return exp(-depth * (1.0 / wi.z + 1.0 / wo.z));
+// wi, wo: refracted directions. optical_depth: absorption times thickness.
+vec3 car_paint_attenuation(vec3 optical_depth, vec3 wi, vec3 wo) {
+    return exp(-optical_depth * (1.0 / wi.z + 1.0 / wo.z));
+}
+
+// eta times the sum of both refracted directions, which has their half vector's direction.
+//
+// Where the two are nearly mirrored the tangential parts cancel: they are summed before they are rounded by
+// refraction, so that a sharp highlight below keeps its place.
+vec3 car_paint_refracted_sum(vec3 wi, vec3 wo, float eta) {
+    float z_i = car_paint_refracted_cos2(wi.z, eta);
+    float z_o = car_paint_refracted_cos2(wo.z, eta);
+    return vec3(wi.x + wo.x, wi.y + wo.y, sqrt(z_i) + sqrt(z_o));
 }
 
 // normalize(N_flake + max(distance, 1) N) with N_flake = normalize(slope_x, slope_y, 1).
@@ -156,16 +169,22 @@ float car_paint_flake_alpha(CarPaint params) {
     return max(params.metal_alpha, params.alpha);
 }
 
-// w turned by 180 degrees about the bisector of n and the z axis, which swaps these two.
-vec3 car_paint_half_turn(vec3 w, vec3 n) {
-    vec3 h = vec3(n.x, n.y, n.z + 1.0);
-    return dot(w, h) / h.z * h - w;
+// s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
+//
+// It is divided by cosines that may be tiny, so its last bits count: the rounding error of one
+// product is carried along (Kahan), which plain wi.x wo.x + wi.y wo.y or dot(wi, wo) - mu_i mu_o loses.
+float car_paint_tangential_dot(vec3 wi, vec3 wo) {
+    float q = wi.y * wo.y;
+    float error = fma(wi.y, wo.y, -q);
+    return fma(wi.x, wo.x, q) + error;
 }
 
 // w in the frame of n, turned there the shortest way; n.z > 0.
 vec3 car_paint_to_tilted(vec3 w, vec3 n) {
-    vec3 t = car_paint_half_turn(w, n);
-    return vec3(-t.x, -t.y, t.z);
+    // Its sign decides whether the surface is seen at all: the last digits count.
+    float z = car_paint_tangential_dot(w, n) + w.z * n.z;
+    float along = (z + w.z) / (n.z + 1.0);
+    return vec3(w.x - along * n.x, w.y - along * n.y, z);
 }
 
 // w, or the flake's normal in place of a direction behind it, which is masked elsewhere.
@@ -176,6 +195,8 @@ vec3 car_paint_facing(vec3 w) {
 
 // Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
 vec3 car_paint_F_conductor(float cos_theta, vec3 eta, vec3 k) {
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
+    // is reached at the edge of total internal reflection, where the true derivative is infinite.
     const float ROOT_MIN = 1.0e-16;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     float c = cos_theta;
@@ -185,8 +206,8 @@ vec3 car_paint_F_conductor(float cos_theta, vec3 eta, vec3 k) {
     float c2 = c * c;
     float sin2 = 1.0 - c2;
     vec3 w_re = contrast_re + c2;
-    vec3 im2 = 4.0 * half_im * half_im;
-    vec3 w_abs = sqrt(w_re * w_re + im2);
+    vec3 im = 2.0 * half_im;
+    vec3 w_abs = sqrt(w_re * w_re + im * im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     vec3 large = sqrt(0.5 * (w_abs + abs(w_re)));
     vec3 g_re = mix(half_im / large, large, greaterThan(w_re, vec3(0.0)));
@@ -194,9 +215,10 @@ vec3 car_paint_F_conductor(float cos_theta, vec3 eta, vec3 k) {
     vec3 cross = 2.0 * c * g_re;
     vec3 s_abs2 = c2 + w_abs + cross;
     vec3 p = c2 * w_abs + sin2 * sin2;
-    // One quotient after the other: for a matched index in the horizon the squares would leave a float32
-    vec3 R_s = (contrast_re * contrast_re + im2) / s_abs2 / s_abs2;
-    return R_s * (p / (p + cross * sin2));
+    // Quotients before their squares: for a matched index in the horizon these would leave a float32
+    vec3 r_re = contrast_re / s_abs2;
+    vec3 r_im = im / s_abs2;
+    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2));
 }
 
 // How much of a tilted facet a direction sees, at most as much as of the flat surface.
@@ -204,18 +226,20 @@ float car_paint_seen(float cos_tilted, float mu) {
     return min(max(cos_tilted, 0.0) / mu, 1.0);
 }
 
-// The metal's BRDF in the flake's frame.
-vec3 car_paint_flake(CarPaint params, vec3 wi_t, vec3 wo_t) {
+// The metal's BRDF in the flake's frame; both: eta times the sum of the directions.
+vec3 car_paint_flake(CarPaint params, vec3 wi_t, vec3 wo_t, vec3 both) {
     vec3 n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
     float alpha = car_paint_flake_alpha(params);
     vec3 tilted_i = car_paint_to_tilted(wi_t, n);
     vec3 tilted_o = car_paint_to_tilted(wo_t, n);
     vec3 wi = car_paint_facing(tilted_i);
     vec3 wo = car_paint_facing(tilted_o);
-    vec3 F = car_paint_F_conductor(car_paint_cos_half(wi, wo), params.metal_eta / params.eta,
+    float cos_h = 0.5 * length(both) / params.eta;
+    vec3 F = car_paint_F_conductor(cos_h, params.metal_eta / params.eta,
         params.metal_k / params.eta);
     float visible = car_paint_seen(tilted_i.z, wi_t.z) * car_paint_seen(tilted_o.z, wo_t.z);
-    return mix(vec3(0.0), F * (car_paint_ggx_facets(wi, wo, alpha) * visible),
+    vec3 m = normalize(car_paint_to_tilted(both, n));
+    return mix(vec3(0.0), F * (car_paint_ggx_facets(m, wi, wo, alpha) * visible),
         bvec3(tilted_o.z > 0.0));
 }
 
@@ -226,24 +250,25 @@ vec3 car_paint_eval(CarPaint params, vec3 wi, vec3 wo) {
         return vec3(0.0);
     }
     float cos_h = car_paint_cos_half(wi, wo);
-    float coat = car_paint_F_denser(cos_h, params.eta) * car_paint_ggx_facets(wi, wo, params.alpha);
+    float facets = car_paint_ggx_facets(car_paint_half_vector(wi, wo), wi, wo, params.alpha);
+    float coat = car_paint_F_dielectric_entering(cos_h, params.eta) * facets;
 
-    float through = car_paint_transmittance_denser(wi.z, params.eta)
-        * car_paint_transmittance_denser(wo.z, params.eta);
+    float through = car_paint_transmittance_entering(wi.z, params.eta)
+        * car_paint_transmittance_entering(wo.z, params.eta);
     through = through / (params.eta * params.eta);
     vec3 wi_t = car_paint_refract(wi, params.eta);
     vec3 wo_t = car_paint_refract(wo, params.eta);
-    vec3 kept = car_paint_absorbed(car_paint_optical_depth(params.sigma_a, params.thickness), wi_t,
-        wo_t);
-    return coat + car_paint_flake(params, wi_t, wo_t) * (kept * through);
+    vec3 kept = car_paint_attenuation(car_paint_coat_optical_depth(params.sigma_a,
+        params.thickness), wi_t, wo_t);
+    vec3 flake = car_paint_flake(params, wi_t, wo_t, car_paint_refracted_sum(wi, wo, params.eta));
+    return coat + flake * (kept * through);
 }
 
 // ---- sampling ------------------------------------------------------------------------------
 
-// The most that car_paint_absorbed leaves of light that goes out along wo: it came in along the normal.
-vec3 car_paint_absorbed_least(vec3 depth, vec3 wo) {
-    vec3 up = vec3(0.0, 0.0, 1.0);
-    return car_paint_absorbed(depth, up, wo);
+// The most that car_paint_attenuation leaves of light that goes out along wo: it came in along the normal.
+vec3 car_paint_attenuation_least(vec3 optical_depth, vec3 wo) {
+    return car_paint_attenuation(optical_depth, vec3(0.0, 0.0, 1.0), wo);
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -261,14 +286,15 @@ float car_paint_raised(float probability) {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 vec2 car_paint_lobes_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
-    // can be seen is that small.
-    const float BLACK = 1.0e-20;
-    float inv = 1.0 / (first + second + BLACK);
-    float a = car_paint_raised((first + BLACK) * inv);
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose and the
+    // reciprocal of their sum has a derivative; no albedo that can be seen is that small.
+    const float BLACK = 1.0e-12;
+    float lifted = first + BLACK;
+    float inv = 1.0 / (lifted + second);
+    float a = car_paint_raised(lifted * inv);
     float b = car_paint_raised(second * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
-    bool smaller = first < second;
+    bool smaller = lifted < second;
     return vec2(smaller ? a : 1.0 - b, smaller ? 1.0 - a : b);
 }
 
@@ -280,13 +306,14 @@ vec2 car_paint_shares(CarPaint params, vec3 wo, vec3 wo_t) {
     // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
     const float LOBE_MIN = 1.0e-12;
     float mu = wo.z;
-    float below = car_paint_transmittance_denser(mu, params.eta)
-        * car_paint_average(car_paint_absorbed_least(car_paint_optical_depth(params.sigma_a,
+    float below = car_paint_transmittance_entering(mu, params.eta)
+        * car_paint_average(car_paint_attenuation_least(car_paint_coat_optical_depth(params.sigma_a,
             params.thickness), wo_t));
     vec3 tilted = car_paint_to_tilted(wo_t,
         car_paint_flake_normal(params.flake_x, params.flake_y, params.distance));
     float lit = tilted.z > 0.0 ? below : 0.0;
-    float coat = max(car_paint_F_denser(wo.z, params.eta), COAT_SHARE_MIN * below + LOBE_MIN);
+    float coat = max(car_paint_F_dielectric_entering(wo.z, params.eta), COAT_SHARE_MIN * below
+        + LOBE_MIN);
     return car_paint_lobes_shares(coat, lit);
 }
 
@@ -333,7 +360,7 @@ vec3 car_paint_sample_ggx_lobe(vec3 wo, float alpha_x, float alpha_y, vec2 u) {
 
 // The inverse of car_paint_to_tilted.
 vec3 car_paint_from_tilted(vec3 w, vec3 n) {
-    return car_paint_half_turn(vec3(-w.x, -w.y, w.z), n);
+    return car_paint_to_tilted(w, vec3(-n.x, -n.y, n.z));
 }
 
 // Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
@@ -367,15 +394,14 @@ float car_paint_pdf_ggx_visible(vec3 wo, vec3 m, float alpha_x, float alpha_y) {
         / (2.0 * (wo.z + car_paint_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density inside the coat of the flake's part of car_paint_sample.
-float car_paint_pdf_flake(CarPaint params, vec3 wi_t, vec3 wo_t) {
+// Density inside the coat of the flake's part of car_paint_sample; both: along the half vector.
+float car_paint_pdf_flake(CarPaint params, vec3 wi_t, vec3 wo_t, vec3 both) {
     vec3 n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
     float alpha = car_paint_flake_alpha(params);
     vec3 tilted_i = car_paint_to_tilted(wi_t, n);
     vec3 tilted_o = car_paint_to_tilted(wo_t, n);
-    vec3 wi = car_paint_facing(tilted_i);
-    vec3 wo = car_paint_facing(tilted_o);
-    float density = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(wi, wo), alpha, alpha);
+    vec3 m = normalize(car_paint_to_tilted(both, n));
+    float density = car_paint_pdf_ggx_visible(car_paint_facing(tilted_o), m, alpha, alpha);
     return tilted_i.z > 0.0 && wi_t.z > 0.0 ? density : 0.0;
 }
 
@@ -422,8 +448,10 @@ float car_paint_pdf(CarPaint params, vec3 wi, vec3 wo) {
     }
     vec3 wi_t = car_paint_refract(wi, params.eta);
     vec3 wo_t = car_paint_refract(wo, params.eta);
-    float refracted = car_paint_pdf_flake(params, wi_t, wo_t);
-    float gathered = car_paint_pdf_flake(params, car_paint_gather(wi, params.eta), wo_t);
+    float refracted = car_paint_pdf_flake(params, wi_t, wo_t,
+        car_paint_refracted_sum(wi, wo, params.eta));
+    vec3 w = car_paint_gather(wi, params.eta);
+    float gathered = car_paint_pdf_flake(params, w, wo_t, w + wo_t);
     float below = car_paint_pdf_leave(refracted, gathered, wi, wi_t, params.eta);
     float coat = car_paint_pdf_ggx_lobe(wi, wo, params.alpha, params.alpha);
     vec2 P = car_paint_shares(params, wo, wo_t);
@@ -446,9 +474,8 @@ CarPaintSample car_paint_sample(CarPaint params, vec3 wo, vec2 u) {
     vec3 tilted = car_paint_facing(car_paint_to_tilted(wo_t, n));
     vec3 flake = car_paint_mirror(tilted, car_paint_sample_ggx_visible(tilted, alpha, alpha, v));
     // What the flake mirrors behind itself is wasted.
-    vec3 down = vec3(0.0, 0.0, -1.0);
-    vec3 w_flake = car_paint_leave(mix(down, car_paint_from_tilted(flake, n), bvec3(flake.z > 0.0)),
-        params.eta);
+    vec3 w_flake = car_paint_leave(mix(vec3(0.0, 0.0, -1.0), car_paint_from_tilted(flake, n),
+        bvec3(flake.z > 0.0)), params.eta);
     vec3 wi = on_coat ? w_coat : w_flake;
     return CarPaintSample(wi, car_paint_pdf(params, wi, wo));
 }

@@ -119,15 +119,15 @@ inline Vec3 exp(Vec3 a) {
     return Vec3{expf(a.x), expf(a.y), expf(a.z)};
 }
 
-// Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
-// is reached at the edge of total internal reflection, where the true derivative is infinite.
-constexpr float ROOT_MIN = 1.0e-16f;
 constexpr float two_pi = 6.2831855f;
 constexpr float inv_pi = 0.31830987f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
-// Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
-// can be seen is that small.
-constexpr float BLACK = 1.0e-20f;
+// Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
+// is reached at the edge of total internal reflection, where the true derivative is infinite.
+constexpr float ROOT_MIN = 1.0e-16f;
+// Added to the first lobe's weight, so that two black lobes still leave something to choose and the
+// reciprocal of their sum has a derivative; no albedo that can be seen is that small.
+constexpr float BLACK = 1.0e-12f;
 // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
 // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
 constexpr float SHARE_LEAST = 0.1f;
@@ -191,23 +191,6 @@ inline float car_paint_cos_half(Vec3 wi, Vec3 wo) {
     return 0.5f * length(wi + wo);
 }
 
-// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
-inline float car_paint_F_denser(float cos_theta, float eta) {
-    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
-    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
-    // that the mean of both squares is a product.
-    float c = cos_theta;
-    float contrast = (eta - 1.0f) * (eta + 1.0f);
-    float sin2 = 1.0f - c * c;
-    // c^2 with its rounding error: at grazing angles, and at the critical one, little else is left
-    float g = sqrtf(fmaxf(fmaf(c, c, contrast), ROOT_MIN));
-    float s = c + g;
-    float p = c * g;
-    float r_s = contrast / (s * s);
-    float q = p + sin2;
-    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
-}
-
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 car_paint_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
@@ -234,9 +217,9 @@ inline float car_paint_V_smith_correlated_ggx(Vec3 wi, Vec3 wo, float alpha_x, f
     return 0.5f / (wo.z * length_i + wi.z * length_o);
 }
 
-// D G / (4 mu_i mu_o) of GGX with height-correlated Smith: times F it is a reflection.
-inline float car_paint_ggx_facets(Vec3 wi, Vec3 wo, float alpha) {
-    float D = car_paint_D_ggx(car_paint_half_vector(wi, wo), alpha, alpha);
+// D G / (4 mu_i mu_o) of GGX with height-correlated Smith at the half vector m; F is missing.
+inline float car_paint_ggx_facets(Vec3 m, Vec3 wi, Vec3 wo, float alpha) {
+    float D = car_paint_D_ggx(m, alpha, alpha);
     return D * car_paint_V_smith_correlated_ggx(wi, wo, alpha, alpha);
 }
 
@@ -247,11 +230,33 @@ inline float car_paint_refracted_cos2(float mu, float eta) {
     return fmaf(mu, mu, (eta - 1.0f) * (eta + 1.0f));
 }
 
+// The same from the square of g = eta cos(theta_t).
+inline float car_paint_F_dielectric(float cos_theta, float eta, float g2) {
+    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
+    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
+    // that the mean of both squares is a product.
+    float c = cos_theta;
+    float sin2 = 1.0f - c * c;
+    float g = sqrtf(g2);
+    float s = c + g;
+    float p = c * g;
+    float r_s = (eta - 1.0f) * (eta + 1.0f) / (s * s);
+    float q = p + sin2;
+    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
+}
+
+// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
+inline float car_paint_F_dielectric_entering(float cos_theta, float eta) {
+    // c^2 with its rounding error: at grazing angles little else is left
+    return car_paint_F_dielectric(cos_theta, eta,
+        fmaxf(car_paint_refracted_cos2(cos_theta, eta), mu_min * mu_min));
+}
+
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
-inline float car_paint_transmittance_denser(float mu, float eta) {
+inline float car_paint_transmittance_entering(float mu, float eta) {
     // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2 with q
     // = c g + sin^2(theta)
-    float g = sqrtf(fmaxf(car_paint_refracted_cos2(mu, eta), ROOT_MIN));
+    float g = sqrtf(fmaxf(car_paint_refracted_cos2(mu, eta), mu_min * mu_min));
     float s = mu + g;
     float p = mu * g;
     float q = p + (1.0f - mu * mu);
@@ -264,15 +269,25 @@ inline Vec3 car_paint_refract(Vec3 w, float eta) {
 }
 
 // Absorption times thickness, for each channel.
-inline Vec3 car_paint_optical_depth(Vec3 sigma_a, float thickness) {
+inline Vec3 car_paint_coat_optical_depth(Vec3 sigma_a, float thickness) {
     return sigma_a * Vec3{thickness, thickness, thickness};
 }
 
-// exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
-// wi, wo: refracted directions. depth: absorption times thickness.
-inline Vec3 car_paint_absorbed(Vec3 depth, Vec3 wi, Vec3 wo) {
-    return exp(-depth * (1.0f / wi.z + 1.0f / wo.z));
+// wi, wo: refracted directions. optical_depth: absorption times thickness.
+inline Vec3 car_paint_attenuation(Vec3 optical_depth, Vec3 wi, Vec3 wo) {
+    return exp(-optical_depth * (1.0f / wi.z + 1.0f / wo.z));
+}
+
+// eta times the sum of both refracted directions, which has their half vector's direction.
+//
+// Where the two are nearly mirrored the tangential parts cancel: they are summed before they are rounded by
+// refraction, so that a sharp highlight below keeps its place.
+inline Vec3 car_paint_refracted_sum(Vec3 wi, Vec3 wo, float eta) {
+    float z_i = car_paint_refracted_cos2(wi.z, eta);
+    float z_o = car_paint_refracted_cos2(wo.z, eta);
+    return Vec3{wi.x + wo.x, wi.y + wo.y, sqrtf(z_i) + sqrtf(z_o)};
 }
 
 // normalize(N_flake + max(distance, 1) N) with N_flake = normalize(slope_x, slope_y, 1).
@@ -288,16 +303,22 @@ inline float car_paint_flake_alpha(const CarPaint& params) {
     return fmaxf(params.metal_alpha, params.alpha);
 }
 
-// w turned by 180 degrees about the bisector of n and the z axis, which swaps these two.
-inline Vec3 car_paint_half_turn(Vec3 w, Vec3 n) {
-    Vec3 h = Vec3{n.x, n.y, n.z + 1.0f};
-    return dot(w, h) / h.z * h - w;
+// s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
+//
+// It is divided by cosines that may be tiny, so its last bits count: the rounding error of one
+// product is carried along (Kahan), which plain wi.x wo.x + wi.y wo.y or dot(wi, wo) - mu_i mu_o loses.
+inline float car_paint_tangential_dot(Vec3 wi, Vec3 wo) {
+    float q = wi.y * wo.y;
+    float error = fmaf(wi.y, wo.y, -q);
+    return fmaf(wi.x, wo.x, q) + error;
 }
 
 // w in the frame of n, turned there the shortest way; n.z > 0.
 inline Vec3 car_paint_to_tilted(Vec3 w, Vec3 n) {
-    Vec3 t = car_paint_half_turn(w, n);
-    return Vec3{-t.x, -t.y, t.z};
+    // Its sign decides whether the surface is seen at all: the last digits count.
+    float z = car_paint_tangential_dot(w, n) + w.z * n.z;
+    float along = (z + w.z) / (n.z + 1.0f);
+    return Vec3{w.x - along * n.x, w.y - along * n.y, z};
 }
 
 // w, or the flake's normal in place of a direction behind it, which is masked elsewhere.
@@ -315,8 +336,8 @@ inline Vec3 car_paint_F_conductor(float cos_theta, Vec3 eta, Vec3 k) {
     float c2 = c * c;
     float sin2 = 1.0f - c2;
     Vec3 w_re = contrast_re + c2;
-    Vec3 im2 = 4.0f * half_im * half_im;
-    Vec3 w_abs = sqrt(w_re * w_re + im2);
+    Vec3 im = 2.0f * half_im;
+    Vec3 w_abs = sqrt(w_re * w_re + im * im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     Vec3 large = sqrt(0.5f * (w_abs + absolute(w_re)));
     Vec3 g_re = select(w_re > splat(0.0f), large, half_im / large);
@@ -324,9 +345,10 @@ inline Vec3 car_paint_F_conductor(float cos_theta, Vec3 eta, Vec3 k) {
     Vec3 cross = 2.0f * c * g_re;
     Vec3 s_abs2 = c2 + w_abs + cross;
     Vec3 p = c2 * w_abs + sin2 * sin2;
-    // One quotient after the other: for a matched index in the horizon the squares would leave a float32
-    Vec3 R_s = (contrast_re * contrast_re + im2) / s_abs2 / s_abs2;
-    return R_s * (p / (p + cross * sin2));
+    // Quotients before their squares: for a matched index in the horizon these would leave a float32
+    Vec3 r_re = contrast_re / s_abs2;
+    Vec3 r_im = im / s_abs2;
+    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2));
 }
 
 // How much of a tilted facet a direction sees, at most as much as of the flat surface.
@@ -334,18 +356,21 @@ inline float car_paint_seen(float cos_tilted, float mu) {
     return fminf(fmaxf(cos_tilted, 0.0f) / mu, 1.0f);
 }
 
-// The metal's BRDF in the flake's frame.
-inline Vec3 car_paint_flake(const CarPaint& params, Vec3 wi_t, Vec3 wo_t) {
+// The metal's BRDF in the flake's frame; both: eta times the sum of the directions.
+inline Vec3 car_paint_flake(const CarPaint& params, Vec3 wi_t, Vec3 wo_t, Vec3 both) {
     Vec3 n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
     float alpha = car_paint_flake_alpha(params);
     Vec3 tilted_i = car_paint_to_tilted(wi_t, n);
     Vec3 tilted_o = car_paint_to_tilted(wo_t, n);
     Vec3 wi = car_paint_facing(tilted_i);
     Vec3 wo = car_paint_facing(tilted_o);
-    Vec3 F = car_paint_F_conductor(car_paint_cos_half(wi, wo), params.metal_eta / params.eta,
+    float cos_h = 0.5f * length(both) / params.eta;
+    Vec3 F = car_paint_F_conductor(cos_h, params.metal_eta / params.eta,
         params.metal_k / params.eta);
     float visible_ = car_paint_seen(tilted_i.z, wi_t.z) * car_paint_seen(tilted_o.z, wo_t.z);
-    return tilted_o.z > 0.0f ? F * (car_paint_ggx_facets(wi, wo, alpha) * visible_) : splat(0.0f);
+    Vec3 m = normalize(car_paint_to_tilted(both, n));
+    return tilted_o.z > 0.0f ? F * (car_paint_ggx_facets(m, wi, wo, alpha) * visible_)
+        : splat(0.0f);
 }
 
 // Eq. 2 with a tilted base: BRDF value in 1/sr, without the cosine.
@@ -354,24 +379,25 @@ inline Vec3 car_paint_eval(const CarPaint& params, Vec3 wi, Vec3 wo) {
         return splat(0.0f);
     }
     float cos_h = car_paint_cos_half(wi, wo);
-    float coat = car_paint_F_denser(cos_h, params.eta) * car_paint_ggx_facets(wi, wo, params.alpha);
+    float facets = car_paint_ggx_facets(car_paint_half_vector(wi, wo), wi, wo, params.alpha);
+    float coat = car_paint_F_dielectric_entering(cos_h, params.eta) * facets;
 
-    float through = car_paint_transmittance_denser(wi.z, params.eta)
-        * car_paint_transmittance_denser(wo.z, params.eta);
+    float through = car_paint_transmittance_entering(wi.z, params.eta)
+        * car_paint_transmittance_entering(wo.z, params.eta);
     through = through / (params.eta * params.eta);
     Vec3 wi_t = car_paint_refract(wi, params.eta);
     Vec3 wo_t = car_paint_refract(wo, params.eta);
-    Vec3 kept = car_paint_absorbed(car_paint_optical_depth(params.sigma_a, params.thickness), wi_t,
-        wo_t);
-    return coat + car_paint_flake(params, wi_t, wo_t) * (kept * through);
+    Vec3 kept = car_paint_attenuation(car_paint_coat_optical_depth(params.sigma_a,
+        params.thickness), wi_t, wo_t);
+    Vec3 flake = car_paint_flake(params, wi_t, wo_t, car_paint_refracted_sum(wi, wo, params.eta));
+    return coat + flake * (kept * through);
 }
 
 // ---- sampling ------------------------------------------------------------------------------
 
-// The most that car_paint_absorbed leaves of light that goes out along wo: it came in along the normal.
-inline Vec3 car_paint_absorbed_least(Vec3 depth, Vec3 wo) {
-    Vec3 up = Vec3{0.0f, 0.0f, 1.0f};
-    return car_paint_absorbed(depth, up, wo);
+// The most that car_paint_attenuation leaves of light that goes out along wo: it came in along the normal.
+inline Vec3 car_paint_attenuation_least(Vec3 optical_depth, Vec3 wo) {
+    return car_paint_attenuation(optical_depth, Vec3{0.0f, 0.0f, 1.0f}, wo);
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -385,24 +411,26 @@ inline float car_paint_raised(float probability) {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 inline Vec2 car_paint_lobes_shares(float first, float second) {
-    float inv = 1.0f / (first + second + BLACK);
-    float a = car_paint_raised((first + BLACK) * inv);
+    float lifted = first + BLACK;
+    float inv = 1.0f / (lifted + second);
+    float a = car_paint_raised(lifted * inv);
     float b = car_paint_raised(second * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
-    bool smaller = first < second;
+    bool smaller = lifted < second;
     return Vec2{smaller ? a : 1.0f - b, smaller ? 1.0f - a : b};
 }
 
 // Probabilities of the coat and of the flake.
 inline Vec2 car_paint_shares(const CarPaint& params, Vec3 wo, Vec3 wo_t) {
     float mu = wo.z;
-    float below = car_paint_transmittance_denser(mu, params.eta)
-        * car_paint_average(car_paint_absorbed_least(car_paint_optical_depth(params.sigma_a,
+    float below = car_paint_transmittance_entering(mu, params.eta)
+        * car_paint_average(car_paint_attenuation_least(car_paint_coat_optical_depth(params.sigma_a,
             params.thickness), wo_t));
     Vec3 tilted = car_paint_to_tilted(wo_t,
         car_paint_flake_normal(params.flake_x, params.flake_y, params.distance));
     float lit = tilted.z > 0.0f ? below : 0.0f;
-    float coat = fmaxf(car_paint_F_denser(wo.z, params.eta), COAT_SHARE_MIN * below + LOBE_MIN);
+    float coat = fmaxf(car_paint_F_dielectric_entering(wo.z, params.eta), COAT_SHARE_MIN * below
+        + LOBE_MIN);
     return car_paint_lobes_shares(coat, lit);
 }
 
@@ -442,7 +470,7 @@ inline Vec3 car_paint_sample_ggx_lobe(Vec3 wo, float alpha_x, float alpha_y, Vec
 
 // The inverse of car_paint_to_tilted.
 inline Vec3 car_paint_from_tilted(Vec3 w, Vec3 n) {
-    return car_paint_half_turn(Vec3{-w.x, -w.y, w.z}, n);
+    return car_paint_to_tilted(w, Vec3{-n.x, -n.y, n.z});
 }
 
 // Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
@@ -470,15 +498,14 @@ inline float car_paint_pdf_ggx_visible(Vec3 wo, Vec3 m, float alpha_x, float alp
         / (2.0f * (wo.z + car_paint_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density inside the coat of the flake's part of car_paint_sample.
-inline float car_paint_pdf_flake(const CarPaint& params, Vec3 wi_t, Vec3 wo_t) {
+// Density inside the coat of the flake's part of car_paint_sample; both: along the half vector.
+inline float car_paint_pdf_flake(const CarPaint& params, Vec3 wi_t, Vec3 wo_t, Vec3 both) {
     Vec3 n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
     float alpha = car_paint_flake_alpha(params);
     Vec3 tilted_i = car_paint_to_tilted(wi_t, n);
     Vec3 tilted_o = car_paint_to_tilted(wo_t, n);
-    Vec3 wi = car_paint_facing(tilted_i);
-    Vec3 wo = car_paint_facing(tilted_o);
-    float density = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(wi, wo), alpha, alpha);
+    Vec3 m = normalize(car_paint_to_tilted(both, n));
+    float density = car_paint_pdf_ggx_visible(car_paint_facing(tilted_o), m, alpha, alpha);
     return tilted_i.z > 0.0f && wi_t.z > 0.0f ? density : 0.0f;
 }
 
@@ -522,8 +549,10 @@ inline float car_paint_pdf(const CarPaint& params, Vec3 wi, Vec3 wo) {
     }
     Vec3 wi_t = car_paint_refract(wi, params.eta);
     Vec3 wo_t = car_paint_refract(wo, params.eta);
-    float refracted = car_paint_pdf_flake(params, wi_t, wo_t);
-    float gathered = car_paint_pdf_flake(params, car_paint_gather(wi, params.eta), wo_t);
+    float refracted = car_paint_pdf_flake(params, wi_t, wo_t,
+        car_paint_refracted_sum(wi, wo, params.eta));
+    Vec3 w = car_paint_gather(wi, params.eta);
+    float gathered = car_paint_pdf_flake(params, w, wo_t, w + wo_t);
     float below = car_paint_pdf_leave(refracted, gathered, wi, wi_t, params.eta);
     float coat = car_paint_pdf_ggx_lobe(wi, wo, params.alpha, params.alpha);
     Vec2 P = car_paint_shares(params, wo, wo_t);
@@ -545,9 +574,8 @@ inline CarPaintSample car_paint_sample(const CarPaint& params, Vec3 wo, Vec2 u) 
     Vec3 tilted = car_paint_facing(car_paint_to_tilted(wo_t, n));
     Vec3 flake = car_paint_mirror(tilted, car_paint_sample_ggx_visible(tilted, alpha, alpha, v));
     // What the flake mirrors behind itself is wasted.
-    Vec3 down = Vec3{0.0f, 0.0f, -1.0f};
-    Vec3 w_flake = car_paint_leave(flake.z > 0.0f ? car_paint_from_tilted(flake, n) : down,
-        params.eta);
+    Vec3 w_flake = car_paint_leave(flake.z > 0.0f ? car_paint_from_tilted(flake, n)
+        : Vec3{0.0f, 0.0f, -1.0f}, params.eta);
     Vec3 wi = on_coat ? w_coat : w_flake;
     return CarPaintSample{wi, car_paint_pdf(params, wi, wo)};
 }

@@ -54,26 +54,6 @@ fn car_paint_cos_half(wi: vec3f, wo: vec3f) -> f32 {
     return 0.5 * length(wi + wo);
 }
 
-// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
-fn car_paint_F_denser(cos_theta: f32, eta: f32) -> f32 {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
-    // is reached at the edge of total internal reflection, where the true derivative is infinite.
-    const ROOT_MIN = 1.0e-16;
-    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
-    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
-    // that the mean of both squares is a product.
-    let c = cos_theta;
-    let contrast = (eta - 1.0) * (eta + 1.0);
-    let sin2 = 1.0 - c * c;
-    // c^2 with its rounding error: at grazing angles, and at the critical one, little else is left
-    let g = sqrt(max(fma(c, c, contrast), ROOT_MIN));
-    let s = c + g;
-    let p = c * g;
-    let r_s = contrast / (s * s);
-    let q = p + sin2;
-    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
-}
-
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn car_paint_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
@@ -101,9 +81,9 @@ fn car_paint_V_smith_correlated_ggx(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y:
     return 0.5 / (wo.z * length_i + wi.z * length_o);
 }
 
-// D G / (4 mu_i mu_o) of GGX with height-correlated Smith: times F it is a reflection.
-fn car_paint_ggx_facets(wi: vec3f, wo: vec3f, alpha: f32) -> f32 {
-    let D = car_paint_D_ggx(car_paint_half_vector(wi, wo), alpha, alpha);
+// D G / (4 mu_i mu_o) of GGX with height-correlated Smith at the half vector m; F is missing.
+fn car_paint_ggx_facets(m: vec3f, wi: vec3f, wo: vec3f, alpha: f32) -> f32 {
+    let D = car_paint_D_ggx(m, alpha, alpha);
     return D * car_paint_V_smith_correlated_ggx(wi, wo, alpha, alpha);
 }
 
@@ -114,12 +94,35 @@ fn car_paint_refracted_cos2(mu: f32, eta: f32) -> f32 {
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
+// The same from the square of g = eta cos(theta_t).
+fn car_paint_F_dielectric(cos_theta: f32, eta: f32, g2: f32) -> f32 {
+    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
+    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
+    // that the mean of both squares is a product.
+    let c = cos_theta;
+    let sin2 = 1.0 - c * c;
+    let g = sqrt(g2);
+    let s = c + g;
+    let p = c * g;
+    let r_s = (eta - 1.0) * (eta + 1.0) / (s * s);
+    let q = p + sin2;
+    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
+}
+
+// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
+fn car_paint_F_dielectric_entering(cos_theta: f32, eta: f32) -> f32 {
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    // c^2 with its rounding error: at grazing angles little else is left
+    return car_paint_F_dielectric(cos_theta, eta,
+        max(car_paint_refracted_cos2(cos_theta, eta), mu_min * mu_min));
+}
+
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
-fn car_paint_transmittance_denser(mu: f32, eta: f32) -> f32 {
-    const ROOT_MIN = 1.0e-16;
+fn car_paint_transmittance_entering(mu: f32, eta: f32) -> f32 {
+    const mu_min = 1.0e-18;  // cosine of the horizon
     // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2 with q
     // = c g + sin^2(theta)
-    let g = sqrt(max(car_paint_refracted_cos2(mu, eta), ROOT_MIN));
+    let g = sqrt(max(car_paint_refracted_cos2(mu, eta), mu_min * mu_min));
     let s = mu + g;
     let p = mu * g;
     let q = p + (1.0 - mu * mu);
@@ -132,15 +135,25 @@ fn car_paint_refract(w: vec3f, eta: f32) -> vec3f {
 }
 
 // Absorption times thickness, for each channel.
-fn car_paint_optical_depth(sigma_a: vec3f, thickness: f32) -> vec3f {
+fn car_paint_coat_optical_depth(sigma_a: vec3f, thickness: f32) -> vec3f {
     return sigma_a * vec3f(thickness, thickness, thickness);
 }
 
-// exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
-// wi, wo: refracted directions. depth: absorption times thickness.
-fn car_paint_absorbed(depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
-    return exp(-depth * (1.0 / wi.z + 1.0 / wo.z));
+// wi, wo: refracted directions. optical_depth: absorption times thickness.
+fn car_paint_attenuation(optical_depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
+    return exp(-optical_depth * (1.0 / wi.z + 1.0 / wo.z));
+}
+
+// eta times the sum of both refracted directions, which has their half vector's direction.
+//
+// Where the two are nearly mirrored the tangential parts cancel: they are summed before they are rounded by
+// refraction, so that a sharp highlight below keeps its place.
+fn car_paint_refracted_sum(wi: vec3f, wo: vec3f, eta: f32) -> vec3f {
+    let z_i = car_paint_refracted_cos2(wi.z, eta);
+    let z_o = car_paint_refracted_cos2(wo.z, eta);
+    return vec3f(wi.x + wo.x, wi.y + wo.y, sqrt(z_i) + sqrt(z_o));
 }
 
 // normalize(N_flake + max(distance, 1) N) with N_flake = normalize(slope_x, slope_y, 1).
@@ -156,16 +169,22 @@ fn car_paint_flake_alpha(params: CarPaint) -> f32 {
     return max(params.metal_alpha, params.alpha);
 }
 
-// w turned by 180 degrees about the bisector of n and the z axis, which swaps these two.
-fn car_paint_half_turn(w: vec3f, n: vec3f) -> vec3f {
-    let h = vec3f(n.x, n.y, n.z + 1.0);
-    return dot(w, h) / h.z * h - w;
+// s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
+//
+// It is divided by cosines that may be tiny, so its last bits count: the rounding error of one
+// product is carried along (Kahan), which plain wi.x wo.x + wi.y wo.y or dot(wi, wo) - mu_i mu_o loses.
+fn car_paint_tangential_dot(wi: vec3f, wo: vec3f) -> f32 {
+    let q = wi.y * wo.y;
+    let error = fma(wi.y, wo.y, -q);
+    return fma(wi.x, wo.x, q) + error;
 }
 
 // w in the frame of n, turned there the shortest way; n.z > 0.
 fn car_paint_to_tilted(w: vec3f, n: vec3f) -> vec3f {
-    let t = car_paint_half_turn(w, n);
-    return vec3f(-t.x, -t.y, t.z);
+    // Its sign decides whether the surface is seen at all: the last digits count.
+    let z = car_paint_tangential_dot(w, n) + w.z * n.z;
+    let along = (z + w.z) / (n.z + 1.0);
+    return vec3f(w.x - along * n.x, w.y - along * n.y, z);
 }
 
 // w, or the flake's normal in place of a direction behind it, which is masked elsewhere.
@@ -176,6 +195,8 @@ fn car_paint_facing(w: vec3f) -> vec3f {
 
 // Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
 fn car_paint_F_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f {
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
+    // is reached at the edge of total internal reflection, where the true derivative is infinite.
     const ROOT_MIN = 1.0e-16;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     let c = cos_theta;
@@ -185,8 +206,8 @@ fn car_paint_F_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f {
     let c2 = c * c;
     let sin2 = 1.0 - c2;
     let w_re = contrast_re + c2;
-    let im2 = 4.0 * half_im * half_im;
-    let w_abs = sqrt(w_re * w_re + im2);
+    let im = 2.0 * half_im;
+    let w_abs = sqrt(w_re * w_re + im * im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     let large = sqrt(0.5 * (w_abs + abs(w_re)));
     let g_re = select(half_im / large, large, w_re > vec3f(0.0));
@@ -194,9 +215,10 @@ fn car_paint_F_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f {
     let cross = 2.0 * c * g_re;
     let s_abs2 = c2 + w_abs + cross;
     let p = c2 * w_abs + sin2 * sin2;
-    // One quotient after the other: for a matched index in the horizon the squares would leave a float32
-    let R_s = (contrast_re * contrast_re + im2) / s_abs2 / s_abs2;
-    return R_s * (p / (p + cross * sin2));
+    // Quotients before their squares: for a matched index in the horizon these would leave a float32
+    let r_re = contrast_re / s_abs2;
+    let r_im = im / s_abs2;
+    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2));
 }
 
 // How much of a tilted facet a direction sees, at most as much as of the flat surface.
@@ -204,18 +226,20 @@ fn car_paint_seen(cos_tilted: f32, mu: f32) -> f32 {
     return min(max(cos_tilted, 0.0) / mu, 1.0);
 }
 
-// The metal's BRDF in the flake's frame.
-fn car_paint_flake(params: CarPaint, wi_t: vec3f, wo_t: vec3f) -> vec3f {
+// The metal's BRDF in the flake's frame; both: eta times the sum of the directions.
+fn car_paint_flake(params: CarPaint, wi_t: vec3f, wo_t: vec3f, both: vec3f) -> vec3f {
     let n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
     let alpha = car_paint_flake_alpha(params);
     let tilted_i = car_paint_to_tilted(wi_t, n);
     let tilted_o = car_paint_to_tilted(wo_t, n);
     let wi = car_paint_facing(tilted_i);
     let wo = car_paint_facing(tilted_o);
-    let F = car_paint_F_conductor(car_paint_cos_half(wi, wo), params.metal_eta / params.eta,
+    let cos_h = 0.5 * length(both) / params.eta;
+    let F = car_paint_F_conductor(cos_h, params.metal_eta / params.eta,
         params.metal_k / params.eta);
     let visible = car_paint_seen(tilted_i.z, wi_t.z) * car_paint_seen(tilted_o.z, wo_t.z);
-    return select(vec3f(0.0), F * (car_paint_ggx_facets(wi, wo, alpha) * visible),
+    let m = normalize(car_paint_to_tilted(both, n));
+    return select(vec3f(0.0), F * (car_paint_ggx_facets(m, wi, wo, alpha) * visible),
         tilted_o.z > 0.0);
 }
 
@@ -226,24 +250,25 @@ fn car_paint_eval(params: CarPaint, wi: vec3f, wo: vec3f) -> vec3f {
         return vec3f(0.0);
     }
     let cos_h = car_paint_cos_half(wi, wo);
-    let coat = car_paint_F_denser(cos_h, params.eta) * car_paint_ggx_facets(wi, wo, params.alpha);
+    let facets = car_paint_ggx_facets(car_paint_half_vector(wi, wo), wi, wo, params.alpha);
+    let coat = car_paint_F_dielectric_entering(cos_h, params.eta) * facets;
 
-    var through = car_paint_transmittance_denser(wi.z, params.eta)
-        * car_paint_transmittance_denser(wo.z, params.eta);
+    var through = car_paint_transmittance_entering(wi.z, params.eta)
+        * car_paint_transmittance_entering(wo.z, params.eta);
     through = through / (params.eta * params.eta);
     let wi_t = car_paint_refract(wi, params.eta);
     let wo_t = car_paint_refract(wo, params.eta);
-    let kept = car_paint_absorbed(car_paint_optical_depth(params.sigma_a, params.thickness), wi_t,
-        wo_t);
-    return coat + car_paint_flake(params, wi_t, wo_t) * (kept * through);
+    let kept = car_paint_attenuation(car_paint_coat_optical_depth(params.sigma_a, params.thickness),
+        wi_t, wo_t);
+    let flake = car_paint_flake(params, wi_t, wo_t, car_paint_refracted_sum(wi, wo, params.eta));
+    return coat + flake * (kept * through);
 }
 
 // ---- sampling ------------------------------------------------------------------------------
 
-// The most that car_paint_absorbed leaves of light that goes out along wo: it came in along the normal.
-fn car_paint_absorbed_least(depth: vec3f, wo: vec3f) -> vec3f {
-    let up = vec3f(0.0, 0.0, 1.0);
-    return car_paint_absorbed(depth, up, wo);
+// The most that car_paint_attenuation leaves of light that goes out along wo: it came in along the normal.
+fn car_paint_attenuation_least(optical_depth: vec3f, wo: vec3f) -> vec3f {
+    return car_paint_attenuation(optical_depth, vec3f(0.0, 0.0, 1.0), wo);
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -261,14 +286,15 @@ fn car_paint_raised(probability: f32) -> f32 {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 fn car_paint_lobes_shares(first: f32, second: f32) -> vec2f {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
-    // can be seen is that small.
-    const BLACK = 1.0e-20;
-    let inv = 1.0 / (first + second + BLACK);
-    let a = car_paint_raised((first + BLACK) * inv);
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose and the
+    // reciprocal of their sum has a derivative; no albedo that can be seen is that small.
+    const BLACK = 1.0e-12;
+    let lifted = first + BLACK;
+    let inv = 1.0 / (lifted + second);
+    let a = car_paint_raised(lifted * inv);
     let b = car_paint_raised(second * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
-    let smaller = first < second;
+    let smaller = lifted < second;
     return vec2f(select(1.0 - b, a, smaller), select(b, 1.0 - a, smaller));
 }
 
@@ -280,13 +306,14 @@ fn car_paint_shares(params: CarPaint, wo: vec3f, wo_t: vec3f) -> vec2f {
     // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
     const LOBE_MIN = 1.0e-12;
     let mu = wo.z;
-    let below = car_paint_transmittance_denser(mu, params.eta)
-        * car_paint_average(car_paint_absorbed_least(car_paint_optical_depth(params.sigma_a,
+    let below = car_paint_transmittance_entering(mu, params.eta)
+        * car_paint_average(car_paint_attenuation_least(car_paint_coat_optical_depth(params.sigma_a,
             params.thickness), wo_t));
     let tilted = car_paint_to_tilted(wo_t,
         car_paint_flake_normal(params.flake_x, params.flake_y, params.distance));
     let lit = select(0.0, below, tilted.z > 0.0);
-    let coat = max(car_paint_F_denser(wo.z, params.eta), COAT_SHARE_MIN * below + LOBE_MIN);
+    let coat = max(car_paint_F_dielectric_entering(wo.z, params.eta), COAT_SHARE_MIN * below
+        + LOBE_MIN);
     return car_paint_lobes_shares(coat, lit);
 }
 
@@ -332,7 +359,7 @@ fn car_paint_sample_ggx_lobe(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) ->
 
 // The inverse of car_paint_to_tilted.
 fn car_paint_from_tilted(w: vec3f, n: vec3f) -> vec3f {
-    return car_paint_half_turn(vec3f(-w.x, -w.y, w.z), n);
+    return car_paint_to_tilted(w, vec3f(-n.x, -n.y, n.z));
 }
 
 // Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
@@ -366,15 +393,14 @@ fn car_paint_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) ->
         / (2.0 * (wo.z + car_paint_ggx_length(wo, alpha_x, alpha_y)));
 }
 
-// Density inside the coat of the flake's part of car_paint_sample.
-fn car_paint_pdf_flake(params: CarPaint, wi_t: vec3f, wo_t: vec3f) -> f32 {
+// Density inside the coat of the flake's part of car_paint_sample; both: along the half vector.
+fn car_paint_pdf_flake(params: CarPaint, wi_t: vec3f, wo_t: vec3f, both: vec3f) -> f32 {
     let n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
     let alpha = car_paint_flake_alpha(params);
     let tilted_i = car_paint_to_tilted(wi_t, n);
     let tilted_o = car_paint_to_tilted(wo_t, n);
-    let wi = car_paint_facing(tilted_i);
-    let wo = car_paint_facing(tilted_o);
-    let density = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(wi, wo), alpha, alpha);
+    let m = normalize(car_paint_to_tilted(both, n));
+    let density = car_paint_pdf_ggx_visible(car_paint_facing(tilted_o), m, alpha, alpha);
     return select(0.0, density, tilted_i.z > 0.0 && wi_t.z > 0.0);
 }
 
@@ -421,8 +447,10 @@ fn car_paint_pdf(params: CarPaint, wi: vec3f, wo: vec3f) -> f32 {
     }
     let wi_t = car_paint_refract(wi, params.eta);
     let wo_t = car_paint_refract(wo, params.eta);
-    let refracted = car_paint_pdf_flake(params, wi_t, wo_t);
-    let gathered = car_paint_pdf_flake(params, car_paint_gather(wi, params.eta), wo_t);
+    let refracted = car_paint_pdf_flake(params, wi_t, wo_t,
+        car_paint_refracted_sum(wi, wo, params.eta));
+    let w = car_paint_gather(wi, params.eta);
+    let gathered = car_paint_pdf_flake(params, w, wo_t, w + wo_t);
     let below = car_paint_pdf_leave(refracted, gathered, wi, wi_t, params.eta);
     let coat = car_paint_pdf_ggx_lobe(wi, wo, params.alpha, params.alpha);
     let P = car_paint_shares(params, wo, wo_t);
@@ -445,9 +473,8 @@ fn car_paint_sample(params: CarPaint, wo: vec3f, u: vec2f) -> CarPaintSample {
     let tilted = car_paint_facing(car_paint_to_tilted(wo_t, n));
     let flake = car_paint_mirror(tilted, car_paint_sample_ggx_visible(tilted, alpha, alpha, v));
     // What the flake mirrors behind itself is wasted.
-    let down = vec3f(0.0, 0.0, -1.0);
-    let w_flake = car_paint_leave(select(down, car_paint_from_tilted(flake, n), flake.z > 0.0),
-        params.eta);
+    let w_flake = car_paint_leave(select(vec3f(0.0, 0.0, -1.0), car_paint_from_tilted(flake, n),
+        flake.z > 0.0), params.eta);
     let wi = select(w_flake, w_coat, on_coat);
     return CarPaintSample(wi, car_paint_pdf(params, wi, wo));
 }

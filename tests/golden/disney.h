@@ -95,9 +95,9 @@ constexpr float two_pi = 6.2831855f;
 constexpr float inv_pi = 0.31830987f;
 constexpr float inv_two_pi = 0.15915494f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
-// Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
-// can be seen is that small.
-constexpr float BLACK = 1.0e-20f;
+// Added to the first lobe's weight, so that two black lobes still leave something to choose and the
+// reciprocal of their sum has a derivative; no albedo that can be seen is that small.
+constexpr float BLACK = 1.0e-12f;
 // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
 // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
 constexpr float SHARE_LEAST = 0.1f;
@@ -299,11 +299,12 @@ inline float disney_raised(float probability) {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 inline Vec2 disney_shares(float first, float second) {
-    float inv = 1.0f / (first + second + BLACK);
-    float a = disney_raised((first + BLACK) * inv);
+    float lifted = first + BLACK;
+    float inv = 1.0f / (lifted + second);
+    float a = disney_raised(lifted * inv);
     float b = disney_raised(second * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
-    bool smaller = first < second;
+    bool smaller = lifted < second;
     return Vec2{smaller ? a : 1.0f - b, smaller ? 1.0f - a : b};
 }
 

@@ -123,7 +123,7 @@ struct EonCoefficients {
 
 // s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
 //
-// s is divided by a cosine that may be tiny, so its last bits count: the rounding error of one
+// It is divided by cosines that may be tiny, so its last bits count: the rounding error of one
 // product is carried along (Kahan), which plain wi.x wo.x + wi.y wo.y or dot(wi, wo) - mu_i mu_o loses.
 inline float eon_tangential_dot(Vec3 wi, Vec3 wo) {
     float q = wi.y * wo.y;

@@ -140,14 +140,15 @@ float metallic_roughness_raised(float probability) {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 vec2 metallic_roughness_lobes_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
-    // can be seen is that small.
-    const float BLACK = 1.0e-20;
-    float inv = 1.0 / (first + second + BLACK);
-    float a = metallic_roughness_raised((first + BLACK) * inv);
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose and the
+    // reciprocal of their sum has a derivative; no albedo that can be seen is that small.
+    const float BLACK = 1.0e-12;
+    float lifted = first + BLACK;
+    float inv = 1.0 / (lifted + second);
+    float a = metallic_roughness_raised(lifted * inv);
     float b = metallic_roughness_raised(second * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
-    bool smaller = first < second;
+    bool smaller = lifted < second;
     return vec2(smaller ? a : 1.0 - b, smaller ? 1.0 - a : b);
 }
 

@@ -91,9 +91,9 @@ constexpr float F0_DIELECTRIC = 0.04f;  // Reflectance of every dielectric at no
 constexpr float two_pi = 6.2831855f;
 constexpr float inv_pi = 0.31830987f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
-// Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
-// can be seen is that small.
-constexpr float BLACK = 1.0e-20f;
+// Added to the first lobe's weight, so that two black lobes still leave something to choose and the
+// reciprocal of their sum has a derivative; no albedo that can be seen is that small.
+constexpr float BLACK = 1.0e-12f;
 // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
 // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
 constexpr float SHARE_LEAST = 0.1f;
@@ -225,11 +225,12 @@ inline float metallic_roughness_raised(float probability) {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 inline Vec2 metallic_roughness_lobes_shares(float first, float second) {
-    float inv = 1.0f / (first + second + BLACK);
-    float a = metallic_roughness_raised((first + BLACK) * inv);
+    float lifted = first + BLACK;
+    float inv = 1.0f / (lifted + second);
+    float a = metallic_roughness_raised(lifted * inv);
     float b = metallic_roughness_raised(second * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
-    bool smaller = first < second;
+    bool smaller = lifted < second;
     return Vec2{smaller ? a : 1.0f - b, smaller ? 1.0f - a : b};
 }
 

@@ -134,9 +134,9 @@ constexpr float ROOT_MIN = 1.0e-16f;
 constexpr float two_pi = 6.2831855f;
 constexpr float inv_pi = 0.31830987f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
-// Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
-// can be seen is that small.
-constexpr float BLACK = 1.0e-20f;
+// Added to the first lobe's weight, so that two black lobes still leave something to choose and the
+// reciprocal of their sum has a derivative; no albedo that can be seen is that small.
+constexpr float BLACK = 1.0e-12f;
 // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
 // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
 constexpr float SHARE_LEAST = 0.1f;
@@ -203,16 +203,32 @@ struct PatinaChoice {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// a + b + c with the rounding error of a + b carried along (Knuth), for a c that cancels it.
+inline float patina_sum3(float a, float b, float c) {
+    float ab = a + b;
+    float back = ab - a;
+    float error = a - (ab - back) + (b - back);
+    return ab + c + error;
+}
+
+// 1 - extentFactor, with all its digits: a sharp highlight counts however little of it is left.
+inline float patina_bare(const Patina& params) {
+    float rise = patina_sum3(params.growth, -params.extent, params.transition)
+        / (2.0f * params.transition);
+    float t = fminf(fmaxf(rise, 0.0f), 1.0f);
+    return t * t * (3.0f - 2.0f * t);
+}
+
 // extentFactor: 1 - smoothstep(extent - transition, extent + transition, growth).
 inline float patina_grown(const Patina& params) {
-    float start = params.extent - params.transition;
-    float t = fminf(fmaxf((params.growth - start) / (2.0f * params.transition), 0.0f), 1.0f);
-    return (1.0f - t) * (1.0f - t) * (1.0f + 2.0f * t);
+    float rest = patina_sum3(params.extent, -params.growth, params.transition)
+        / (2.0f * params.transition);
+    float t = fminf(fmaxf(rest, 0.0f), 1.0f);
+    return t * t * (3.0f - 2.0f * t);
 }
 
 inline float patina_metal_alpha(const Patina& params) {
-    float grown = patina_grown(params);
-    return (1.0f - grown) * params.bare_alpha + grown * params.grown_alpha;  // not lerp, as in eval
+    return patina_bare(params) * params.bare_alpha + patina_grown(params) * params.grown_alpha;
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
@@ -231,8 +247,8 @@ inline Vec3 patina_F_conductor(float cos_theta, Vec3 eta, Vec3 k) {
     float c2 = c * c;
     float sin2 = 1.0f - c2;
     Vec3 w_re = contrast_re + c2;
-    Vec3 im2 = 4.0f * half_im * half_im;
-    Vec3 w_abs = sqrt(w_re * w_re + im2);
+    Vec3 im = 2.0f * half_im;
+    Vec3 w_abs = sqrt(w_re * w_re + im * im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     Vec3 large = sqrt(0.5f * (w_abs + absolute(w_re)));
     Vec3 g_re = select(w_re > splat(0.0f), large, half_im / large);
@@ -240,16 +256,18 @@ inline Vec3 patina_F_conductor(float cos_theta, Vec3 eta, Vec3 k) {
     Vec3 cross = 2.0f * c * g_re;
     Vec3 s_abs2 = c2 + w_abs + cross;
     Vec3 p = c2 * w_abs + sin2 * sin2;
-    // One quotient after the other: for a matched index in the horizon the squares would leave a float32
-    Vec3 R_s = (contrast_re * contrast_re + im2) / s_abs2 / s_abs2;
-    return R_s * (p / (p + cross * sin2));
+    // Quotients before their squares: for a matched index in the horizon these would leave a float32
+    Vec3 r_re = contrast_re / s_abs2;
+    Vec3 r_im = im / s_abs2;
+    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2));
 }
 
 // The metal's reflectance: its index turns into the patina's as that grows, and it tarnishes.
 inline Vec3 patina_metal_F(const Patina& params, float cos_h) {
+    float bare = patina_bare(params);
     float grown = patina_grown(params);
-    Vec3 eta = lerp(params.metal_eta, params.coat_eta, splat(grown));
-    Vec3 k = lerp(params.metal_k, params.coat_k, splat(grown));
+    Vec3 eta = bare * params.metal_eta + grown * params.coat_eta;
+    Vec3 k = bare * params.metal_k + grown * params.coat_k;
     return patina_F_conductor(cos_h, eta, k)
         * lerp(splat(1.0f), params.tarnish_tint, splat(params.tarnish));
 }
@@ -280,14 +298,10 @@ inline float patina_V_smith_correlated_ggx(Vec3 wi, Vec3 wo, float alpha_x, floa
     return 0.5f / (wo.z * length_i + wi.z * length_o);
 }
 
-// D G / (4 mu_i mu_o) of GGX with height-correlated Smith: times F it is a reflection.
-inline float patina_ggx_facets(Vec3 wi, Vec3 wo, float alpha) {
-    float D = patina_D_ggx(patina_half_vector(wi, wo), alpha, alpha);
+// D G / (4 mu_i mu_o) of GGX with height-correlated Smith at the half vector m; F is missing.
+inline float patina_ggx_facets(Vec3 m, Vec3 wi, Vec3 wo, float alpha) {
+    float D = patina_D_ggx(m, alpha, alpha);
     return D * patina_V_smith_correlated_ggx(wi, wo, alpha, alpha);
-}
-
-inline Vec3 patina_metal(const Patina& params, Vec3 wi, Vec3 wo, float alpha) {
-    return patina_metal_F(params, patina_cos_half(wi, wo)) * patina_ggx_facets(wi, wo, alpha);
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -336,15 +350,25 @@ inline Vec3 patina_refract(Vec3 w, float eta) {
 }
 
 // Absorption times thickness, for each channel.
-inline Vec3 patina_optical_depth(Vec3 sigma_a, float thickness) {
+inline Vec3 patina_coat_optical_depth(Vec3 sigma_a, float thickness) {
     return sigma_a * Vec3{thickness, thickness, thickness};
 }
 
-// exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
-// wi, wo: refracted directions. depth: absorption times thickness.
-inline Vec3 patina_absorbed(Vec3 depth, Vec3 wi, Vec3 wo) {
-    return exp(-depth * (1.0f / wi.z + 1.0f / wo.z));
+// wi, wo: refracted directions. optical_depth: absorption times thickness.
+inline Vec3 patina_attenuation(Vec3 optical_depth, Vec3 wi, Vec3 wo) {
+    return exp(-optical_depth * (1.0f / wi.z + 1.0f / wo.z));
+}
+
+// eta times the sum of both refracted directions, which has their half vector's direction.
+//
+// Where the two are nearly mirrored the tangential parts cancel: they are summed before they are rounded by
+// refraction, so that a sharp highlight below keeps its place.
+inline Vec3 patina_refracted_sum(Vec3 wi, Vec3 wo, float eta) {
+    float z_i = patina_refracted_cos2(wi.z, eta);
+    float z_o = patina_refracted_cos2(wo.z, eta);
+    return Vec3{wi.x + wo.x, wi.y + wo.y, sqrtf(z_i) + sqrtf(z_o)};
 }
 
 // The metal's width under the patina, at least that of the patina itself (Figure 2).
@@ -358,15 +382,19 @@ inline Vec3 patina_coated(const Patina& params, Vec3 wi, Vec3 wo) {
     float index = patina_average(params.coat_eta);
     Vec3 F = patina_F_conductor(cos_h, params.coat_eta, params.coat_k);
     Vec3 T = patina_transmittance_conductor(cos_h, params.coat_eta, params.coat_k);
-    Vec3 surface = F * patina_ggx_facets(wi, wo, params.alpha)
+    Vec3 surface = F * patina_ggx_facets(patina_half_vector(wi, wo), wi, wo, params.alpha)
         + (1.0f - params.sigma_a) * T * inv_pi;
 
     Vec3 through = patina_through_facets(wi, wo, params.alpha, T);
     through = through / (index * index);
     Vec3 wi_t = patina_refract(wi, index);
     Vec3 wo_t = patina_refract(wo, index);
-    Vec3 kept = patina_absorbed(patina_optical_depth(params.sigma_a, params.thickness), wi_t, wo_t);
-    return surface + patina_metal(params, wi_t, wo_t, patina_below_alpha(params)) * through * kept;
+    Vec3 kept = patina_attenuation(patina_coat_optical_depth(params.sigma_a, params.thickness),
+        wi_t, wo_t);
+    Vec3 both = patina_refracted_sum(wi, wo, index);
+    Vec3 metal_ = patina_metal_F(params, 0.5f * length(both) / index);
+    metal_ = metal_ * patina_ggx_facets(normalize(both), wi_t, wo_t, patina_below_alpha(params));
+    return surface + metal_ * through * kept;
 }
 
 // The bare and the coated metal, mixed: BRDF value in 1/sr, without the cosine.
@@ -374,11 +402,10 @@ inline Vec3 patina_eval(const Patina& params, Vec3 wi, Vec3 wo) {
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
-    float grown = patina_grown(params);
-    Vec3 bare = patina_metal(params, wi, wo, patina_metal_alpha(params));
-    // Not lerp, which may be bare + grown (coated - bare) in a shader: a sharp highlight of a metal that is all
-    // covered would leave its rounding error
-    return (1.0f - grown) * bare + grown * patina_coated(params, wi, wo);
+    float alpha = patina_metal_alpha(params);
+    Vec3 bare = patina_metal_F(params, patina_cos_half(wi, wo))
+        * patina_ggx_facets(patina_half_vector(wi, wo), wi, wo, alpha);
+    return patina_bare(params) * bare + patina_grown(params) * patina_coated(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------
@@ -391,10 +418,9 @@ inline float patina_usual_cos_half(Vec3 wo) {
     return 0.5f + 0.5f * wo.z;
 }
 
-// The most that patina_absorbed leaves of light that goes out along wo: it came in along the normal.
-inline Vec3 patina_absorbed_least(Vec3 depth, Vec3 wo) {
-    Vec3 up = Vec3{0.0f, 0.0f, 1.0f};
-    return patina_absorbed(depth, up, wo);
+// The most that patina_attenuation leaves of light that goes out along wo: it came in along the normal.
+inline Vec3 patina_attenuation_least(Vec3 optical_depth, Vec3 wo) {
+    return patina_attenuation(optical_depth, Vec3{0.0f, 0.0f, 1.0f}, wo);
 }
 
 inline float patina_raised(float probability) {
@@ -403,11 +429,12 @@ inline float patina_raised(float probability) {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 inline Vec2 patina_lobes_shares(float first, float second) {
-    float inv = 1.0f / (first + second + BLACK);
-    float a = patina_raised((first + BLACK) * inv);
+    float lifted = first + BLACK;
+    float inv = 1.0f / (lifted + second);
+    float a = patina_raised(lifted * inv);
     float b = patina_raised(second * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
-    bool smaller = first < second;
+    bool smaller = lifted < second;
     return Vec2{smaller ? a : 1.0f - b, smaller ? 1.0f - a : b};
 }
 
@@ -419,10 +446,11 @@ inline PatinaShares patina_shares(const Patina& params, Vec3 wo) {
     Vec3 T = patina_transmittance_conductor(patina_usual_cos_half(wo), params.coat_eta,
         params.coat_k);
     Vec3 F_metal = patina_metal_F(params, wo.z);
-    float bare = (1.0f - grown) * patina_average(F_metal);
+    float bare = patina_bare(params) * patina_average(F_metal);
     float coat = grown * patina_average(F);
     float diffuse = grown * patina_average((1.0f - params.sigma_a) * T);
-    Vec3 kept = patina_absorbed_least(patina_optical_depth(params.sigma_a, params.thickness), wo_t);
+    Vec3 kept = patina_attenuation_least(patina_coat_optical_depth(params.sigma_a,
+        params.thickness), wo_t);
     float below = grown * patina_average(T * kept * F_metal) + LOBE_MIN;
     float inside = diffuse + below;
     Vec2 P_bare = patina_lobes_shares(bare, coat + inside);
@@ -547,7 +575,7 @@ inline float patina_pdf(const Patina& params, Vec3 wi, Vec3 wo) {
     float below_alpha = patina_below_alpha(params);
     Vec3 wi_t = patina_refract(wi, index);
     Vec3 wo_t = patina_refract(wo, index);
-    Vec3 m = patina_half_vector(wi_t, wo_t);
+    Vec3 m = normalize(patina_refracted_sum(wi, wo, index));
     Vec3 m_gathered = patina_half_vector(patina_gather(wi, index), wo_t);
     float refracted = patina_pdf_ggx_visible(wo_t, m, below_alpha, below_alpha);
     float gathered = patina_pdf_ggx_visible(wo_t, m_gathered, below_alpha, below_alpha);

@@ -61,16 +61,32 @@ struct PatinaChoice {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// a + b + c with the rounding error of a + b carried along (Knuth), for a c that cancels it.
+float patina_sum3(float a, float b, float c) {
+    float ab = a + b;
+    float back = ab - a;
+    float error = a - (ab - back) + (b - back);
+    return ab + c + error;
+}
+
+// 1 - extentFactor, with all its digits: a sharp highlight counts however little of it is left.
+float patina_bare(Patina params) {
+    float rise = patina_sum3(params.growth, -params.extent, params.transition)
+        / (2.0 * params.transition);
+    float t = clamp(rise, 0.0, 1.0);
+    return t * t * (3.0 - 2.0 * t);
+}
+
 // extentFactor: 1 - smoothstep(extent - transition, extent + transition, growth).
 float patina_grown(Patina params) {
-    float start = params.extent - params.transition;
-    float t = clamp((params.growth - start) / (2.0 * params.transition), 0.0, 1.0);
-    return (1.0 - t) * (1.0 - t) * (1.0 + 2.0 * t);
+    float rest = patina_sum3(params.extent, -params.growth, params.transition)
+        / (2.0 * params.transition);
+    float t = clamp(rest, 0.0, 1.0);
+    return t * t * (3.0 - 2.0 * t);
 }
 
 float patina_metal_alpha(Patina params) {
-    float grown = patina_grown(params);
-    return (1.0 - grown) * params.bare_alpha + grown * params.grown_alpha;  // not lerp, as in eval
+    return patina_bare(params) * params.bare_alpha + patina_grown(params) * params.grown_alpha;
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
@@ -92,8 +108,8 @@ float3 patina_F_conductor(float cos_theta, float3 eta, float3 k) {
     float c2 = c * c;
     float sin2 = 1.0 - c2;
     float3 w_re = contrast_re + c2;
-    float3 im2 = 4.0 * half_im * half_im;
-    float3 w_abs = sqrt(w_re * w_re + im2);
+    float3 im = 2.0 * half_im;
+    float3 w_abs = sqrt(w_re * w_re + im * im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     float3 large = sqrt(0.5 * (w_abs + abs(w_re)));
     float3 g_re = patina_select(w_re > float3(0.0, 0.0, 0.0), large, half_im / large);
@@ -101,16 +117,18 @@ float3 patina_F_conductor(float cos_theta, float3 eta, float3 k) {
     float3 cross = 2.0 * c * g_re;
     float3 s_abs2 = c2 + w_abs + cross;
     float3 p = c2 * w_abs + sin2 * sin2;
-    // One quotient after the other: for a matched index in the horizon the squares would leave a float32
-    float3 R_s = (contrast_re * contrast_re + im2) / s_abs2 / s_abs2;
-    return R_s * (p / (p + cross * sin2));
+    // Quotients before their squares: for a matched index in the horizon these would leave a float32
+    float3 r_re = contrast_re / s_abs2;
+    float3 r_im = im / s_abs2;
+    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2));
 }
 
 // The metal's reflectance: its index turns into the patina's as that grows, and it tarnishes.
 float3 patina_metal_F(Patina params, float cos_h) {
+    float bare = patina_bare(params);
     float grown = patina_grown(params);
-    float3 eta = lerp(params.metal_eta, params.coat_eta, float3(grown, grown, grown));
-    float3 k = lerp(params.metal_k, params.coat_k, float3(grown, grown, grown));
+    float3 eta = bare * params.metal_eta + grown * params.coat_eta;
+    float3 k = bare * params.metal_k + grown * params.coat_k;
     return patina_F_conductor(cos_h, eta, k)
         * lerp(float3(1.0, 1.0, 1.0), params.tarnish_tint,
             float3(params.tarnish, params.tarnish, params.tarnish));
@@ -143,14 +161,10 @@ float patina_V_smith_correlated_ggx(float3 wi, float3 wo, float alpha_x, float a
     return 0.5 / (wo.z * length_i + wi.z * length_o);
 }
 
-// D G / (4 mu_i mu_o) of GGX with height-correlated Smith: times F it is a reflection.
-float patina_ggx_facets(float3 wi, float3 wo, float alpha) {
-    float D = patina_D_ggx(patina_half_vector(wi, wo), alpha, alpha);
+// D G / (4 mu_i mu_o) of GGX with height-correlated Smith at the half vector m; F is missing.
+float patina_ggx_facets(float3 m, float3 wi, float3 wo, float alpha) {
+    float D = patina_D_ggx(m, alpha, alpha);
     return D * patina_V_smith_correlated_ggx(wi, wo, alpha, alpha);
-}
-
-float3 patina_metal(Patina params, float3 wi, float3 wo, float alpha) {
-    return patina_metal_F(params, patina_cos_half(wi, wo)) * patina_ggx_facets(wi, wo, alpha);
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -200,15 +214,25 @@ float3 patina_refract(float3 w, float eta) {
 }
 
 // Absorption times thickness, for each channel.
-float3 patina_optical_depth(float3 sigma_a, float thickness) {
+float3 patina_coat_optical_depth(float3 sigma_a, float thickness) {
     return sigma_a * float3(thickness, thickness, thickness);
 }
 
-// exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
-// wi, wo: refracted directions. depth: absorption times thickness.
-float3 patina_absorbed(float3 depth, float3 wi, float3 wo) {
-    return exp(-depth * (1.0 / wi.z + 1.0 / wo.z));
+// wi, wo: refracted directions. optical_depth: absorption times thickness.
+float3 patina_attenuation(float3 optical_depth, float3 wi, float3 wo) {
+    return exp(-optical_depth * (1.0 / wi.z + 1.0 / wo.z));
+}
+
+// eta times the sum of both refracted directions, which has their half vector's direction.
+//
+// Where the two are nearly mirrored the tangential parts cancel: they are summed before they are rounded by
+// refraction, so that a sharp highlight below keeps its place.
+float3 patina_refracted_sum(float3 wi, float3 wo, float eta) {
+    float z_i = patina_refracted_cos2(wi.z, eta);
+    float z_o = patina_refracted_cos2(wo.z, eta);
+    return float3(wi.x + wo.x, wi.y + wo.y, sqrt(z_i) + sqrt(z_o));
 }
 
 // The metal's width under the patina, at least that of the patina itself (Figure 2).
@@ -223,16 +247,19 @@ float3 patina_coated(Patina params, float3 wi, float3 wo) {
     float index = patina_average(params.coat_eta);
     float3 F = patina_F_conductor(cos_h, params.coat_eta, params.coat_k);
     float3 T = patina_transmittance_conductor(cos_h, params.coat_eta, params.coat_k);
-    float3 surface = F * patina_ggx_facets(wi, wo, params.alpha)
+    float3 surface = F * patina_ggx_facets(patina_half_vector(wi, wo), wi, wo, params.alpha)
         + (1.0 - params.sigma_a) * T * inv_pi;
 
     float3 through = patina_through_facets(wi, wo, params.alpha, T);
     through = through / (index * index);
     float3 wi_t = patina_refract(wi, index);
     float3 wo_t = patina_refract(wo, index);
-    float3 kept = patina_absorbed(patina_optical_depth(params.sigma_a, params.thickness), wi_t,
-        wo_t);
-    return surface + patina_metal(params, wi_t, wo_t, patina_below_alpha(params)) * through * kept;
+    float3 kept = patina_attenuation(patina_coat_optical_depth(params.sigma_a, params.thickness),
+        wi_t, wo_t);
+    float3 both = patina_refracted_sum(wi, wo, index);
+    float3 metal = patina_metal_F(params, 0.5 * length(both) / index);
+    metal = metal * patina_ggx_facets(normalize(both), wi_t, wo_t, patina_below_alpha(params));
+    return surface + metal * through * kept;
 }
 
 // The bare and the coated metal, mixed: BRDF value in 1/sr, without the cosine.
@@ -241,11 +268,10 @@ float3 patina_eval(Patina params, float3 wi, float3 wo) {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return float3(0.0, 0.0, 0.0);
     }
-    float grown = patina_grown(params);
-    float3 bare = patina_metal(params, wi, wo, patina_metal_alpha(params));
-    // Not lerp, which may be bare + grown (coated - bare) in a shader: a sharp highlight of a metal that is all
-    // covered would leave its rounding error
-    return (1.0 - grown) * bare + grown * patina_coated(params, wi, wo);
+    float alpha = patina_metal_alpha(params);
+    float3 bare = patina_metal_F(params, patina_cos_half(wi, wo))
+        * patina_ggx_facets(patina_half_vector(wi, wo), wi, wo, alpha);
+    return patina_bare(params) * bare + patina_grown(params) * patina_coated(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------
@@ -258,10 +284,9 @@ float patina_usual_cos_half(float3 wo) {
     return 0.5 + 0.5 * wo.z;
 }
 
-// The most that patina_absorbed leaves of light that goes out along wo: it came in along the normal.
-float3 patina_absorbed_least(float3 depth, float3 wo) {
-    float3 up = float3(0.0, 0.0, 1.0);
-    return patina_absorbed(depth, up, wo);
+// The most that patina_attenuation leaves of light that goes out along wo: it came in along the normal.
+float3 patina_attenuation_least(float3 optical_depth, float3 wo) {
+    return patina_attenuation(optical_depth, float3(0.0, 0.0, 1.0), wo);
 }
 
 float patina_raised(float probability) {
@@ -274,14 +299,15 @@ float patina_raised(float probability) {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 float2 patina_lobes_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
-    // can be seen is that small.
-    const float BLACK = 1.0e-20;
-    float inv = 1.0 / (first + second + BLACK);
-    float a = patina_raised((first + BLACK) * inv);
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose and the
+    // reciprocal of their sum has a derivative; no albedo that can be seen is that small.
+    const float BLACK = 1.0e-12;
+    float lifted = first + BLACK;
+    float inv = 1.0 / (lifted + second);
+    float a = patina_raised(lifted * inv);
     float b = patina_raised(second * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
-    bool smaller = first < second;
+    bool smaller = lifted < second;
     return float2(smaller ? a : 1.0 - b, smaller ? 1.0 - a : b);
 }
 
@@ -295,11 +321,11 @@ PatinaShares patina_shares(Patina params, float3 wo) {
     float3 T = patina_transmittance_conductor(patina_usual_cos_half(wo), params.coat_eta,
         params.coat_k);
     float3 F_metal = patina_metal_F(params, wo.z);
-    float bare = (1.0 - grown) * patina_average(F_metal);
+    float bare = patina_bare(params) * patina_average(F_metal);
     float coat = grown * patina_average(F);
     float diffuse = grown * patina_average((1.0 - params.sigma_a) * T);
-    float3 kept = patina_absorbed_least(patina_optical_depth(params.sigma_a, params.thickness),
-        wo_t);
+    float3 kept = patina_attenuation_least(patina_coat_optical_depth(params.sigma_a,
+        params.thickness), wo_t);
     float below = grown * patina_average(T * kept * F_metal) + LOBE_MIN;
     float inside = diffuse + below;
     float2 P_bare = patina_lobes_shares(bare, coat + inside);
@@ -449,7 +475,7 @@ float patina_pdf(Patina params, float3 wi, float3 wo) {
     float below_alpha = patina_below_alpha(params);
     float3 wi_t = patina_refract(wi, index);
     float3 wo_t = patina_refract(wo, index);
-    float3 m = patina_half_vector(wi_t, wo_t);
+    float3 m = normalize(patina_refracted_sum(wi, wo, index));
     float3 m_gathered = patina_half_vector(patina_gather(wi, index), wo_t);
     float refracted = patina_pdf_ggx_visible(wo_t, m, below_alpha, below_alpha);
     float gathered = patina_pdf_ggx_visible(wo_t, m_gathered, below_alpha, below_alpha);

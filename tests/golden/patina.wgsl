@@ -57,16 +57,32 @@ struct PatinaChoice {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// a + b + c with the rounding error of a + b carried along (Knuth), for a c that cancels it.
+fn patina_sum3(a: f32, b: f32, c: f32) -> f32 {
+    let ab = a + b;
+    let back = ab - a;
+    let error = a - (ab - back) + (b - back);
+    return ab + c + error;
+}
+
+// 1 - extentFactor, with all its digits: a sharp highlight counts however little of it is left.
+fn patina_bare(params: Patina) -> f32 {
+    let rise = patina_sum3(params.growth, -params.extent, params.transition)
+        / (2.0 * params.transition);
+    let t = clamp(rise, 0.0, 1.0);
+    return t * t * (3.0 - 2.0 * t);
+}
+
 // extentFactor: 1 - smoothstep(extent - transition, extent + transition, growth).
 fn patina_grown(params: Patina) -> f32 {
-    let start = params.extent - params.transition;
-    let t = clamp((params.growth - start) / (2.0 * params.transition), 0.0, 1.0);
-    return (1.0 - t) * (1.0 - t) * (1.0 + 2.0 * t);
+    let rest = patina_sum3(params.extent, -params.growth, params.transition)
+        / (2.0 * params.transition);
+    let t = clamp(rest, 0.0, 1.0);
+    return t * t * (3.0 - 2.0 * t);
 }
 
 fn patina_metal_alpha(params: Patina) -> f32 {
-    let grown = patina_grown(params);
-    return (1.0 - grown) * params.bare_alpha + grown * params.grown_alpha;  // not lerp, as in eval
+    return patina_bare(params) * params.bare_alpha + patina_grown(params) * params.grown_alpha;
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
@@ -88,8 +104,8 @@ fn patina_F_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f {
     let c2 = c * c;
     let sin2 = 1.0 - c2;
     let w_re = contrast_re + c2;
-    let im2 = 4.0 * half_im * half_im;
-    let w_abs = sqrt(w_re * w_re + im2);
+    let im = 2.0 * half_im;
+    let w_abs = sqrt(w_re * w_re + im * im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     let large = sqrt(0.5 * (w_abs + abs(w_re)));
     let g_re = select(half_im / large, large, w_re > vec3f(0.0));
@@ -97,16 +113,18 @@ fn patina_F_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f {
     let cross = 2.0 * c * g_re;
     let s_abs2 = c2 + w_abs + cross;
     let p = c2 * w_abs + sin2 * sin2;
-    // One quotient after the other: for a matched index in the horizon the squares would leave a float32
-    let R_s = (contrast_re * contrast_re + im2) / s_abs2 / s_abs2;
-    return R_s * (p / (p + cross * sin2));
+    // Quotients before their squares: for a matched index in the horizon these would leave a float32
+    let r_re = contrast_re / s_abs2;
+    let r_im = im / s_abs2;
+    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2));
 }
 
 // The metal's reflectance: its index turns into the patina's as that grows, and it tarnishes.
 fn patina_metal_F(params: Patina, cos_h: f32) -> vec3f {
+    let bare = patina_bare(params);
     let grown = patina_grown(params);
-    let eta = mix(params.metal_eta, params.coat_eta, vec3f(grown));
-    let k = mix(params.metal_k, params.coat_k, vec3f(grown));
+    let eta = bare * params.metal_eta + grown * params.coat_eta;
+    let k = bare * params.metal_k + grown * params.coat_k;
     return patina_F_conductor(cos_h, eta, k)
         * mix(vec3f(1.0), params.tarnish_tint, vec3f(params.tarnish));
 }
@@ -138,14 +156,10 @@ fn patina_V_smith_correlated_ggx(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f3
     return 0.5 / (wo.z * length_i + wi.z * length_o);
 }
 
-// D G / (4 mu_i mu_o) of GGX with height-correlated Smith: times F it is a reflection.
-fn patina_ggx_facets(wi: vec3f, wo: vec3f, alpha: f32) -> f32 {
-    let D = patina_D_ggx(patina_half_vector(wi, wo), alpha, alpha);
+// D G / (4 mu_i mu_o) of GGX with height-correlated Smith at the half vector m; F is missing.
+fn patina_ggx_facets(m: vec3f, wi: vec3f, wo: vec3f, alpha: f32) -> f32 {
+    let D = patina_D_ggx(m, alpha, alpha);
     return D * patina_V_smith_correlated_ggx(wi, wo, alpha, alpha);
-}
-
-fn patina_metal(params: Patina, wi: vec3f, wo: vec3f, alpha: f32) -> vec3f {
-    return patina_metal_F(params, patina_cos_half(wi, wo)) * patina_ggx_facets(wi, wo, alpha);
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -195,15 +209,25 @@ fn patina_refract(w: vec3f, eta: f32) -> vec3f {
 }
 
 // Absorption times thickness, for each channel.
-fn patina_optical_depth(sigma_a: vec3f, thickness: f32) -> vec3f {
+fn patina_coat_optical_depth(sigma_a: vec3f, thickness: f32) -> vec3f {
     return sigma_a * vec3f(thickness, thickness, thickness);
 }
 
-// exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
-// wi, wo: refracted directions. depth: absorption times thickness.
-fn patina_absorbed(depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
-    return exp(-depth * (1.0 / wi.z + 1.0 / wo.z));
+// wi, wo: refracted directions. optical_depth: absorption times thickness.
+fn patina_attenuation(optical_depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
+    return exp(-optical_depth * (1.0 / wi.z + 1.0 / wo.z));
+}
+
+// eta times the sum of both refracted directions, which has their half vector's direction.
+//
+// Where the two are nearly mirrored the tangential parts cancel: they are summed before they are rounded by
+// refraction, so that a sharp highlight below keeps its place.
+fn patina_refracted_sum(wi: vec3f, wo: vec3f, eta: f32) -> vec3f {
+    let z_i = patina_refracted_cos2(wi.z, eta);
+    let z_o = patina_refracted_cos2(wo.z, eta);
+    return vec3f(wi.x + wo.x, wi.y + wo.y, sqrt(z_i) + sqrt(z_o));
 }
 
 // The metal's width under the patina, at least that of the patina itself (Figure 2).
@@ -218,14 +242,19 @@ fn patina_coated(params: Patina, wi: vec3f, wo: vec3f) -> vec3f {
     let index = patina_average(params.coat_eta);
     let F = patina_F_conductor(cos_h, params.coat_eta, params.coat_k);
     let T = patina_transmittance_conductor(cos_h, params.coat_eta, params.coat_k);
-    let surface = F * patina_ggx_facets(wi, wo, params.alpha) + (1.0 - params.sigma_a) * T * inv_pi;
+    let surface = F * patina_ggx_facets(patina_half_vector(wi, wo), wi, wo, params.alpha)
+        + (1.0 - params.sigma_a) * T * inv_pi;
 
     var through = patina_through_facets(wi, wo, params.alpha, T);
     through = through / (index * index);
     let wi_t = patina_refract(wi, index);
     let wo_t = patina_refract(wo, index);
-    let kept = patina_absorbed(patina_optical_depth(params.sigma_a, params.thickness), wi_t, wo_t);
-    return surface + patina_metal(params, wi_t, wo_t, patina_below_alpha(params)) * through * kept;
+    let kept = patina_attenuation(patina_coat_optical_depth(params.sigma_a, params.thickness), wi_t,
+        wo_t);
+    let both = patina_refracted_sum(wi, wo, index);
+    var metal = patina_metal_F(params, 0.5 * length(both) / index);
+    metal = metal * patina_ggx_facets(normalize(both), wi_t, wo_t, patina_below_alpha(params));
+    return surface + metal * through * kept;
 }
 
 // The bare and the coated metal, mixed: BRDF value in 1/sr, without the cosine.
@@ -234,11 +263,10 @@ fn patina_eval(params: Patina, wi: vec3f, wo: vec3f) -> vec3f {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
-    let grown = patina_grown(params);
-    let bare = patina_metal(params, wi, wo, patina_metal_alpha(params));
-    // Not lerp, which may be bare + grown (coated - bare) in a shader: a sharp highlight of a metal that is all
-    // covered would leave its rounding error
-    return (1.0 - grown) * bare + grown * patina_coated(params, wi, wo);
+    let alpha = patina_metal_alpha(params);
+    let bare = patina_metal_F(params, patina_cos_half(wi, wo))
+        * patina_ggx_facets(patina_half_vector(wi, wo), wi, wo, alpha);
+    return patina_bare(params) * bare + patina_grown(params) * patina_coated(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------
@@ -251,10 +279,9 @@ fn patina_usual_cos_half(wo: vec3f) -> f32 {
     return 0.5 + 0.5 * wo.z;
 }
 
-// The most that patina_absorbed leaves of light that goes out along wo: it came in along the normal.
-fn patina_absorbed_least(depth: vec3f, wo: vec3f) -> vec3f {
-    let up = vec3f(0.0, 0.0, 1.0);
-    return patina_absorbed(depth, up, wo);
+// The most that patina_attenuation leaves of light that goes out along wo: it came in along the normal.
+fn patina_attenuation_least(optical_depth: vec3f, wo: vec3f) -> vec3f {
+    return patina_attenuation(optical_depth, vec3f(0.0, 0.0, 1.0), wo);
 }
 
 fn patina_raised(probability: f32) -> f32 {
@@ -267,14 +294,15 @@ fn patina_raised(probability: f32) -> f32 {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 fn patina_lobes_shares(first: f32, second: f32) -> vec2f {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
-    // can be seen is that small.
-    const BLACK = 1.0e-20;
-    let inv = 1.0 / (first + second + BLACK);
-    let a = patina_raised((first + BLACK) * inv);
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose and the
+    // reciprocal of their sum has a derivative; no albedo that can be seen is that small.
+    const BLACK = 1.0e-12;
+    let lifted = first + BLACK;
+    let inv = 1.0 / (lifted + second);
+    let a = patina_raised(lifted * inv);
     let b = patina_raised(second * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
-    let smaller = first < second;
+    let smaller = lifted < second;
     return vec2f(select(1.0 - b, a, smaller), select(b, 1.0 - a, smaller));
 }
 
@@ -288,10 +316,11 @@ fn patina_shares(params: Patina, wo: vec3f) -> PatinaShares {
     let T = patina_transmittance_conductor(patina_usual_cos_half(wo), params.coat_eta,
         params.coat_k);
     let F_metal = patina_metal_F(params, wo.z);
-    let bare = (1.0 - grown) * patina_average(F_metal);
+    let bare = patina_bare(params) * patina_average(F_metal);
     let coat = grown * patina_average(F);
     let diffuse = grown * patina_average((1.0 - params.sigma_a) * T);
-    let kept = patina_absorbed_least(patina_optical_depth(params.sigma_a, params.thickness), wo_t);
+    let kept = patina_attenuation_least(patina_coat_optical_depth(params.sigma_a, params.thickness),
+        wo_t);
     let below = grown * patina_average(T * kept * F_metal) + LOBE_MIN;
     let inside = diffuse + below;
     let P_bare = patina_lobes_shares(bare, coat + inside);
@@ -433,7 +462,7 @@ fn patina_pdf(params: Patina, wi: vec3f, wo: vec3f) -> f32 {
     let below_alpha = patina_below_alpha(params);
     let wi_t = patina_refract(wi, index);
     let wo_t = patina_refract(wo, index);
-    let m = patina_half_vector(wi_t, wo_t);
+    let m = normalize(patina_refracted_sum(wi, wo, index));
     let m_gathered = patina_half_vector(patina_gather(wi, index), wo_t);
     let refracted = patina_pdf_ggx_visible(wo_t, m, below_alpha, below_alpha);
     let gathered = patina_pdf_ggx_visible(wo_t, m_gathered, below_alpha, below_alpha);

@@ -120,14 +120,15 @@ fn phong_raised(probability: f32) -> f32 {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 fn phong_lobes_shares(first: f32, second: f32) -> vec2f {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
-    // can be seen is that small.
-    const BLACK = 1.0e-20;
-    let inv = 1.0 / (first + second + BLACK);
-    let a = phong_raised((first + BLACK) * inv);
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose and the
+    // reciprocal of their sum has a derivative; no albedo that can be seen is that small.
+    const BLACK = 1.0e-12;
+    let lifted = first + BLACK;
+    let inv = 1.0 / (lifted + second);
+    let a = phong_raised(lifted * inv);
     let b = phong_raised(second * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
-    let smaller = first < second;
+    let smaller = lifted < second;
     return vec2f(select(1.0 - b, a, smaller), select(b, 1.0 - a, smaller));
 }
 

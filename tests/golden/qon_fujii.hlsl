@@ -50,7 +50,7 @@ QonFujiiQualitativeCoefficients qon_fujii_qualitative_coefficients(float sigma, 
 
 // s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
 //
-// s is divided by a cosine that may be tiny, so its last bits count: the rounding error of one
+// It is divided by cosines that may be tiny, so its last bits count: the rounding error of one
 // product is carried along (Kahan), which plain wi.x wo.x + wi.y wo.y or dot(wi, wo) - mu_i mu_o loses.
 float qon_fujii_tangential_dot(float3 wi, float3 wo) {
     float q = wi.y * wo.y;

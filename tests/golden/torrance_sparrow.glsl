@@ -65,8 +65,8 @@ vec3 torrance_sparrow_F_conductor(float cos_theta, vec3 eta, vec3 k) {
     float c2 = c * c;
     float sin2 = 1.0 - c2;
     vec3 w_re = contrast_re + c2;
-    vec3 im2 = 4.0 * half_im * half_im;
-    vec3 w_abs = sqrt(w_re * w_re + im2);
+    vec3 im = 2.0 * half_im;
+    vec3 w_abs = sqrt(w_re * w_re + im * im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     vec3 large = sqrt(0.5 * (w_abs + abs(w_re)));
     vec3 g_re = mix(half_im / large, large, greaterThan(w_re, vec3(0.0)));
@@ -74,9 +74,10 @@ vec3 torrance_sparrow_F_conductor(float cos_theta, vec3 eta, vec3 k) {
     vec3 cross = 2.0 * c * g_re;
     vec3 s_abs2 = c2 + w_abs + cross;
     vec3 p = c2 * w_abs + sin2 * sin2;
-    // One quotient after the other: for a matched index in the horizon the squares would leave a float32
-    vec3 R_s = (contrast_re * contrast_re + im2) / s_abs2 / s_abs2;
-    return R_s * (p / (p + cross * sin2));
+    // Quotients before their squares: for a matched index in the horizon these would leave a float32
+    vec3 r_re = contrast_re / s_abs2;
+    vec3 r_im = im / s_abs2;
+    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2));
 }
 
 // Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
@@ -186,7 +187,7 @@ float torrance_sparrow_pdf(TorranceSparrow params, vec3 wi, vec3 wo) {
     return specular;
 }
 
-// Visible normals where the masking has them, else normals; a cosine lobe for Kulla-Conty.
+// Visible normals where the masking has them, else normals; a grazing lobe for Kulla-Conty.
 TorranceSparrowSample torrance_sparrow_sample(TorranceSparrow params, vec3 wo, vec2 u) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z <= mu_min) {  // in the horizon or below

@@ -170,8 +170,8 @@ inline Vec3 torrance_sparrow_F_conductor(float cos_theta, Vec3 eta, Vec3 k) {
     float c2 = c * c;
     float sin2 = 1.0f - c2;
     Vec3 w_re = contrast_re + c2;
-    Vec3 im2 = 4.0f * half_im * half_im;
-    Vec3 w_abs = sqrt(w_re * w_re + im2);
+    Vec3 im = 2.0f * half_im;
+    Vec3 w_abs = sqrt(w_re * w_re + im * im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     Vec3 large = sqrt(0.5f * (w_abs + absolute(w_re)));
     Vec3 g_re = select(w_re > splat(0.0f), large, half_im / large);
@@ -179,9 +179,10 @@ inline Vec3 torrance_sparrow_F_conductor(float cos_theta, Vec3 eta, Vec3 k) {
     Vec3 cross = 2.0f * c * g_re;
     Vec3 s_abs2 = c2 + w_abs + cross;
     Vec3 p = c2 * w_abs + sin2 * sin2;
-    // One quotient after the other: for a matched index in the horizon the squares would leave a float32
-    Vec3 R_s = (contrast_re * contrast_re + im2) / s_abs2 / s_abs2;
-    return R_s * (p / (p + cross * sin2));
+    // Quotients before their squares: for a matched index in the horizon these would leave a float32
+    Vec3 r_re = contrast_re / s_abs2;
+    Vec3 r_im = im / s_abs2;
+    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2));
 }
 
 // Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
@@ -286,7 +287,7 @@ inline float torrance_sparrow_pdf(const TorranceSparrow& params, Vec3 wi, Vec3 w
     return specular;
 }
 
-// Visible normals where the masking has them, else normals; a cosine lobe for Kulla-Conty.
+// Visible normals where the masking has them, else normals; a grazing lobe for Kulla-Conty.
 inline TorranceSparrowSample torrance_sparrow_sample(const TorranceSparrow& params, Vec3 wo,
     Vec2 u) {
     if (wo.z <= mu_min) {  // in the horizon or below

@@ -69,8 +69,8 @@ float3 torrance_sparrow_F_conductor(float cos_theta, float3 eta, float3 k) {
     float c2 = c * c;
     float sin2 = 1.0 - c2;
     float3 w_re = contrast_re + c2;
-    float3 im2 = 4.0 * half_im * half_im;
-    float3 w_abs = sqrt(w_re * w_re + im2);
+    float3 im = 2.0 * half_im;
+    float3 w_abs = sqrt(w_re * w_re + im * im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     float3 large = sqrt(0.5 * (w_abs + abs(w_re)));
     float3 g_re = torrance_sparrow_select(w_re > float3(0.0, 0.0, 0.0), large, half_im / large);
@@ -78,9 +78,10 @@ float3 torrance_sparrow_F_conductor(float cos_theta, float3 eta, float3 k) {
     float3 cross = 2.0 * c * g_re;
     float3 s_abs2 = c2 + w_abs + cross;
     float3 p = c2 * w_abs + sin2 * sin2;
-    // One quotient after the other: for a matched index in the horizon the squares would leave a float32
-    float3 R_s = (contrast_re * contrast_re + im2) / s_abs2 / s_abs2;
-    return R_s * (p / (p + cross * sin2));
+    // Quotients before their squares: for a matched index in the horizon these would leave a float32
+    float3 r_re = contrast_re / s_abs2;
+    float3 r_im = im / s_abs2;
+    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2));
 }
 
 // Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
@@ -191,7 +192,7 @@ float torrance_sparrow_pdf(TorranceSparrow params, float3 wi, float3 wo) {
     return specular;
 }
 
-// Visible normals where the masking has them, else normals; a cosine lobe for Kulla-Conty.
+// Visible normals where the masking has them, else normals; a grazing lobe for Kulla-Conty.
 TorranceSparrowSample torrance_sparrow_sample(TorranceSparrow params, float3 wo, float2 u) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z <= mu_min) {  // in the horizon or below

@@ -64,8 +64,8 @@ fn torrance_sparrow_F_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f {
     let c2 = c * c;
     let sin2 = 1.0 - c2;
     let w_re = contrast_re + c2;
-    let im2 = 4.0 * half_im * half_im;
-    let w_abs = sqrt(w_re * w_re + im2);
+    let im = 2.0 * half_im;
+    let w_abs = sqrt(w_re * w_re + im * im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     let large = sqrt(0.5 * (w_abs + abs(w_re)));
     let g_re = select(half_im / large, large, w_re > vec3f(0.0));
@@ -73,9 +73,10 @@ fn torrance_sparrow_F_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f {
     let cross = 2.0 * c * g_re;
     let s_abs2 = c2 + w_abs + cross;
     let p = c2 * w_abs + sin2 * sin2;
-    // One quotient after the other: for a matched index in the horizon the squares would leave a float32
-    let R_s = (contrast_re * contrast_re + im2) / s_abs2 / s_abs2;
-    return R_s * (p / (p + cross * sin2));
+    // Quotients before their squares: for a matched index in the horizon these would leave a float32
+    let r_re = contrast_re / s_abs2;
+    let r_im = im / s_abs2;
+    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2));
 }
 
 // Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
@@ -187,7 +188,7 @@ fn torrance_sparrow_pdf(params: TorranceSparrow, wi: vec3f, wo: vec3f) -> f32 {
     return specular;
 }
 
-// Visible normals where the masking has them, else normals; a cosine lobe for Kulla-Conty.
+// Visible normals where the masking has them, else normals; a grazing lobe for Kulla-Conty.
 fn torrance_sparrow_sample(params: TorranceSparrow, wo: vec3f,
     u: vec2f) -> TorranceSparrowSample {
     const mu_min = 1.0e-18;  // cosine of the horizon

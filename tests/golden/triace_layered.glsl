@@ -133,34 +133,75 @@ float triace_layered_refracted_cos2(float mu, float eta) {
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
+// The same from the square of g = eta cos(theta_t).
+float triace_layered_F_dielectric(float cos_theta, float eta, float g2) {
+    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
+    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
+    // that the mean of both squares is a product.
+    float c = cos_theta;
+    float sin2 = 1.0 - c * c;
+    float g = sqrt(g2);
+    float s = c + g;
+    float p = c * g;
+    float r_s = (eta - 1.0) * (eta + 1.0) / (s * s);
+    float q = p + sin2;
+    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
+}
+
+// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
+float triace_layered_F_dielectric_entering(float cos_theta, float eta) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    // c^2 with its rounding error: at grazing angles little else is left
+    return triace_layered_F_dielectric(cos_theta, eta,
+        max(triace_layered_refracted_cos2(cos_theta, eta), mu_min * mu_min));
+}
+
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
-float triace_layered_transmittance_denser(float mu, float eta) {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
-    // is reached at the edge of total internal reflection, where the true derivative is infinite.
-    const float ROOT_MIN = 1.0e-16;
+float triace_layered_transmittance_entering(float mu, float eta) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2 with q
     // = c g + sin^2(theta)
-    float g = sqrt(max(triace_layered_refracted_cos2(mu, eta), ROOT_MIN));
+    float g = sqrt(max(triace_layered_refracted_cos2(mu, eta), mu_min * mu_min));
     float s = mu + g;
     float p = mu * g;
     float q = p + (1.0 - mu * mu);
     return 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
 }
 
-// Exact reflectance between two dielectrics, with the cosine on the side of n1.
+// n times the cosine inside a layer of index n.
+float triace_layered_below(float cos_theta, float n) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    return sqrt(max(triace_layered_refracted_cos2(cos_theta, n), mu_min * mu_min));
+}
+
+// Exact reflectance of the lower surface, between layers of n1 and n2, at a cosine above the upper one.
 //
-// `F_dielectric` for n2 / n1; the difference of the two indices keeps its digits here.
-float triace_layered_F_between(float cos_theta, float n1, float n2) {
-    const float ROOT_MIN = 1.0e-16;
-    float c = n1 * cos_theta;
-    float contrast = (n2 - n1) * (n2 + n1);
-    float g2 = contrast + c * c;
-    float g = sqrt(max(g2, ROOT_MIN));
-    float s = c + g;
-    float p = n2 * n2 * c + n1 * n1 * g;
+// Both indices are at least 1, relative to where the cosine is: nothing is reflected totally.
+float triace_layered_F_below(float cos_theta, float n1, float n2) {
+    // With g = n cos(theta) on both sides: r_s = (g1 - g2) / (g1 + g2), r_p = (n2^2 g1 - n1^2 g2) / p. Both
+    // differences leave n1^2 - n2^2 as a factor, and g from the cosine above has no cancellation.
+    float g1 = triace_layered_below(cos_theta, n1);
+    float g2 = triace_layered_below(cos_theta, n2);
+    float a = n1 * n1;
+    float b = n2 * n2;
+    float sin2 = (1.0 - cos_theta) * (1.0 + cos_theta);
+    float contrast = (n1 - n2) * (n1 + n2);
+    float s = g1 + g2;
+    float p = b * g1 + a * g2;
     float r_s = contrast / (s * s);
-    float r_p = contrast * ((n2 * n2 + n1 * n1) * c * c - n1 * n1 * n1 * n1) / (p * p);
-    return g2 > 0.0 ? 0.5 * (r_s * r_s + r_p * r_p) : 1.0;
+    float r_p = contrast * (a * b - sin2 * (a + b)) / (p * p);
+    return 0.5 * (r_s * r_s + r_p * r_p);
+}
+
+// 1 - triace_layered_F_below; exact where it nearly vanishes.
+float triace_layered_transmittance_below(float cos_theta, float n1, float n2) {
+    float g1 = triace_layered_below(cos_theta, n1);
+    float g2 = triace_layered_below(cos_theta, n2);
+    float a = n1 * n1;
+    float b = n2 * n2;
+    float s = g1 + g2;
+    float p = b * g1 + a * g2;
+    return 2.0 * (g1 / s * (g2 / s) + a * b * (g1 / p) * (g2 / p));
 }
 
 // Factors of the lower layer's glossy and matte reflection (Eq. 4 or 5, and Eq. 9).
@@ -168,15 +209,16 @@ TriaceLayeredBottomFresnel triace_layered_bottom_fresnel(TriaceLayered params, f
     float n1 = params.top_eta;
     float n2 = params.bottom_eta;
     // Both crossings of the upper surface have the same F at angles that belong together.
-    float T = triace_layered_transmittance_denser(cos_h, n1);
-    float cos_t = sqrt(triace_layered_refracted_cos2(cos_h, n1)) / n1;
-    float inner = triace_layered_F_between(cos_t, n1, n2) * T;
-    float glossy = T * inner;
-    return TriaceLayeredBottomFresnel(glossy, T * (1.0 - inner));
+    float F = triace_layered_F_dielectric_entering(cos_h, n1);
+    float T = triace_layered_transmittance_entering(cos_h, n1);
+    float glossy = T * T * triace_layered_F_below(cos_h, n1, n2);
+    float lost = T * triace_layered_transmittance_below(cos_h, n1, n2);
+    // 1 - T triace_layered_F_below and 1 - T T triace_layered_F_below without their cancellation
+    return TriaceLayeredBottomFresnel(glossy, T * (F + lost));
 }
 
 // Absorption times thickness, for each channel.
-vec3 triace_layered_optical_depth(vec3 sigma_a, float thickness) {
+vec3 triace_layered_coat_optical_depth(vec3 sigma_a, float thickness) {
     return sigma_a * vec3(thickness, thickness, thickness);
 }
 
@@ -185,17 +227,18 @@ vec3 triace_layered_refract(vec3 w, float eta) {
     return vec3(w.x, w.y, sqrt(triace_layered_refracted_cos2(w.z, eta))) / eta;
 }
 
-// exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
-// wi, wo: refracted directions. depth: absorption times thickness.
-vec3 triace_layered_absorbed(vec3 depth, vec3 wi, vec3 wo) {
-    return exp(-depth * (1.0 / wi.z + 1.0 / wo.z));
+// wi, wo: refracted directions. optical_depth: absorption times thickness.
+vec3 triace_layered_attenuation(vec3 optical_depth, vec3 wi, vec3 wo) {
+    return exp(-optical_depth * (1.0 / wi.z + 1.0 / wo.z));
 }
 
 // Eq. 2 or 3.
 vec3 triace_layered_absorption(TriaceLayered params, vec3 wi, vec3 wo) {
-    return triace_layered_absorbed(triace_layered_optical_depth(params.sigma_a, params.thickness),
-        triace_layered_refract(wi, params.top_eta), triace_layered_refract(wo, params.top_eta));
+    return triace_layered_attenuation(triace_layered_coat_optical_depth(params.sigma_a,
+        params.thickness), triace_layered_refract(wi, params.top_eta),
+            triace_layered_refract(wo, params.top_eta));
 }
 
 // Eq. 1 twice, with Eq. 2 to 5 between: BRDF value in 1/sr, without the cosine.
@@ -249,14 +292,15 @@ float triace_layered_raised(float probability) {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 vec2 triace_layered_lobes_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
-    // can be seen is that small.
-    const float BLACK = 1.0e-20;
-    float inv = 1.0 / (first + second + BLACK);
-    float a = triace_layered_raised((first + BLACK) * inv);
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose and the
+    // reciprocal of their sum has a derivative; no albedo that can be seen is that small.
+    const float BLACK = 1.0e-12;
+    float lifted = first + BLACK;
+    float inv = 1.0 / (lifted + second);
+    float a = triace_layered_raised(lifted * inv);
     float b = triace_layered_raised(second * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
-    bool smaller = first < second;
+    bool smaller = lifted < second;
     return vec2(smaller ? a : 1.0 - b, smaller ? 1.0 - a : b);
 }
 
@@ -271,8 +315,7 @@ TriaceLayeredShares triace_layered_shares(TriaceLayered params, vec3 wo) {
     float glossy = bottom_fresnel_result.glossy;
     float matte = bottom_fresnel_result.matte;
     // The shortest way in, the light's, bounds what the absorption can leave.
-    vec3 up = vec3(0.0, 0.0, 1.0);
-    vec3 kept = triace_layered_absorption(params, up, wo);
+    vec3 kept = triace_layered_absorption(params, vec3(0.0, 0.0, 1.0), wo);
     float top = mix(triace_layered_f0_from_eta(params.top_eta), 1.0,
         triace_layered_schlick_weight(wo.z));
     float bottom = glossy * triace_layered_average(kept);

@@ -96,12 +96,9 @@ constexpr float inv_pi = 0.31830987f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
 constexpr float NORM_SLOPE = 0.0397436f;  // Eq. 1: the normalisation as a linear function of n.
 constexpr float NORM_OFFSET = 0.0856832f;
-// Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
-// is reached at the edge of total internal reflection, where the true derivative is infinite.
-constexpr float ROOT_MIN = 1.0e-16f;
-// Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
-// can be seen is that small.
-constexpr float BLACK = 1.0e-20f;
+// Added to the first lobe's weight, so that two black lobes still leave something to choose and the
+// reciprocal of their sum has a derivative; no albedo that can be seen is that small.
+constexpr float BLACK = 1.0e-12f;
 // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
 // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
 constexpr float SHARE_LEAST = 0.1f;
@@ -235,30 +232,72 @@ inline float triace_layered_refracted_cos2(float mu, float eta) {
     return fmaf(mu, mu, (eta - 1.0f) * (eta + 1.0f));
 }
 
+// The same from the square of g = eta cos(theta_t).
+inline float triace_layered_F_dielectric(float cos_theta, float eta, float g2) {
+    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
+    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
+    // that the mean of both squares is a product.
+    float c = cos_theta;
+    float sin2 = 1.0f - c * c;
+    float g = sqrtf(g2);
+    float s = c + g;
+    float p = c * g;
+    float r_s = (eta - 1.0f) * (eta + 1.0f) / (s * s);
+    float q = p + sin2;
+    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
+}
+
+// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
+inline float triace_layered_F_dielectric_entering(float cos_theta, float eta) {
+    // c^2 with its rounding error: at grazing angles little else is left
+    return triace_layered_F_dielectric(cos_theta, eta,
+        fmaxf(triace_layered_refracted_cos2(cos_theta, eta), mu_min * mu_min));
+}
+
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
-inline float triace_layered_transmittance_denser(float mu, float eta) {
+inline float triace_layered_transmittance_entering(float mu, float eta) {
     // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2 with q
     // = c g + sin^2(theta)
-    float g = sqrtf(fmaxf(triace_layered_refracted_cos2(mu, eta), ROOT_MIN));
+    float g = sqrtf(fmaxf(triace_layered_refracted_cos2(mu, eta), mu_min * mu_min));
     float s = mu + g;
     float p = mu * g;
     float q = p + (1.0f - mu * mu);
     return 2.0f * p * (q * q + eta * eta) / (s * s * (q * q));
 }
 
-// Exact reflectance between two dielectrics, with the cosine on the side of n1.
+// n times the cosine inside a layer of index n.
+inline float triace_layered_below(float cos_theta, float n) {
+    return sqrtf(fmaxf(triace_layered_refracted_cos2(cos_theta, n), mu_min * mu_min));
+}
+
+// Exact reflectance of the lower surface, between layers of n1 and n2, at a cosine above the upper one.
 //
-// `F_dielectric` for n2 / n1; the difference of the two indices keeps its digits here.
-inline float triace_layered_F_between(float cos_theta, float n1, float n2) {
-    float c = n1 * cos_theta;
-    float contrast = (n2 - n1) * (n2 + n1);
-    float g2 = contrast + c * c;
-    float g = sqrtf(fmaxf(g2, ROOT_MIN));
-    float s = c + g;
-    float p = n2 * n2 * c + n1 * n1 * g;
+// Both indices are at least 1, relative to where the cosine is: nothing is reflected totally.
+inline float triace_layered_F_below(float cos_theta, float n1, float n2) {
+    // With g = n cos(theta) on both sides: r_s = (g1 - g2) / (g1 + g2), r_p = (n2^2 g1 - n1^2 g2) / p. Both
+    // differences leave n1^2 - n2^2 as a factor, and g from the cosine above has no cancellation.
+    float g1 = triace_layered_below(cos_theta, n1);
+    float g2 = triace_layered_below(cos_theta, n2);
+    float a = n1 * n1;
+    float b = n2 * n2;
+    float sin2 = (1.0f - cos_theta) * (1.0f + cos_theta);
+    float contrast = (n1 - n2) * (n1 + n2);
+    float s = g1 + g2;
+    float p = b * g1 + a * g2;
     float r_s = contrast / (s * s);
-    float r_p = contrast * ((n2 * n2 + n1 * n1) * c * c - n1 * n1 * n1 * n1) / (p * p);
-    return g2 > 0.0f ? 0.5f * (r_s * r_s + r_p * r_p) : 1.0f;
+    float r_p = contrast * (a * b - sin2 * (a + b)) / (p * p);
+    return 0.5f * (r_s * r_s + r_p * r_p);
+}
+
+// 1 - triace_layered_F_below; exact where it nearly vanishes.
+inline float triace_layered_transmittance_below(float cos_theta, float n1, float n2) {
+    float g1 = triace_layered_below(cos_theta, n1);
+    float g2 = triace_layered_below(cos_theta, n2);
+    float a = n1 * n1;
+    float b = n2 * n2;
+    float s = g1 + g2;
+    float p = b * g1 + a * g2;
+    return 2.0f * (g1 / s * (g2 / s) + a * b * (g1 / p) * (g2 / p));
 }
 
 // Factors of the lower layer's glossy and matte reflection (Eq. 4 or 5, and Eq. 9).
@@ -267,15 +306,16 @@ inline TriaceLayeredBottomFresnel triace_layered_bottom_fresnel(const TriaceLaye
     float n1 = params.top_eta;
     float n2 = params.bottom_eta;
     // Both crossings of the upper surface have the same F at angles that belong together.
-    float T = triace_layered_transmittance_denser(cos_h, n1);
-    float cos_t = sqrtf(triace_layered_refracted_cos2(cos_h, n1)) / n1;
-    float inner = triace_layered_F_between(cos_t, n1, n2) * T;
-    float glossy = T * inner;
-    return TriaceLayeredBottomFresnel{glossy, T * (1.0f - inner)};
+    float F = triace_layered_F_dielectric_entering(cos_h, n1);
+    float T = triace_layered_transmittance_entering(cos_h, n1);
+    float glossy = T * T * triace_layered_F_below(cos_h, n1, n2);
+    float lost = T * triace_layered_transmittance_below(cos_h, n1, n2);
+    // 1 - T triace_layered_F_below and 1 - T T triace_layered_F_below without their cancellation
+    return TriaceLayeredBottomFresnel{glossy, T * (F + lost)};
 }
 
 // Absorption times thickness, for each channel.
-inline Vec3 triace_layered_optical_depth(Vec3 sigma_a, float thickness) {
+inline Vec3 triace_layered_coat_optical_depth(Vec3 sigma_a, float thickness) {
     return sigma_a * Vec3{thickness, thickness, thickness};
 }
 
@@ -284,17 +324,18 @@ inline Vec3 triace_layered_refract(Vec3 w, float eta) {
     return Vec3{w.x, w.y, sqrtf(triace_layered_refracted_cos2(w.z, eta))} / eta;
 }
 
-// exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
-// wi, wo: refracted directions. depth: absorption times thickness.
-inline Vec3 triace_layered_absorbed(Vec3 depth, Vec3 wi, Vec3 wo) {
-    return exp(-depth * (1.0f / wi.z + 1.0f / wo.z));
+// wi, wo: refracted directions. optical_depth: absorption times thickness.
+inline Vec3 triace_layered_attenuation(Vec3 optical_depth, Vec3 wi, Vec3 wo) {
+    return exp(-optical_depth * (1.0f / wi.z + 1.0f / wo.z));
 }
 
 // Eq. 2 or 3.
 inline Vec3 triace_layered_absorption(const TriaceLayered& params, Vec3 wi, Vec3 wo) {
-    return triace_layered_absorbed(triace_layered_optical_depth(params.sigma_a, params.thickness),
-        triace_layered_refract(wi, params.top_eta), triace_layered_refract(wo, params.top_eta));
+    return triace_layered_attenuation(triace_layered_coat_optical_depth(params.sigma_a,
+        params.thickness), triace_layered_refract(wi, params.top_eta),
+            triace_layered_refract(wo, params.top_eta));
 }
 
 // Eq. 1 twice, with Eq. 2 to 5 between: BRDF value in 1/sr, without the cosine.
@@ -342,11 +383,12 @@ inline float triace_layered_raised(float probability) {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 inline Vec2 triace_layered_lobes_shares(float first, float second) {
-    float inv = 1.0f / (first + second + BLACK);
-    float a = triace_layered_raised((first + BLACK) * inv);
+    float lifted = first + BLACK;
+    float inv = 1.0f / (lifted + second);
+    float a = triace_layered_raised(lifted * inv);
     float b = triace_layered_raised(second * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
-    bool smaller = first < second;
+    bool smaller = lifted < second;
     return Vec2{smaller ? a : 1.0f - b, smaller ? 1.0f - a : b};
 }
 
@@ -357,8 +399,7 @@ inline TriaceLayeredShares triace_layered_shares(const TriaceLayered& params, Ve
     float glossy = bottom_fresnel_result.glossy;
     float matte = bottom_fresnel_result.matte;
     // The shortest way in, the light's, bounds what the absorption can leave.
-    Vec3 up = Vec3{0.0f, 0.0f, 1.0f};
-    Vec3 kept = triace_layered_absorption(params, up, wo);
+    Vec3 kept = triace_layered_absorption(params, Vec3{0.0f, 0.0f, 1.0f}, wo);
     float top = lerp(triace_layered_f0_from_eta(params.top_eta), 1.0f,
         triace_layered_schlick_weight(wo.z));
     float bottom = glossy * triace_layered_average(kept);

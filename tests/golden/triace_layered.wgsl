@@ -134,34 +134,75 @@ fn triace_layered_refracted_cos2(mu: f32, eta: f32) -> f32 {
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
+// The same from the square of g = eta cos(theta_t).
+fn triace_layered_F_dielectric(cos_theta: f32, eta: f32, g2: f32) -> f32 {
+    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
+    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
+    // that the mean of both squares is a product.
+    let c = cos_theta;
+    let sin2 = 1.0 - c * c;
+    let g = sqrt(g2);
+    let s = c + g;
+    let p = c * g;
+    let r_s = (eta - 1.0) * (eta + 1.0) / (s * s);
+    let q = p + sin2;
+    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
+}
+
+// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
+fn triace_layered_F_dielectric_entering(cos_theta: f32, eta: f32) -> f32 {
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    // c^2 with its rounding error: at grazing angles little else is left
+    return triace_layered_F_dielectric(cos_theta, eta,
+        max(triace_layered_refracted_cos2(cos_theta, eta), mu_min * mu_min));
+}
+
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
-fn triace_layered_transmittance_denser(mu: f32, eta: f32) -> f32 {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
-    // is reached at the edge of total internal reflection, where the true derivative is infinite.
-    const ROOT_MIN = 1.0e-16;
+fn triace_layered_transmittance_entering(mu: f32, eta: f32) -> f32 {
+    const mu_min = 1.0e-18;  // cosine of the horizon
     // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2 with q
     // = c g + sin^2(theta)
-    let g = sqrt(max(triace_layered_refracted_cos2(mu, eta), ROOT_MIN));
+    let g = sqrt(max(triace_layered_refracted_cos2(mu, eta), mu_min * mu_min));
     let s = mu + g;
     let p = mu * g;
     let q = p + (1.0 - mu * mu);
     return 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
 }
 
-// Exact reflectance between two dielectrics, with the cosine on the side of n1.
+// n times the cosine inside a layer of index n.
+fn triace_layered_below(cos_theta: f32, n: f32) -> f32 {
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    return sqrt(max(triace_layered_refracted_cos2(cos_theta, n), mu_min * mu_min));
+}
+
+// Exact reflectance of the lower surface, between layers of n1 and n2, at a cosine above the upper one.
 //
-// `F_dielectric` for n2 / n1; the difference of the two indices keeps its digits here.
-fn triace_layered_F_between(cos_theta: f32, n1: f32, n2: f32) -> f32 {
-    const ROOT_MIN = 1.0e-16;
-    let c = n1 * cos_theta;
-    let contrast = (n2 - n1) * (n2 + n1);
-    let g2 = contrast + c * c;
-    let g = sqrt(max(g2, ROOT_MIN));
-    let s = c + g;
-    let p = n2 * n2 * c + n1 * n1 * g;
+// Both indices are at least 1, relative to where the cosine is: nothing is reflected totally.
+fn triace_layered_F_below(cos_theta: f32, n1: f32, n2: f32) -> f32 {
+    // With g = n cos(theta) on both sides: r_s = (g1 - g2) / (g1 + g2), r_p = (n2^2 g1 - n1^2 g2) / p. Both
+    // differences leave n1^2 - n2^2 as a factor, and g from the cosine above has no cancellation.
+    let g1 = triace_layered_below(cos_theta, n1);
+    let g2 = triace_layered_below(cos_theta, n2);
+    let a = n1 * n1;
+    let b = n2 * n2;
+    let sin2 = (1.0 - cos_theta) * (1.0 + cos_theta);
+    let contrast = (n1 - n2) * (n1 + n2);
+    let s = g1 + g2;
+    let p = b * g1 + a * g2;
     let r_s = contrast / (s * s);
-    let r_p = contrast * ((n2 * n2 + n1 * n1) * c * c - n1 * n1 * n1 * n1) / (p * p);
-    return select(1.0, 0.5 * (r_s * r_s + r_p * r_p), g2 > 0.0);
+    let r_p = contrast * (a * b - sin2 * (a + b)) / (p * p);
+    return 0.5 * (r_s * r_s + r_p * r_p);
+}
+
+// 1 - triace_layered_F_below; exact where it nearly vanishes.
+fn triace_layered_transmittance_below(cos_theta: f32, n1: f32, n2: f32) -> f32 {
+    let g1 = triace_layered_below(cos_theta, n1);
+    let g2 = triace_layered_below(cos_theta, n2);
+    let a = n1 * n1;
+    let b = n2 * n2;
+    let s = g1 + g2;
+    let p = b * g1 + a * g2;
+    return 2.0 * (g1 / s * (g2 / s) + a * b * (g1 / p) * (g2 / p));
 }
 
 // Factors of the lower layer's glossy and matte reflection (Eq. 4 or 5, and Eq. 9).
@@ -170,15 +211,16 @@ fn triace_layered_bottom_fresnel(params: TriaceLayered,
     let n1 = params.top_eta;
     let n2 = params.bottom_eta;
     // Both crossings of the upper surface have the same F at angles that belong together.
-    let T = triace_layered_transmittance_denser(cos_h, n1);
-    let cos_t = sqrt(triace_layered_refracted_cos2(cos_h, n1)) / n1;
-    let inner = triace_layered_F_between(cos_t, n1, n2) * T;
-    let glossy = T * inner;
-    return TriaceLayeredBottomFresnel(glossy, T * (1.0 - inner));
+    let F = triace_layered_F_dielectric_entering(cos_h, n1);
+    let T = triace_layered_transmittance_entering(cos_h, n1);
+    let glossy = T * T * triace_layered_F_below(cos_h, n1, n2);
+    let lost = T * triace_layered_transmittance_below(cos_h, n1, n2);
+    // 1 - T triace_layered_F_below and 1 - T T triace_layered_F_below without their cancellation
+    return TriaceLayeredBottomFresnel(glossy, T * (F + lost));
 }
 
 // Absorption times thickness, for each channel.
-fn triace_layered_optical_depth(sigma_a: vec3f, thickness: f32) -> vec3f {
+fn triace_layered_coat_optical_depth(sigma_a: vec3f, thickness: f32) -> vec3f {
     return sigma_a * vec3f(thickness, thickness, thickness);
 }
 
@@ -187,17 +229,18 @@ fn triace_layered_refract(w: vec3f, eta: f32) -> vec3f {
     return vec3f(w.x, w.y, sqrt(triace_layered_refracted_cos2(w.z, eta))) / eta;
 }
 
-// exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
-// wi, wo: refracted directions. depth: absorption times thickness.
-fn triace_layered_absorbed(depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
-    return exp(-depth * (1.0 / wi.z + 1.0 / wo.z));
+// wi, wo: refracted directions. optical_depth: absorption times thickness.
+fn triace_layered_attenuation(optical_depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
+    return exp(-optical_depth * (1.0 / wi.z + 1.0 / wo.z));
 }
 
 // Eq. 2 or 3.
 fn triace_layered_absorption(params: TriaceLayered, wi: vec3f, wo: vec3f) -> vec3f {
-    return triace_layered_absorbed(triace_layered_optical_depth(params.sigma_a, params.thickness),
-        triace_layered_refract(wi, params.top_eta), triace_layered_refract(wo, params.top_eta));
+    return triace_layered_attenuation(triace_layered_coat_optical_depth(params.sigma_a,
+        params.thickness), triace_layered_refract(wi, params.top_eta),
+            triace_layered_refract(wo, params.top_eta));
 }
 
 // Eq. 1 twice, with Eq. 2 to 5 between: BRDF value in 1/sr, without the cosine.
@@ -251,14 +294,15 @@ fn triace_layered_raised(probability: f32) -> f32 {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 fn triace_layered_lobes_shares(first: f32, second: f32) -> vec2f {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
-    // can be seen is that small.
-    const BLACK = 1.0e-20;
-    let inv = 1.0 / (first + second + BLACK);
-    let a = triace_layered_raised((first + BLACK) * inv);
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose and the
+    // reciprocal of their sum has a derivative; no albedo that can be seen is that small.
+    const BLACK = 1.0e-12;
+    let lifted = first + BLACK;
+    let inv = 1.0 / (lifted + second);
+    let a = triace_layered_raised(lifted * inv);
     let b = triace_layered_raised(second * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
-    let smaller = first < second;
+    let smaller = lifted < second;
     return vec2f(select(1.0 - b, a, smaller), select(b, 1.0 - a, smaller));
 }
 
@@ -273,8 +317,7 @@ fn triace_layered_shares(params: TriaceLayered, wo: vec3f) -> TriaceLayeredShare
     let glossy = bottom_fresnel_result.glossy;
     let matte = bottom_fresnel_result.matte;
     // The shortest way in, the light's, bounds what the absorption can leave.
-    let up = vec3f(0.0, 0.0, 1.0);
-    let kept = triace_layered_absorption(params, up, wo);
+    let kept = triace_layered_absorption(params, vec3f(0.0, 0.0, 1.0), wo);
     let top = mix(triace_layered_f0_from_eta(params.top_eta), 1.0,
         triace_layered_schlick_weight(wo.z));
     let bottom = glossy * triace_layered_average(kept);

@@ -49,7 +49,7 @@ TriaceOrenNayarCoefficients triace_oren_nayar_coefficients(TriaceOrenNayar param
 
 // s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
 //
-// s is divided by a cosine that may be tiny, so its last bits count: the rounding error of one
+// It is divided by cosines that may be tiny, so its last bits count: the rounding error of one
 // product is carried along (Kahan), which plain wi.x wo.x + wi.y wo.y or dot(wi, wo) - mu_i mu_o loses.
 float triace_oren_nayar_tangential_dot(vec3 wi, vec3 wo) {
     float q = wi.y * wo.y;
@@ -286,6 +286,5 @@ vec3 triace_oren_nayar_albedo(TriaceOrenNayar params, vec3 wo) {
     TriaceOrenNayarCoefficients coefficients_result = triace_oren_nayar_coefficients(params);
     float A = coefficients_result.A;
     float B = coefficients_result.B;
-    float G = triace_oren_nayar_G_fujii(wo.z);
-    return params.rho * (A + B * inv_pi * G);
+    return params.rho * (A + B * inv_pi * triace_oren_nayar_G_fujii(wo.z));
 }

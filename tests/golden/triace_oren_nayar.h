@@ -98,7 +98,7 @@ inline TriaceOrenNayarCoefficients triace_oren_nayar_coefficients(const TriaceOr
 
 // s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
 //
-// s is divided by a cosine that may be tiny, so its last bits count: the rounding error of one
+// It is divided by cosines that may be tiny, so its last bits count: the rounding error of one
 // product is carried along (Kahan), which plain wi.x wo.x + wi.y wo.y or dot(wi, wo) - mu_i mu_o loses.
 inline float triace_oren_nayar_tangential_dot(Vec3 wi, Vec3 wo) {
     float q = wi.y * wo.y;
@@ -293,8 +293,7 @@ inline Vec3 triace_oren_nayar_albedo(const TriaceOrenNayar& params, Vec3 wo) {
     TriaceOrenNayarCoefficients coefficients_result = triace_oren_nayar_coefficients(params);
     float A = coefficients_result.A;
     float B = coefficients_result.B;
-    float G = triace_oren_nayar_G_fujii(wo.z);
-    return params.rho * (A + B * inv_pi * G);
+    return params.rho * (A + B * inv_pi * triace_oren_nayar_G_fujii(wo.z));
 }
 
 }  // namespace gonio_triace_oren_nayar

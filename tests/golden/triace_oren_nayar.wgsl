@@ -49,7 +49,7 @@ fn triace_oren_nayar_coefficients(params: TriaceOrenNayar) -> TriaceOrenNayarCoe
 
 // s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
 //
-// s is divided by a cosine that may be tiny, so its last bits count: the rounding error of one
+// It is divided by cosines that may be tiny, so its last bits count: the rounding error of one
 // product is carried along (Kahan), which plain wi.x wo.x + wi.y wo.y or dot(wi, wo) - mu_i mu_o loses.
 fn triace_oren_nayar_tangential_dot(wi: vec3f, wo: vec3f) -> f32 {
     let q = wi.y * wo.y;
@@ -287,6 +287,5 @@ fn triace_oren_nayar_albedo(params: TriaceOrenNayar, wo: vec3f) -> vec3f {
     let coefficients_result = triace_oren_nayar_coefficients(params);
     let A = coefficients_result.A;
     let B = coefficients_result.B;
-    let G = triace_oren_nayar_G_fujii(wo.z);
-    return params.rho * (A + B * inv_pi * G);
+    return params.rho * (A + B * inv_pi * triace_oren_nayar_G_fujii(wo.z));
 }

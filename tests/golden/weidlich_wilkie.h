@@ -89,9 +89,6 @@ inline Vec3 exp(Vec3 a) {
     return Vec3{expf(a.x), expf(a.y), expf(a.z)};
 }
 
-// Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
-// is reached at the edge of total internal reflection, where the true derivative is infinite.
-constexpr float ROOT_MIN = 1.0e-16f;
 constexpr float two_pi = 6.2831855f;
 constexpr float inv_pi = 0.31830987f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
@@ -99,9 +96,12 @@ constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
 constexpr float COS2_MIN = 1.0e-6f;
 // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
 constexpr float RANDOM_MARGIN = 5.9604645e-8f;
-// Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
-// can be seen is that small.
-constexpr float BLACK = 1.0e-20f;
+// Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
+// it still is a float32. It is reached at cosines of 5e-16.
+constexpr float V_MAX = 1.0e30f;
+// Added to the first lobe's weight, so that two black lobes still leave something to choose and the
+// reciprocal of their sum has a derivative; no albedo that can be seen is that small.
+constexpr float BLACK = 1.0e-12f;
 // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
 // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
 constexpr float SHARE_LEAST = 0.1f;
@@ -170,7 +170,7 @@ inline Vec3 weidlich_wilkie_refract(Vec3 w, float eta) {
 }
 
 // Absorption times thickness, for each channel.
-inline Vec3 weidlich_wilkie_optical_depth(Vec3 sigma_a, float thickness) {
+inline Vec3 weidlich_wilkie_coat_optical_depth(Vec3 sigma_a, float thickness) {
     return sigma_a * Vec3{thickness, thickness, thickness};
 }
 
@@ -181,10 +181,10 @@ inline float weidlich_wilkie_cos_half(Vec3 wi, Vec3 wo) {
 }
 
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
-inline float weidlich_wilkie_transmittance_denser(float mu, float eta) {
+inline float weidlich_wilkie_transmittance_entering(float mu, float eta) {
     // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2 with q
     // = c g + sin^2(theta)
-    float g = sqrtf(fmaxf(weidlich_wilkie_refracted_cos2(mu, eta), ROOT_MIN));
+    float g = sqrtf(fmaxf(weidlich_wilkie_refracted_cos2(mu, eta), mu_min * mu_min));
     float s = mu + g;
     float p = mu * g;
     float q = p + (1.0f - mu * mu);
@@ -209,7 +209,7 @@ inline float weidlich_wilkie_G(Vec3 wi, Vec3 wo) {
 
 // T12 t: what the surface lets in and out again.
 inline float weidlich_wilkie_transmitted(const WeidlichWilkie& params, Vec3 wi, Vec3 wo) {
-    float T = weidlich_wilkie_transmittance_denser(weidlich_wilkie_cos_half(wi, wo), params.eta);
+    float T = weidlich_wilkie_transmittance_entering(weidlich_wilkie_cos_half(wi, wo), params.eta);
     float G = weidlich_wilkie_G(wi, wo);
     return T * (1.0f - G + T * G);  // Eq. 4; 1 - G F would lose the digits of a small T
 }
@@ -219,28 +219,33 @@ inline Vec3 weidlich_wilkie_base_eval_above(const WeidlichWilkieBase& params) {
     return params.rho * inv_pi;
 }
 
-// exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
-// wi, wo: refracted directions. depth: absorption times thickness.
-inline Vec3 weidlich_wilkie_absorbed(Vec3 depth, Vec3 wi, Vec3 wo) {
-    return exp(-depth * (1.0f / wi.z + 1.0f / wo.z));
+// wi, wo: refracted directions. optical_depth: absorption times thickness.
+inline Vec3 weidlich_wilkie_attenuation(Vec3 optical_depth, Vec3 wi, Vec3 wo) {
+    return exp(-optical_depth * (1.0f / wi.z + 1.0f / wo.z));
 }
 
-// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
-inline float weidlich_wilkie_F_denser(float cos_theta, float eta) {
+// The same from the square of g = eta cos(theta_t).
+inline float weidlich_wilkie_F_dielectric(float cos_theta, float eta, float g2) {
     // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
     // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
     // that the mean of both squares is a product.
     float c = cos_theta;
-    float contrast = (eta - 1.0f) * (eta + 1.0f);
     float sin2 = 1.0f - c * c;
-    // c^2 with its rounding error: at grazing angles, and at the critical one, little else is left
-    float g = sqrtf(fmaxf(fmaf(c, c, contrast), ROOT_MIN));
+    float g = sqrtf(g2);
     float s = c + g;
     float p = c * g;
-    float r_s = contrast / (s * s);
+    float r_s = (eta - 1.0f) * (eta + 1.0f) / (s * s);
     float q = p + sin2;
     return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
+}
+
+// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
+inline float weidlich_wilkie_F_dielectric_entering(float cos_theta, float eta) {
+    // c^2 with its rounding error: at grazing angles little else is left
+    return weidlich_wilkie_F_dielectric(cos_theta, eta,
+        fmaxf(weidlich_wilkie_refracted_cos2(cos_theta, eta), mu_min * mu_min));
 }
 
 // `D_beckmann` for facets of the same width in all directions.
@@ -254,7 +259,8 @@ inline float weidlich_wilkie_D_beckmann_round(Vec3 m, float alpha) {
 // The same over 4 mu_i mu_o.
 inline float weidlich_wilkie_V_cook_torrance(Vec3 wi, Vec3 wo, float cos_m, float cos_h) {
     // One quotient after the other: the derivative by the product of two small cosines would be infinite
-    return 0.25f * weidlich_wilkie_G_cook_torrance(wi, wo, cos_m, cos_h) / wi.z / wo.z;
+    return fminf(0.25f * weidlich_wilkie_G_cook_torrance(wi, wo, cos_m, cos_h) / wi.z / wo.z,
+        V_MAX);
 }
 
 // G / (4 mu_i mu_o).
@@ -270,12 +276,12 @@ inline Vec3 weidlich_wilkie_eval(const WeidlichWilkie& params, Vec3 wi, Vec3 wo)
     }
     Vec3 wi_t = weidlich_wilkie_refract(wi, params.eta);
     Vec3 wo_t = weidlich_wilkie_refract(wo, params.eta);
-    Vec3 depth = weidlich_wilkie_optical_depth(params.sigma_a, params.thickness);
+    Vec3 tau = weidlich_wilkie_coat_optical_depth(params.sigma_a, params.thickness);
     float through = weidlich_wilkie_transmitted(params, wi, wo);
     Vec3 below = weidlich_wilkie_base_eval_above(params.base)
-        * (weidlich_wilkie_absorbed(depth, wi_t, wo_t) * through);
+        * (weidlich_wilkie_attenuation(tau, wi_t, wo_t) * through);
     float cos_h = weidlich_wilkie_cos_half(wi, wo);
-    float coat = weidlich_wilkie_F_denser(cos_h, params.eta)
+    float coat = weidlich_wilkie_F_dielectric_entering(cos_h, params.eta)
         * weidlich_wilkie_D_beckmann_round(weidlich_wilkie_half_vector(wi, wo), params.alpha)
             * weidlich_wilkie_V(wi, wo);
     return below + coat;
@@ -291,11 +297,10 @@ inline float weidlich_wilkie_usual_cos_half(Vec3 wo) {
     return 0.5f + 0.5f * wo.z;
 }
 
-// The most that weidlich_wilkie_absorbed leaves of light that goes out along wo: it came in along the
+// The most that weidlich_wilkie_attenuation leaves of light that goes out along wo: it came in along the
 // normal.
-inline Vec3 weidlich_wilkie_absorbed_least(Vec3 depth, Vec3 wo) {
-    Vec3 up = Vec3{0.0f, 0.0f, 1.0f};
-    return weidlich_wilkie_absorbed(depth, up, wo);
+inline Vec3 weidlich_wilkie_attenuation_least(Vec3 optical_depth, Vec3 wo) {
+    return weidlich_wilkie_attenuation(optical_depth, Vec3{0.0f, 0.0f, 1.0f}, wo);
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -309,11 +314,12 @@ inline float weidlich_wilkie_raised(float probability) {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 inline Vec2 weidlich_wilkie_lobes_shares(float first, float second) {
-    float inv = 1.0f / (first + second + BLACK);
-    float a = weidlich_wilkie_raised((first + BLACK) * inv);
+    float lifted = first + BLACK;
+    float inv = 1.0f / (lifted + second);
+    float a = weidlich_wilkie_raised(lifted * inv);
     float b = weidlich_wilkie_raised(second * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
-    bool smaller = first < second;
+    bool smaller = lifted < second;
     return Vec2{smaller ? a : 1.0f - b, smaller ? 1.0f - a : b};
 }
 
@@ -321,10 +327,10 @@ inline Vec2 weidlich_wilkie_lobes_shares(float first, float second) {
 inline Vec2 weidlich_wilkie_shares(const WeidlichWilkie& params, Vec3 wo, Vec3 wo_t) {
     float mu = wo.z;
     mu = weidlich_wilkie_usual_cos_half(wo);
-    float through = weidlich_wilkie_transmittance_denser(mu, params.eta)
-        * weidlich_wilkie_average(weidlich_wilkie_absorbed_least(weidlich_wilkie_optical_depth(params.sigma_a, params.thickness), wo_t));
-    float reflected = fmaxf(weidlich_wilkie_F_denser(wo.z, params.eta), COAT_SHARE_MIN * through
-        + LOBE_MIN);
+    float through = weidlich_wilkie_transmittance_entering(mu, params.eta)
+        * weidlich_wilkie_average(weidlich_wilkie_attenuation_least(weidlich_wilkie_coat_optical_depth(params.sigma_a, params.thickness), wo_t));
+    float reflected = fmaxf(weidlich_wilkie_F_dielectric_entering(wo.z, params.eta),
+        COAT_SHARE_MIN * through + LOBE_MIN);
     return weidlich_wilkie_lobes_shares(reflected, through);
 }
 

@@ -66,7 +66,7 @@ inline float3 weidlich_wilkie_refract(float3 w, float eta) {
 }
 
 // Absorption times thickness, for each channel.
-inline float3 weidlich_wilkie_optical_depth(float3 sigma_a, float thickness) {
+inline float3 weidlich_wilkie_coat_optical_depth(float3 sigma_a, float thickness) {
     return sigma_a * float3(thickness, thickness, thickness);
 }
 
@@ -77,13 +77,11 @@ inline float weidlich_wilkie_cos_half(float3 wi, float3 wo) {
 }
 
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
-inline float weidlich_wilkie_transmittance_denser(float mu, float eta) {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
-    // is reached at the edge of total internal reflection, where the true derivative is infinite.
-    const float ROOT_MIN = 1.0e-16;
+inline float weidlich_wilkie_transmittance_entering(float mu, float eta) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2 with q
     // = c g + sin^2(theta)
-    float g = sqrt(max(weidlich_wilkie_refracted_cos2(mu, eta), ROOT_MIN));
+    float g = sqrt(max(weidlich_wilkie_refracted_cos2(mu, eta), mu_min * mu_min));
     float s = mu + g;
     float p = mu * g;
     float q = p + (1.0 - mu * mu);
@@ -108,7 +106,7 @@ inline float weidlich_wilkie_G(float3 wi, float3 wo) {
 
 // T12 t: what the surface lets in and out again.
 inline float weidlich_wilkie_transmitted(WeidlichWilkie params, float3 wi, float3 wo) {
-    float T = weidlich_wilkie_transmittance_denser(weidlich_wilkie_cos_half(wi, wo), params.eta);
+    float T = weidlich_wilkie_transmittance_entering(weidlich_wilkie_cos_half(wi, wo), params.eta);
     float G = weidlich_wilkie_G(wi, wo);
     return T * (1.0 - G + T * G);  // Eq. 4; 1 - G F would lose the digits of a small T
 }
@@ -119,29 +117,34 @@ inline float3 weidlich_wilkie_base_eval_above(WeidlichWilkieBase params) {
     return params.rho * inv_pi;
 }
 
-// exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
-// wi, wo: refracted directions. depth: absorption times thickness.
-inline float3 weidlich_wilkie_absorbed(float3 depth, float3 wi, float3 wo) {
-    return exp(-depth * (1.0 / wi.z + 1.0 / wo.z));
+// wi, wo: refracted directions. optical_depth: absorption times thickness.
+inline float3 weidlich_wilkie_attenuation(float3 optical_depth, float3 wi, float3 wo) {
+    return exp(-optical_depth * (1.0 / wi.z + 1.0 / wo.z));
 }
 
-// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
-inline float weidlich_wilkie_F_denser(float cos_theta, float eta) {
-    const float ROOT_MIN = 1.0e-16;
+// The same from the square of g = eta cos(theta_t).
+inline float weidlich_wilkie_F_dielectric(float cos_theta, float eta, float g2) {
     // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
     // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
     // that the mean of both squares is a product.
     float c = cos_theta;
-    float contrast = (eta - 1.0) * (eta + 1.0);
     float sin2 = 1.0 - c * c;
-    // c^2 with its rounding error: at grazing angles, and at the critical one, little else is left
-    float g = sqrt(max(fma(c, c, contrast), ROOT_MIN));
+    float g = sqrt(g2);
     float s = c + g;
     float p = c * g;
-    float r_s = contrast / (s * s);
+    float r_s = (eta - 1.0) * (eta + 1.0) / (s * s);
     float q = p + sin2;
     return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
+}
+
+// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
+inline float weidlich_wilkie_F_dielectric_entering(float cos_theta, float eta) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    // c^2 with its rounding error: at grazing angles little else is left
+    return weidlich_wilkie_F_dielectric(cos_theta, eta,
+        max(weidlich_wilkie_refracted_cos2(cos_theta, eta), mu_min * mu_min));
 }
 
 // `D_beckmann` for facets of the same width in all directions.
@@ -157,8 +160,11 @@ inline float weidlich_wilkie_D_beckmann_round(float3 m, float alpha) {
 
 // The same over 4 mu_i mu_o.
 inline float weidlich_wilkie_V_cook_torrance(float3 wi, float3 wo, float cos_m, float cos_h) {
+    // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
+    // it still is a float32. It is reached at cosines of 5e-16.
+    const float V_MAX = 1.0e30;
     // One quotient after the other: the derivative by the product of two small cosines would be infinite
-    return 0.25 * weidlich_wilkie_G_cook_torrance(wi, wo, cos_m, cos_h) / wi.z / wo.z;
+    return min(0.25 * weidlich_wilkie_G_cook_torrance(wi, wo, cos_m, cos_h) / wi.z / wo.z, V_MAX);
 }
 
 // G / (4 mu_i mu_o).
@@ -175,12 +181,12 @@ inline float3 weidlich_wilkie_eval(WeidlichWilkie params, float3 wi, float3 wo) 
     }
     float3 wi_t = weidlich_wilkie_refract(wi, params.eta);
     float3 wo_t = weidlich_wilkie_refract(wo, params.eta);
-    float3 depth = weidlich_wilkie_optical_depth(params.sigma_a, params.thickness);
+    float3 tau = weidlich_wilkie_coat_optical_depth(params.sigma_a, params.thickness);
     float through = weidlich_wilkie_transmitted(params, wi, wo);
     float3 below = weidlich_wilkie_base_eval_above(params.base)
-        * (weidlich_wilkie_absorbed(depth, wi_t, wo_t) * through);
+        * (weidlich_wilkie_attenuation(tau, wi_t, wo_t) * through);
     float cos_h = weidlich_wilkie_cos_half(wi, wo);
-    float coat = weidlich_wilkie_F_denser(cos_h, params.eta)
+    float coat = weidlich_wilkie_F_dielectric_entering(cos_h, params.eta)
         * weidlich_wilkie_D_beckmann_round(weidlich_wilkie_half_vector(wi, wo), params.alpha)
             * weidlich_wilkie_V(wi, wo);
     return below + coat;
@@ -196,11 +202,10 @@ inline float weidlich_wilkie_usual_cos_half(float3 wo) {
     return 0.5 + 0.5 * wo.z;
 }
 
-// The most that weidlich_wilkie_absorbed leaves of light that goes out along wo: it came in along the
+// The most that weidlich_wilkie_attenuation leaves of light that goes out along wo: it came in along the
 // normal.
-inline float3 weidlich_wilkie_absorbed_least(float3 depth, float3 wo) {
-    float3 up = float3(0.0, 0.0, 1.0);
-    return weidlich_wilkie_absorbed(depth, up, wo);
+inline float3 weidlich_wilkie_attenuation_least(float3 optical_depth, float3 wo) {
+    return weidlich_wilkie_attenuation(optical_depth, float3(0.0, 0.0, 1.0), wo);
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -218,14 +223,15 @@ inline float weidlich_wilkie_raised(float probability) {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 inline float2 weidlich_wilkie_lobes_shares(float first, float second) {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
-    // can be seen is that small.
-    const float BLACK = 1.0e-20;
-    float inv = 1.0 / (first + second + BLACK);
-    float a = weidlich_wilkie_raised((first + BLACK) * inv);
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose and the
+    // reciprocal of their sum has a derivative; no albedo that can be seen is that small.
+    const float BLACK = 1.0e-12;
+    float lifted = first + BLACK;
+    float inv = 1.0 / (lifted + second);
+    float a = weidlich_wilkie_raised(lifted * inv);
     float b = weidlich_wilkie_raised(second * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
-    bool smaller = first < second;
+    bool smaller = lifted < second;
     return float2(smaller ? a : 1.0 - b, smaller ? 1.0 - a : b);
 }
 
@@ -238,10 +244,10 @@ inline float2 weidlich_wilkie_shares(WeidlichWilkie params, float3 wo, float3 wo
     const float LOBE_MIN = 1.0e-12;
     float mu = wo.z;
     mu = weidlich_wilkie_usual_cos_half(wo);
-    float through = weidlich_wilkie_transmittance_denser(mu, params.eta)
-        * weidlich_wilkie_average(weidlich_wilkie_absorbed_least(weidlich_wilkie_optical_depth(params.sigma_a, params.thickness), wo_t));
-    float reflected = max(weidlich_wilkie_F_denser(wo.z, params.eta), COAT_SHARE_MIN * through
-        + LOBE_MIN);
+    float through = weidlich_wilkie_transmittance_entering(mu, params.eta)
+        * weidlich_wilkie_average(weidlich_wilkie_attenuation_least(weidlich_wilkie_coat_optical_depth(params.sigma_a, params.thickness), wo_t));
+    float reflected = max(weidlich_wilkie_F_dielectric_entering(wo.z, params.eta),
+        COAT_SHARE_MIN * through + LOBE_MIN);
     return weidlich_wilkie_lobes_shares(reflected, through);
 }
 

@@ -63,7 +63,7 @@ fn weidlich_wilkie_refract(w: vec3f, eta: f32) -> vec3f {
 }
 
 // Absorption times thickness, for each channel.
-fn weidlich_wilkie_optical_depth(sigma_a: vec3f, thickness: f32) -> vec3f {
+fn weidlich_wilkie_coat_optical_depth(sigma_a: vec3f, thickness: f32) -> vec3f {
     return sigma_a * vec3f(thickness, thickness, thickness);
 }
 
@@ -74,13 +74,11 @@ fn weidlich_wilkie_cos_half(wi: vec3f, wo: vec3f) -> f32 {
 }
 
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
-fn weidlich_wilkie_transmittance_denser(mu: f32, eta: f32) -> f32 {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
-    // is reached at the edge of total internal reflection, where the true derivative is infinite.
-    const ROOT_MIN = 1.0e-16;
+fn weidlich_wilkie_transmittance_entering(mu: f32, eta: f32) -> f32 {
+    const mu_min = 1.0e-18;  // cosine of the horizon
     // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2 with q
     // = c g + sin^2(theta)
-    let g = sqrt(max(weidlich_wilkie_refracted_cos2(mu, eta), ROOT_MIN));
+    let g = sqrt(max(weidlich_wilkie_refracted_cos2(mu, eta), mu_min * mu_min));
     let s = mu + g;
     let p = mu * g;
     let q = p + (1.0 - mu * mu);
@@ -105,7 +103,7 @@ fn weidlich_wilkie_G(wi: vec3f, wo: vec3f) -> f32 {
 
 // T12 t: what the surface lets in and out again.
 fn weidlich_wilkie_transmitted(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> f32 {
-    let T = weidlich_wilkie_transmittance_denser(weidlich_wilkie_cos_half(wi, wo), params.eta);
+    let T = weidlich_wilkie_transmittance_entering(weidlich_wilkie_cos_half(wi, wo), params.eta);
     let G = weidlich_wilkie_G(wi, wo);
     return T * (1.0 - G + T * G);  // Eq. 4; 1 - G F would lose the digits of a small T
 }
@@ -116,29 +114,34 @@ fn weidlich_wilkie_base_eval_above(params: WeidlichWilkieBase) -> vec3f {
     return params.rho * inv_pi;
 }
 
-// exp(-depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
-// wi, wo: refracted directions. depth: absorption times thickness.
-fn weidlich_wilkie_absorbed(depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
-    return exp(-depth * (1.0 / wi.z + 1.0 / wo.z));
+// wi, wo: refracted directions. optical_depth: absorption times thickness.
+fn weidlich_wilkie_attenuation(optical_depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
+    return exp(-optical_depth * (1.0 / wi.z + 1.0 / wo.z));
 }
 
-// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
-fn weidlich_wilkie_F_denser(cos_theta: f32, eta: f32) -> f32 {
-    const ROOT_MIN = 1.0e-16;
+// The same from the square of g = eta cos(theta_t).
+fn weidlich_wilkie_F_dielectric(cos_theta: f32, eta: f32, g2: f32) -> f32 {
     // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
     // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
     // that the mean of both squares is a product.
     let c = cos_theta;
-    let contrast = (eta - 1.0) * (eta + 1.0);
     let sin2 = 1.0 - c * c;
-    // c^2 with its rounding error: at grazing angles, and at the critical one, little else is left
-    let g = sqrt(max(fma(c, c, contrast), ROOT_MIN));
+    let g = sqrt(g2);
     let s = c + g;
     let p = c * g;
-    let r_s = contrast / (s * s);
+    let r_s = (eta - 1.0) * (eta + 1.0) / (s * s);
     let q = p + sin2;
     return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
+}
+
+// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
+fn weidlich_wilkie_F_dielectric_entering(cos_theta: f32, eta: f32) -> f32 {
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    // c^2 with its rounding error: at grazing angles little else is left
+    return weidlich_wilkie_F_dielectric(cos_theta, eta,
+        max(weidlich_wilkie_refracted_cos2(cos_theta, eta), mu_min * mu_min));
 }
 
 // `D_beckmann` for facets of the same width in all directions.
@@ -154,8 +157,11 @@ fn weidlich_wilkie_D_beckmann_round(m: vec3f, alpha: f32) -> f32 {
 
 // The same over 4 mu_i mu_o.
 fn weidlich_wilkie_V_cook_torrance(wi: vec3f, wo: vec3f, cos_m: f32, cos_h: f32) -> f32 {
+    // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
+    // it still is a float32. It is reached at cosines of 5e-16.
+    const V_MAX = 1.0e30;
     // One quotient after the other: the derivative by the product of two small cosines would be infinite
-    return 0.25 * weidlich_wilkie_G_cook_torrance(wi, wo, cos_m, cos_h) / wi.z / wo.z;
+    return min(0.25 * weidlich_wilkie_G_cook_torrance(wi, wo, cos_m, cos_h) / wi.z / wo.z, V_MAX);
 }
 
 // G / (4 mu_i mu_o).
@@ -172,12 +178,12 @@ fn weidlich_wilkie_eval(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> vec3f {
     }
     let wi_t = weidlich_wilkie_refract(wi, params.eta);
     let wo_t = weidlich_wilkie_refract(wo, params.eta);
-    let depth = weidlich_wilkie_optical_depth(params.sigma_a, params.thickness);
+    let tau = weidlich_wilkie_coat_optical_depth(params.sigma_a, params.thickness);
     let through = weidlich_wilkie_transmitted(params, wi, wo);
     let below = weidlich_wilkie_base_eval_above(params.base)
-        * (weidlich_wilkie_absorbed(depth, wi_t, wo_t) * through);
+        * (weidlich_wilkie_attenuation(tau, wi_t, wo_t) * through);
     let cos_h = weidlich_wilkie_cos_half(wi, wo);
-    let coat = weidlich_wilkie_F_denser(cos_h, params.eta)
+    let coat = weidlich_wilkie_F_dielectric_entering(cos_h, params.eta)
         * weidlich_wilkie_D_beckmann_round(weidlich_wilkie_half_vector(wi, wo), params.alpha)
             * weidlich_wilkie_V(wi, wo);
     return below + coat;
@@ -193,11 +199,10 @@ fn weidlich_wilkie_usual_cos_half(wo: vec3f) -> f32 {
     return 0.5 + 0.5 * wo.z;
 }
 
-// The most that weidlich_wilkie_absorbed leaves of light that goes out along wo: it came in along the
+// The most that weidlich_wilkie_attenuation leaves of light that goes out along wo: it came in along the
 // normal.
-fn weidlich_wilkie_absorbed_least(depth: vec3f, wo: vec3f) -> vec3f {
-    let up = vec3f(0.0, 0.0, 1.0);
-    return weidlich_wilkie_absorbed(depth, up, wo);
+fn weidlich_wilkie_attenuation_least(optical_depth: vec3f, wo: vec3f) -> vec3f {
+    return weidlich_wilkie_attenuation(optical_depth, vec3f(0.0, 0.0, 1.0), wo);
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -215,14 +220,15 @@ fn weidlich_wilkie_raised(probability: f32) -> f32 {
 
 // Probabilities of two lobes with the given albedos; the first is certain if both are black.
 fn weidlich_wilkie_lobes_shares(first: f32, second: f32) -> vec2f {
-    // Added to the first lobe's weight, so that two black lobes still leave something to choose; no albedo that
-    // can be seen is that small.
-    const BLACK = 1.0e-20;
-    let inv = 1.0 / (first + second + BLACK);
-    let a = weidlich_wilkie_raised((first + BLACK) * inv);
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose and the
+    // reciprocal of their sum has a derivative; no albedo that can be seen is that small.
+    const BLACK = 1.0e-12;
+    let lifted = first + BLACK;
+    let inv = 1.0 / (lifted + second);
+    let a = weidlich_wilkie_raised(lifted * inv);
     let b = weidlich_wilkie_raised(second * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
-    let smaller = first < second;
+    let smaller = lifted < second;
     return vec2f(select(1.0 - b, a, smaller), select(b, 1.0 - a, smaller));
 }
 
@@ -235,10 +241,10 @@ fn weidlich_wilkie_shares(params: WeidlichWilkie, wo: vec3f, wo_t: vec3f) -> vec
     const LOBE_MIN = 1.0e-12;
     var mu = wo.z;
     mu = weidlich_wilkie_usual_cos_half(wo);
-    let through = weidlich_wilkie_transmittance_denser(mu, params.eta)
-        * weidlich_wilkie_average(weidlich_wilkie_absorbed_least(weidlich_wilkie_optical_depth(params.sigma_a, params.thickness), wo_t));
-    let reflected = max(weidlich_wilkie_F_denser(wo.z, params.eta), COAT_SHARE_MIN * through
-        + LOBE_MIN);
+    let through = weidlich_wilkie_transmittance_entering(mu, params.eta)
+        * weidlich_wilkie_average(weidlich_wilkie_attenuation_least(weidlich_wilkie_coat_optical_depth(params.sigma_a, params.thickness), wo_t));
+    let reflected = max(weidlich_wilkie_F_dielectric_entering(wo.z, params.eta),
+        COAT_SHARE_MIN * through + LOBE_MIN);
     return weidlich_wilkie_lobes_shares(reflected, through);
 }
 

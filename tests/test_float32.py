@@ -1,0 +1,209 @@
+"""Single precision holds everywhere: values, densities, samples and derivatives at hard inputs."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import drjit as dr
+import numpy as np
+import pytest
+from drjit.llvm.ad import Array2f, Array3f, Float
+from support import hard
+
+import gonio
+from gonio import reference
+from gonio.fields import ModelError
+from gonio.parts import lobes, masking
+
+COUNT = 1 << 14
+
+# Options under which faults of this kind were found; every other model is taken as it is.
+OPTIONS: dict[str, list[dict[str, str]]] = {
+    "torrance_sparrow": [
+        {},
+        {"distribution": "beckmann", "masking": "cook_torrance", "fresnel": "lazanyi"},
+        {"distribution": "blinn_phong", "fresnel": "schlick"},
+        {"distribution": "gaussian", "masking": "kelemen", "fresnel": "dielectric"},
+        {"compensation": "kulla_conty"},
+    ],
+    "weidlich_wilkie": [{"base": "metallic_roughness"}],
+}
+CASES = [(name, chosen) for name in gonio.models() for chosen in OPTIONS.get(name, [{}])]
+
+# Weights of samples; EON's two samplers without a uniform part have rare ones of 1e7, and are options.
+WEIGHT_MAX = 1e4
+
+GOLD = {"eta": (0.01, 0.01003221, 0.08335331), "k": (11.997228, 8.271939e-4, 19.826624)}
+PATINA = {
+    "growth": 0.15316224098205566,
+    "extent": 1.1158462762832642,
+    "transition": 0.9628404974937439,
+    "alpha": 0.8056924939155579,
+    "bare_alpha": 0.8039717674255371,
+    "grown_alpha": 1e-4,
+    "sigma_a": (0.44, 0.0, 0.58),
+    "thickness": 0.0035,
+}
+CAR = {"eta": 1.0, "alpha": 0.03, "metal_alpha": 0.8, "flake_x": 2.0, "flake_y": -2.0}
+SHARP = {"rho": (0.586, 0.709, 1.0), "sigma_a": (3.85, 10.0, 7.83), "thickness": 0.0}
+
+
+def unit(x: float, y: float, z: float) -> tuple[float, float, float]:
+    """A direction with this small z, to the last digit of the others."""
+    scale = np.sqrt((1 - z * z) / (x * x + y * y)) if x or y else 1.0
+    return (x * scale, y * scale, z)
+
+
+# Model, parameters, wi, wo; each was wrong by the number that stands beside it.
+VALUES: list[tuple[str, dict[str, Any], Any, Any]] = [
+    ("patina", PATINA, (0, 0, 1), (0, 0, 1)),  # 0.34, pdf 0.94: 1 - grown had no digits
+    ("patina", PATINA | {"coat_eta": 1.5, "growth": 0.154}, (0, 0, 1), (0, 1e-5, 1)),
+    ("torrance_sparrow", GOLD | {"alpha": 0.7}, unit(0.26, -0.89, 0.37281221), "wi"),  # 2.3e-5
+    (
+        "torrance_sparrow",
+        {"fresnel": "dielectric", "eta": (0.143, 0.01, 0.010002), "alpha": 1.0},
+        (0, 0, 1),
+        (0, 0, 1),
+    ),  # 3e-5: eta^2 - 1 + c^2 of a small index
+    ("torrance_sparrow", {"masking": "kelemen", "alpha": 1e-4}, unit(-1, -0.015, 1.487e-16), "-"),
+    ("torrance_sparrow", {"masking": "cook_torrance", "alpha": 1e-4}, unit(1, 0.1, 1.1e-18), "-"),
+    ("torrance_sparrow", {"distribution": "gaussian", "alpha": 0.5}, (1e-21, 0, 1), (0, 0, 1)),
+    (
+        "triace_layered",
+        {
+            "top_eta": 1.0,
+            "top_shininess": 1e5,
+            "bottom_eta": 2.25,
+            "bottom_shininess": 1e5,
+            **SHARP,
+        },
+        unit(-0.45, -0.89, 1.7e-8),
+        unit(0.45, 0.89, 4.8e-14),
+    ),  # negative: 1 - F T
+    (
+        "triace_layered",
+        {"top_eta": 2.998727, "top_shininess": 17187.0, "bottom_eta": 1.0, "bottom_shininess": 1.4},
+        unit(0.5364, -0.844, 7.83e-4),
+        unit(-0.5374, 0.8433, 7.9e-15),
+    ),  # 5e-3: the critical angle of light that came in at grazing angles
+    ("car_paint", CAR, (0, 0, 1), unit(-1, -1, 6.7e-13)),  # 1: which side of the flake is seen
+    (
+        "car_paint",
+        {"eta": 1.157, "alpha": 1e-4, "metal_alpha": 1e-4, "flake_x": -2.0, "distance": 999455.0},
+        unit(-0.91949, -0.39311, 2e-6),
+        unit(0.91941, 0.39331, 2e-6),
+    ),  # 5e-4: refracted directions were rounded before they were added
+    ("ue4", {"base_color": 0.0, "metallic": 0.8, "specular": 0.0, "roughness": 0.0}, "N", "N"),
+    ("unity_brdf2", {"base_color": 0.0, "roughness": 6.65e-7}, unit(-0.16, 0.987, 6e-17), "-"),
+]
+
+
+@pytest.mark.parametrize(("name", "given", "wi", "wo"), VALUES)
+def test_float32_agrees_with_float64_where_it_once_did_not(
+    name: str, given: dict[str, Any], wi: Any, wo: Any
+) -> None:
+    if wi == "N":
+        wi, wo = (0.00106429, -0.01216045, 0.9999255), (-0.00193892, 0.01205197, 0.9999255)
+    i = np.array(wi, np.float32)
+    same = {"wi": i, "-": i * np.array((-1, -1, 1), np.float32)}
+    o = same[wo] if isinstance(wo, str) else np.array(wo, np.float32)
+    single = {p: np.float32(v).astype(float) for p, v in given.items() if not isinstance(v, str)}
+    chosen = {p: v for p, v in given.items() if isinstance(v, str)}
+    model = gonio.model(
+        name, **chosen, **{p: tuple(v) if v.ndim else float(v) for p, v in single.items()}
+    )
+    options = {p: getattr(model, p) for p, f in model.fields.items() if hasattr(f, "values")}
+    limit = model.claims.size("float32", options) or 1e-5
+    for method in ("eval", "pdf"):
+        low = getattr(model, method)(i, o)
+        high = getattr(model, method)(i.astype(float), o.astype(float))
+        assert np.isfinite(low).all()
+        assert (low >= 0).all()
+        np.testing.assert_allclose(low, high, rtol=limit)
+
+
+def lanes(model: Any, rng: np.random.Generator) -> tuple[Any, dict[str, Any]]:
+    """The model at COUNT hard sets of parameters, whose derivatives are followed."""
+    given = hard.values(rng, model, COUNT)
+    bound: dict[str, Any] = {}
+
+    def convert(path: str, declared: Any, value: Any) -> Any:
+        columns = [Float(np.ascontiguousarray(c)) for c in given[path].T]
+        bound[path] = Array3f(*columns) if declared.width == 3 else columns[0]
+        dr.enable_grad(bound[path])
+        return bound[path]
+
+    return model.bind(Float, convert), bound
+
+
+def upload(vector: Any, rows: Any) -> Any:
+    found = vector(*(Float(np.ascontiguousarray(c)) for c in rows.T))
+    dr.enable_grad(found)
+    return found
+
+
+def faults(name: str, chosen: dict[str, str], seed: int = 0) -> dict[str, int]:
+    """What is not as it has to be, and at how many of COUNT hard inputs."""
+    rng = np.random.default_rng(seed)
+    model = gonio.model(name, **chosen)
+    wi, wo = hard.pairs(rng, COUNT)
+    bound, given = lanes(model, rng)
+    i, o, u = upload(Array3f, wi), upload(Array3f, wo), upload(Array2f, hard.numbers(rng, COUNT))
+    f, pdf, drawn = Array3f(bound.eval(i, o)), bound.pdf(i, o), bound.sample(o, u)
+    weight = dr.max(bound.eval(drawn.wi, o)) * drawn.wi.z / dr.maximum(drawn.pdf, 1e-37)
+    found = {
+        "eval": ~np.isfinite(np.array(f)).all(0),
+        "pdf": ~np.isfinite(np.array(pdf)) | (np.array(pdf) < 0),
+        "sample": ~(np.abs(np.linalg.norm(np.array(drawn.wi), axis=0) - 1) < 1e-5),
+        "density": ~(np.isfinite(np.array(drawn.pdf)) & (np.array(drawn.pdf) >= 0)),
+        "weight": ~(np.array(weight)[np.array(drawn.pdf) > 0] < WEIGHT_MAX),
+    }
+    options = {
+        p: getattr(model, p) for p, field in model.fields.items() if hasattr(field, "values")
+    }
+    if model.claims.size("negative", options) is None:
+        found["negative"] = (np.array(f) < 0).any(0)
+    for what, value in (("eval", f), ("pdf", pdf), ("sample", drawn.wi), ("density", drawn.pdf)):
+        dr.clear_grad({"wi": i, "wo": o, **given})
+        flags = dr.ADFlag.Default | dr.ADFlag.AllowNoGrad
+        dr.backward(dr.sum(value, axis=0) if dr.depth_v(value) == 2 else value, flags=flags)
+        for path, source in {"wi": i, "wo": o, **given}.items():
+            slope = np.array(dr.grad(source))
+            found[f"d {what} / d {path}"] = ~np.isfinite(slope)
+    return {what: int(bad.sum()) for what, bad in found.items() if bad.any()}
+
+
+@pytest.mark.parametrize(("name", "chosen"), CASES)
+def test_hard_inputs_leave_everything_finite(name: str, chosen: dict[str, str]) -> None:
+    assert faults(name, chosen) == {}
+
+
+def test_two_black_lobes_without_a_slope_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """1 / (a + b + 1e-20) has a derivative of 1e40."""
+    monkeypatch.setattr(lobes, "BLACK", 1e-20)
+    assert any(what.startswith("d pdf") for what in faults("metallic_roughness", {}))
+
+
+def test_a_masking_that_leaves_a_float32_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(masking, "V_MAX", 1e38)
+    assert "eval" in faults("torrance_sparrow", {"masking": "kelemen"})
+
+
+@pytest.mark.parametrize("sigma", [[0.1, 0.2], (0.1,), (), [1, 2, 3, 4]])
+def test_an_absorption_of_two_numbers_is_refused(sigma: Any) -> None:
+    with pytest.raises(ModelError, match="sigma_a takes one or three numbers, got"):
+        reference.Layer(sigma_a=sigma)
+
+
+def test_an_absorption_may_be_a_list() -> None:
+    assert reference.Layer(sigma_a=[0.1, 0.2, 0.3]).depth == (0.1, 0.2, 0.3)
+
+
+def test_the_reference_in_the_horizon_is_its_limit() -> None:
+    """At grazing angles a smooth coat mirrors everything; below the horizon is nothing."""
+    stack = reference.Stack([reference.Layer(1.5)])
+    wo = np.array([[1, 0, 0], [1, 0, 1e-8], [1, 0, -1e-8]], np.float32)
+    value = stack.albedo(wo, walks=64).value
+    np.testing.assert_allclose(value[0], 1, atol=1e-6)
+    np.testing.assert_array_equal(value[0], value[1])
+    np.testing.assert_array_equal(value[2], 0)
