@@ -30,6 +30,7 @@ from gonio import parts as parts
 from gonio import plot as plot
 from gonio import quadrature as quadrature
 from gonio import reference as reference
+from gonio import reproduce as reproduce
 from gonio import view as view
 from gonio.backend import BackendError as BackendError
 from gonio.backend import use as use

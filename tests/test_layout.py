@@ -24,6 +24,7 @@ FLOORS = (
     {"render", "check"},
     {"bake", "compare", "view"},
     {"bench"},
+    {"reproduce"},
     {"cli"},
 )
 

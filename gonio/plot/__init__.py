@@ -14,24 +14,32 @@ from gonio.plot.errors import error
 from gonio.plot.kinds import KINDS, albedo, plot, polar, surface
 from gonio.plot.numbers import CHANNELS, RGB
 from gonio.plot.output import SUFFIXES, Plot, check_output
+from gonio.plot.panels import DEGREES, SIGNED, Curve, Panel, of_panels
 from gonio.plot.sampling import sampling
-from gonio.plot.terms import distribution, fresnel, masking
+from gonio.plot.terms import distribution, facet_terms, fresnel, masking, reflectances
 
 __all__ = [
     "CHANNELS",
+    "DEGREES",
     "KINDS",
     "RGB",
+    "SIGNED",
     "SUFFIXES",
+    "Curve",
+    "Panel",
     "Plot",
     "albedo",
     "cartesian",
     "check_output",
     "distribution",
     "error",
+    "facet_terms",
     "fresnel",
     "masking",
+    "of_panels",
     "plot",
     "polar",
+    "reflectances",
     "sampling",
     "scattering",
     "surface",

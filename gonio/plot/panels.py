@@ -6,11 +6,17 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
+from gonio.model import Model
+from gonio.plot.labels import named
 from gonio.plot.numbers import Floats
+from gonio.plot.output import Plot
 from gonio.plot.style import (
     FAINT,
     INK,
     CurveStyle,
+    curve_styles,
     draw_head,
     draw_legend,
     legend_height,
@@ -54,6 +60,27 @@ class Panel:
     ylim: tuple[float | None, float | None] = (None, None)
     marks: Sequence[tuple[float, str]] = field(default=())
     """Places along x to mark, each with its name."""
+
+
+def of_panels(panels: Sequence[Panel], models: Sequence[Model], title: str) -> Plot:
+    """A plot of panels made elsewhere, whose curves belong to models.
+
+    For curves that no kind of plot has.
+    """
+    models, labels, shared = named(models)
+    curves = [(panel, curve) for panel in panels for curve in panel.curves]
+    columns = {
+        "panel": [panel.title for panel, curve in curves for _ in curve.x],
+        "model": [labels[curve.model] for _, curve in curves for _ in curve.x],
+        "part": [curve.part for _, curve in curves for _ in curve.x],
+        "x": np.concatenate([curve.x for _, curve in curves]),
+        "y": np.concatenate([curve.y for _, curve in curves]),
+    }
+
+    def draw() -> Any:
+        return draw_panels(panels, labels, curve_styles(models), title, (shared,))
+
+    return Plot(columns, draw)
 
 
 # How the parts of a model are told apart: the whole is a full line.

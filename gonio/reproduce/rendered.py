@@ -1,0 +1,152 @@
+"""Rendered figures: rows of lights, columns of materials, and what is measured in them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from gonio.materials import Material
+from gonio.model import Model
+from gonio.render.picture import write_picture
+from gonio.render.sheets import compare
+
+Cells = npt.NDArray[np.float32]
+"""Linear radiance, shape (rows, columns, height, width, 3)."""
+
+# Pixels of a cell and samples of a pixel: a cell takes about a second on two idle cores, once compiled.
+CELL, SAMPLES = 208, 36
+
+# Furnaces of the EON paper have 50 bounces; a path's last one sees the light.
+BOUNCES = 50
+
+
+@dataclass(frozen=True)
+class Rendered:
+    """A sheet of pictures, rendered when it is saved."""
+
+    columns: Sequence[Model | Material]
+    labels: Sequence[str]
+    rows: Sequence[tuple[str, Mapping[str, Any]]] = (("", {}),)
+    """A name, and arguments of `gonio.render`, for each."""
+    measure: Callable[[Cells], None] | None = None
+    """Called with the pixels; adds numbers to the item's sheet."""
+    common: Mapping[str, Any] = field(default_factory=dict)
+
+    def cells(self) -> Cells:
+        """The pixels of each picture."""
+        settings = {"size": (CELL, CELL), "spp": SAMPLES, **self.common}
+        width, height = settings["size"]
+        pixels = compare([row for _, row in self.rows], self.columns, **settings)
+        shape = (len(self.rows), height, len(self.columns), width, 3)
+        return np.asarray(pixels[..., :3].reshape(shape).transpose(0, 2, 1, 3, 4), np.float32)
+
+    def save(self, output: str | Path) -> Path:
+        """Render, measure, and write a .png."""
+        cells = self.cells()
+        if self.measure is not None:
+            self.measure(cells)
+        rows, columns, height, width, _ = cells.shape
+        sheet = cells.transpose(0, 2, 1, 3, 4).reshape(rows * height, columns * width, 3)
+        names = [name for name, _ in self.rows]
+        write_picture(output, sheet, labels=self.labels, row_labels=names if any(names) else ())
+        return Path(output)
+
+
+def furnace(bounces: int = BOUNCES) -> dict[str, Any]:
+    """Arguments of `gonio.render` for an object in radiance 1 from everywhere."""
+    return {"furnace": True, "max_depth": bounces + 1}
+
+
+def single_bounce(environment: str) -> dict[str, Any]:
+    """Arguments of `gonio.render` for direct light alone."""
+    return {"environment": environment, "max_depth": 2}
+
+
+def middle(cell: Cells) -> Cells:
+    """The inner quarter of a picture, which the ball fills."""
+    height, width = cell.shape[:2]
+    return cell[3 * height // 8 : 5 * height // 8, 3 * width // 8 : 5 * width // 8]
+
+
+Shade = Callable[[Any, Any], Any]
+"""Radiance (..., 3) for unit normals (..., 3) and a direction to the viewer (3,)."""
+
+
+@dataclass(frozen=True)
+class Shaded:
+    """Spheres shaded by formulas, as a shader with prefiltered light does; y is up."""
+
+    columns: Mapping[str, Shade]
+    size: int = 224
+
+    def save(self, output: str | Path) -> Path:
+        """Shade them and write a .png."""
+        step = (np.arange(self.size) + 0.5) / self.size * 2.2 - 1.1
+        x, y = np.meshgrid(step, -step)
+        inside = x * x + y * y < 1
+        normals = np.stack([x, y, np.sqrt(np.maximum(1 - x * x - y * y, 0))], -1)
+        normals[~inside] = (0, 0, 1)
+        cells = []
+        for shade in self.columns.values():
+            radiance = np.asarray(shade(normals, np.array([0.0, 0.0, 1.0])), np.float32)
+            cells.append(np.where(inside[..., None], radiance, np.float32(0.05)))
+        write_picture(output, np.concatenate(cells, axis=1), labels=list(self.columns))
+        return Path(output)
+
+
+# Pictures on a page are at most this wide, so that its text keeps its size.
+WIDTH = 1200
+
+
+def fitted(picture: Any) -> Any:
+    """A Pillow image as RGB, made smaller if it is too wide for a page."""
+    from PIL import Image
+
+    rgb = picture.convert("RGB")
+    if rgb.width <= WIDTH:
+        return rgb
+    return rgb.resize((WIDTH, round(rgb.height * WIDTH / rgb.width)), Image.Resampling.LANCZOS)
+
+
+@dataclass(frozen=True)
+class Later:
+    """A picture that is computed when it is saved, because that takes long."""
+
+    make: Callable[[], Any]
+
+    def save(self, output: str | Path) -> Path:
+        """Compute it and write a .png."""
+        return Path(self.make().save(output))
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Several pictures of the item, one above the other."""
+
+    pictures: Sequence[Any]
+
+    def save(self, output: str | Path) -> Path:
+        """Draw them all onto one sheet."""
+        import tempfile
+
+        from PIL import Image
+
+        with tempfile.TemporaryDirectory() as folder:
+            drawn = []
+            for n, picture in enumerate(self.pictures):
+                with Image.open(picture.save(Path(folder) / f"{n}.png")) as file:
+                    drawn.append(fitted(file))
+        sheet = Image.new(
+            "RGB", (max(d.width for d in drawn), sum(d.height for d in drawn)), "white"
+        )
+        top = 0
+        for one in drawn:
+            sheet.paste(one, ((sheet.width - one.width) // 2, top))
+            top += one.height
+        sheet.save(output, format="PNG")
+        return Path(output)
