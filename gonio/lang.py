@@ -8,6 +8,7 @@ and have finite derivatives, wherever their description says so.
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, NamedTuple
 
 import drjit as dr
@@ -115,8 +116,11 @@ def safe_sqrt(x: Any) -> Any:
 
 
 def smooth_sqrt(x: Any) -> Any:
-    """Square root of a value that is not negative, with a finite derivative at 0."""
-    return dr.safe_sqrt(x)
+    """Square root of a value that is not negative, with a finite derivative at 0.
+
+    NaN of a negative one, as in shaders.
+    """
+    return dr.select(x < 0, math.nan, dr.safe_sqrt(x))
 
 
 def safe_acos(x: Any) -> Any:

@@ -6,6 +6,7 @@ import re
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import click
 
@@ -90,13 +91,28 @@ def _notes(name: str, material: Material) -> list[str]:
     return notes
 
 
-def chosen_languages(names: Sequence[str]) -> list[str]:
-    """The languages that are asked for; "all" is all of them.
+def by_extension(output: str) -> str:
+    """The language of a file's name, such as wgsl of x.wgsl; empty if it says none."""
+    extension = Path(output).suffix.removeprefix(".")
+    return next((t.name for t in TARGETS.values() if t.extension == extension), "")
+
+
+def chosen_languages(names: Sequence[str], output: str | None = None) -> list[str]:
+    """The languages that are asked for; "all" is all of them, none that of the file's name.
 
     Raises:
-        ExportError: none is named.
+        ExportError: none is named, or another one than the file's name says.
     """
     found = [part for name in names for part in name.split(",") if part]
+    of_file = by_extension(output or "")
+    if not found and of_file:
+        return [of_file]
+    named = TARGETS.get(found[0]) if len(found) == 1 else None
+    if of_file and named and named.extension != TARGETS[of_file].extension:
+        raise ExportError(
+            f"--to {named.name} and {output} do not agree; leave out --to, or name the file "
+            f"NAME.{named.extension}."
+        )
     if not found:
         known = ", ".join(TARGETS)
         raise ExportError(f"no language; add --to and one of {known}, {materialx.NAME}, all.")
@@ -174,7 +190,12 @@ def run_proof(
     show_default=True,
     help="Directions and parameters that --prove tries.",
 )
-@click.option("-o", "--output", metavar="PATH", help="A file or folder (default: print the text).")
+@click.option(
+    "-o",
+    "--output",
+    metavar="PATH",
+    help="A file, whose name says the language (x.wgsl), or a folder/.",
+)
 def command(
     models: tuple[str, ...],
     languages: tuple[str, ...],
@@ -198,7 +219,7 @@ def command(
     \b
     Examples:
       gonio export eon --to wgsl
-      gonio export eon --option albedo_form=fitted --only eval --to glsl -o eon.glsl
+      gonio export eon --option albedo_form=fitted --only eval -o eon.glsl
       gonio export orange_lacquer --to hlsl --embed
       gonio export eon torrance_sparrow --to cpp -o brdfs.h
       gonio export --all --to all -o shaders/
@@ -206,7 +227,7 @@ def command(
       gonio export my_model.py --to slang
     """
     selection = choose(models, [*params, *options], everything, materials)
-    to = chosen_languages(languages)
+    to = chosen_languages(languages, output)
     functions = [name.strip() for name in only.split(",")] if only else list(FUNCTIONS)
     if prove:
         results = run_proof(selection.models, to, rows, functions, say)

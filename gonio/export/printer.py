@@ -461,7 +461,10 @@ class Printer:
         template = self.target.variable if statement.variable in changing else self.target.local
         name = self.name(statement.variable)
         local = template.format(type=self.type("float"), name=name, value=start)
-        lines = [self.target.loop.format(index=index, count=statement.count), INDENT + local]
+        lines = [self.target.loop.format(index=index, count=statement.count)]
+        names = {e.name for e in walk(statement.body) if isinstance(e, Variable)}
+        if statement.variable in names | changing:
+            lines.append(INDENT + local)
         for inner in statement.body:
             lines += [INDENT + line if line else "" for line in self.statement(inner, changing)]
         return [*lines, "}"]

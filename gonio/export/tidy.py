@@ -23,6 +23,7 @@ from gonio.export.tree import (
     Member,
     Number,
     Operation,
+    Remark,
     Repeat,
     Return,
     ReturnIf,
@@ -171,6 +172,8 @@ def _without_unused(statements: tuple[Statement, ...]) -> tuple[Statement, ...]:
             for s in found:
                 if isinstance(s, Repeat):
                     s = replace(s, body=kept(s.body))
+                    if not any(not isinstance(inner, Remark) for inner in s.body):
+                        continue
                 name = s.name if isinstance(s, Assign) else None
                 name = s.variable if isinstance(s, SetMember) else name
                 if name is None or name in used:
