@@ -543,6 +543,16 @@ def test_the_command_writes_files_and_says_which(tmp_path: Path) -> None:
     assert str(folder / "gonio.h") in result.stdout
 
 
+def test_the_name_of_the_file_says_the_language(tmp_path: Path) -> None:
+    result = run("eon", "-o", str(tmp_path / "eon.wgsl"))
+    assert result.exit_code == 0
+    assert (tmp_path / "eon.wgsl").read_text(encoding="utf-8") == text("eon", "wgsl")
+    result = run("eon", "--to", "glsl", "-o", str(tmp_path / "eon.hlsl"))
+    assert result.exit_code == 1
+    assert "do not agree; leave out --to, or name the file NAME.glsl" in result.stderr
+    assert run("eon", "--to", "glsl", "-o", str(tmp_path / "eon.frag")).exit_code == 0
+
+
 def test_another_name_lets_a_model_be_exported_twice() -> None:
     result = run("eon", "fast=eon:albedo_form=fitted", "--to", "glsl")
     assert result.exit_code == 0

@@ -162,6 +162,12 @@ SAME: dict[str, tuple[str, str, str]] = {
         "",
         "",
     ),
+    "a loop that does nothing": ("for i in range(3):\n    x = i\nreturn self.rho", "", ""),
+    "a loop that does not count": (
+        "x = wi.z\nfor i in range(3):\n    x = x * 0.5\nreturn self.rho * x",
+        "",
+        "",
+    ),
     "many terms": (" + ".join(["return self.rho"] + ["wi * 0.01"] * 60), "", ""),
 }
 
@@ -495,3 +501,65 @@ def test_a_file_that_is_not_what_python_runs_is_refused(tmp_path: Path) -> None:
     # A comment changes nothing
     path.write_text(text.replace("self.rho * 2", "self.rho * 2  # so"), encoding="utf-8")
     assert "* 2.0" in export({"mine": model}, "glsl")[0].source
+
+
+def test_a_named_tuple_becomes_a_struct_with_its_names_and_descriptions(tmp_path: Path) -> None:
+    head = (
+        'class Lobe(NamedTuple):\n    """A lobe of light."""\n\n    weight: Float\n    """How much."""\n'
+        "    tint: Color\n\n\ndef lobe(x):\n    return Lobe(x, tint=x)"
+    )
+    body = "made = lobe(wi.z)\nweight, tint = lobe(wo.z)\nreturn made.weight * tint * weight"
+    model = made(tmp_path, body, "", head)
+    for language in TARGETS:
+        found = export({"mine": model}, language, only=["eval"])[0].source
+        assert "// A lobe of light." in found
+        assert re.search(r"struct MineLobe \{", found)
+        assert re.search(r"weight\b.*// How much$", found, re.M)
+        assert re.search(r"made\.weight", found)
+        assert "first" not in found
+
+
+def test_members_and_arguments_that_nothing_reads_are_left_out(tmp_path: Path) -> None:
+    head = "def f(x, y, z):\n    return 2 * x"
+    model = made(tmp_path, "return self.rho * f(wi.z, self.width, wo)", "", head)
+    (exported,) = export({"mine": model}, "glsl", only=["eval"])
+    assert "float mine_f(float x) {" in exported.source
+    assert "mine_f(wi.z)" in exported.source
+    assert [m.path for m in exported.entry.members] == ["rho"]
+    assert "width" not in exported.source
+
+
+def test_a_function_that_passes_on_is_inlined(tmp_path: Path) -> None:
+    head = (
+        "def f(x):\n    return 2 * x\n\n\ndef g(x):\n    return f(x)\n\n\ndef one(x):\n    return 1"
+    )
+    model = made(tmp_path, "return self.rho * g(wi.z) * one(wo.z)", "", head)
+    found = export({"mine": model}, "glsl", only=["eval"])[0].source
+    assert "return params.rho * mine_f(wi.z);" in found
+    assert "mine_g" not in found
+
+
+def test_names_of_models_avoid_the_prefixes_of_opengl(tmp_path: Path) -> None:
+    model = made(tmp_path, "return self.rho")
+    for name in ("gl_x", "webgl_x", "gl"):
+        for language in ("glsl", "essl", "cpp"):
+            (exported,) = export({name: model}, language, only=["eval"])
+            assert exported.entry.prefix == f"my_{name}"
+            assert not re.search(rf"\b{name}_\w+\(", exported.source)
+
+
+def test_comments_are_folded_anew_and_call_things_by_their_names(tmp_path: Path) -> None:
+    head = (
+        "def f_long(x):\n"
+        '    """Twice x.\n\n'
+        "    A paragraph that is as wide as the lines of this file may be, so that its last word has no\n"
+        "    room in a shader; `f_other` is what f_long calls.\n\n    short\n    lines\n"
+        '    """\n'
+        "    return 2 * f_other(x)\n\n\ndef f_other(x):\n    return x * x + PI"
+    )
+    found = export({"mine": made(tmp_path, "return self.rho * f_long(wi.z)", "", head)}, "glsl")[
+        0
+    ].source
+    assert "mine_f_other is what mine_f_long calls." in found
+    assert "// short\n// lines\n" in found
+    assert not re.search(r"^// \w+\n// room in", found, re.M)

@@ -72,6 +72,18 @@ def test_its_derivative_is_that_of_the_quotient(Float: Any) -> None:
     np.testing.assert_allclose(dr.grad(value).numpy(), slopes, rtol=2e-5, atol=1e-7)
 
 
+def test_the_smooth_root_of_a_negative_number_is_nan_as_in_shaders() -> None:
+    places = dr.llvm.ad.Float([-1.0, 0.0, 4.0])
+    dr.enable_grad(places)
+    dr.set_grad(places, 1)
+    root = lang.smooth_sqrt(places)
+    dr.forward_to(root)
+    np.testing.assert_array_equal(root.numpy(), [np.nan, 0, 2])
+    assert np.isfinite(dr.grad(root).numpy()[1:]).all()
+    assert math.isnan(lang.smooth_sqrt(-1.0))
+    assert lang.smooth_sqrt(4.0) == 2
+
+
 def test_a_choice_of_two_whole_numbers_is_a_real_number() -> None:
     mask = dr.llvm.Float([0.0, 1.0]) > 0.5
     np.testing.assert_allclose(

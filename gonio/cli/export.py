@@ -212,6 +212,8 @@ def command(
 ) -> None:
     """Write MODELs as readable source: functions NAME_eval, _sample, _pdf, _albedo and a struct.
 
+    In Slang they are methods: params.eval(wi, wo).
+
     A MODEL is a model (eon, or eon:albedo_form=fitted), a ready material, or a .toml or .py file;
     fast=eon:albedo_form=fitted gives it another name. Options are fixed in the text, parameters are
     members of the struct. Several models share one text, and its common parts.
