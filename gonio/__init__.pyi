@@ -31,6 +31,7 @@ from gonio import plot as plot
 from gonio import quadrature as quadrature
 from gonio import reference as reference
 from gonio import reproduce as reproduce
+from gonio import suggestions as suggestions
 from gonio import view as view
 from gonio.backend import BackendError as BackendError
 from gonio.backend import use as use

@@ -174,7 +174,8 @@ def log(x: Any) -> Any:
 
 def power(x: Any, exponent: Any) -> Any:
     """`x` to a power, for x greater than zero."""
-    return dr.power(x, exponent)
+    # Dr.Jit has -inf in double precision where the result is below 2^-1022
+    return dr.maximum(dr.power(x, exponent), 0)
 
 
 def erf(x: Any) -> Any:

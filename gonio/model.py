@@ -8,7 +8,6 @@ in, keeps parameter values out of compiled kernels, and makes everything zero be
 
 from __future__ import annotations
 
-import difflib
 import functools
 import inspect
 import re
@@ -23,6 +22,7 @@ from gonio.claims import Claims
 from gonio.fields import ModelError, Option, Parameter, framework, shown
 from gonio.lang import MU_MIN, Color, Float, Sample, Vec2, Vec3, select, vec2, vec3
 from gonio.numeric_albedo import for_quadrature, mean_over_directions
+from gonio.suggestions import did_you_mean
 
 
 @dataclass
@@ -167,10 +167,10 @@ class Model:
         if not register:
             return
         known = _registry.get(cls.name)
-        if known is not None and inspect.getsourcefile(known) != inspect.getsourcefile(cls):
+        # Of one module it is the same one, defined again: a cell of a notebook that runs twice
+        if known is not None and known.__module__ != cls.__module__ and _file(known) != _file(cls):
             raise ModelError(
-                f"two models are called {cls.name!r}: {inspect.getsourcefile(known)} and "
-                f"{inspect.getsourcefile(cls)}; rename one file."
+                f"two models are called {cls.name!r}: {_file(known)} and {_file(cls)}; rename one file."
             )
         _registry[cls.name] = cls
 
@@ -342,6 +342,11 @@ class Model:
         return bound
 
 
+def _file(cls: type[Model]) -> str:
+    """Where a model is written; the name of a notebook's cell if it is there."""
+    return str(inspect.unwrap(cls.eval).__code__.co_filename)
+
+
 def _explained(fields: Mapping[str, Field]) -> Iterator[str]:
     """Lines of a docstring that say what the parameters mean."""
     if fields:
@@ -351,9 +356,7 @@ def _explained(fields: Mapping[str, Field]) -> Iterator[str]:
 
 
 def _suggest(name: str, known: Mapping[str, Any]) -> str:
-    near = difflib.get_close_matches(name, known, n=1)
-    did = f"; did you mean {near[0]!r}?" if near else ""
-    return f"{did}{'' if near else ';'} known are {', '.join(known)}" if known else ""
+    return f"; {did_you_mean(name, known)}known are {', '.join(known)}" if known else ""
 
 
 # Where derivatives end: they are 0 below this cosine, down to the horizon. Those of a sharp highlight grow
@@ -451,7 +454,6 @@ def model(name: str, **parameters: Any) -> Model:
         ModelError: an unknown model or parameter, or a value out of range.
     """
     if name not in _registry:
-        near = difflib.get_close_matches(name, _registry, n=1)
-        did = f"did you mean {near[0]!r}? " if near else ""
+        did = did_you_mean(name, _registry)
         raise ModelError(f"no model {name!r}; {did}'gonio list' shows all.")
     return _registry[name](**parameters)

@@ -13,7 +13,17 @@ ROOT = Path(__file__).parent.parent / "gonio"
 # From the bottom to the top. A room is a folder, or a file beside the folders. It imports from its floor
 # and from those below. A new room goes where all that it needs is below.
 FLOORS = (
-    {"version", "files", "notices", "images", "notebook", "lang", "backend", "claims"},
+    {
+        "version",
+        "files",
+        "notices",
+        "suggestions",
+        "images",
+        "notebook",
+        "lang",
+        "backend",
+        "claims",
+    },
     {"fields", "conversions"},
     {"parts", "arrays"},
     {"quadrature", "numeric_albedo"},

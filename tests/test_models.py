@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import sys
 from typing import Any
 
 import numpy as np
@@ -196,3 +197,48 @@ def test_everything_is_zero_below_the_horizon() -> None:
             assert model.pdf(wi, wo) == 0
         assert model.sample(down, [0.5, 0.5]).pdf == 0
         assert (model.albedo(down) == 0).all()
+
+
+CELL = '''
+from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3
+from gonio.model import Model, param
+from gonio.parts.hemisphere import pdf_cosine, sample_cosine
+
+
+class CellMatte(Model):
+    """Matte, from a notebook."""
+
+    rho: Color = param(DEFAULT, 0, 1, "albedo")
+
+    def eval(self, wi: Vec3, wo: Vec3) -> Color:
+        return self.rho * INV_PI
+
+    def sample(self, wo: Vec3, u: Vec2) -> Sample:
+        wi = sample_cosine(u)
+        return Sample(wi, pdf_cosine(wi))
+
+    def pdf(self, wi: Vec3, wo: Vec3) -> Float:
+        return pdf_cosine(wi)
+'''
+
+
+def test_a_cell_of_a_notebook_may_define_its_model_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    import linecache
+
+    from gonio.export import export
+
+    registry = dict(gonio.models())
+    for number, default in ((1, "0.25"), (2, "0.5")):
+        text = CELL.replace("DEFAULT", default)
+        name = f"<ipython-input-{number}>"  # as IPython names its cells, and files them
+        monkeypatch.setitem(linecache.cache, name, (len(text), None, text.splitlines(True), name))
+        exec(compile(text, name, "exec", dont_inherit=True), {"__name__": "__main__"})
+        assert gonio.model("cell_matte").rho == float(default)
+        assert float(gonio.model("cell_matte").albedo([0, 0, 1])[0]) == pytest.approx(
+            float(default), rel=1e-4
+        )
+    assert (
+        "fn cell_matte_eval" in export({"cell_matte": gonio.model("cell_matte")}, "wgsl")[0].source
+    )
+    sys.modules["gonio.model"]._registry.pop("cell_matte")
+    assert gonio.models() == registry

@@ -315,7 +315,7 @@ def test_unusable_environment_is_one_clear_line(tmp_path, name, reason):
 
 
 def test_unknown_environment_names_the_known_ones():
-    with pytest.raises(ValueError, match=r"did you mean 'studio'\? Known: studio, sun, front"):
+    with pytest.raises(ValueError, match=r"did you mean 'studio'\? known are studio, sun, front"):
         light.environment_nodes("studo")
     with pytest.raises(FileNotFoundError, match="no environment file"):
         light.environment_nodes("none.exr")

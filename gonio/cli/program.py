@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import importlib
 import io
 import json
@@ -21,6 +20,7 @@ from gonio.cli._interrupt import CODE, prompt_interrupt
 from gonio.files import remove_unfinished
 from gonio.model import Model
 from gonio.notices import Notice
+from gonio.suggestions import did_you_mean
 
 
 class Program(click.Group):
@@ -71,8 +71,7 @@ class Program(click.Group):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """Find the command, or fail with the nearest one."""
         if args and self.get_command(ctx, args[0]) is None and not args[0].startswith("-"):
-            near = difflib.get_close_matches(args[0], self.list_commands(ctx), n=1)
-            did = f"did you mean {near[0]!r}? " if near else ""
+            did = did_you_mean(args[0], self.list_commands(ctx))
             raise click.UsageError(f"no command {args[0]!r}; {did}'gonio --help' shows all.")
         return super().resolve_command(ctx, args)
 

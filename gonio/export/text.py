@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import inspect
 import os
 import re
@@ -21,6 +20,7 @@ from gonio.export.tidy import members, tidy
 from gonio.export.tree import METHODS, SELF, Call, ExportError, Function, Struct, walk
 from gonio.fields import Parameter
 from gonio.model import Child, Model
+from gonio.suggestions import did_you_mean
 
 FUNCTIONS = METHODS
 
@@ -96,8 +96,7 @@ def export(
 
 def _target(name: str) -> Target:
     if name not in TARGETS:
-        near = difflib.get_close_matches(name, TARGETS, n=1)
-        did = f"did you mean {near[0]!r}? " if near else ""
+        did = did_you_mean(name, TARGETS)
         raise ExportError(f"no language {name!r}; {did}there are {', '.join(TARGETS)}.")
     return TARGETS[name]
 
@@ -396,7 +395,7 @@ class _Text:
         for root in self.roots:
             assert root.model is not None
             for model in nested(root.model):
-                names[_shown_path(inspect.getsourcefile(type(model)) or model.name)] = None
+                names[_shown_path(inspect.unwrap(type(model).eval).__code__.co_filename)] = None
         return ", ".join(names)
 
 

@@ -10,7 +10,6 @@ The same texts work wherever a command takes a MODEL.
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Iterable
 from pathlib import Path
@@ -19,6 +18,7 @@ from gonio import measured
 from gonio.materials import model_file, notation, toml_file
 from gonio.materials.material import Material, MaterialError
 from gonio.model import Model, model, models
+from gonio.suggestions import did_you_mean
 
 __all__ = [
     "Material",
@@ -78,10 +78,9 @@ def load_material(name: str | Path) -> Material:
     known = library()
     path = known.get(str(name), Path(name))
     if not path.is_file():
-        near = difflib.get_close_matches(str(name), known, n=1)
-        did = f"did you mean {near[0]!r}? " if near else ""
         raise FileNotFoundError(
-            f"there is no material file {path}, nor a material of that name; {did}"
+            f"there is no material file {path}, nor a material of that name; "
+            f"{did_you_mean(str(name), known)}"
             "'gonio list --materials' shows them."
         )
     return _material(path, 0)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Collection
 from typing import Any
 
@@ -12,6 +11,7 @@ import mitsuba as mi
 from gonio.fields import ModelError, Parameter
 from gonio.lang import vec3
 from gonio.mitsuba.upsampling import rgb_constant
+from gonio.suggestions import did_you_mean
 
 PREFIX = "gonio_"
 
@@ -28,10 +28,9 @@ def reject_unknown(name: str, known: Collection[str], properties: Any) -> None:
     """Raise a ModelError for the first property that the plug-in of a model does not have."""
     for given in properties.keys():  # noqa: SIM118 (not a dictionary)
         if given not in known:
-            near = difflib.get_close_matches(given, known, n=1)
-            did = f"did you mean {near[0]!r}? " if near else ""
+            did = did_you_mean(given, known)
             raise ModelError(
-                f"{PREFIX}{name} has no property {given!r}; {did}Known are {', '.join(known)}."
+                f"{PREFIX}{name} has no property {given!r}; {did}known are {', '.join(known)}."
             )
 
 

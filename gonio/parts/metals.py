@@ -13,11 +13,11 @@ Rev. B 9, 5056 (1974), in the transcription of refractiveindex.info (public doma
 
 from __future__ import annotations
 
-import difflib
 from pathlib import Path
 from typing import Any
 
 from gonio.parts.metal_table import EQUAL_ENERGY, RGB
+from gonio.suggestions import did_you_mean
 
 # What they are called, and which of Mitsuba's tables they come from.
 MITSUBA = {
@@ -115,7 +115,6 @@ def _require(symbol: str) -> None:
     if symbol in known:
         return
     wanted = str(symbol).lower()
-    near = [s for s, name in known.items() if wanted in (s.lower(), name)]
-    near = near or difflib.get_close_matches(str(symbol), known, n=1)
-    did = f"did you mean {near[0]!r}? " if near else ""
+    named = [s for s, name in known.items() if wanted in (s.lower(), name)]
+    did = did_you_mean(named[0] if named else str(symbol), known)
     raise ValueError(f"no metal {symbol!r}; {did}known are {', '.join(known)}.")

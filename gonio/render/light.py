@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import functools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -16,6 +15,7 @@ from gonio.render.ball import BALL_CENTRE, direction
 from gonio.render.light_picture import IMAGE_FORMATS, exposure, ground_colour, read_light
 from gonio.render.triangles import Floats, Triangles, grid_faces, lathe
 from gonio.render.user_mesh import existing
+from gonio.suggestions import did_you_mean
 
 Colour = tuple[float, float, float]
 Nodes = dict[str, object]
@@ -281,10 +281,9 @@ def picture_of(environment: str | Path) -> Pixels:
     """The radiance of an environment file; errors as `environment_nodes` has them."""
     name = str(environment)
     if Path(name).suffix == "" and not Path(name).is_file():
-        near = difflib.get_close_matches(name, ENVIRONMENTS, n=1)
-        guess = f"did you mean {near[0]!r}? Known" if near else "known"
         raise ValueError(
-            f"no environment {name!r}; {guess}: {', '.join(ENVIRONMENTS)}, or a path to an "
+            f"no environment {name!r}; {did_you_mean(name, ENVIRONMENTS)}known are "
+            f"{', '.join(ENVIRONMENTS)}, or a path to an "
             f"{' or '.join(IMAGE_FORMATS)} file"
         )
     return read_light(existing(name, "environment", IMAGE_FORMATS))

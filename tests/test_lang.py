@@ -1,0 +1,24 @@
+"""The vocabulary of models, where its Python meaning is more than a function of Dr.Jit's."""
+
+from __future__ import annotations
+
+import drjit as dr
+import numpy as np
+import pytest
+
+from gonio import backend
+from gonio.lang import power
+
+
+@pytest.mark.parametrize("base", [0.5, 0.3, 1e-20])
+def test_a_power_too_small_for_its_precision_is_nearly_nothing_and_not_minus_infinity(
+    base: float,
+) -> None:
+    Float64 = backend.array_module().Float64
+    # Results around 2^-1022, the smallest normal number
+    exponent = np.linspace(1000, 1080, 20001) / -np.log2(base)
+    found = np.array(power(Float64(base), Float64(exponent)))
+    assert (found >= 0).all()
+    np.testing.assert_allclose(found, np.power(base, exponent), rtol=1e-12, atol=1e-307)
+    # What it mends; if this fails, Dr.Jit is right by itself.
+    assert np.isneginf(np.array(dr.power(Float64(base), Float64(exponent)))).any()
