@@ -35,7 +35,7 @@ _validate = True
 
 
 class BackendError(RuntimeError):
-    """The wished backend is not to be had on this machine; the message says what to install."""
+    """A backend is not available on this machine; the message says what to install."""
 
 
 def prepare() -> None:
