@@ -302,6 +302,37 @@ def test_torch_backward_can_run_twice_and_under_torch_func() -> None:
         assert float(one(torch.tensor(0.4))) == pytest.approx(float(found), rel=1e-5)
 
 
+def test_torch_vmap_gives_what_a_loop_gives() -> None:
+    import torch
+
+    wi, wo = (torch.from_numpy(random_directions(6, seed=s)).double() for s in (5, 6))
+    roughness = torch.linspace(0.1, 0.9, 6, dtype=torch.float64)
+
+    def value(i: Any, o: Any, r: Any) -> Any:
+        return gonio.EON(roughness=r).eval(i, o)
+
+    looped = torch.stack([value(*each) for each in zip(wi, wo, roughness, strict=True)])
+    torch.testing.assert_close(torch.func.vmap(value)(wi, wo, roughness), looped)
+    shared = torch.func.vmap(lambda i: value(i, wo[0], roughness[0]))(wi)
+    torch.testing.assert_close(shared, torch.stack([value(i, wo[0], roughness[0]) for i in wi]))
+
+    def slope(i: Any, o: Any, r: Any) -> Any:
+        return torch.func.grad(lambda x: value(i, o, x).sum())(r)
+
+    gradients = torch.stack([slope(*each) for each in zip(wi, wo, roughness, strict=True)])
+    torch.testing.assert_close(torch.func.vmap(slope)(wi, wo, roughness), gradients)
+
+
+def test_a_second_derivative_is_refused_with_the_way_round() -> None:
+    import torch
+
+    r = torch.tensor(0.5, dtype=torch.float64, requires_grad=True)
+    wi = torch.tensor([0.6, 0.0, 0.8], dtype=torch.float64)
+    (first,) = torch.autograd.grad(gonio.EON(roughness=r).eval(wi, wi).sum(), r, create_graph=True)
+    with pytest.raises(NotImplementedError, match="take differences of first derivatives"):
+        torch.autograd.grad(first, r)
+
+
 def test_jax_gradients_under_jit_and_vmap() -> None:
     wi, wo = jax.numpy.asarray(WI), jax.numpy.asarray(WO)
 

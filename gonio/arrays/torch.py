@@ -58,6 +58,16 @@ def _torch_function() -> Any:
             torch.cuda.current_stream().synchronize()
         return [Float(t.detach().contiguous().reshape(-1)) for t in tensors], Float
 
+    def batched(kernel: Kernel, shapes: Any, dims: Any, tensors: Sequence[Any]) -> tuple[Any, Any]:
+        """Shapes and tensors whose mapped axis is the first one, of equal rank: they broadcast then."""
+        rank = len(kernel.batch_shape(shapes))
+        moved = []
+        for leaf, shape, dim, tensor in zip(kernel.leaves, shapes, dims, tensors, strict=True):
+            front = tensor.unsqueeze(0) if dim is None else tensor.movedim(dim, 0)
+            missing = rank + (leaf.width > 1) - len(shape)
+            moved.append(front.reshape(front.shape[0], *(1,) * missing, *shape))
+        return [tuple(t.shape) for t in moved], moved
+
     class Pull(torch.autograd.Function):  # type: ignore[misc]
         """The backward pass as a node of its own, which torch.func asks for."""
 
@@ -76,7 +86,28 @@ def _torch_function() -> Any:
 
         @staticmethod
         def backward(ctx: Any, *cotangents: Any) -> Any:
-            raise NotImplementedError("gonio has first derivatives only.")
+            raise NotImplementedError(
+                "gonio has first derivatives only; for second ones take differences of first derivatives "
+                "in float64."
+            )
+
+        @staticmethod
+        def vmap(info: Any, in_dims: Any, kernel: Kernel, shapes: Any, *tensors: Any) -> Any:
+            count = len(shapes)
+            _, moved = batched(kernel, shapes, in_dims[2 : 2 + count], tensors[:count])
+            size = info.batch_size
+            full = [t.expand(size, *t.shape[1:]) for t in moved]
+            shapes = [tuple(t.shape) for t in full]
+            cotangents = [
+                t.unsqueeze(0).expand(size, *t.shape) if d is None else t.movedim(d, 0)
+                for t, d in zip(tensors[count:], in_dims[2 + count :], strict=True)
+            ]
+            found = Pull.apply(kernel, shapes, *full, *(c.contiguous() for c in cotangents))
+            like = zip(found, tensors[:count], in_dims[2 : 2 + count], strict=True)
+            return tuple(
+                g.reshape(size, *(t.shape if d is None else t.movedim(d, 0).shape[1:]))
+                for g, t, d in like
+            ), (0,) * count
 
     class Node(torch.autograd.Function):  # type: ignore[misc]
         @staticmethod
@@ -99,5 +130,11 @@ def _torch_function() -> Any:
         def backward(ctx: Any, *cotangents: Any) -> tuple[Any, ...]:
             gradients = Pull.apply(ctx.kernel, ctx.shapes, *ctx.saved_tensors, *cotangents)
             return None, None, *gradients
+
+        @staticmethod
+        def vmap(info: Any, in_dims: Any, kernel: Kernel, shapes: Any, *tensors: Any) -> Any:
+            mapped, moved = batched(kernel, shapes, in_dims[2:], tensors)
+            found = Node.apply(kernel, mapped, *moved)
+            return found, (0,) * len(found)
 
     return Node
