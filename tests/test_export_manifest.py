@@ -9,12 +9,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from click.testing import CliRunner
 
 import gonio
+from gonio.cli import main
 from gonio.export import ExportError, export, targets
 from gonio.export.manifest import ARRAYS, loader, manifest, manifest_text, refusal, remedy, used
 from gonio.export.prove import tools
-from gonio.materials import load_material
+from gonio.materials import load, load_material
 from gonio.model import models
 
 
@@ -102,8 +104,6 @@ def test_a_declaration_can_say_what_its_number_is(tmp_path: Path) -> None:
         "    def pdf(self, wi: Vec3, wo: Vec3) -> Float:\n"
         "        return pdf_cosine(wi)\n"
     )
-    from gonio.materials import load
-
     assert manifest(load(str(path)))["parameters"][0]["kind"] == "index"
 
 
@@ -266,3 +266,44 @@ def test_every_other_language_has_one() -> None:
     assert set(targets.TARGETS) - set(ARRAYS) == {"osl"}
     for language in ARRAYS:
         assert "eon_load(" in loader(export({"eon": gonio.model("eon")}, language)[0])
+
+
+# --- the command ---------------------------------------------------------------------------------------
+
+
+def run(*arguments: str) -> Any:
+    return CliRunner().invoke(main, ["export", *arguments])
+
+
+def test_the_command_prints_a_manifest() -> None:
+    done = run("gold", "--manifest")
+    assert done.exit_code == 0, done.output
+    assert json.loads(done.stdout) == manifest(load("gold"), "gold")
+
+
+def test_the_command_writes_text_loader_and_manifest(tmp_path: Path) -> None:
+    done = run("eon", "lambert", "--to", "glsl", "--load", "--manifest", "-o", f"{tmp_path}/")
+    assert done.exit_code == 0, done.output
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["eon.json", "gonio.glsl", "lambert.json"]
+    text = (tmp_path / "gonio.glsl").read_text(encoding="utf-8")
+    assert "eon_load(" in text
+    assert "lambert_load(" in text
+    about = json.loads((tmp_path / "eon.json").read_text(encoding="utf-8"))
+    assert f"struct {about['sample_struct']} {{" in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["eon", "--to", "osl", "--load"], "osl has its parameters as inputs"),
+        (["eon", "--to", "mtlx", "--load"], "leave out"),
+        (["eon", "--load", "--manifest"], "--to"),
+        (["eon", "--to", "wgsl", "--prove", "--manifest"], "leave out"),
+    ],
+)
+def test_what_does_not_go_together_is_said_in_one_line(arguments: list[str], says: str) -> None:
+    done = run(*arguments)
+    assert done.exit_code != 0
+    assert says in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert done.stdout == ""

@@ -277,6 +277,56 @@ def test_what_is_not_known_is_an_error_of_one_line() -> None:
         page.Names().find("eon:" + "a" * 5000)
 
 
+# --- the widget ----------------------------------------------------------------------------------------
+
+
+def test_the_widget_answers_the_page_and_has_its_values() -> None:
+    import gonio.view
+
+    viewer = gonio.view.Viewer(gonio.model("eon", roughness=0.8), "lambert")
+    assert (viewer.a, viewer.b) == ("eon:roughness=0.8", "lambert")
+    sent: list[dict[str, Any]] = []
+    viewer.send = lambda message, buffers=None: sent.append(message)
+    viewer._answer(viewer, {"id": 1, "question": "model", "body": {"text": "eon"}}, [])
+    viewer._answer(viewer, {"id": 2, "question": "model", "body": {"text": "eno"}}, [])
+    viewer._answer(viewer, {"id": 3, "question": "start", "body": {}}, [])
+    viewer._answer(viewer, {"id": 4, "question": "shell", "body": {"text": "ls"}}, [])
+    assert sent[0]["answer"]["model"] == "eon"
+    assert "did you mean" in sent[1]["error"]
+    assert sent[2]["answer"]["show"] == ["eon:roughness=0.8", "lambert"]
+    assert "no question" in sent[3]["error"]
+    viewer.a = "eon:roughness=0.3"  # as the page does when a slider moves
+    assert viewer.model == gonio.model("eon", roughness=0.3)
+
+
+def test_the_widget_takes_materials_and_refuses_what_is_not_there() -> None:
+    import gonio.view
+
+    material = gonio.load("gold:alpha=0.3")
+    assert gonio.view.Viewer(material).model == material
+    with pytest.raises(ModelError, match="eno"):
+        gonio.view.Viewer("eno")
+
+
+def test_textures_are_scaled_and_normals_bent_as_in_gonio_render(tmp_path: Path) -> None:
+    from PIL import Image
+
+    Image.new("RGB", (2, 2), (128, 128, 255)).save(tmp_path / "bumps.png")
+    path = tmp_path / "floor.toml"
+    path.write_text(
+        'model = "eon"\nrho = "bumps.png"\nnormal_map = "bumps.png"\ntexture_scale = [3, 2]\n',
+        encoding="utf-8",
+    )
+    found = page.payload(page.Names([str(path)]), str(path))
+    hooks = {h["source"]: h for h in found["hooks"]}
+    assert hooks["texture"]["scale"] == hooks["normal_map"]["scale"] == [3, 2]
+    assert [hooks["texture"]["layer"], hooks["normal_map"]["layer"]] == [0, 1]
+    texels = np.frombuffer(base64.b64decode(found["maps"]["half"]), np.float16).reshape(2, 2, 2, 3)
+    # Normals are stored as numbers, the colour is in sRGB: 128 there is 0.216 of white's light
+    np.testing.assert_allclose(texels[1, 0, 0], [0.502, 0.502, 1], atol=1e-3)
+    np.testing.assert_allclose(texels[0, 0, 0], [0.2159, 0.2159, 1], atol=1e-3)
+
+
 # --- a saved page --------------------------------------------------------------------------------------
 
 

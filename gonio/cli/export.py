@@ -12,7 +12,7 @@ import click
 
 from gonio.cli.program import complete, param_option, say
 from gonio.export import materialx
-from gonio.export.files import texts, write
+from gonio.export.files import manifests, texts, write
 from gonio.export.targets import TARGETS
 from gonio.export.text import FUNCTIONS, export
 from gonio.export.tree import ExportError
@@ -26,6 +26,8 @@ class Selection:
     """Models by the names that their functions get, and what a user has to know of them."""
 
     models: dict[str, Model] = field(default_factory=dict)
+    found: dict[str, Model | Material] = field(default_factory=dict)
+    """The same, with what drives the materials' parameters."""
     notes: list[str] = field(default_factory=list)
 
 
@@ -68,6 +70,7 @@ def choose(
                 f"two exports are called {name!r}; give one another name: other_{name}={thing}."
             )
         found.models[name] = model
+        found.found[name] = what
         if isinstance(what, Material):
             found.notes.extend(_notes(name, what))
     return found
@@ -181,6 +184,8 @@ def run_proof(
 @click.option("--materials", is_flag=True, help="Every ready material, one file each.")
 @click.option("--only", metavar="NAME,...", help="Of eval, sample, pdf, albedo (default: all).")
 @click.option("--embed", is_flag=True, help="Also a function that gives the parameters' values.")
+@click.option("--load", is_flag=True, help="Also a function that takes the values from a buffer.")
+@click.option("--manifest", is_flag=True, help="Also a JSON file for programs that embed the text.")
 @click.option("--prefix", metavar="NAME", help="Of what the models share (default: the model).")
 @click.option("--prove", is_flag=True, help="Compile, run and compare with the model; no file.")
 @click.option(
@@ -205,6 +210,8 @@ def command(
     materials: bool,
     only: str | None,
     embed: bool,
+    load: bool,
+    manifest: bool,
     prefix: str | None,
     prove: bool,
     rows: int,
@@ -227,10 +234,16 @@ def command(
       gonio export --all --to all -o shaders/
       gonio export eon --to wgsl --to glsl --prove
       gonio export my_model.py --to slang
+      gonio export gold --manifest                      names, kinds, ranges, options
+      gonio export gold --to wgsl --load --manifest -o host/
     """
     selection = choose(models, [*params, *options], everything, materials)
-    to = chosen_languages(languages, output)
+    to = [] if manifest and not languages else chosen_languages(languages, output)
     functions = [name.strip() for name in only.split(",")] if only else list(FUNCTIONS)
+    if prove and (load or manifest):
+        raise click.UsageError("--prove writes no file; leave out --load and --manifest.")
+    if load and not to:
+        raise click.UsageError("--load adds to a text; say in which language with --to.")
     if prove:
         results = run_proof(selection.models, to, rows, functions, say)
         click.echo("\n".join(results.lines))
@@ -244,7 +257,15 @@ def command(
         only=functions,
         prefix=prefix,
         embed=embed,
+        load=load,
     )
+    if manifest:
+        files |= manifests(
+            selection.found,
+            together=not (everything or materials),
+            only=functions,
+            prefix=prefix,
+        )
     if output is None and len(files) == 1:
         click.echo(next(iter(files.values())), nl=False)
     else:

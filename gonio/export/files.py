@@ -6,10 +6,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from gonio.export import materialx
+from gonio.export.manifest import loader, manifest, manifest_text
 from gonio.export.targets import TARGETS
 from gonio.export.text import FUNCTIONS, SHARED, export
 from gonio.export.tree import ExportError
 from gonio.files import replacing
+from gonio.materials import Material
 from gonio.model import Model
 
 
@@ -21,13 +23,17 @@ def texts(
     only: Sequence[str] = FUNCTIONS,
     prefix: str | None = None,
     embed: bool = False,
+    load: bool = False,
 ) -> dict[str, str]:
-    """Source texts by file name: all models in one text per language, or a text for each of them."""
+    """Source texts by file name: all models in one text per language, or a text for each of them.
+
+    `load` adds the function that fills the parameters from a buffer (see `gonio.export.manifest.loader`).
+    """
     files: dict[str, str] = {}
-    if materialx.NAME in to and (tuple(only) != FUNCTIONS or prefix or embed):
+    if materialx.NAME in to and (tuple(only) != FUNCTIONS or prefix or embed or load):
         raise ExportError(
             "a MaterialX node is always the same functions, under the model's name; leave out --only, "
-            "--embed and --prefix."
+            "--embed, --load and --prefix."
         )
     groups = [dict(models)] if together else [{name: model} for name, model in models.items()]
     for group in groups:
@@ -37,8 +43,25 @@ def texts(
                 files |= materialx.files(group)
                 continue
             made = export(group, language, only=only, prefix=prefix, embed=embed)
-            files[f"{stem}.{TARGETS[language].extension}"] = made[0].source
+            loaders = [loader(one) for one in made] if load else []
+            text = "\n".join([made[0].source, *loaders])
+            files[f"{stem}.{TARGETS[language].extension}"] = text
     return files
+
+
+def manifests(
+    found: Mapping[str, Model | Material],
+    *,
+    together: bool = True,
+    only: Sequence[str] = FUNCTIONS,
+    prefix: str | None = None,
+) -> dict[str, str]:
+    """What hosts have to know about the same exports, as JSON by file name."""
+    shared = prefix or (SHARED if together and len(found) > 1 else None)
+    return {
+        f"{name}.json": manifest_text(manifest(what, name, only=only, prefix=shared))
+        for name, what in found.items()
+    }
 
 
 def write(files: Mapping[str, str], output: str | None) -> list[Path]:

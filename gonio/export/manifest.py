@@ -48,6 +48,7 @@ def manifest(
     name: str | None = None,
     *,
     only: Sequence[str] = FUNCTIONS,
+    prefix: str | None = None,
     refusals: bool = True,
 ) -> dict[str, Any]:
     """All that a host has to know about the export of a model, as plain dicts and lists.
@@ -56,6 +57,7 @@ def manifest(
         what: the model with its options and values, or a material, which adds its hooks.
         name: of the export; the model's own by default.
         only: the functions that are exported.
+        prefix: of what several models of one export share.
         refusals: find out which values of options are refused; takes a second for three layers of models.
 
     Returns:
@@ -68,7 +70,7 @@ def manifest(
         ExportError: what cannot be exported.
     """
     model = what.model if isinstance(what, Material) else what
-    entry = export({name or model.name: model}, "wgsl", only=only)[0].entry
+    entry = export({name or model.name: model}, "wgsl", only=only, prefix=prefix)[0].entry
     module = inspect.getmodule(type(model))
     return {
         "gonio": __version__,
@@ -355,9 +357,13 @@ def _hooks(material: Material) -> list[dict[str, Any]]:
             # Numbers are stored as they are, colours in sRGB.
             "encoding": "linear" if widths[path] == 1 else "srgb",
             **({"channel": material.channels[path]} if path in material.channels else {}),
+            "scale": list(material.texture_scale),
         }
         for path, picture in material.textures.items()
     ]
+    if material.normal_map is not None:
+        file = {"file": str(material.normal_map), "scale": list(material.texture_scale)}
+        hooks.append({"path": "", "source": "normal_map", **file})
     if material.flakes:
         hooks += [
             {"path": path, "source": "flakes", "channel": channel, **material.flakes}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import functools
 import gzip
 import html
 import json
@@ -20,7 +19,7 @@ from gonio.fields import ModelError
 from gonio.materials import Material, library, load, load_material, toml_file
 from gonio.materials.model_file import is_model_file
 from gonio.materials.notation import assign, split
-from gonio.materials.texture_file import texture_values
+from gonio.materials.texture_file import stored_values, texture_values
 from gonio.mitsuba.textures import flake_map
 from gonio.model import Model, models
 from gonio.parts.metals import metal, metals
@@ -124,7 +123,11 @@ def _values(model: Model, prefix: str = "") -> Iterable[tuple[str, Any]]:
 
 def _is_plain(what: Model | Material) -> bool:
     """Whether the material has the same values everywhere."""
-    return isinstance(what, Model) or not (what.textures or what.flakes or what.grows)
+    return isinstance(what, Model) or not _varies(what)
+
+
+def _varies(material: Material) -> bool:
+    return bool(material.textures or material.flakes or material.grows or material.normal_map)
 
 
 def _about(model: Model) -> list[dict[str, Any]]:
@@ -164,9 +167,10 @@ def _hooks(about: Mapping[str, Any], made: Mapping[str, Any]) -> list[dict[str, 
                 "channel": hook["channel"],
                 "tiles": float(hook.get("tiles", toml_file.FLAKE_SETTINGS["tiles"].default)),
             }
-        elif source == "texture":
+        elif source in ("texture", "normal_map"):
             # Behind the flakes' layer, if there is one
             row["layer"] = textures + any(h["source"] == "flakes" for h in about["hooks"])
+            row["scale"] = hook["scale"]
             textures += 1
         hooks.append(row)
         if source == "flakes" and hook["channel"] == 0 and hook.get("fade"):
@@ -174,7 +178,11 @@ def _hooks(about: Mapping[str, Any], made: Mapping[str, Any]) -> list[dict[str, 
             unit = float(hook["fade"])
             hooks.append({"path": f"{outer}distance", "source": "viewer", "unit": unit})
     read = {m.path for m in made["wgsl"].entry.members}
-    found = [hook | {"width": widths[hook["path"]]} for hook in hooks if hook["path"] in read]
+    found = [
+        hook | {"width": widths.get(hook["path"], 3)}
+        for hook in hooks
+        if hook["path"] in read or hook["source"] == "normal_map"
+    ]
     for hook in found:
         hook["members"] = {
             language: next(m.place for m in of.entry.members if m.path == hook["path"])
@@ -191,7 +199,10 @@ def _maps(material: Material) -> dict[str, Any] | None:
         settings = {k: v for k, v in material.flakes.items() if k not in ("tiles", "fade")}
         layers.append(flake_map(**settings))
     for path, picture in material.textures.items():
-        layers.append(_picture(picture, material.channels.get(path), widths[path]))
+        values = texture_values(picture, material.channels.get(path), widths[path])
+        layers.append(_square(values))
+    if material.normal_map is not None:
+        layers.append(_square(stored_values(material.normal_map)))
     if not layers:
         return None
     size, channels = max(len(layer) for layer in layers), max(layer.shape[-1] for layer in layers)
@@ -207,10 +218,8 @@ def _maps(material: Material) -> dict[str, Any] | None:
     }
 
 
-@functools.lru_cache(maxsize=32)
-def _picture(path: Path, channel: str | None, width: int) -> Any:
-    """What a texture gives, (n, n, width), averaged to a square of at most MAP_SIZE_MAX a side."""
-    values: Any = texture_values(path, channel, width)
+def _square(values: Any) -> Any:
+    """A picture as a square of at most MAP_SIZE_MAX a side: averaged, or repeated."""
     size = min(max(values.shape[:2]), MAP_SIZE_MAX)
     for axis in (0, 1):
         count = values.shape[axis]

@@ -221,13 +221,25 @@ export class App {
         this.refused = null;
         for (const side of this.#editing()) {
             const known = Object.fromEntries(Object.entries(changes).filter(([path]) => side.options.has(path) || side.models.has(path)));
-            if (Object.keys(known).length) await this.#change(side, side.text(known));
+            if (!Object.keys(known).length || await this.#change(side, side.text(known))) continue;
+            await this.#explain(side, known);
+        }
+    }
+
+    /** A choice that was refused gets the model's sentence in its row, with what would allow it. */
+    async #explain(side, changes) {
+        await this.#askOptions(side);
+        for (const [path, value] of Object.entries(changes)) {
+            const choice = side.payload?.options.find((o) => o.path === path)?.values.find((v) => v.value === value && !v.allowed);
+            if (choice) { side.error = ""; this.refuse(path, choice); return; }
         }
     }
 
     async #change(side, text) {
-        if (await this.#take(side, text)) { this.#remember(); this.options.changed?.(this); }
+        const taken = await this.#take(side, text);
+        if (taken) { this.#remember(); this.options.changed?.(this); }
         this.update();
+        return taken;
     }
 
     chooseModel(layer, name) {
@@ -293,6 +305,7 @@ export class App {
         await this.#load();
         this.#remember();
         this.moved(false);
+        this.options.changed?.(this);
         this.update();
     }
 
@@ -348,6 +361,12 @@ export class App {
     /** Set a side's text from outside, such as a notebook's cell. */
     show(text, letter = "a") { const side = this.sides[letter === "a" ? 0 : 1]; return side && side.text() !== text ? this.#change(side, text) : null; }
 
+    /** Compare with a text from outside; an empty one ends the comparison. */
+    async follow(text) {
+        if (!text === !this.two) return text ? this.show(text, "b") : null;
+        return this.compare(Boolean(text), text);
+    }
+
     async copy(text, what) {
         try { await navigator.clipboard.writeText(text); this.say(`${what} is copied.`, "", "info", 2500); } catch { this.say(`${what} could not be copied; here it is.`, text); }
     }
@@ -369,7 +388,7 @@ export class App {
 
     #passed(side) {
         const n = side.samples;
-        if (side === this.renderer.visible().at(-1) && n >= 4 && (n & (n - 1)) === 0 && side.scale === 1) this.#statisticsSoon();
+        if (n >= 4 && (n & (n - 1)) === 0 && side.scale === 1) this.#statisticsSoon();
         this.#progressSoon();
     }
     #progressSoon() { this.progress ??= setTimeout(() => { this.progress = null; this.update(); }, 150); }
@@ -465,7 +484,9 @@ export class App {
     }
 
     async #code() {
-        const side = this.edited(), text = side.text();
+        const side = this.edited();
+        if (!side.payload) return;
+        const text = side.text();
         try { this.code = { text: await this.source.code(text, this.language), of: text }; } catch (error) { this.code = { error: error.message }; }
         this.update();
     }

@@ -1,7 +1,7 @@
 // The page's beginning: from `gonio view`, from a saved file, or in a notebook's cell.
 import css from "./ui/style.css";
 import { App } from "./app.js";
-import { Saved, Server } from "./source.js";
+import { Notebook, Saved, Server } from "./source.js";
 import { parsed } from "./state.js";
 
 /** A viewer inside an element; its styles stay there. */
@@ -41,5 +41,24 @@ async function openPage() {
         host.style.cssText = "font:15px sans-serif;padding:48px;max-width:60ch";
     }
 }
+
+/** The widget of `gonio.view.Viewer`: its texts follow the page's, and the page follows them. */
+async function render({ model: widget, el }) {
+    const host = document.createElement("div");
+    host.className = "embedded";
+    host.style.height = `${widget.get("height")}px`;
+    el.append(host);
+    const texts = () => ["a", "b"].filter((k) => widget.get(k)).map((k) => `${k}=${encodeURIComponent(widget.get(k))}`).join("&");
+    const told = (app) => {
+        for (const [i, key] of ["a", "b"].entries()) widget.set(key, app.sides[i]?.payload ? app.sides[i].text() : "");
+        widget.save_changes();
+    };
+    const app = await mount(host, new Notebook(widget), { fragment: `${texts()}&${widget.get("settings")}`, keys: host, changed: told, linked: (text) => { widget.set("link", text); widget.save_changes(); } });
+    const follow = { "change:a": () => app.show(widget.get("a"), "a"), "change:b": () => app.follow(widget.get("b")) };
+    for (const [name, call] of Object.entries(follow)) widget.on(name, call);
+    return () => { for (const [name, call] of Object.entries(follow)) widget.off(name, call); app.close(); };
+}
+
+export default { render };
 
 if (document.getElementById("gonio-data") || document.querySelector('script[src="/viewer.js"]')) openPage();

@@ -45,6 +45,7 @@ export class Renderer {
         this.size = [300, 200];
         this.ms = 0;
         this.epoch = 0;
+        this.movedAt = -Infinity;
         this.own = null; // a dropped mesh
         this.sky = null; // a dropped picture of light
         this.scenes = new Map();
@@ -136,7 +137,7 @@ export class Renderer {
     restart(settings, { moving = true } = {}) {
         this.settings = settings;
         this.epoch++;
-        this.movedAt = moving ? performance.now() : 0;
+        this.movedAt = moving ? performance.now() : -Infinity;
         this.#wake?.();
     }
 
@@ -168,7 +169,7 @@ export class Renderer {
 
     async run() {
         while (!this.closed) {
-            const now = performance.now(), moving = now - (this.movedAt ?? 0) < STILL_MS;
+            const now = performance.now(), moving = Boolean(this.settings) && now - this.movedAt < STILL_MS;
             const sides = this.settings ? this.visible() : [];
             const scale = moving ? this.#coarse(sides.length) : 1;
             const todo = sides.filter((side) => side.epoch !== this.epoch || side.scale !== scale || side.samples < (moving ? 4 : this.limit));
@@ -177,11 +178,19 @@ export class Renderer {
                 await new Promise((resolve) => { this.#wake = resolve; if (wait > 0 || this.paused) setTimeout(resolve, this.paused ? 200 : wait); });
                 continue;
             }
-            // Both sides keep step, so that a comparison never shows different noise
+            // Both sides keep step and are shown together, so that a comparison never has different noise
             const least = Math.min(...todo.map((s) => (s.epoch === this.epoch && s.scale === scale ? s.samples : 0)));
-            for (const side of todo) {
-                if (side.epoch === this.epoch && side.scale === scale && side.samples > least) continue;
-                try { await this.#pass(side, scale, moving); } catch (error) { if (!this.closed) this.failed?.(error); await new Promise((r) => setTimeout(r, 500)); }
+            const behind = todo.filter((side) => side.epoch !== this.epoch || side.scale !== scale || side.samples === least), done = [];
+            try {
+                for (const side of behind) {
+                    const finish = await this.#pass(side, scale, moving);
+                    if (!finish) break;
+                    done.push(finish);
+                }
+                if (done.length === behind.length) this.#finish(done);
+            } catch (error) {
+                if (!this.closed) this.failed?.(error);
+                await new Promise((resolve) => setTimeout(resolve, 500));
             }
         }
     }
@@ -222,17 +231,22 @@ export class Renderer {
             spent += dt;
             this.rate += 0.3 * (Math.min((w * (end - y)) / dt, 1e6) - this.rate);
             y = end;
-            if (this.closed || side.program !== program) return;
             // A picture in full is given up at once; one of a movement is finished, so that it is seen
-            if (!moving && this.epoch !== epoch) return;
+            if (this.closed || side.program !== program || (!moving && this.epoch !== epoch)) return null;
         }
-        this.gpu.swap(side.film);
+        return { side, epoch, scale, samples: sample + 1, spent };
+    }
+
+    #finish(passes) {
+        for (const { side, epoch, scale, samples } of passes) {
+            this.gpu.swap(side.film);
+            Object.assign(side, { epoch, scale, samples, shown: samples });
+        }
         if (!this.begun) performance.mark("gonio-picture");
         this.begun = true;
-        Object.assign(side, { epoch, scale, samples: sample + 1, shown: sample + 1, film: side.film });
-        this.ms = spent;
+        this.ms = passes.reduce((sum, { spent }) => sum + spent, 0);
         this.show();
-        this.changed(side);
+        this.changed(passes[0].side);
     }
 
     /** Means, noise and difference of the films on screen, from their numbers. */

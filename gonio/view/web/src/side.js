@@ -101,9 +101,9 @@ export class Side {
         for (const hook of this.payload.hooks) {
             if (hook.source === "mesh") found[hook.path] = [growth];
             else if (hook.source === "viewer") found[hook.path] = [t / hook.unit];
-            else {
-                const tiles = hook.source === "flakes" ? hook.tiles : 1, { size, pixels } = maps;
-                const at = uv.map((x) => x * tiles * size - (hook.source === "flakes" ? 0 : 0.5));
+            else if (hook.source !== "normal_map") {
+                const tiles = hook.source === "flakes" ? [hook.tiles, hook.tiles] : hook.scale, { size, pixels } = maps;
+                const at = uv.map((x, c) => x * tiles[c] * size - (hook.source === "flakes" ? 0 : 0.5));
                 const texel = (x, y, c) => pixels[4 * ((hook.layer * size + (((y % size) + size) % size)) * size + (((x % size) + size) % size)) + c];
                 const [x, y] = at.map(Math.floor), [fx, fy] = [at[0] - x, at[1] - y];
                 const value = (c) => hook.source === "flakes" ? texel(x, y, c)

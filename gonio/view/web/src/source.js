@@ -102,3 +102,35 @@ export class Saved {
 
     watch() {}
 }
+
+/** A notebook's kernel, through its widget's messages. */
+export class Notebook {
+    live = true;
+    #waiting = new Map();
+    #count = 0;
+
+    constructor(widget) {
+        this.widget = widget;
+        widget.on("msg:custom", (message) => {
+            const waiting = this.#waiting.get(message.id);
+            if (!waiting) return;
+            this.#waiting.delete(message.id);
+            if (message.error) waiting.reject(new Error(message.error)); else waiting.resolve(message.answer);
+        });
+    }
+
+    #ask(question, body) {
+        const id = ++this.#count;
+        this.widget.send({ id, question, body });
+        return new Promise((resolve, reject) => {
+            this.#waiting.set(id, { resolve, reject });
+            setTimeout(() => { if (this.#waiting.delete(id)) reject(new Error("The notebook's kernel does not answer; is it busy?")); }, 30000);
+        });
+    }
+
+    start() { return this.#ask("start", {}); }
+    model(text) { return this.#ask("model", { text }); }
+    options(text) { return this.#ask("options", { text }); }
+    code(text, language) { return this.#ask("code", { text, language }).then((r) => r.text); }
+    watch() {}
+}

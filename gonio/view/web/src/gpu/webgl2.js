@@ -111,10 +111,10 @@ export class WebGL2 {
 
     setMaps(side, maps) { this.gl.deleteTexture(side.maps); side.maps = this.#maps(maps); }
 
-    async compile(model) {
+    async compile(model, { trace: wanted = true } = {}) {
         const make = (source) => this.#link(this.#shader(this.gl.FRAGMENT_SHADER, source));
-        const trace = make(traceEssl(model)), rows = make(rowsEssl(model));
-        return { model, trace: await this.#ready(trace), rows: await this.#ready(rows) };
+        const trace = wanted ? make(traceEssl(model)) : null, rows = make(rowsEssl(model));
+        return { model, trace: trace && await this.#ready(trace), rows: await this.#ready(rows) };
     }
 
     forget(program) { for (const part of [program.trace, program.rows, program.albedo]) if (part) this.gl.deleteProgram(part.program); }

@@ -4,6 +4,27 @@ import { albedoWgsl, displayWgsl, members, rowsWgsl, traceWgsl } from "../passes
 const TRACE_ROWS = 44; // of U
 const text = (messages) => messages.filter((m) => m.type === "error").map((m) => `${m.message} (line ${m.lineNum})`)[0];
 
+// Widgets of one notebook share a device; the last one lets go of it.
+let shared = null;
+
+async function takeDevice() {
+    shared ??= { users: 0, coming: request() };
+    const taken = shared;
+    taken.users++;
+    try { return { ...(await taken.coming), taken }; } catch (error) { shared = null; throw error; }
+}
+
+async function request() {
+    const adapter = await navigator.gpu.requestAdapter({ powerPreference: "high-performance" });
+    if (!adapter) throw new Error("The browser has WebGPU but no adapter: the driver is blocked or there is no GPU.");
+    const size = Math.min(adapter.limits.maxStorageBufferBindingSize, 1 << 30);
+    const device = await adapter.requestDevice({
+        requiredLimits: { maxStorageBufferBindingSize: size, maxBufferSize: Math.min(adapter.limits.maxBufferSize, 1 << 30) },
+    });
+    device.lost.then(() => { shared = null; });
+    return { device, adapter };
+}
+
 export class WebGPU {
     name = "WebGPU";
 
@@ -13,13 +34,8 @@ export class WebGPU {
             throw new Error("This page came over http:// from another machine, and browsers give WebGPU to secure contexts only.");
         }
         if (!navigator.gpu) throw new Error("This browser has no WebGPU.");
-        const adapter = await navigator.gpu.requestAdapter({ powerPreference: "high-performance" });
-        if (!adapter) throw new Error("The browser has WebGPU but no adapter: the driver is blocked or there is no GPU.");
-        const size = Math.min(adapter.limits.maxStorageBufferBindingSize, 1 << 30);
-        const device = await adapter.requestDevice({
-            requiredLimits: { maxStorageBufferBindingSize: size, maxBufferSize: Math.min(adapter.limits.maxBufferSize, 1 << 30) },
-        });
-        return new WebGPU(device, adapter);
+        const { device, adapter, taken } = await takeDevice();
+        return Object.assign(new WebGPU(device, adapter), { taken });
     }
 
     constructor(device, adapter) {
@@ -30,7 +46,7 @@ export class WebGPU {
         this.format = navigator.gpu.getPreferredCanvasFormat();
         this.context.configure({ device, format: this.format, alphaMode: "opaque" });
         this.errors = [];
-        device.onuncapturederror = (event) => this.errors.push(event.error.message);
+        device.addEventListener("uncapturederror", (event) => this.errors.push(event.error.message));
         this.lost = device.lost;
         const buffer = (type) => ({ buffer: { type } }), table = buffer("read-only-storage");
         const kinds = [buffer("uniform"), buffer("uniform"), table, table, table, table, { texture: { sampleType: "unfilterable-float" } }, { texture: { sampleType: "unfilterable-float", viewDimension: "2d-array" } }, table, buffer("storage")];
@@ -49,7 +65,7 @@ export class WebGPU {
         });
     }
 
-    close() { this.device.destroy(); }
+    close() { if (--this.taken.users === 0) { shared = null; this.device.destroy(); } }
 
     #storage(data, usage = GPUBufferUsage.STORAGE) {
         const buffer = this.device.createBuffer({ size: Math.max(data.byteLength, 16), usage: usage | GPUBufferUsage.COPY_DST });
@@ -80,8 +96,9 @@ export class WebGPU {
 
     setMaps(side, maps) { side.maps.destroy(); side.maps = this.#maps(maps); }
 
-    async compile(model) {
-        const [trace, rows] = await Promise.all([this.#pipeline(traceWgsl(model), this.traceLayout), this.#pipeline(rowsWgsl(model))]);
+    /** The shaders of a model; without `trace` those for numbers alone. */
+    async compile(model, { trace: wanted = true } = {}) {
+        const [trace, rows] = await Promise.all([wanted ? this.#pipeline(traceWgsl(model), this.traceLayout) : null, this.#pipeline(rowsWgsl(model))]);
         const params = this.device.createBuffer({ size: 16 * members(model), usage: GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST });
         return { model, trace, rows, params };
     }

@@ -9,15 +9,19 @@ const AT = { wgsl: "fn model_at(uv: vec2f, growth: f32, t: f32) -> Model {\n    
 
 /** The parameters at a point: what a material's textures, flakes and growth give in place of the struct's. */
 function modelAt(model, language) {
-    const lines = model.hooks.map((hook) => {
+    const placed = (hook) => `uv * ${language === "wgsl" ? "vec2f" : "vec2"}(${hook.scale.map(float).join(", ")})`;
+    const bump = model.hooks.find((hook) => hook.source === "normal_map");
+    const stored = bump ? `2.0 * map_linear(${placed(bump)}, ${bump.layer}).xyz - 1.0` : language === "wgsl" ? "vec3f(0.0, 0.0, 1.0)" : "vec3(0.0, 0.0, 1.0)";
+    const normal = language === "wgsl" ? `fn normal_at(uv: vec2f) -> vec3f { return ${stored}; }\n` : `vec3 normal_at(vec2 uv) { return ${stored}; }\n`;
+    const lines = model.hooks.filter((hook) => hook !== bump).map((hook) => {
         const member = `m.${hook.members[language]}`;
         if (hook.source === "mesh") return `    ${member} = growth;`;
         if (hook.source === "viewer") return `    ${member} = t / ${float(hook.unit)};`;
         const sampled = hook.source === "flakes"
-            ? `map_nearest(uv * ${float(hook.tiles)}, ${hook.layer})` : `map_linear(uv, ${hook.layer})`;
+            ? `map_nearest(uv * ${float(hook.tiles)}, ${hook.layer})` : `map_linear(${placed(hook)}, ${hook.layer})`;
         return `    ${member} = ${sampled}.${hook.width === 3 ? "rgb" : "xy"[hook.channel]};`;
     });
-    return `${AT[language]}${lines.join("\n")}\n    return m;\n}\n`;
+    return `${normal}${AT[language]}${lines.join("\n")}\n    return m;\n}\n`;
 }
 const float = (x) => (Number.isInteger(x) ? `${x}.0` : String(x));
 

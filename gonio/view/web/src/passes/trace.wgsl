@@ -307,6 +307,14 @@ fn path(origin: vec3f, direction: vec3f) -> vec3f {
             let l2: f32 = min(0.0, side * dot(q2, n2));
             if (kind == 0) { p -= side * (a * l0 * n0 + hit.u * l1 * n1 + hit.v * l2 * n2); }
         }
+        if (kind == 0) {
+            let bump: vec3f = normal_at(uv);
+            if (abs(bump.x) + abs(bump.y) > 1e-4) {
+                let across: vec3f = du - dot(du, n) * n;
+                let u_axis: vec3f = select(any_frame(n), across / max(length(across), 1e-20), dot(across, across) > 1e-16);
+                n = normalize(bump.x * u_axis + bump.y * cross(n, u_axis) + bump.z * n);
+            }
+        }
         if (dot(ng, d) > 0.0) { ng = -ng; n = -n; }
         let below: f32 = dot(n, d);
         if (below > -1e-3) { n = normalize(n - (below + 1e-3) * d); } // smooth normals that look away

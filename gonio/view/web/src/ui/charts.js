@@ -27,7 +27,7 @@ export function polar(data, channel, w, h) {
     const at = (angle, length) => [cx + length * Math.sin(angle * RAD), cy - length * Math.cos(angle * RAD)];
     const rings = Array.from({ length: decades }, (_, k) => k + 1).map((k) => {
         const q = (k / decades) * r;
-        return svg`<path d=${`M${cx - q} ${cy}A${q} ${q} 0 0 1 ${cx + q} ${cy}`} fill="none" stroke="var(--line)"></path><text x=${cx + q} y=${cy + 14} text-anchor="middle">${power(low + k)}</text>`;
+        return svg`<path d=${`M${cx - q} ${cy}A${q} ${q} 0 0 1 ${cx + q} ${cy}`} fill="none" stroke="var(--line)"></path>${r / decades > 22 || k % 2 === decades % 2 ? svg`<text x=${cx + q} y=${cy + 14} text-anchor="middle">${power(low + k)}</text>` : ""}`;
     });
     const spokes = [-60, -30, 0, 30, 60].map((a) => svg`<path d=${path([[cx, cy], at(a, r)])} stroke="var(--line)"></path>${a ? svg`<text x=${at(a, r + 14)[0]} y=${at(a, r + 14)[1] + 4} text-anchor="middle">${a < 0 ? "−" : ""}${Math.abs(a)}°</text>` : ""}`);
     const thetaO = data[0]?.thetaO ?? 45, [ox, oy] = at(-thetaO, r);
@@ -59,7 +59,7 @@ export function albedo(data, channel, w, h, probe) {
             ${line(path(values.map(([a, v]) => [X(a), Y(v)])), letter)}<text x=${x1 + 8} y=${y} class=${`of${letter}`}>${letter} ${fixed(end, 2)}</text>`;
     });
     return svg`${axes({ x0, x1, y0, y1, ticks }, X, Y)}${curves}
-        ${probe === null ? "" : svg`<path d=${`M${X(probe)} ${y0}V${y1}`} stroke="var(--text)" stroke-dasharray="2 3"></path><text x=${X(probe) + (probe > 55 ? -6 : 6)} text-anchor=${probe > 55 ? "end" : "start"} y=${y1 - 6} class="strong">θo ${Math.round(probe)}°</text>`}`;
+        ${probe === null ? "" : svg`<path d=${`M${X(probe)} ${y0}V${y1}`} stroke="var(--text)" stroke-dasharray="2 3"></path><text x=${X(probe) + (probe > 55 ? -6 : 6)} text-anchor=${probe > 55 ? "end" : "start"} y=${y0 + 10} class="strong">θo ${Math.round(probe)}°</text>`}`;
 }
 
 /** f cos theta over theta_i, log scale. */
@@ -84,12 +84,14 @@ export function drawMap(canvas, map) {
     context.putImageData(image, 0, 0);
 }
 
+const LOG_RANGE = 3000;
+
 /** Draws lobes as bodies: rings about the mirror direction, seen from a turning camera. */
 export function drawLobe(canvas, lobes, { az, el, log, weights }, ratio) {
     const w = (canvas.width = canvas.clientWidth * ratio), h = (canvas.height = canvas.clientHeight * ratio), g = canvas.getContext("2d");
     g.clearRect(0, 0, w, h);
     const [ca, sa, ce, se] = [Math.cos(az * RAD), Math.sin(az * RAD), Math.cos(el * RAD), Math.sin(el * RAD)];
-    const scale = Math.min(w, h * 1.4) * 0.36, cx = w / 2, cy = h * 0.68;
+    const scale = Math.min(w * 0.46, h * 0.72), cx = w / 2, cy = h * 0.82;
     const turned = ([x, y, z]) => { const u = ca * x + sa * y, v = ca * y - sa * x; return [u, ce * z + se * v, ce * -v + se * z]; }; // right, up, towards the eye
     const at = (p) => { const [x, y] = turned(p); return [cx + scale * x, cy - scale * y]; };
     // The surface with its circles
@@ -99,7 +101,7 @@ export function drawLobe(canvas, lobes, { az, el, log, weights }, ratio) {
     const arrow = (d, text, colour) => { g.strokeStyle = g.fillStyle = colour; g.beginPath(); g.moveTo(...at([0, 0, 0])); g.lineTo(...at(d.map((x) => 1.1 * x))); g.stroke(); g.font = `${12 * ratio}px sans-serif`; const [x, y] = at(d.map((v) => 1.17 * v)); g.fillText(text, x - 6 * ratio, y); };
     const bodies = lobes.filter(Boolean);
     const all = bodies.flatMap((b) => b.f.map((f, i) => Math.max(...f) * b.grid[i][2])), most = Math.max(1e-9, ...all);
-    const length = (v) => (log ? Math.log1p((v / most) * 300) / Math.log(301) : v / most);
+    const length = (v) => (log ? Math.log1p((v / most) * LOG_RANGE) / Math.log1p(LOG_RANGE) : v / most);
     const quads = [];
     bodies.forEach((body) => {
         const points = body.grid.map((wi, i) => { const v = 0.2126 * body.f[i][0] + 0.7152 * body.f[i][1] + 0.0722 * body.f[i][2]; const r = length(v * wi[2]); return wi.map((x) => x * r); });
@@ -126,7 +128,7 @@ export function drawLobe(canvas, lobes, { az, el, log, weights }, ratio) {
         const weight = Math.max(...p.weight), v = 0.2126 * p.f[0] + 0.7152 * p.f[1] + 0.0722 * p.f[2], [x, y] = at(p.wi.map((c) => c * (length(v * p.wi[2]) + 0.03)));
         g.fillStyle = heat(weight);
         g.beginPath();
-        g.arc(x, y, 2.2 * ratio, 0, 7);
+        g.arc(x, y, 1.7 * ratio, 0, 7);
         g.fill();
     }
 }

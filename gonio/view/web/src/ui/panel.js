@@ -73,7 +73,9 @@ function slider(app, p, v, disabled, beer) {
         const d = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[e.key];
         if (!d) return;
         e.preventDefault();
-        move(at(p, Math.min(1, Math.max(0, t + d * (e.shiftKey ? 0.1 : 0.01)))));
+        // From the value that is there now: several keys can come before the page is drawn again
+        const now = place(p, app.edited().values.get(p.path)[0]);
+        move(at(p, Math.min(1, Math.max(0, now + d * (e.shiftKey ? 0.1 : 0.01)))));
     };
     return html`<input type="range" class=${beer ? "beer" : ""} aria-label=${p.path} aria-valuetext=${`${shown(toUnit(p, v))}${unitOf(p)}`} min="0" max="1000" step="1" ?disabled=${disabled}
         .value=${String(Math.round(1000 * t))} .style=${`--f:${100 * t}%;${beer ? `--g:${beer}` : ""}`} @input=${(e) => move(at(p, e.target.valueAsNumber / 1000))} @keydown=${keys}>`;

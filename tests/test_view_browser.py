@@ -1,0 +1,556 @@
+"""`gonio view` in a real browser: numbers against arrays, pictures against Mitsuba, the page in use.
+
+Chromium draws with SwiftShader here, by WebGPU and by WebGL2. Canvases are small and paths few: what is
+tested is that the numbers are right, not that they are smooth.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser, ConsoleMessage, Page, sync_playwright
+
+import gonio
+from gonio.materials import Material, library, load
+from gonio.model import models
+from gonio.view import page as pages
+from gonio.view.server import Viewer
+from gonio.view.variants import pool
+
+# What shows WebGPU and WebGL2 without a GPU.
+FLAGS = [
+    "--no-sandbox",
+    "--enable-unsafe-webgpu",
+    "--use-webgpu-adapter=swiftshader",
+    "--enable-features=Vulkan",
+    "--use-vulkan=swiftshader",
+    "--use-angle=swiftshader",
+]
+INTERFACES = ("webgpu", "webgl2")
+PATIENCE = 120.0  # seconds, on a machine that does much else
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with sync_playwright() as playwright:
+        found = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=FLAGS)
+        yield found
+        found.close()
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Viewer]:
+    mine = tmp_path_factory.mktemp("mine") / "too_bright.py"
+    mine.write_text(BROKEN, encoding="utf-8")
+    viewer = Viewer(["eon"], [str(mine)])
+    thread = threading.Thread(target=viewer.serve_forever, kwargs={"poll_interval": 0.05})
+    thread.start()
+    yield viewer
+    viewer.shutdown()
+    viewer.server_close()
+    thread.join()
+
+
+# A white diffuse surface that reflects a quarter more than it receives.
+BROKEN = '''"""Too bright."""
+from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3
+from gonio.model import Model, param
+from gonio.parts.hemisphere import pdf_cosine, sample_cosine
+
+
+class TooBright(Model):
+    """White, and a quarter more."""
+
+    rho: Color = param((1.0, 1.0, 1.0), 0, 1, "albedo")
+
+    def eval(self, wi: Vec3, wo: Vec3) -> Color:
+        return self.rho * (1.25 * INV_PI)
+
+    def sample(self, wo: Vec3, u: Vec2) -> Sample:
+        wi = sample_cosine(u)
+        return Sample(wi, pdf_cosine(wi))
+
+    def pdf(self, wi: Vec3, wo: Vec3) -> Float:
+        return pdf_cosine(wi)
+'''
+
+
+class Shown:
+    """A page, and what a test asks of it."""
+
+    def __init__(self, browser: Browser, url: str, size: tuple[int, int] = (900, 700)) -> None:
+        self.page: Page = browser.new_page(viewport={"width": size[0], "height": size[1]})
+        self.complaints: list[str] = []
+        self.requests: list[str] = []
+        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.page.on("console", self.hear)
+        self.page.on("request", lambda request: self.requests.append(request.url))
+        self.page.goto(url)
+        self.until("globalThis.gonio?.sides[0].program != null")
+        # The picture rests until a test wants it: two cores have enough to do
+        self.run("gonio.renderer.paused = true; gonio.renderer.limit = 2")
+
+    def hear(self, message: ConsoleMessage) -> None:
+        # That reading pixels waits for the GPU is no complaint: tests have to read them
+        if message.type in ("error", "warning") and "Performance" not in message.text:
+            self.complaints.append(message.text)
+
+    def run(self, script: str, argument: Any = None) -> Any:
+        return self.page.evaluate(f"async (given) => {{ {script} }}", argument)
+
+    def value(self, expression: str) -> Any:
+        return self.page.evaluate(f"() => ({expression})")
+
+    def until(self, condition: str) -> None:
+        end = time.monotonic() + PATIENCE
+        while not self.value(f"Boolean({condition})"):
+            assert time.monotonic() < end, f"{condition} did not come; {self.complaints}"
+            self.page.wait_for_timeout(30)
+
+    def film(self, samples: int, size: int, estimator: str = "both", **state: Any) -> Any:
+        """The mean of a square picture's samples, shape (size, size, 3)."""
+        packed = self.run(FILM, [samples, size, estimator, state])
+        values = np.frombuffer(base64.b64decode(packed), np.float32).reshape(size, size, 4)
+        return values[..., :3].astype(np.float64) / samples
+
+    def rows(self, text: str, rows: Any, values: Any = None) -> Any:
+        """f, pdf, sampled wi and its pdf of a model at rows of wi, wo and u."""
+        given = np.zeros((len(rows), 12), np.float32)
+        given[:, 0:3], given[:, 4:7], given[:, 8:10] = rows[:, :3], rows[:, 3:6], rows[:, 6:]
+        numbers = base64.b64encode(given.tobytes()).decode()
+        packed = self.run(ROWS, [text, numbers, values or {}])
+        return np.frombuffer(base64.b64decode(packed), np.float32).reshape(-1, 8).astype(float)
+
+
+PACK = """
+const pack = (f) => {
+  const u = new Uint8Array(f.buffer, f.byteOffset, f.byteLength);
+  let s = "";
+  for (let i = 0; i < u.length; i += 32768) s += String.fromCharCode(...u.subarray(i, i + 32768));
+  return btoa(s);
+};
+"""
+FILM = (
+    PACK
+    + """
+const [samples, size, estimator, state] = given, r = gonio.renderer, side = gonio.sides[0];
+gonio.observer.disconnect();
+gonio.gpu.canvas.width = gonio.gpu.canvas.height = size;
+Object.assign(r, { size: [size, size], limit: samples, estimator, paused: false });
+Object.assign(gonio.state, state); gonio.moved(false);
+const done = () => side.epoch === r.epoch && side.scale === 1 && side.samples >= samples;
+while (!done()) await new Promise((q) => setTimeout(q, 10));
+r.paused = true;
+return pack(await gonio.gpu.readFilm(side.film));
+"""
+)
+ROWS = (
+    PACK
+    + """
+const [text, numbers, values] = given, payload = await gonio.source.model(text);
+const data = new Float32Array(Uint8Array.from(atob(numbers), (c) => c.charCodeAt(0)).buffer);
+const program = await gonio.gpu.compile(payload, { trace: false });
+const params = new Float32Array(4 * Math.max(1, payload.members.length));
+const value = (path) => values[path] ?? payload.parameters.find((p) => p.path === path).value;
+payload.members.forEach((path, i) => params.set(value(path), 4 * i));
+const made = await gonio.gpu.rows(program, params, data);
+gonio.gpu.forget(program);
+return pack(made);
+"""
+)
+
+
+@pytest.fixture(scope="module", params=INTERFACES)
+def shown(request: pytest.FixtureRequest, browser: Browser, server: Viewer) -> Iterator[Shown]:
+    found = Shown(browser, server.url.replace("/#", f"/?graphics={request.param}#"))
+    assert found.value("gonio.gpu.name").lower() == request.param
+    yield found
+    # Nothing that a test did made the graphics or the page complain
+    assert found.complaints == []
+    assert found.value("gonio.gpu.errors") == []
+    assert all(url.startswith((server.origin, "data:", "blob:")) for url in found.requests)
+    found.page.close()
+
+
+def directions(count: int) -> Any:
+    """Rows of wi, wo, u: anywhere, a quarter grazing, a quarter near the mirror direction."""
+    rng = np.random.default_rng(1)
+    w = rng.normal(size=(2, count, 3))
+    w[..., 2] = abs(w[..., 2])
+    quarter = count // 4
+    w[0, :quarter, 2] *= 1e-3
+    w[1] /= np.linalg.norm(w[1], axis=-1, keepdims=True)
+    mirror = w[1, quarter : 2 * quarter] * [-1, -1, 1]
+    w[0, quarter : 2 * quarter] = mirror + rng.normal(size=(quarter, 3)) * 0.05
+    w[0, :, 2] = np.maximum(abs(w[0, :, 2]), 1e-4)
+    w[0] /= np.linalg.norm(w[0], axis=-1, keepdims=True)
+    u = np.minimum(rng.random((count, 2)), 1 - 2**-24)
+    return np.concatenate([w[0], w[1], u], axis=1).astype(np.float32)
+
+
+# SwiftShader's exp, pow and sin are off by up to 2e-4 of their value; densities add a few of them.
+F_ERROR, PDF_ERROR = 3e-4, 1e-3
+SMALL = 1e-3  # below it errors are absolute
+
+
+def far_off(made: Any, wanted: Any, error: float) -> Any:
+    return np.abs(made - wanted) / np.maximum(np.abs(wanted), SMALL) > error
+
+
+def random_values(model: gonio.Model, rng: np.random.Generator) -> dict[str, list[float]]:
+    """A value for every parameter, anywhere where sliders go."""
+    from gonio.export.manifest import soft_range
+
+    found = {}
+    for path, declared, _ in model.parameters():
+        low, high = soft_range(declared)
+        found[path] = [float(np.float32(v)) for v in rng.uniform(low, high, declared.width)]
+    return found
+
+
+def test_every_model_and_material_has_its_numbers(shown: Shown) -> None:
+    rows = directions(1024)
+    wi, wo = rows[:, :3].astype(float), rows[:, 3:6].astype(float)
+    rng = np.random.default_rng(2)
+    wrong = []
+    for name in [*models(), *library()]:
+        what = load(name)
+        model = what.model if isinstance(what, Material) else what
+        chosen = [({}, model)]
+        if name in models():
+            values = random_values(model, rng)
+            plain = {k: tuple(v) if len(v) > 1 else v[0] for k, v in values.items()}
+            chosen.append((values, model.replace(**plain)))
+        for values, wanted in chosen:
+            made = shown.rows(name, rows, values)
+            f, pdf = np.asarray(wanted.eval(wi, wo)), np.asarray(wanted.pdf(wi, wo))
+            bad_f = far_off(made[:, :3], f, F_ERROR).any(axis=1)
+            bad_pdf = far_off(made[:, 3], pdf, PDF_ERROR)
+            # Single precision: a few rows lie where a highlight is steepest
+            if not np.isfinite(made).all() or bad_f.mean() > 2e-3 or bad_pdf.mean() > 2e-3:
+                wrong.append((name, bool(values), bad_f.mean(), bad_pdf.mean()))
+    assert wrong == []
+
+
+def test_wrong_numbers_would_be_seen(shown: Shown) -> None:
+    rows = directions(256)
+    made = shown.rows("eon", rows)
+    f = np.asarray(gonio.model("eon", roughness=0.501).eval(rows[:, :3], rows[:, 3:6]))
+    assert far_off(made[:, :3], f, F_ERROR).mean() > 0.5
+
+
+# --- pictures ------------------------------------------------------------------------------------------
+
+
+def test_a_white_eon_vanishes_in_the_furnace_and_a_bright_model_does_not(
+    shown: Shown, server: Viewer
+) -> None:
+    state = {"furnace": True, "shape": "sphere"}
+    shown.run("await gonio.show('lambert:rho=1')")  # every sample has the weight 1
+    np.testing.assert_allclose(shown.film(2, 32, **state), 1, atol=1e-4)
+    shown.run("await gonio.show('eon:rho=1,roughness=1')")
+    # Its samples' weights deviate by a quarter: over 32 x 32 pixels by a hundredth of that
+    assert shown.film(4, 32, **state).mean() == pytest.approx(1, abs=0.01)
+    shown.run("await gonio.show('qon:rho=1,sigma=1.5')")
+    assert shown.film(8, 32, **state)[12:20, 12:20].mean() < 0.95  # "loses energy at larger sigma"
+    shown.run("await gonio.show(given)", server.names.files[0])
+    # One reflection on a convex body: the albedo itself
+    assert shown.film(2, 32, **state)[12:20, 12:20].mean() == pytest.approx(1.25, abs=1e-4)
+    shown.run("await gonio.show('eon')")
+
+
+def test_both_interfaces_draw_the_same_picture(browser: Browser, server: Viewer) -> None:
+    films = []
+    for interface in INTERFACES:
+        found = Shown(browser, server.url.replace("/#", f"/?graphics={interface}#"))
+        found.run("await gonio.show('car_paint_red_strong')")
+        films.append(found.film(2, 48, env="studio", furnace=False, shape="ball"))
+        found.page.close()
+    # The same paths: they part where a sine's last digits choose another flake or lobe
+    apart = np.abs(films[0] - films[1]).max(axis=-1) > 1e-3
+    assert apart.mean() < 0.05
+    assert films[0].mean() == pytest.approx(films[1].mean(), rel=0.01)
+
+
+def test_estimators_and_mitsuba_agree(shown: Shown) -> None:
+    if shown.value("gonio.gpu.name") != "WebGPU":
+        return  # WebGL2 draws the same, by the test above
+    import mitsuba as mi
+
+    mi.set_variant("llvm_ad_rgb")
+    from gonio.mitsuba import node
+    from gonio.render.stage import shader_ball
+
+    size, state = 40, {"env": "sun", "furnace": False, "shape": "ball"}
+    text = "torrance_sparrow:alpha=0.5"
+    shown.run("await gonio.show(given)", text)
+    both = shown.film(32, size, **state)
+    scene = shader_ball(node(load(text)), environment="sun", size=(size, size), spp=128)
+    wanted = np.array(mi.render(mi.load_dict(scene), spp=128, seed=1))
+    assert both.mean() == pytest.approx(wanted.mean(), rel=5e-3)
+    # Each kind of sample alone finds the same light: the lamps' by their own, the lamps' by the model's
+    light = shown.film(32, size, "light", **state)
+    assert light.mean() == pytest.approx(both.mean(), rel=0.02)
+    state["env"] = "studio"
+    both, model = (shown.film(32, size, kind, **state).mean() for kind in ("both", "model"))
+    # A path finds the large lamp one time in thirty: 50,000 paths know its light to about 3 %
+    assert model == pytest.approx(both, rel=0.1)
+    shown.run("await gonio.show('eon')")
+
+
+# --- the page as people use it -------------------------------------------------------------------------
+
+
+def test_a_dragged_slider_compiles_nothing_and_shows_in_the_link(shown: Shown) -> None:
+    shown.run("await gonio.show('eon'); gonio.kept = gonio.sides[0].program;")
+    slider = shown.page.get_by_label("roughness", exact=True)
+    slider.focus()
+    for _ in range(3):
+        slider.press("ArrowRight")
+    assert shown.value("gonio.sides[0].text()") == "eon:roughness=0.53"
+    assert shown.value("gonio.sides[0].program === gonio.kept")
+    assert "a=eon:roughness=0.53" in shown.value("location.hash")
+    shown.page.keyboard.press("Control+z")
+    shown.until("gonio.sides[0].text() === 'eon'")
+
+
+def test_a_number_out_of_range_is_refused_and_the_picture_stays(shown: Shown) -> None:
+    field = shown.page.get_by_label("roughness, value")
+    field.fill("1.4")
+    field.press("Enter")
+    alert = shown.page.get_by_role("alert").filter(has_text="Allowed is 0 to 1")
+    alert.wait_for()
+    assert "still shows 0.5" in alert.inner_text()
+    assert shown.value("gonio.sides[0].values.get('roughness')[0]") == 0.5
+    field.press("Escape")
+    shown.until("gonio.fieldError === null")
+
+
+def test_a_refused_option_says_why_and_what_would_allow_it(shown: Shown) -> None:
+    shown.run("await gonio.show('torrance_sparrow:distribution=beckmann')")
+    shown.until("gonio.sides[0].payload.options.some((o) => o.values.some((v) => !v.allowed))")
+    shown.page.get_by_label("compensation", exact=True).select_option("kulla_conty")
+    shown.page.get_by_text("is made for distribution='ggx'").wait_for()
+    assert shown.value("gonio.sides[0].options.get('compensation')") == "none"
+    shown.page.get_by_role("button", name="Set distribution = ggx").click()
+    shown.until("gonio.sides[0].options.get('compensation') === 'kulla_conty'")
+    assert shown.value("gonio.sides[0].text()") == "torrance_sparrow:compensation=kulla_conty"
+    shown.run("await gonio.show('eon')")
+
+
+def test_the_probe_has_the_numbers_of_gonio_eval(shown: Shown) -> None:
+    shown.run("await gonio.show('weidlich_wilkie:alpha=0.2,base=eon'); gonio.state.probe = '';")
+    shown.film(1, 32, env="studio", furnace=False, shape="ball")
+    shown.run("gonio.probe(0.45, 0.5)")
+    shown.until("gonio.probed?.values.length === 1")
+    seen = shown.value("({ ...gonio.probed.found, ...gonio.probed.values[0] })")
+    model = gonio.model("weidlich_wilkie", alpha=0.2, base="eon")
+    wi, wo = np.array(seen["wi"]), np.array(seen["wo"])
+    np.testing.assert_allclose(seen["f"], model.eval(wi, wo), rtol=F_ERROR)
+    np.testing.assert_allclose(seen["pdf"], model.pdf(wi, wo), rtol=PDF_ERROR)
+    # The shader sums over few directions where there is no closed form
+    np.testing.assert_allclose(seen["albedo"], model.albedo(wo), atol=5e-3)
+    shown.run("gonio.set({ probe: '' }); await gonio.show('eon')")
+
+
+def test_plots_have_the_numbers_of_the_arrays(shown: Shown) -> None:
+    shown.run("await gonio.show('eon:roughness=1'); gonio.set({ theta: 60 })")
+    shown.until("gonio.data.A?.thetaO === 60 && gonio.data.A.key.includes('roughness')")
+    data = shown.value("({ slice: gonio.data.A.slice, albedo: gonio.data.A.albedo })")
+    model = gonio.model("eon", roughness=1)
+    angle = np.radians([s["angle"] for s in data["slice"]])
+    wi = np.stack([np.sin(angle), 0 * angle, np.cos(angle)], -1)
+    wo = np.array([-np.sin(np.pi / 3), 0, 0.5])
+    inside = wi[:, 2] > 1e-3
+    f = np.array([s["f"] for s in data["slice"]])
+    np.testing.assert_allclose(f[inside], model.eval(wi, wo)[inside], rtol=F_ERROR)
+    angle = np.radians([s["angle"] for s in data["albedo"]])
+    wanted = model.albedo(np.stack([np.sin(angle), 0 * angle, np.cos(angle)], -1))
+    np.testing.assert_allclose([s["value"] for s in data["albedo"]], wanted, rtol=F_ERROR)
+    shown.run("gonio.set({ theta: 45 }); await gonio.show('eon')")
+
+
+def test_the_code_tab_is_the_exporters_text(shown: Shown, server: Viewer) -> None:
+    from gonio.export.text import export
+
+    shown.run("await gonio.show('eon:albedo_form=fitted'); gonio.set({ dock: 'code' })")
+    shown.until("gonio.code.text && gonio.code.of === 'eon:albedo_form=fitted'")
+    model = gonio.model("eon", albedo_form="fitted")
+    assert shown.value("gonio.code.text") == export({"eon": model}, "wgsl")[0].source
+    shown.run("gonio.set({ dock: 'plots' }); await gonio.show('eon')")
+
+
+def test_a_lost_device_is_replaced_and_the_values_stay(shown: Shown) -> None:
+    shown.run(
+        "await gonio.show('eon:roughness=0.25'); gonio.kept = gonio.gpu; gonio.testLoss = true;"
+    )
+    shown.run(
+        "const { device, gl } = gonio.gpu;"
+        "if (device) device.destroy(); else gl.getExtension('WEBGL_lose_context').loseContext();"
+    )
+    shown.until("gonio.gpu && gonio.gpu !== gonio.kept && gonio.sides[0].program")
+    assert shown.value("gonio.sides[0].text()") == "eon:roughness=0.25"
+    shown.until("gonio.notes.some((n) => n.title.includes('is back'))")
+    picture = shown.film(1, 16, furnace=True, shape="sphere")
+    assert np.isfinite(picture).all()
+    assert picture.max() == pytest.approx(1, abs=1e-4)
+    shown.complaints[:] = [
+        c for c in shown.complaints if "CONTEXT_LOST" not in c and "Lost" not in c
+    ]
+
+
+def test_a_link_restores_everything(browser: Browser, server: Viewer) -> None:
+    a = "weidlich_wilkie:base=eon,base.roughness=0.4,alpha=0.05"
+    wanted = f"a={a}&b=eon&cmp=side&env=sun&ev=0.5&theta=30&az=20"
+    found = Shown(browser, f"{server.origin}/#token={server.token}&{wanted}")
+    assert found.value("gonio.sides.map((s) => s.text())") == [
+        "weidlich_wilkie:base=eon,alpha=0.05,base.roughness=0.4",
+        "eon",
+    ]
+    state = found.value("gonio.state")
+    shown = {k: state[k] for k in ("cmp", "env", "ev", "theta", "az")}
+    assert shown == {"cmp": "side", "env": "sun", "ev": 0.5, "theta": 30, "az": 20}
+    link = found.value("gonio.link()")
+    assert server.token not in link
+    assert "b=eon&cmp=side&env=sun" in link
+    found.page.close()
+
+
+def test_a_bad_link_says_so_and_something_is_shown(browser: Browser, server: Viewer) -> None:
+    found = Shown(browser, f"{server.origin}/#token={server.token}&a=eno&ev=bright&what=1")
+    assert found.value("gonio.sides[0].text()") == "eon"
+    notes = json.dumps(found.value("gonio.notes"))
+    assert "ev, what" in notes
+    assert "eno cannot be shown" in notes
+    found.page.close()
+
+
+def test_without_its_token_the_page_says_what_to_do(browser: Browser, server: Viewer) -> None:
+    page = browser.new_context().new_page()
+    page.goto(f"{server.origin}/")
+    page.get_by_text("use the one that gonio view printed").wait_for()
+    page.close()
+
+
+def test_a_saved_page_works_from_a_file(browser: Browser, tmp_path: Path) -> None:
+    names = pages.Names()
+    path = tmp_path / "eon.html"
+    path.write_text(pages.saved(names, ["eon"], pool(names, ["eon"])), encoding="utf-8")
+    found = Shown(browser, path.as_uri())
+    found.run("gonio.setParameter('roughness', [0.75])")
+    found.run("await gonio.setOptions({ albedo_form: 'fitted' })")
+    assert found.value("gonio.sides[0].text()") == "eon:albedo_form=fitted,roughness=0.75"
+    assert found.value("gonio.sides[0].values.get('roughness')[0]") == 0.75
+    assert found.value("gonio.gpu.name") == "WebGPU"
+    assert [url for url in found.requests if not url.startswith(("file:", "data:", "blob:"))] == []
+    assert found.complaints == []
+    found.page.close()
+
+
+# A notebook's widget model, whose kernel is the server.
+WIDGET = """
+const values = { a: "eon:roughness=0.2", b: "", settings: "env=sun", height: 600, link: "" }, calls = {};
+const widget = {
+  get: (k) => values[k],
+  set: (k, v) => { values[k] = v; },
+  on: (name, call) => { calls[name] = call; },
+  off: (name) => { delete calls[name]; },
+  save_changes: () => { globalThis.saved = { ...values }; },
+  send: async ({ id, question, body }) => {
+    const answer = await gonio.source[question](body.text, body.language);
+    calls["msg:custom"]({ id, answer });
+  },
+};
+const { default: view } = await import("/viewer.js"), el = document.createElement("div");
+document.body.append(el);
+globalThis.unmount = await view.render({ model: widget, el });
+globalThis.widget = { values, calls, el };
+"""
+
+
+def test_a_notebooks_widget_follows_the_page_and_leads_it(shown: Shown) -> None:
+    shown.run(WIDGET)
+    slider = shown.page.locator(".embedded").get_by_label("roughness", exact=True)
+    slider.focus()
+    slider.press("ArrowRight")
+    shown.until("globalThis.saved?.a === 'eon:roughness=0.21'")
+    assert "env=sun" in shown.value("saved.link")
+    shown.run("widget.values.a = 'lambert'; await widget.calls['change:a']()")
+    shown.page.locator(".embedded").get_by_text("Lambert").first.wait_for()
+    shown.run("unmount(); widget.el.remove()")
+    assert shown.value("Object.keys(widget.calls)") == ["msg:custom"]
+    # The page's own graphics are still there
+    shown.run("await gonio.show('eon')")
+    assert np.isfinite(shown.film(1, 16, furnace=True, shape="sphere")).all()
+
+
+# --- files that are dropped ----------------------------------------------------------------------------
+
+
+def radiance_hdr(pixels: Any) -> bytes:
+    """A flat .hdr file, written here: mantissas over a shared exponent."""
+    height, width, _ = pixels.shape
+    lines = [f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n".encode()]
+    for value in pixels.reshape(-1, 3):
+        exponent = int(np.ceil(np.log2(max(value.max(), 1e-30)) + 1e-9)) + 128
+        lines.append(bytes([*np.floor(value / 2.0 ** (exponent - 136)).astype(int), exponent]))
+    return b"".join(lines)
+
+
+def take(shown: Shown, name: str, content: bytes) -> None:
+    shown.run(
+        "const bytes = Uint8Array.from(atob(given[1]), (c) => c.charCodeAt(0));"
+        "await gonio.take(new File([bytes], given[0]));",
+        [name, base64.b64encode(content).decode()],
+    )
+
+
+def test_a_dropped_picture_lights_the_scene_and_its_sun_is_not_clipped(shown: Shown) -> None:
+    pixels = np.full((4, 8, 3), 0.25)
+    pixels[0, 3] = 8192.0
+    take(shown, "sky.hdr", radiance_hdr(pixels))
+    assert shown.value("gonio.state.env") == "own"
+    assert shown.value("Math.max(...gonio.renderer.sky.pixels)") == 8192.0
+    assert np.isfinite(shown.film(1, 16, furnace=False, shape="sphere")).all()
+    shown.run("gonio.set({ env: 'studio' })")
+
+
+def test_a_dropped_mesh_takes_the_balls_place(shown: Shown) -> None:
+    take(shown, "quad.obj", b"v 0 0 0\nv 1 0 0\nv 1 2 0\nv 0 2 0\nf 1 2 3 4\n")
+    assert shown.value("gonio.state.shape") == "own"
+    assert shown.value("[gonio.renderer.own.mesh.faces.length / 3, gonio.renderer.own.height]") == [
+        2,
+        2,
+    ]
+    shown.run("gonio.set({ shape: 'ball' })")
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "says"),
+    [
+        ("harbour.hdr", b"PNG", "Its first line is not #?RADIANCE."),
+        ("short.hdr", b"#?RADIANCE\n\n-Y 4 +X 8\n", "The file ends too early."),
+        ("huge.hdr", b"#?RADIANCE\n\n-Y 99999 +X 99999\n", "the page takes"),
+        ("no.exr", b"not an exr", "does not begin as an OpenEXR"),
+        ("bad.obj", b"v 0 0 0\nf 1 2 3\n", "names a point that does not exist"),
+        ("no.glb", b"glTF", "does not begin as a binary glTF"),
+        ("picture.jpeg", b"", "The page takes .hdr and .exr"),
+    ],
+)
+def test_a_file_that_will_not_do_changes_nothing(
+    shown: Shown, name: str, content: bytes, says: str
+) -> None:
+    before = shown.value("[gonio.state.env, gonio.state.shape]")
+    take(shown, name, content)
+    note = shown.value("gonio.notes.at(-1)")
+    assert name in note["title"]
+    assert says in note["text"]
+    assert shown.value("[gonio.state.env, gonio.state.shape]") == before
