@@ -185,7 +185,7 @@ def _hooks(about: Mapping[str, Any], made: Mapping[str, Any]) -> list[dict[str, 
     ]
     for hook in found:
         hook["members"] = {
-            language: next(m.place for m in of.entry.members if m.path == hook["path"])
+            language: next((m.place for m in of.entry.members if m.path == hook["path"]), "")
             for language, of in made.items()
         }
     return found
