@@ -193,6 +193,24 @@ def test_what_was_written_is_kept_until_the_code_changes(
     assert len(calls) == 4
 
 
+def test_one_that_fails_does_not_take_the_others_along(tmp_path: Path) -> None:
+    def broken(sheet: Sheet) -> None:
+        raise ValueError("no such thing")
+
+    text = Text("t", "A text")
+    good = Item(
+        text, "y", "Eq. 2", "a number", (), False, lambda sheet: sheet.claim("n", "=", "2", 2)
+    )
+    told: list[str] = []
+    with pytest.raises(RuntimeError, match=r"1 of 2 could not be made: t:x\."):
+        reproduce.write_all(
+            [small(text, broken), good], tmp_path, progress=lambda d, n, i, what: told.append(what)
+        )
+    assert told == ["failed: no such thing", "agrees"]
+    assert "t:y" in (tmp_path / "index.md").read_text(encoding="utf-8")
+    assert not (tmp_path / "t-x.json").exists()
+
+
 def test_a_page_has_picture_and_numbers(tmp_path: Path) -> None:
     from PIL import Image
 

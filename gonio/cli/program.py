@@ -241,6 +241,7 @@ def main(ctx: click.Context) -> None:
       gonio render eon --param roughness=1        its looks
       gonio export eon --to wgsl                  its shader
       gonio check eon                             whether it is what it claims to be
+      gonio reproduce eon:11                      a paper's figure beside gonio's
       gonio doctor                                whether this machine can run them
     """
     if ctx.invoked_subcommand is None:

@@ -12,7 +12,7 @@ same, and, where the text is wrong, the proof. Verdicts are computed from the nu
 """
 
 from gonio.reproduce.catalogue import find, items, texts
-from gonio.reproduce.runner import counted, make, write, write_all
+from gonio.reproduce.runner import ReproduceError, counted, make, write, write_all
 from gonio.reproduce.sheet import Line, Sheet, Verdict
 from gonio.reproduce.table import table
 from gonio.reproduce.text import Item, Made, Text
@@ -21,6 +21,7 @@ __all__ = [
     "Item",
     "Line",
     "Made",
+    "ReproduceError",
     "Sheet",
     "Text",
     "Verdict",

@@ -79,7 +79,8 @@ def _rows(made: Made, width: int) -> list[tuple[list[tuple[str, float]], str]]:
                 wrong = line.state == "text wrong"
                 colour = COLOURS[Verdict.TEXT_WRONG if wrong else Verdict.DIFFERS]
             pieces = [(text, x) for text, x in zip(row[1:], starts, strict=True)]
-            *above, last = textwrap.wrap(row[0], max(int(first / 9.4), 12)) or [""]
+            fits = _length(row[0]) <= first
+            *above, last = [row[0]] if fits else textwrap.wrap(row[0], max(int(first / 9.4), 12))
             rows += [([(part, MARGIN)], colour) for part in above]
             rows.append(([(last, MARGIN), *pieces], colour))
     reasons = [f"{line.what}: {line.why}" for line in made.sheet.lines if line.why]

@@ -17,8 +17,13 @@ from gonio.reproduce.sheet import Sheet, Verdict
 from gonio.reproduce.table import table
 from gonio.reproduce.text import Item, Made
 
-Progress = Callable[[int, int, Item, "str"], None]
-"""Called with (items done, items in all, the item, its verdict or "kept, " and its verdict)."""
+
+class ReproduceError(RuntimeError):
+    """Items that could not be made."""
+
+
+Progress = Callable[[int, int, Item, str], None]
+"""Called with (items done, items in all, the item, what became of it)."""
 
 
 def make(item: Item) -> Made:
@@ -63,20 +68,33 @@ def write_all(
 
     Returns:
         The verdicts by id.
+
+    Raises:
+        ReproduceError: some could not be made; after all others are written.
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    verdicts = {}
+    verdicts: dict[str, Verdict] = {}
+    failed: dict[str, str] = {}
     for done, item in enumerate(items, 1):
         verdict = None if again else _kept(item, folder)
-        told = "kept, "
+        told = f"kept, {verdict.value}" if verdict is not None else ""
         if verdict is None:
-            verdict, told = write(item, folder).verdict, ""
-        verdicts[item.id] = verdict
+            try:
+                verdict = write(item, folder).verdict
+                told = verdict.value
+            except Exception as error:  # one that fails does not take the others along
+                failed[item.id] = told = f"failed: {error}"
+        if verdict is not None:
+            verdicts[item.id] = verdict
         if progress is not None:
-            progress(done, len(items), item, told + verdict.value)
+            progress(done, len(items), item, told)
     with replacing(folder / "index.md") as temporary:
-        temporary.write_text(_index(items, verdicts), encoding="utf-8")
+        made = [item for item in items if item.id in verdicts]
+        temporary.write_text(_index(made, verdicts), encoding="utf-8")
+    if failed:
+        names = ", ".join(failed)
+        raise ReproduceError(f"{len(failed)} of {len(items)} could not be made: {names}.")
     return verdicts
 
 
