@@ -29,7 +29,7 @@ FLOORS = (
     {"quadrature", "numeric_albedo"},
     {"model"},
     {"models", "materials", "description", "citations", "reference", "plot", "measured"},
-    {"export"},
+    {"export", "fit"},
     {"mitsuba"},
     {"render", "check"},
     {"bake", "compare", "view"},
