@@ -13,8 +13,16 @@ import mitsuba as mi
 
 from gonio.fields import ModelError, Parameter
 from gonio.lang import vec2, vec3
-from gonio.mitsuba.properties import PREFIX, parameter_texture, plain, reject_unknown
-from gonio.mitsuba.upsampling import Spread, holds_rgb
+from gonio.mitsuba.properties import (
+    METAL,
+    PREFIX,
+    metal_of,
+    parameter_texture,
+    plain,
+    reject_unknown,
+    say_slow,
+)
+from gonio.mitsuba.upsampling import holds_rgb, spread
 from gonio.model import Child, Model
 
 
@@ -30,9 +38,9 @@ def derive(cls: type[Model]) -> Any:
     triples = [[min(first + c, count - 1) for c in range(3)] for first in range(0, count, 3)]
 
     spectral = mi.is_spectral
-    spread = Spread() if spectral else None
+    scalar = mi.variant().startswith("scalar")
 
-    def spectrum(colours: list[Any], si: Any, active: Any) -> Any:
+    def spectrum(colours: list[Any], spread: Any, si: Any, active: Any) -> Any:
         if spread is not None and len(colours) == 1:  # of a model that was evaluated in RGB
             value = spread(colours[0], si, active)
             return types.mueller.depolarizer(value) if types.is_polarized else value
@@ -45,14 +53,18 @@ def derive(cls: type[Model]) -> Any:
 
         def __init__(self, properties: Any) -> None:
             super().__init__(properties)
-            reject_unknown(cls.name, cls.fields, properties)
+            if scalar:
+                say_slow()
+            metal = metal_of(cls, properties)
+            reject_unknown(cls.name, [*cls.fields, *(METAL if metal else ())], properties)
+            self.spread: Any = spread() if spectral else None
             self.parts: dict[str, Any] = {}  # texture or inner BSDF of each field
             self.textures: dict[str, Any] = {}  # those of inner BSDFs as well, by path
             choices = {}
             for name, declared in cls.fields.items():
                 if isinstance(declared, Parameter):
                     self.parts[name] = self.textures[name] = parameter_texture(
-                        cls.name, declared, properties
+                        cls.name, declared, properties, metal.get(name)
                     )
                 elif isinstance(declared, Child):
                     inner = self.parts[name] = _inner(cls, declared, properties)
@@ -86,7 +98,9 @@ def derive(cls: type[Model]) -> Any:
                 wi, pdf = models[0].sample(wo, vec2(sample2.x, sample2.y))
             active = active & (pdf > 0) & ctx.is_enabled(lobe)
             factor = wi.z / dr.select(active, pdf, 1)
-            weight = spectrum([model.eval(wi, wo) * factor for model in models], si, active)
+            weight = spectrum(
+                [model.eval(wi, wo) * factor for model in models], self.spread, si, active
+            )
             bs = dr.zeros(types.BSDFSample3f)
             bs.wo = types.Vector3f(wi.x, wi.y, wi.z)
             bs.pdf = dr.select(active, pdf, 0)
@@ -105,14 +119,16 @@ def derive(cls: type[Model]) -> Any:
             active = active & ctx.is_enabled(lobe)
             models, wi, wo = self._bound(si, active), plain(wo), plain(si.wi)
             # 0 where wi.z is negative
-            value = spectrum([model.eval(wi, wo) * wi.z for model in models], si, active)
+            value = spectrum(
+                [model.eval(wi, wo) * wi.z for model in models], self.spread, si, active
+            )
             with dr.suspend_grad():  # as in sample, so that weights of MIS still add up to 1
                 pdf = models[0].pdf(wi, wo)
             return dr.select(active, value, 0), dr.select(active, pdf, 0)
 
         def eval_diffuse_reflectance(self, si: Any, active: Any = True) -> Any:
             albedos = [model.albedo(plain(si.wi)) for model in self._bound(si, active)]
-            return dr.select(active, spectrum(albedos, si, active), 0)
+            return dr.select(active, spectrum(albedos, self.spread, si, active), 0)
 
         def _bound(self, si: Any, active: Any, by_wavelength: bool = False) -> list[Model]:
             """The model with what the textures hold at si, once for every three channels.
@@ -127,8 +143,8 @@ def derive(cls: type[Model]) -> Any:
                     value = texture.eval_1(si, active)
                 elif in_rgb:
                     value = texture.eval_3(si, active)
-                elif spread is not None and holds_rgb(texture):
-                    value = spread(texture.eval_3(si, active), si, active)
+                elif spectral and holds_rgb(texture):
+                    value = self.spread(texture.eval_3(si, active), si, active)
                 else:
                     value = texture.eval(si, active)
                 # Not dr.clip, whose derivative is 0 at the lower end: optimisers would stay there.

@@ -27,7 +27,7 @@ import mitsuba as mi
 from gonio.fields import ModelError, Parameter
 from gonio.lang import select, vec3
 from gonio.mitsuba.properties import PLUGIN, PREFIX, parameter_texture, plain, reject_unknown
-from gonio.mitsuba.upsampling import Spread, holds_rgb
+from gonio.mitsuba.upsampling import holds_rgb, spread
 from gonio.parts.distribution import ALPHA_MIN
 from gonio.reference.generator import generator, scramble
 from gonio.reference.interfaces import Pile, chance
@@ -60,7 +60,7 @@ def derive() -> Any:
     scalar = dr.scalar.Array3f64 if count == 3 else dr.scalar.Array4f64
     channels = scalar if types.Float is float else dr.replace_shape_t(types.Float, (count, -1))
     flags = mi.BSDFFlags
-    spread = Spread() if mi.is_spectral else None
+    spectral = mi.is_spectral
 
     def spectrum(colour: Any) -> Any:
         value = types.UnpolarizedSpectrum(*[colour[c] for c in range(width)])
@@ -72,6 +72,7 @@ def derive() -> Any:
         def __init__(self, properties: Any) -> None:
             super().__init__(properties)
             reject_unknown(NAME, NAMES, properties)
+            self.spread: Any = spread() if spectral else None
             self.parts = {p.name: parameter_texture(NAME, p, properties) for p in PARAMETERS}
             alpha = properties.get("alpha", 0.0)
             self.smooth = isinstance(alpha, (int, float)) and alpha == 0
@@ -119,8 +120,8 @@ def derive() -> Any:
                 texture = self.parts[declared.name]
                 if declared.width == 1:
                     value = texture.eval_1(si, active)
-                elif spread is not None and holds_rgb(texture):
-                    value = spread(texture.eval_3(si, active), si, active)
+                elif spectral and holds_rgb(texture):
+                    value = self.spread(texture.eval_3(si, active), si, active)
                 else:
                     value = texture.eval(si, active)
                 value = dr.clip(value, declared.low, declared.high)

@@ -10,7 +10,9 @@ import mitsuba as mi
 
 from gonio.fields import ModelError, Parameter
 from gonio.lang import vec3
+from gonio.materials.notation import metal_parameters
 from gonio.mitsuba.upsampling import rgb_constant
+from gonio.model import Model
 from gonio.suggestions import did_you_mean
 
 PREFIX = "gonio_"
@@ -34,10 +36,44 @@ def reject_unknown(name: str, known: Collection[str], properties: Any) -> None:
             )
 
 
-def parameter_texture(model: str, declared: Parameter, properties: Any) -> Any:
+METAL = ("metal", "neutral")
+"""Properties that stand for the index and extinction of a named metal."""
+
+
+def metal_of(cls: type[Model], properties: Any) -> dict[str, Any]:
+    """Index and extinction of the metal that `<string name="metal" value="Cu"/>` names; {} without one.
+
+    Raises:
+        ModelError: an unknown metal, a model without one, or an index given beside it.
+    """
+    if "metal" not in properties or "metal" in cls.fields:
+        return {}
+    neutral = bool(properties.get("neutral", False))
+    found = metal_parameters(cls, properties["metal"], neutral)
+    for name in found:
+        if name in properties:
+            raise ModelError(f"{PREFIX}{cls.name}: metal already says what {name} is; drop one.")
+    return found
+
+
+_slow: set[str] = set()
+
+
+def say_slow() -> None:
+    """Say once that a scalar variant runs these plug-ins in Python, ray by ray."""
+    if mi.variant() not in _slow:
+        _slow.add(mi.variant())
+        mi.Log(
+            mi.LogLevel.Warn,
+            f"gonio's plug-ins are Python, which {mi.variant()} calls for every ray: pictures take "
+            "hundreds of times as long as in an llvm or cuda variant, such as llvm_ad_rgb.",
+        )
+
+
+def parameter_texture(model: str, declared: Parameter, properties: Any, default: Any = None) -> Any:
     """The texture of a parameter: the one given, or a constant one made from numbers or the default."""
     name = declared.name
-    value = properties.get(name, declared.default)
+    value = properties.get(name, declared.default if default is None else default)
     if isinstance(value, mi.Texture):
         return value
     if name in properties and properties.type(name) == mi.Properties.Type.Spectrum:

@@ -84,6 +84,16 @@ class Spread:
         return red * colour[0] + green * colour[1] + blue * colour[2]
 
 
+_spreads: dict[str, Spread] = {}
+
+
+def spread() -> Spread:
+    """The three spectra for the current variant, made when they are first needed."""
+    if mi.variant() not in _spreads:
+        _spreads[mi.variant()] = Spread()
+    return _spreads[mi.variant()]
+
+
 def rgb_constant(colour: tuple[float, ...]) -> Any:
     """A texture that holds a colour as three numbers, of any size."""
     return mi.load_dict({"type": "rawconstant", "value": list(colour)})
