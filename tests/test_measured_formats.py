@@ -527,3 +527,43 @@ def test_real_paint_has_its_highlight_in_the_mirror_direction() -> None:
         brightest = int(np.argmax(found.values[:, 0]))
         mirror = found.wi[brightest] * [-1, -1, 1]
         assert mirror @ found.wo[brightest] > 0.95  # within 18°, off-specular at grazing
+
+
+def test_spectral_rgl_keeps_its_wavelengths_and_mitsuba_reads_them(tmp_path: Path) -> None:
+    import drjit as dr
+    import mitsuba as mi
+
+    wavelengths = np.array([400.0, 500.0, 600.0, 700.0])
+
+    class Spectral:
+        title, isotropic = "a ramp", True
+        channels = tuple(f"{w:g} nm" for w in wavelengths)
+
+        def __init__(self) -> None:
+            self.wavelengths = wavelengths
+
+        def evaluate(self, wi: Any, wo: Any) -> Any:
+            return EON.eval(wi, wo)[:, :1].astype(float) * (wavelengths / 700)
+
+    path = tmp_path / "ramp.bsdf"
+    lost = measured.save(path, Spectral(), thetas=8, side=16)
+    assert lost == ["field rgb: linear sRGB by Mitsuba's CIE 1931 2° observer and D65"]
+    found = measured.load(path)
+    assert found.wavelengths is not None
+    assert np.allclose(found.wavelengths, wavelengths)
+    some = np.flatnonzero(found.valid)[::50]
+    assert np.allclose(found.values[some, 0] / found.values[some, 3], 4 / 7, rtol=1e-4)
+    wi, wo = directions(500), directions(500)
+    mi.set_variant("llvm_ad_spectral")
+    try:
+        plugin = mi.load_dict({"type": "measured", "filename": str(path)})
+        si = dr.zeros(mi.SurfaceInteraction3f, len(wi))
+        si.wi = mi.Vector3f(wo.T.astype(np.float32))
+        si.sh_frame = mi.Frame3f(mi.Normal3f(0, 0, 1))
+        si.wavelengths = mi.UnpolarizedSpectrum(*(float(w) for w in wavelengths))
+        light = mi.Vector3f(wi.T.astype(np.float32))
+        theirs = np.array(plugin.eval(mi.BSDFContext(), si, light)).T
+    finally:
+        mi.set_variant("llvm_ad_rgb")
+    mine = found.evaluate(wi, wo) * wi[:, 2:]
+    assert np.abs(mine - theirs).max() < 2e-4 * theirs.max()
