@@ -227,6 +227,14 @@ def test_distributions_have_their_peaks_and_tails():
     assert D[1, at] == pytest.approx(math.exp(-tan2 / 0.09) / (math.pi * 0.09 * cos4), rel=1e-9)
 
 
+def test_a_logarithmic_axis_ends_at_the_peak_however_low_the_tails_are():
+    beckmann = gonio.TorranceSparrow(alpha=0.1, distribution="beckmann")  # 1e-1400 at 89 degrees
+    low, high = distribution([beckmann], log=True).figure().axes[0].get_ylim()
+    peak = 1 / (math.pi * 0.01)
+    assert peak < high < 3 * peak
+    assert 1e-9 < low < 1e-3
+
+
 def test_masking_of_v_cavities_is_theirs():
     columns = masking([gonio.TorranceSparrow(masking="cook_torrance")], theta_i=60).columns
     at = dict(zip(np.round(columns["theta_o [deg]"], 6), columns["G"], strict=True))

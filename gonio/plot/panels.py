@@ -152,8 +152,10 @@ def _draw(axis: Any, panel: Panel, styles: list[CurveStyle], parts: list[str]) -
     if panel.log:
         axis.set_yscale("log")
     axis.set_ylim(*panel.ylim)
-    if panel.floor is not None and axis.get_ylim()[0] < panel.floor:
-        axis.set_ylim(bottom=panel.floor)
+    if panel.floor is not None:
+        # matplotlib would leave a margin of a share of all decades, and values may have hundreds
+        highest = max(float(np.nanmax(curve.y)) for curve in panel.curves)
+        axis.set_ylim(panel.floor, 2 * highest)
     for level, name in panel.lines:
         axis.axhline(level, color=FAINT, lw=0.9, zorder=1)
         axis.annotate(
