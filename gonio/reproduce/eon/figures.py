@@ -134,6 +134,9 @@ def figure_3(sheet: Sheet) -> Picture:
 @TEXT.item("4", "Figure 4", "all models of Figure 3 on one object")
 def figure_4(sheet: Sheet) -> Picture:
     models = _models_of_figure_3(CLAY)
+    sheet.remark(
+        "the text has no numbers; its object is not public, so that the shader ball stands for it"
+    )
     brightness = {m.name: float(m.mean_albedo().mean()) for m in models}
     for name, value in brightness.items():
         sheet.show(f"mean albedo of {name}", value)
