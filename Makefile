@@ -57,7 +57,8 @@ $(VENV)/.installed: pyproject.toml constraints.txt | $(VENV)/bin/python
 $(VENV)/.installed-test: $(VENV)/.installed
 	PYTHON=$(PYTHON) sh .ci/system-packages g++ $(PROVE_PACKAGES) $(VIEW_PACKAGES)
 	$(INSTALL) -e '.[test]'
-	npm ci --prefix gonio/view/web --ignore-scripts --no-audit --no-fund --silent
+	for folder in gonio/view/web examples/hosts; do \
+	    npm ci --prefix $$folder --ignore-scripts --no-audit --no-fund --silent || exit 1; done
 	$(INSTALL) --no-deps slangtorch 'bpy; python_version == "3.11"'
 	touch $@
 

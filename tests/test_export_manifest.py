@@ -116,6 +116,13 @@ def test_a_conductor_reads_its_index_and_schlick_its_reflectance() -> None:
     assert not {"eta", "k"} & read["schlick"]
 
 
+@pytest.mark.parametrize("name", list(models()))
+def test_what_is_used_is_what_the_exports_struct_has(name: str) -> None:
+    model = gonio.model(name)
+    members = export({name: model}, "wgsl")[0].entry.members
+    assert used(model) == {m.path for m in members}
+
+
 def test_what_is_unused_says_which_option_would_use_it() -> None:
     parameters = manifest(gonio.model("torrance_sparrow"))["parameters"]
     assert row(parameters, "f0")["unused_because"] == "only with fresnel=schlick"
