@@ -129,7 +129,7 @@ def _read_pillow(path: Path) -> Image:
     from PIL import UnidentifiedImageError
 
     try:
-        with warnings.catch_warnings():
+        with _quiet(), warnings.catch_warnings():
             warnings.simplefilter("ignore")
             with PIL.Image.open(path) as picture:
                 _check_size(*picture.size)
@@ -238,10 +238,14 @@ def _read_exr(path: Path) -> Image:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Keep the library from writing about a damaged file; what is wrong is told by an exception."""
+    """Keep libraries from writing about a damaged file; what is wrong is told by an exception."""
     with open(os.devnull, "w") as nowhere:  # noqa: SIM117
         with contextlib.redirect_stdout(nowhere), contextlib.redirect_stderr(nowhere):
-            kept = os.dup(2)
+            try:
+                kept = os.dup(2)
+            except OSError:  # a program without a terminal may have closed it
+                yield
+                return
             os.dup2(nowhere.fileno(), 2)
             try:
                 yield
