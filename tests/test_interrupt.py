@@ -19,14 +19,15 @@ from gonio.files import replacing
 # A command in the midst of a file and of one step of a library, which does not end: a lock that is taken
 # twice. Python would raise KeyboardInterrupt only after that step.
 STUCK = """
-import ctypes, sys
+import ctypes, sys, threading
 from gonio.cli._interrupt import prompt_interrupt
 from gonio.files import remove_unfinished, replacing
 with prompt_interrupt(remove_unfinished), replacing(sys.argv[1]) as temporary:
     temporary.write_text("half")
     lock, lock_it = ctypes.create_string_buffer(256), ctypes.CDLL(None).pthread_mutex_lock
     lock_it(lock)
-    print("ready", flush=True)
+    # Said when the main thread has long been in the lock, where Python's own handler cannot run.
+    threading.Timer(1.0, print, ("ready",), {"flush": True}).start()
     lock_it(lock)
 """
 
