@@ -1,19 +1,21 @@
 """What a model promises, and the known sizes of what it does not: declared in the model's own file.
 
     claims = Claims(
-        energy=known(1.0152),                              # the largest albedo, where it is above 1
-        reciprocity=known(1, form="classical"),            # only with this option
-        kinks=kink("dark ring at s = 0"),
+        energy=at_most(1.0153),                                # the largest albedo, where it is above 1
+        reciprocity=at_most(1, form="classical"),              # only with this option
+        kinks=(dark_ring(), kink(Place.EQUAL_COSINES)),
+        furnace=white_furnace(within=1e-6, rho=1),
     )
 
 What is not mentioned is promised strictly: f(wi, wo) = f(wo, wi), no albedo above 1, no negative value,
 no wasted sample, every direction that reflects is sampled, a smooth function. `gonio check` measures each
-promise. It fails where one is broken, where a known size is too small or far too large, and where a model
-keeps a promise that it does not make.
+promise. It fails where one is broken, where a size is too small or far too large, and where a model keeps a
+promise that it does not make. A size may be a few percent generous, and is never short.
 """
 
 from __future__ import annotations
 
+import enum
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -22,6 +24,20 @@ from typing import Any
 UNBOUNDED = float("inf")
 
 Options = Mapping[str, str | tuple[str, ...]]
+
+
+class Place(enum.Enum):
+    """Where a function or its slope may jump, named by the pair of directions."""
+
+    SIDE_LIGHT = "s = 0"
+    """cos(phi_i - phi_o) changes its sign."""
+    EQUAL_COSINES = "mu_i = mu_o"
+    RIGHT_ANGLE = "wi.wo = 0"
+    RIGHT_ANGLE_TO_MIRROR = "a right angle to the mirror direction"
+    """Of wi, to wo's."""
+    ELSEWHERE = "another place"
+    IN_A_PARAMETER = "a value of a parameter"
+    """The directions stay as they are."""
 
 
 @dataclass(frozen=True)
@@ -38,10 +54,17 @@ class Known:
 
 @dataclass(frozen=True)
 class Kink:
-    """A place where the slope of the function jumps, named as `gonio check` names it."""
+    """A place where the slope of the function jumps, or the function itself."""
 
-    place: str
+    place: Place
+    kind: str = "kink"
+    """kink, jump, or "dark ring": a kink with a flat side."""
     options: Options = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """As it is shown, such as "kink at mu_i = mu_o"."""
+        return f"{self.kind} at {self.place.value}"
 
     def applies(self, chosen: Mapping[str, str]) -> bool:
         """Whether it speaks of a model with these options."""
@@ -49,26 +72,36 @@ class Kink:
 
 
 @dataclass(frozen=True)
-class White:
+class WhiteFurnace:
     """Parameters and options with which the model reflects everything, to within `error`."""
 
     error: float
     values: Mapping[str, Any]
 
 
-def known(size: float, **options: str | tuple[str, ...]) -> Known:
-    """Declare a known departure; options limit it: known(0.52, masking=("kelemen", "implicit"))."""
+def at_most(size: float, **options: str | tuple[str, ...]) -> Known:
+    """Declare a known departure; options limit it: at_most(0.52, masking=("kelemen", "implicit"))."""
     return Known(size, options)
 
 
-def kink(place: str, **options: str | tuple[str, ...]) -> Kink:
-    """Declare a known kink; options limit it."""
-    return Kink(place, options)
+def kink(place: Place, **options: str | tuple[str, ...]) -> Kink:
+    """Declare a place where the slope jumps; options limit it."""
+    return Kink(place, "kink", options)
 
 
-def white(error: float, **values: Any) -> White:
-    """Declare a white furnace: white(1e-6, rho=1) says that the albedo is 1 everywhere at rho = 1."""
-    return White(error, values)
+def jump(place: Place, **options: str | tuple[str, ...]) -> Kink:
+    """Declare a place where the value jumps; options limit it."""
+    return Kink(place, "jump", options)
+
+
+def dark_ring(**options: str | tuple[str, ...]) -> Kink:
+    """Declare qualitative Oren-Nayar's kink, flat on one side; options limit it."""
+    return Kink(Place.SIDE_LIGHT, "dark ring", options)
+
+
+def white_furnace(*, within: float, **values: Any) -> WhiteFurnace:
+    """Declare a white furnace: white_furnace(within=1e-6, rho=1), the albedo is 1 everywhere at rho = 1."""
+    return WhiteFurnace(within, values)
 
 
 def _matches(options: Options, chosen: Mapping[str, str]) -> bool:
@@ -97,8 +130,8 @@ class Claims:
     numeric_albedo: Known | tuple[Known, ...] = ()
     """Error of albedos that are quadratures, where it is more than 3e-5."""
     kinks: Kink | tuple[Kink, ...] = ()
-    """Where the slope jumps."""
-    furnace: White | tuple[White, ...] = ()
+    """Where the value or its slope jumps."""
+    furnace: WhiteFurnace | tuple[WhiteFurnace, ...] = ()
     """With which parameters nothing is lost."""
     falls: tuple[str, ...] = ()
     """Parameters that lower the mean albedo, or leave it, when they grow."""
@@ -110,9 +143,17 @@ class Claims:
                 return float(entry.size)
         return None
 
-    def known_kinks(self, chosen: Mapping[str, str]) -> list[str]:
-        """Places of the kinks that a model with these options has."""
-        return [k.place for k in as_tuple(self.kinks) if k.applies(chosen)]
+    def known_kinks(self, chosen: Mapping[str, str]) -> list[Kink]:
+        """The kinks and jumps that a model with these options has."""
+        return [k for k in as_tuple(self.kinks) if k.applies(chosen)]
+
+    def furnaces(self, chosen: Mapping[str, str]) -> list[WhiteFurnace]:
+        """The white furnaces that are claimed with these options."""
+        return [
+            entry
+            for entry in as_tuple(self.furnace)
+            if all(chosen.get(k) == v for k, v in entry.values.items() if isinstance(v, str))
+        ]
 
     def lines(self) -> Iterator[tuple[str, str]]:
         """What is promised, and what is known not to be kept, as pairs of heading and text."""
@@ -126,10 +167,10 @@ class Claims:
             if entries and all(entry.options for entry in entries):
                 yield "promised", f"{kept} with the other options"
         for entry in as_tuple(self.kinks):
-            yield "known", f"{entry.place}{_condition(entry.options)}"
+            yield "known", f"{entry.name}{_condition(entry.options)}"
         for entry in as_tuple(self.furnace):
             values = ", ".join(f"{name}={value}" for name, value in entry.values.items())
-            yield "promised", f"reflects everything to {entry.error:g} with {values}"
+            yield "promised", f"reflects everything to within {entry.error:g} with {values}"
         for name in self.falls:
             yield "promised", f"the mean albedo never grows with {name}"
 

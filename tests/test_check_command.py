@@ -98,12 +98,11 @@ def test_nothing_to_draw_writes_no_picture(tmp_path: Path) -> None:
     [
         ([], "give a MODEL"),
         (["--all", "eon"], "it goes with no MODEL"),
-        (["eno"], "did you mean 'eon'"),
+        (["eno"], "did you mean the model 'eon'"),
         (["eon", "--only", "enrgy"], "no check 'enrgy'"),
         (["eon:roughness=2"], "out of range"),
         (["eon", "--plot", "x.gif"], ".png, .svg or .pdf"),
         (["eon", "--junit", "no/such/folder/x.xml"], "there is no folder"),
-        (["gold:alpha=0.1"], "is a material"),
         (["missing.py"], "there is no file missing.py"),
         (["--mitsuba", "roughplasticc"], "Mitsuba cannot load 'roughplasticc'"),
         (["--mitsuba", '{"type": "roughplastic"'], "Mitsuba cannot load"),
@@ -126,10 +125,10 @@ def test_help_teaches_with_examples() -> None:
 
 def test_parameters_that_are_given_stay_fixed() -> None:
     (subject,) = subjects_of("qon:sigma=0.2", ["rho=0.5"])
-    assert subject.columns == ()
+    assert subject.parameters == ()
     assert not subject.whole
     (subject,) = subjects_of("eon:sampler=cosine")
-    assert [c.path for c in subject.columns] == ["rho", "rho", "rho", "roughness"]
+    assert [f.path for f in subject.parameters] == ["rho", "rho", "rho", "roughness"]
     assert subject.chosen["sampler"] == "cosine"
 
 
@@ -140,7 +139,7 @@ def test_a_model_alone_is_checked_with_every_option() -> None:
 
 def test_a_material_is_checked_as_it_is() -> None:
     (subject,) = subjects_of("gold")
-    assert subject.columns == ()
+    assert subject.parameters == ()
     assert subject.name == "gold"
 
 
@@ -149,7 +148,7 @@ def test_a_material_whose_flakes_a_map_drives_keeps_their_range() -> None:
 
     name = next(n for n in library() if load_material(n).flakes)
     (subject,) = subjects_of(name)
-    assert [c.path for c in subject.columns] == ["flake_x", "flake_y"]
+    assert [f.path for f in subject.parameters] == ["flake_x", "flake_y"]
 
 
 # --- Mitsuba -------------------------------------------------------------------------------------

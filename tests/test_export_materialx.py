@@ -19,7 +19,7 @@ from support import materialx as support
 from support.materialx import FIS, PREFILTER, Job, Rows, generate, load, points, written
 
 import gonio
-from gonio.check.variants import place
+from gonio.check.variants import value_at
 from gonio.cli import main
 from gonio.export import ExportError, materialx
 from gonio.export.entry import Member
@@ -70,7 +70,7 @@ def varied(model: Model, t: float) -> Model:
     values, k = {}, 0
     for path, declared, _ in model.parameters():
         near = [(t + 0.37 * (k + c)) % 1 * 0.8 + 0.1 for c in range(declared.width)]
-        placed = tuple(float(np.float32(place(declared, x))) for x in near)
+        placed = tuple(float(np.float32(value_at(declared, x))) for x in near)
         values[path] = placed if declared.width == 3 else placed[0]
         k += declared.width
     return model.replace(**values)

@@ -21,7 +21,7 @@ from support.directions import RANDOM, Array, adversarial_pairs, polar, random_d
 
 import gonio.mitsuba
 from gonio import backend
-from gonio.check.variants import options, place
+from gonio.check.variants import options, value_at
 from gonio.fields import Parameter
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, select, vec2, vec3
 from gonio.model import Model, child
@@ -77,7 +77,7 @@ def numbers(cls: type[Model]) -> list[Parameter]:
 
 def between(cls: type[Model], t: float) -> dict[str, float]:
     """Every parameter at a place in its range, rounded to float32 as Mitsuba stores it."""
-    return {p.name: float(np.float32(place(p, t))) for p in numbers(cls)}
+    return {p.name: float(np.float32(value_at(p, t))) for p in numbers(cls)}
 
 
 def interaction(wo: Any, uv: Any = (0.5, 0.5)) -> Any:
@@ -851,7 +851,7 @@ def end_error(cls: type[Model], arrays: type[Model]) -> float:
     worst = 0.0
     for p in numbers(cls):
         for t in (0.0, 1.0):
-            end = float(np.float32(place(p, t)))
+            end = float(np.float32(value_at(p, t)))
             bsdf, leaf = load(cls), mi.Float(end)
             dr.enable_grad(leaf)
             value = mi.Vector3f(leaf) if p.width == 3 else leaf

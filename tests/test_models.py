@@ -16,7 +16,7 @@ from support.directions import polar
 from support.tolerances import DOUBLE, DOUBLE_DIVIDED, NUMERIC_ALBEDO, SINGLE, decimals
 
 import gonio
-from gonio.check.variants import chosen, options, place
+from gonio.check.variants import chosen, options, value_at
 from gonio.fields import Parameter
 from gonio.lang import Color, Vec3
 from gonio.model import Model
@@ -172,7 +172,7 @@ def test_any_case_is_finite_and_consistent(data: st.DataObject, name: str) -> No
     cls = gonio.models()[name]
     choice = data.draw(st.sampled_from(options(cls)))
     parameters = {
-        p.name: float(place(p, data.draw(UNIT)))
+        p.name: float(value_at(p, data.draw(UNIT)))
         for p in cls.fields.values()
         if isinstance(p, Parameter)
     }

@@ -9,10 +9,10 @@ Every module here is one check, `check(subject, effort) -> Report`; `CHECKS` is 
 
 from __future__ import annotations
 
-import itertools
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from gonio.check import (
     reciprocity,
     sampling,
 )
-from gonio.check.adversarial import hard_pairs, places
+from gonio.check.adversarial import hard_pairs, hard_parameters
 from gonio.check.report import (
     EFFORTS,
     PASS,
@@ -40,8 +40,8 @@ from gonio.check.report import (
     summary,
     table,
 )
-from gonio.check.subject import ModelSubject, Subject, evaluate
-from gonio.check.variants import options
+from gonio.check.subject import Array, ModelSubject, Subject, evaluate
+from gonio.check.variants import options, pairs
 from gonio.model import Model, models
 
 __all__ = [
@@ -76,7 +76,10 @@ CHECKS: dict[str, Callable[[Subject, Effort], Report]] = {
 }
 
 # Checks that depend on nothing but the values: options that only change the sampler need them once.
-OF_VALUES = {"energy", "reciprocity", "albedo", "isotropy", "continuity", "monotonicity"}
+OF_VALUES = {"energy", "reciprocity", "albedo", "continuity", "monotonicity"}
+
+# Every so many hard pairs tell whether two variants have the same values.
+ALIKE = 3
 
 Progress = Callable[[int, int], None]
 
@@ -86,8 +89,9 @@ def subjects(
 ) -> list[Subject]:
     """What there is to check of a model.
 
-    A class, or a model with nothing fixed: its whole range, once with the default options and once with
-    each other choice of each option. With something fixed: that one model.
+    A class, or a model with nothing fixed: its whole range, once with the default options, once with each
+    other choice of each option, and with choices of two options together until all pairs have met. With
+    something fixed: that one model.
 
     Args:
         model: to be checked.
@@ -98,8 +102,10 @@ def subjects(
     kept = frozenset(fixed)
     if kept:
         return [ModelSubject(model, kept, label)]
+    cls = type(model)
     return [
-        ModelSubject(model.replace(**choice), frozenset(), label) for choice in options(type(model))
+        ModelSubject(model.replace(**choice), frozenset(), label)
+        for choice in [*options(cls), *pairs(cls)]
     ]
 
 
@@ -109,26 +115,32 @@ def check_subjects(
     only: Iterable[str] = (),
     progress: Progress | None = None,
 ) -> Reports:
-    """Run all checks, or `only` those named, and put what belongs together into one report each."""
+    """Run all checks, or `only` those named, and put what belongs together into one report each.
+
+    The first subject gets the whole effort, variants of it less.
+    """
     level = EFFORTS[effort] if isinstance(effort, str) else effort
     chosen = {name: CHECKS[name] for name in (list(only) or CHECKS)}
     these = list(these)
     found: dict[tuple[str, str], Report] = {}
-    steps = list(itertools.product(these, chosen.items()))
-    alike = {
-        subject.tag()
-        for subject in these[1:]
-        if set(chosen) & OF_VALUES and same(these[0], subject)
-    }
-    for done, (subject, (name, run)) in enumerate(steps):
+    chosen_subjects = _efforts(these, level)
+    for subject, _ in chosen_subjects:
+        subject.prepare()
+    steps = [
+        (subject, name, run, amount)
+        for subject, amount in chosen_subjects
+        for name, run in chosen.items()
+    ]
+    alike = _alike([s for s, _ in chosen_subjects]) if set(chosen) & OF_VALUES else {}
+    for done, (subject, name, run, amount) in enumerate(steps):
         if progress is not None:
             progress(done, len(steps))
         if name in OF_VALUES and subject.tag() in alike:
-            text = "the values are those of the default options, bit by bit"
+            text = f"the values are those {alike[subject.tag()]}, bit by bit"
             finding = Finding("differs from the default", 0.0, PASS, text, subject.tag())
             report = Report(name, subject.name, (finding,))
         else:
-            report = run(subject, level)
+            report = run(subject, amount)
         key = (subject.name, name)
         if key in found:
             report = replace(
@@ -138,6 +150,56 @@ def check_subjects(
             )
         found[key] = report
     return Reports(report for report in found.values() if report.findings)
+
+
+def _alike(these: Sequence[Subject]) -> dict[str, str]:
+    """Tags of the subjects whose values are those of an earlier one, and in words of which."""
+    found: dict[str, str] = {}
+    seen: dict[tuple[Any, ...], Subject] = {}
+    if len(these) < 2:
+        return found
+    wi, wo = (w[::ALIKE].astype(np.float64) for w in hard_pairs())
+    parameters = hard_parameters(these[0], len(wi), 71)
+    for subject in these:
+        key = (subject.name, _values(subject, these[0], parameters, wi, wo))
+        twin = seen.setdefault(key, subject)
+        if twin is not subject:
+            found[subject.tag()] = f"with {twin.tag()}" if twin.tag() else "of the default options"
+    return found
+
+
+def _values(subject: Subject, first: Subject, parameters: Array, wi: Array, wo: Array) -> bytes:
+    """Values and closed-form albedos at hard pairs, bit by bit; nothing for another kind of subject."""
+    if subject.parameters != first.parameters:
+        return subject.tag().encode()
+    index = np.arange(len(wi), dtype=np.uint32)
+    f, _ = evaluate(subject, parameters, index, wi, wo)
+    found = [f.tobytes(), subject.albedos.encode()]
+    if subject.albedos == "closed form":
+        found.append(finite.closed_albedo(subject, parameters, wo).tobytes())
+    return b"".join(found)
+
+
+def _efforts(these: list[Subject], level: Effort) -> list[tuple[Subject, Effort]]:
+    """Every subject with the effort that it gets; of pairs of options as many as are affordable."""
+    found: list[tuple[Subject, Effort]] = []
+    first = these[0].chosen if these else {}
+    single = sum(_changed(subject, first) < 2 for subject in these)
+    left = max(level.variants - single, 0)
+    for number, subject in enumerate(these):
+        if number == 0 or subject.name != these[0].name:
+            found.append((subject, level))
+        elif _changed(subject, first) < 2:
+            found.append((subject, level.less()))
+        elif left > 0:
+            left -= 1
+            found.append((subject, level.less()))
+    return found
+
+
+def _changed(subject: Subject, first: Mapping[str, str]) -> int:
+    """How many options differ from those of the first subject."""
+    return sum(value != first.get(name) for name, value in subject.chosen.items())
 
 
 def check_model(
@@ -160,24 +222,6 @@ def check_model(
         progress: called with what is done and what there is to do.
     """
     return check_subjects(subjects(model, fixed, label), effort, only, progress)
-
-
-def same(first: Subject, other: Subject) -> bool:
-    """Whether two subjects are variants of one model with the same values and albedos everywhere."""
-    if not isinstance(first, ModelSubject) or not isinstance(other, ModelSubject):
-        return False
-    if type(first.model) is not type(other.model) or first.columns != other.columns:
-        return False
-    wi, wo = (w.astype(np.float64) for w in hard_pairs())
-    where = places(len(wi), len(first.columns), 71)
-    index = np.arange(len(wi), dtype=np.uint32)
-    a, b = (evaluate(s, where, index, wi, wo)[0] for s in (first, other))
-    if not np.array_equal(a, b, equal_nan=True):
-        return False
-    if not first.closed_form:
-        return True
-    own, others = (finite.closed_albedo(s, where, wo) for s in (first, other))
-    return np.array_equal(own, others, equal_nan=True)
 
 
 def check_all(

@@ -1,40 +1,58 @@
-"""Directions and random numbers that break shading code, in float32."""
+"""Directions, parameters and random numbers that break shading code, in float32."""
 
 from __future__ import annotations
 
 import functools
 import itertools
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gonio.check.subject import directions
+from gonio.check.search import specialised
+from gonio.check.subject import Array, Subject, directions
+from gonio.check.variants import part_of
+from gonio.lang import MU_MIN
 
-# Cosines at which published listings divide by zero, cancel or leave their range; the smallest is a
-# float32 without its full digits (a denormal).
-COSINES = (0.0, 1e-42, 1e-30, 1e-7, 1e-6, 1e-4, 1e-3, 0.017, 0.1, 0.5, 0.9, 0.99986, 0.999999, 1.0)
+# Cosines at which published listings divide by zero, cancel or leave their range: both sides of where the
+# horizon begins, every second decade above it, and the smallest float32 of all (a denormal).
+COSINES = (
+    *(0.0, 1e-42, 1e-30, 1.1e-18, 1e-16, 1e-14, 1e-12, 1e-10, 1e-8, 1e-7, 1e-6, 1e-4, 1e-3),
+    *(0.017, 0.1, 0.5, 0.9, 0.99986, 0.999999, 1.0),
+)
 AZIMUTHS = (0.0, 1e-7, 1e-3, 0.5, 1.5707963, 1.5708, 2.0, 3.1414, 3.14159265)
 
 # The smallest and the largest float32 random numbers, and some between.
 RANDOM = (0.0, 2.0**-24, 1e-4, 0.25, 0.5, 0.75, 1 - 2.0**-24)
+
+# Coordinates of a hard case beside its parameters: two cosines, two azimuths, how wi lies to wo, and two
+# random numbers.
+EXTRA = 7
+
+# The smallest cosine of a search, and the smallest distance from the normal and the mirror direction, as
+# powers of ten.
+LOWEST, NEAREST = -17.9, -8.0
 
 
 @functools.cache
 def hard_pairs(lowest: float = 0.0) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Pairs (wi, wo) of every combination of the cosines and azimuths above, and more.
 
-    Among them: one or both in the horizon, wi = wo, and wi the mirror direction of wo, exactly. Cosines
-    between 0 and `lowest` are left out.
+    Among them: one or both in the horizon, wi = wo, and wi the mirror direction of wo, exactly. All are
+    turned about the normal by random angles. Cosines between 0 and `lowest` are left out.
     """
     cosines = [mu for mu in COSINES if mu == 0 or mu >= lowest]
     cases = itertools.product(cosines, cosines, AZIMUTHS)
     mu_i, mu_o, phi = np.array(list(cases)).T
-    wi = directions(mu_i, phi).astype(np.float32)
-    wo = directions(mu_o, 0 * phi).astype(np.float32)
     rng = np.random.default_rng(7)
+    # Every second one in the plane of x, where a term of y is exactly zero
+    turn = np.where(np.arange(len(phi)) % 2, 2 * np.pi * rng.random(len(phi)), 0)
+    wi = directions(mu_i, phi + turn).astype(np.float32)
+    wo = directions(mu_o, turn).astype(np.float32)
     turned = directions(rng.random(2000), 2 * np.pi * rng.random(2000)).astype(np.float32)
-    grazing = directions(10.0 ** np.linspace(-7, 0, 2000), np.linspace(0, 6, 2000))
+    grazing = directions(10.0 ** np.linspace(-17, 0, 2000), np.linspace(0, 60, 2000))
     grazing = grazing.astype(np.float32)
+    grazing = grazing[(grazing[:, 2] == 0) | (grazing[:, 2] >= lowest)]
     mirror = np.array([-1, -1, 1], np.float32)
     return (
         np.concatenate([wi, turned, turned * mirror, grazing, grazing * mirror]),
@@ -47,10 +65,127 @@ def hard_numbers(count: int, seed: int) -> NDArray[np.float32]:
     return np.random.default_rng(seed).choice(np.array(RANDOM, np.float32), (count, 2))
 
 
-def places(count: int, columns: int, seed: int) -> NDArray[np.float64]:
-    """Random places of parameters (count, columns), one in ten of them at an end."""
+def special_parts(subject: Subject) -> list[Array]:
+    """For every free number the parts of its range at which something may change."""
+    return [
+        np.unique(
+            [0.0, 1.0, *(float(part_of(f.declared, v)) for v in f.special)],
+        )
+        for f in subject.parameters
+    ]
+
+
+def hard_parameters(subject: Subject, count: int, seed: int) -> Array:
+    """Rows of parameters, (count, numbers): where models break, and everywhere else.
+
+    A tenth are the defaults; a fifth the defaults but for one or two numbers; the others are random, with
+    numbers at the ends of their ranges, at special values, beside them, equal to each other, and grey.
+    """
     rng = np.random.default_rng(seed)
-    t = rng.random((count, columns))
-    t[rng.random(t.shape) < 0.05] = 0
-    t[rng.random(t.shape) < 0.05] = 1
+    numbers = len(subject.parameters)
+    t = rng.random((count, numbers))
+    if not numbers:
+        return t
+    t = specialised(rng, t, special_parts(subject), 0.25)
+    # Channels of one colour
+    grey = rng.random(count) < 0.4
+    first = 0
+    for number, free in enumerate(subject.parameters):
+        first = number if free.channel == 0 else first
+        t[grey, number] = t[grey, first]
+    # Two numbers that are equal: differences of widths or indices vanish there
+    equal = np.flatnonzero(rng.random(count) < 0.1)
+    t[equal, rng.integers(0, numbers, len(equal))] = t[equal, rng.integers(0, numbers, len(equal))]
+    default = subject.default()
+    kind = rng.random(count)
+    varied = rng.random(t.shape) < 1.5 / numbers
+    t = np.where(((kind < 0.3)[:, None]) & ~varied, default, t)
+    t[kind < 0.1] = default
     return t
+
+
+@dataclass(frozen=True)
+class Cases:
+    """Rows of parameters with directions and random numbers that float32 can hold."""
+
+    parameters: Array
+    wi: Array
+    wo: Array
+    u: Array
+
+    def __len__(self) -> int:
+        """How many."""
+        return len(self.wi)
+
+
+def hard_cases(subject: Subject, points: Array, lowest: float = MU_MIN) -> Cases:
+    """The cases that points in [0, 1]^(numbers + EXTRA) stand for, for searches near what is singular.
+
+    Cosines between 0 and `lowest` are lifted to that.
+    """
+    count = len(subject.parameters)
+    t = points[:, count:]
+    wo = directions(_cosine(t[:, 0]), 2 * np.pi * _angle(t[:, 2]))
+    free = directions(_cosine(t[:, 1]), 2 * np.pi * (_angle(t[:, 2]) + _angle(t[:, 3])))
+    mirror = wo * np.array([-1.0, -1.0, 1.0])
+    # wi anywhere, as high as wo, near the mirror direction, or near wo
+    kind = np.minimum((4 * t[:, 4]).astype(int), 3)
+    level = free.copy()
+    flat = np.hypot(free[:, 0], free[:, 1])[:, None]
+    sine = np.hypot(wo[:, 0], wo[:, 1])[:, None]
+    level[:, :2] *= sine / np.maximum(flat, 1e-300)
+    level[:, 2] = wo[:, 2]
+    level = np.where(flat > 0, level, wo)
+    offset = 10.0 ** (NEAREST * t[:, 1, None]) * free
+    near = np.where((kind == 2)[:, None], mirror, wo) + offset
+    # Half of those are the mirror direction itself, whatever the offset
+    near = np.where((t[:, 1] > 0.95)[:, None], near - offset, near)
+    wi = np.where((kind == 0)[:, None], free, np.where((kind == 1)[:, None], level, near))
+    wi /= np.linalg.norm(wi, axis=1, keepdims=True)
+    u = _number(t[:, 5:7])
+    return Cases(
+        points[:, :count],
+        _single(wi, lowest),
+        _single(wo, lowest),
+        u.astype(np.float32).astype(float),
+    )
+
+
+def random_points(subject: Subject, count: int, seed: int) -> Array:
+    """Points for `hard_cases`, their parameters as `hard_parameters` has them."""
+    rng = np.random.default_rng(seed + 1)
+    return np.concatenate(
+        [hard_parameters(subject, count, seed), rng.random((count, EXTRA))], axis=1
+    )
+
+
+def _cosine(t: Array) -> Array:
+    """A third each: grazing by powers of ten, even, and near the normal by powers of ten."""
+    grazing = 10.0 ** (LOWEST + (0 - LOWEST) * 3 * np.minimum(t, 1 / 3))
+    normal = 1 - 0.5 * 10.0 ** (2 * NEAREST * np.maximum(3 * t - 2, 0))
+    found = np.where(t < 1 / 3, grazing, np.where(t < 2 / 3, 3 * t - 1, normal))
+    return np.where(t == 1, 1.0, np.clip(found, 0, 1))
+
+
+def _angle(t: Array) -> Array:
+    """A part of a full turn: half of them even, the others near multiples of a quarter."""
+    quarter = np.floor(8 * (t % 0.5)) / 4
+    within = 8 * (t % 0.5) - np.floor(8 * (t % 0.5))
+    near = quarter + np.where(within < 0.1, 0, 0.1 * 10.0 ** (-8 * within))
+    return np.where(t < 0.5, 2 * t, near)
+
+
+def _number(t: Array) -> Array:
+    """A random number: half of them even, the others near 0 and 1 by powers of two."""
+    low = 2.0 ** (-24 * np.minimum(4 * t, 1))
+    high = 1 - 2.0 ** (-24 * np.clip(4 * t - 3, 0, 1))
+    found = np.where(t < 0.25, low, np.where(t > 0.75, high, 2 * t - 0.5))
+    return np.minimum(np.where(t == 0, 0.0, found), 1 - 2.0**-24)
+
+
+def _single(w: Array, lowest: float) -> Array:
+    """Directions that float32 can hold; cosines between 0 and where the horizon begins are lifted."""
+    low = (w[:, 2] > 0) & (w[:, 2] <= lowest)
+    w = w.astype(np.float32).astype(np.float64)
+    w[low, 2] = float(np.float32(1.01 * lowest))
+    return w

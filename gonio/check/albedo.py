@@ -1,29 +1,32 @@
-"""Albedo: what the model says its integral is, closed form or quadrature, against adaptive integration."""
+"""Albedo: what the model says its integral is, closed form or quadrature, against adaptive integration.
+
+The adaptive integral's own error is estimated, stated, and never charged to the model. Numbers of
+`gonio.quadrature` are not the model's fault: they are shown, and judged only against a size that is
+documented.
+"""
 
 from __future__ import annotations
 
 import time
 
-import drjit as dr
 import numpy as np
 
-from gonio.check.energy import dimensions, precise, starts, viewer
-from gonio.check.finite import closed_albedo
-from gonio.check.report import FAIL, PASS, Effort, Finding, Report, judge
-from gonio.check.subject import (
-    ModelSubject,
-    Subject,
-    columns_of,
-    number_type,
-)
-from gonio.model import Model
+from gonio.check import hemisphere
+from gonio.check.adversarial import hard_parameters
+from gonio.check.energy import dimensions, starts, viewer
+from gonio.check.finite import closed_albedo, mean_albedo
+from gonio.check.report import FAIL, NOTE, PASS, UNSURE, Effort, Finding, Report, judge
+from gonio.check.subject import Array, Subject, directions
 
 # What closed forms may be off: the adaptive integral itself errs by 1.2e-5 where a kink meets a cell that
 # has no samples. Then what gonio.quadrature promises.
 CLOSED, NUMERIC = 2e-5, 3e-5
 
-# Means by closed forms are compared with Gauss's rule in the elevation.
-MEAN_NODES = 16
+# An integral that is good to no more than this tells nothing.
+BLURRED = 1e-3
+
+# Means by closed forms are compared with Gauss's rule in the elevation, and even steps in the azimuth.
+MEAN_NODES, MEAN_TURNS = 16, 6
 MEAN = 2e-5
 
 
@@ -31,73 +34,102 @@ def check(subject: Subject, effort: Effort) -> Report:
     """Directional albedos at points over the whole range, and means of a few."""
     start = time.perf_counter()
     findings = []
-    if isinstance(subject, ModelSubject):
+    if subject.albedos:
         findings = [_directional(subject, effort)]
-        if type(subject.model).mean_albedo is not Model.mean_albedo:
+        if subject.mean_closed:
             findings.append(_mean(subject))
     return Report("albedo", subject.name, tuple(findings), time.perf_counter() - start)
 
 
-def _directional(subject: ModelSubject, effort: Effort) -> Finding:
+def _directional(subject: Subject, effort: Effort) -> Finding:
     rng = np.random.default_rng(31)
-    count = 2 * effort.confirmed
-    points = rng.random((count, dimensions(subject)))
-    at_end = rng.random(points.shape) < 0.1
-    points = np.where(at_end, rng.integers(0, 2, points.shape), points)
+    closed = subject.albedos == "closed form"
+    # Closed forms cost nothing; the quadrature is not the model's
+    count = 2 * effort.confirmed if closed else effort.confirmed
+    points = np.concatenate(
+        [
+            hard_parameters(subject, count, 33),
+            rng.random((count, dimensions(subject) - len(subject.parameters))),
+        ],
+        axis=1,
+    )
     first = starts(subject)[:4]
-    points[: len(first)] = first
-    places, wo = viewer(subject, points)
+    points[: len(first)] = first[:count]
+    parameters, wo = viewer(subject, points)
     # Albedos are compared where they are not yet the horizon's limit
-    own = closed_albedo(subject, places, wo)
-    true = precise(subject, places, wo, 2e-6)
-    off = (np.abs(own - true) / np.maximum(np.abs(true), 1)).max(axis=1)
-    suspect = np.flatnonzero(~(off < 0.5 * CLOSED))
+    own = closed_albedo(subject, parameters, wo)
+    true, error = _integrals(subject, parameters, wo, 2e-6)
+    off = _off(own, true) - error
+    suspect = np.flatnonzero(~(off < 0.5 * CLOSED))[:SUSPECTS]
     if len(suspect):
-        again = precise(subject, places[suspect], wo[suspect], 1e-8)
-        difference = np.abs(own[suspect] - again) / np.maximum(np.abs(again), 1)
-        off[suspect] = difference.max(axis=1)
+        true[suspect], error[suspect] = _integrals(subject, parameters[suspect], wo[suspect], 1e-8)
+        off[suspect] = _off(own[suspect], true[suspect]) - error[suspect]
     row = int(np.argmax(np.where(np.isnan(off), np.inf, off)))
-    measured = float(off[row])
-    limit = CLOSED if subject.closed_form else NUMERIC
+    measured = float(np.maximum(off[row], 0)) if not np.isnan(off[row]) else float("nan")
+    limit = CLOSED if closed else NUMERIC
     # Whether a kink falls between two nodes is luck
-    verdict, text = judge(subject, "numeric_albedo", measured, limit=limit, searched=False)
-    case = (places[row], wo[row], wo[row])
-    kind = "closed form" if subject.closed_form else "quadrature"
+    verdict, text = judge(
+        subject, "numeric_albedo", measured, limit=limit, searched=False, effort=effort
+    )
+    text += (
+        f"; {subject.albedos}, compared with integrals good to {max(float(error.max()), 1e-9):.1g}"
+    )
+    if verdict == FAIL and not closed and subject.size("numeric_albedo") is None:
+        if not np.isnan(own[row]).any():
+            verdict = NOTE
+            text = (
+                f"gonio's quadrature errs by this, not the model: another albedo_rule may fit better, or "
+                f"numeric_albedo=at_most({measured:.1g}) in its claims tells users"
+            )
+    elif verdict == PASS and float(error[row]) > BLURRED:
+        verdict, text = UNSURE, f"the integral itself is good to {float(error[row]):.1g} only"
+    case = (parameters[row], wo[row], wo[row])
     return Finding(
-        "error of albedo",
-        measured,
-        verdict,
-        f"{text}; {kind}",
-        subject.tag(),
-        subject.replay(*case),
-        case,
+        "error of albedo", measured, verdict, text, subject.tag(), subject.replay(*case), case
     )
 
 
-def _mean(subject: ModelSubject) -> Finding:
+# At most so many albedos are integrated again with care.
+SUSPECTS = 6
+
+
+def _integrals(
+    subject: Subject, parameters: Array, wo: Array, tolerance: float
+) -> tuple[Array, Array]:
+    cut = hemisphere.partition(subject, parameters, wo)
+    found = hemisphere.integrate(subject, parameters, wo, cut, tolerance, albedo_only=True)
+    return found.total, found.error
+
+
+def _off(own: Array, true: Array) -> Array:
+    return np.asarray((np.abs(own - true) / np.maximum(np.abs(true), 1)).max(axis=1))
+
+
+def _mean(subject: Subject) -> Finding:
     """The closed form of the mean against the integral of the directional albedo."""
     x, w = np.polynomial.legendre.leggauss(MEAN_NODES)
     # Half of the nodes crowd in the horizon
     theta = np.concatenate([np.pi / 8 * (x + 1), np.pi / 2 - np.pi / 4 * ((x + 1) / 2) ** 3])
     w = np.concatenate([np.pi / 8 * w, np.pi / 4 * 3 / 2 * ((x + 1) / 2) ** 2 * w])
     weight = w * 2 * np.sin(theta) * np.cos(theta)
+    turns = 1 if subject.isotropic else MEAN_TURNS
     rng = np.random.default_rng(32)
-    places = np.stack([subject.default(), rng.random(len(subject.columns))])
-    worst = 0.0
-    for row in places:
-        wo = np.stack([np.sin(theta), 0 * theta, np.cos(theta)], -1)
-        E = precise(subject, np.tile(row, (len(theta), 1)), wo, 1e-6)
+    azimuth = 2 * np.pi * (np.repeat(np.arange(turns), len(theta)) / turns + 0.137)
+    wo = directions(np.tile(np.cos(theta), turns), azimuth)
+    weight = np.tile(weight / turns, turns)
+    rows = np.stack([subject.default(), rng.random(len(subject.parameters))])
+    worst, worst_row = 0.0, rows[0]
+    for row in rows:
+        E, _ = _integrals(subject, np.tile(row, (len(wo), 1)), wo, 1e-6)
         true = (E * weight[:, None]).sum(axis=0)
-        Float = number_type()
-        UInt = dr.uint32_array_t(Float)
-        model = subject.at(row[None], dr.zeros(UInt, 1), Float)
-        own = columns_of(
-            dr.replace_shape_t(Float, (3, -1))(model.mean_albedo()) + dr.zeros(Float, 1), Float
-        )[0]
-        worst = max(worst, float(np.abs(own - true).max()))
-    verdict, text = (PASS if worst <= MEAN else FAIL), f"at most {MEAN:g} is allowed; closed form"
+        own = mean_albedo(subject, row[None])[0]
+        off = float(np.abs(own - true).max())
+        if not off <= worst:
+            worst, worst_row = off, row
+    verdict = PASS if worst <= MEAN else FAIL
+    text = f"at most {MEAN:g} is allowed; closed form"
     up = np.array([0.0, 0.0, 1.0])
-    case = (places[-1], up, up)
+    case = (worst_row, up, up)
     return Finding(
         "error of mean albedo", worst, verdict, text, subject.tag(), subject.replay(*case), case
     )

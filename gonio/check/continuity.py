@@ -1,4 +1,4 @@
-"""Continuity: looks for places where the function or its slope jumps, and says which they are.
+"""Continuity: looks for parameters where the function or its slope jumps, and says which they are.
 
 wi moves along great circles; where the second difference stands out the step is made smaller and smaller.
 At a kink second differences shrink like the step, in a smooth place like its square, at a jump not at all.
@@ -13,15 +13,16 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from gonio.check.adversarial import places as random_places
+from gonio.check.adversarial import hard_parameters, special_parts
 from gonio.check.report import FAIL, KNOWN, PASS, Effort, Finding, Report
-from gonio.check.subject import Array, Subject, directions, evaluate, known_kinks
+from gonio.check.subject import Array, Subject, directions, evaluate
+from gonio.claims import Kink, Place, kink
 
 # Length of a path in radians, and its points.
 LENGTH, POINTS = 1.2, 193
 
 # Places of a path that are looked at closely, and how: so many times, each time so much closer.
-CANDIDATES, ZOOMS, CLOSER = 3, 5, 8
+CANDIDATES, ZOOMS, CLOSER = 3, 7, 8
 ZOOM_POINTS = 4 * CLOSER + 1
 
 # When the step is divided by CLOSER, the second difference over the step stays the same at a kink, is
@@ -45,7 +46,15 @@ FLAT = 1e-3
 # The lowest cosine of wi on a path.
 LOW = 1e-3
 
-DARK_RING = "dark ring at s = 0"
+# With so many paths a declared kink has to show.
+ENOUGH = 512
+
+# Walks along a parameter: how many for each effort's path, random steps of each, and how often the step
+# with the largest change is cut into CLOSER.
+WALKS, WALK_STEPS, WALK_ZOOMS = 4, 48, 14
+
+# The change over the last step, relative to the highest value, that is a jump.
+WALK_JUMP = 1e-4
 
 
 def check(subject: Subject, effort: Effort) -> Report:
@@ -53,29 +62,38 @@ def check(subject: Subject, effort: Effort) -> Report:
     start = time.perf_counter()
     if subject.float32:  # float32 has too few digits for small steps
         return Report("continuity", subject.name, (), 0.0)
-    found = find(subject, max(effort.population // 4, 64))
-    known = known_kinks(subject)
+    paths = max(effort.population // 4, 64)
+    found = [*find(subject, paths), *find_in_parameters(subject, max(paths // WALKS, 32))]
+    known = subject.kinks()
+    names = {entry.name for entry, _ in known}
+    # A dark ring of a model inside is no longer flat when something is added
+    names |= {kink(k.place).name for k, own in known if not own and k.kind == "dark ring"}
     findings = []
-    for kink in found:
-        declared = kink.name in known
-        text = "documented" if declared else "not declared: kinks=kink(...) in the model's claims"
-        case = (kink.places, kink.wi, kink.wo)
+    for seen in found:
+        declared = seen.kink.name in names
+        spelled = f"{seen.kink.kind}(Place.{seen.kink.place.name})"
+        if seen.kink.kind == "dark ring":
+            spelled = "dark_ring()"
+        text = "documented" if declared else f"not declared: kinks={spelled} in the model's claims"
+        what = "value" if seen.kink.kind == "jump" else "slope"
+        per = "" if what == "value" else " per radian"
+        case = (seen.parameters, seen.wi, seen.wo)
         findings.append(
             Finding(
-                kink.name,
-                kink.size,
+                seen.kink.name,
+                seen.size,
                 KNOWN if declared else FAIL,
-                f"{text}; slope jumps by this per radian, relative to the path's highest value",
+                f"{text}; {what} jumps by this{per}, relative to the highest value{seen.where}",
                 subject.tag(),
                 subject.replay(*case),
                 case,
             )
         )
-    names = [kink.name for kink in found]
-    for name in dict.fromkeys(known):
-        if name not in names and subject.whole:
-            text = "declared, but it is not found"
-            findings.append(Finding(name, 0.0, FAIL, text, subject.tag()))
+    seen_names = {seen.kink.name for seen in found}
+    own = {entry.name for entry, declared_here in known if declared_here}
+    for name in sorted(own - seen_names) if subject.whole and paths >= ENOUGH else ():
+        text = "declared, but it is not found"
+        findings.append(Finding(name, 0.0, FAIL, text, subject.tag()))
     if not findings:
         findings.append(Finding("kinks and jumps", 0.0, PASS, "smooth", subject.tag()))
     return Report("continuity", subject.name, tuple(findings), time.perf_counter() - start)
@@ -85,17 +103,19 @@ def check(subject: Subject, effort: Effort) -> Report:
 class Found:
     """The worst kink of one name."""
 
-    name: str
+    kink: Kink
     size: float
-    places: Array
+    parameters: Array
     wi: Array
     wo: Array
+    where: str = ""
+    """In words."""
 
 
 def find(subject: Subject, paths: int) -> list[Found]:
     """All kinks and jumps that show on so many random paths, the worst of each name."""
     rng = np.random.default_rng(51)
-    where = random_places(paths, len(subject.columns), 52)
+    where = hard_parameters(subject, paths, 52)
     wo = directions(0.05 + 0.94 * rng.random(paths), 2 * np.pi * rng.random(paths))
     middle = directions(0.1 + 0.85 * rng.random(paths), 2 * np.pi * rng.random(paths))
     # A third of the paths lead through the mirror direction's surroundings
@@ -134,7 +154,8 @@ def find(subject: Subject, paths: int) -> list[Found]:
         second = _second(values)
         peak = second.argmax(axis=1)
         centre = local[np.arange(len(row)), peak + 1]
-        sizes.append(second.max(axis=1) / step)
+        # Two neighbours together: how a kink lies between the points changes each, not the sum
+        sizes.append((second[:, :-1] + second[:, 1:]).max(axis=1) / step)
     return _named(subject, where, row, middle, across, wo, centre, step, sizes, values, highest)
 
 
@@ -185,17 +206,17 @@ def _named(
     level = highest[row] + 1e-12
     last = sizes[-1]
     growth = [b / np.maximum(a, 1e-300) for a, b in pairwise(sizes[-3:])]
-    jumps = np.all([g > JUMPING for g in growth], axis=0) & (last * step > JUMP * level)
+    jumps = np.all([g > JUMPING for g in growth], axis=0) & (0.5 * last * step > JUMP * level)
     steady = np.all([(g > STEADY) & (g < 1 / STEADY) for g in growth], axis=0)
     kinks = steady & (last > VISIBLE * level)
     wi = _on_path(middle[row], across[row], centre[:, None])[:, 0]
     v = wo[row]
     s = wi[:, 0] * v[:, 0] + wi[:, 1] * v[:, 1]
     near = {
-        "s = 0": np.abs(s),
-        "mu_i = mu_o": np.abs(wi[:, 2] - v[:, 2]),
-        "wi.wo = 0": np.abs(s + wi[:, 2] * v[:, 2]),
-        "a right angle to the mirror direction": np.abs(wi[:, 2] * v[:, 2] - s),
+        Place.SIDE_LIGHT: np.abs(s),
+        Place.EQUAL_COSINES: np.abs(wi[:, 2] - v[:, 2]),
+        Place.RIGHT_ANGLE: np.abs(s + wi[:, 2] * v[:, 2]),
+        Place.RIGHT_ANGLE_TO_MIRROR: np.abs(wi[:, 2] * v[:, 2] - s),
     }
     # Slopes on both sides of the kink, at the ends of the last look
     left = np.abs(values[:, 2] - values[:, 0]) / (2 * step)
@@ -203,12 +224,81 @@ def _named(
     flat = np.minimum(left, right) < FLAT * np.maximum(left, right)
     found: dict[str, Found] = {}
     for k in np.flatnonzero(kinks | jumps):
-        place = min(near, key=lambda name: float(near[name][k]))
-        at = place if near[place][k] < NEAR else "another place"
-        name = f"{'jump' if jumps[k] else 'kink'} at {at}"
-        if name == "kink at s = 0" and flat[k]:
-            name = DARK_RING
-        size = float(last[k] * (step if jumps[k] else 1.0) / level[k])
-        if name not in found or size > found[name].size:
-            found[name] = Found(name, size, where[row[k]], wi[k], v[k])
+        nearest = min(near, key=lambda place: float(near[place][k]))
+        place = nearest if near[nearest][k] < NEAR else Place.ELSEWHERE
+        kind = "jump" if jumps[k] else "kink"
+        if (kind, place) == ("kink", Place.SIDE_LIGHT) and flat[k]:
+            kind = "dark ring"
+        name = Kink(place, kind)
+        size = float(last[k] * (0.5 * step if jumps[k] else 1.0) / level[k])
+        if name.name not in found or size > found[name.name].size:
+            angle = np.degrees(np.arccos(np.clip(wi[k, 2], -1, 1)))
+            turn = np.degrees(np.arctan2(wi[k, 1], wi[k, 0]) - np.arctan2(v[k, 1], v[k, 0])) % 360
+            text = f"; where wi is at {angle:.5g} degrees, turned by {turn:.5g} from wo"
+            found[name.name] = Found(name, size, where[row[k]], wi[k], v[k], text)
     return [found[name] for name in sorted(found)]
+
+
+# --- along parameters ----------------------------------------------------------------------------
+
+
+def find_in_parameters(subject: Subject, walks: int) -> list[Found]:
+    """The largest jump of the value while one parameter changes, if there is one."""
+    numbers = len(subject.parameters)
+    if not numbers:
+        return []
+    rng = np.random.default_rng(53)
+    rows = hard_parameters(subject, walks, 54)
+    moved = np.arange(walks) % numbers
+    wo = directions(0.05 + 0.9 * rng.random(walks), 2 * np.pi * rng.random(walks))
+    wi = directions(0.05 + 0.9 * rng.random(walks), 2 * np.pi * rng.random(walks))
+    # Half of them within a lobe
+    near = wo * np.array([-1.0, -1.0, 1.0]) + 0.2 * wi
+    near /= np.linalg.norm(near, axis=1, keepdims=True)
+    wi = np.where((rng.random(walks) < 0.5)[:, None], near, wi)
+    special = special_parts(subject)
+    most = max(len(parts) for parts in special)
+    # Random steps, and steps from just below to just above every special value; the ends themselves are
+    # left out, where a model may be something else
+    steps = (np.arange(WALK_STEPS) + rng.random((walks, WALK_STEPS))) / WALK_STEPS
+    beside = np.stack([np.resize(special[n], most) for n in moved])
+    steps = np.concatenate([steps, beside - 1e-9, beside, beside + 1e-9], axis=1)
+    steps = np.sort(np.clip(steps, 1e-9, 1 - 1e-9), axis=1)
+    f = _walked(subject, rows, moved, wi, wo, steps)
+    level = np.nan_to_num(np.abs(f), nan=0.0).max(axis=(1, 2)) + 1e-12
+    low, high, change = _largest_step(steps, f)
+    for _ in range(WALK_ZOOMS):
+        inner = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, CLOSER + 1)
+        low, high, change = _largest_step(inner, _walked(subject, rows, moved, wi, wo, inner))
+    sizes = change / level
+    best = int(np.argmax(np.nan_to_num(sizes, nan=0.0)))
+    if not sizes[best] > WALK_JUMP:
+        return []
+    rows[best, moved[best]] = high[best]
+    free = subject.parameters[moved[best]]
+    value = subject.values(rows[best][None])[free.path][0]
+    text = f"; at {free.path} = {np.atleast_1d(value)[min(free.channel, np.size(value) - 1)]:.9g}"
+    here = Kink(Place.IN_A_PARAMETER, "jump")
+    return [Found(here, float(sizes[best]), rows[best], wi[best], wo[best], text)]
+
+
+def _walked(
+    subject: Subject, rows: Array, moved: NDArray[np.intp], wi: Array, wo: Array, steps: Array
+) -> Array:
+    """Values (walks, steps, 3) with one number of each row at the given parts of its range."""
+    each = steps.shape[1]
+    parameters = np.repeat(rows, each, axis=0)
+    parameters[np.arange(len(parameters)), np.repeat(moved, each)] = steps.ravel()
+    index = np.arange(len(parameters), dtype=np.uint32)
+    f, _ = evaluate(
+        subject, parameters, index, np.repeat(wi, each, axis=0), np.repeat(wo, each, axis=0)
+    )
+    return np.asarray(f.reshape(len(rows), each, 3))
+
+
+def _largest_step(steps: Array, f: Array) -> tuple[Array, Array, Array]:
+    """Begin, end and size of the step with the largest change of any channel."""
+    change = np.nan_to_num(np.abs(np.diff(f, axis=1)).max(axis=2), nan=0.0, posinf=0.0)
+    best = change.argmax(axis=1)
+    walk = np.arange(len(steps))
+    return steps[walk, best], steps[walk, best + 1], change[walk, best]

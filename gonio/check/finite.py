@@ -3,29 +3,36 @@
 from __future__ import annotations
 
 import time
+from dataclasses import dataclass
+from typing import Any
 
 import drjit as dr
 import numpy as np
 from numpy.typing import NDArray
 
-from gonio.check.adversarial import hard_numbers, hard_pairs, places
+from gonio.check.adversarial import (
+    EXTRA,
+    Cases,
+    hard_cases,
+    hard_numbers,
+    hard_pairs,
+    hard_parameters,
+    random_points,
+    special_parts,
+)
 from gonio.check.reciprocity import dimensions, pairs
 from gonio.check.report import FAIL, PASS, Effort, Finding, Report, judge
 from gonio.check.search import maximise
 from gonio.check.subject import (
     Array,
-    ModelSubject,
     Subject,
     columns_of,
-    directions,
     draw,
     evaluate,
-    known_size,
     number_type,
     stored,
     vectors,
 )
-from gonio.lang import MU_MIN
 
 # Far tails of a lobe are compared with this: D has few digits left below 1e-38, and the other factors,
 # 1 / (4 mu_i mu_o) for one, may be as large as 1e13.
@@ -46,84 +53,196 @@ RIM = 0.1
 # Values that pass through zero are compared with this instead, in 1/sr.
 ZERO_CROSSING = 0.03
 
-# The reported density is that of `pdf`, but for the roundings of wi in between.
-SAME_DENSITY = 1e-6
+# From so many hard cases on the whole list of hard pairs is affordable.
+FULL = 1024
+
+# Mean albedos are integrals of their own: fewer are tried.
+MEANS = 64
+
+NAMES = ("eval", "eval", "eval", "pdf", "albedo", "albedo", "albedo")
 
 
 def check(subject: Subject, effort: Effort) -> Report:
     """Values at hard directions, parameters and random numbers; the lowest one; float32 and float64."""
     start = time.perf_counter()
-    findings = [_finite(subject), _lowest(subject, effort)]
-    if isinstance(subject, ModelSubject):
+    findings = [_finite(subject, effort), _lowest(subject, effort)]
+    if subject.claiming and not subject.float32:
         findings.append(_precision(subject, effort))
     return Report("finite", subject.name, tuple(findings), time.perf_counter() - start)
 
 
-def _finite(subject: Subject) -> Finding:
-    """Count what is NaN or infinite; the first such case is shown."""
-    wi, wo = (w.astype(np.float64) for w in hard_pairs())
+# --- finite --------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Wrong:
+    """A case in which a method is not finite, or something else that is never allowed."""
+
+    what: str
+    precision: str
+    parameters: Array
+    wi: Array
+    wo: Array
+    u: Array
+    value: str
+
+
+def all_cases(subject: Subject, effort: Effort) -> Cases:
+    """The fixed list of hard pairs, and random hard cases."""
+    # Every third of them where little is affordable
+    step = 1 if effort.cases >= FULL else 3
+    wi, wo = (w.astype(np.float64)[::step] for w in hard_pairs())
     n = len(wi)
-    where = places(n, len(subject.columns), 4)
-    index = np.arange(n, dtype=np.uint32)
-    u = hard_numbers(n, 3).astype(np.float64)
-    bad: list[tuple[str, NDArray[np.intp]]] = []
-    with np.errstate(invalid="ignore", over="ignore"):
-        for single_precision in (True,) if subject.float32 else (True, False):
-            precision = "float32" if single_precision else "float64"
-            f, pdf = evaluate(
-                subject,
-                where,
-                index,
-                wi,
-                wo,
-                single_precision=single_precision,
-                rounded=True,
-            )
-            w, density = draw(subject, where, index, wo, u, single_precision=single_precision)
-            ok = {
-                "eval": np.isfinite(f).all(axis=1),
-                "pdf": np.isfinite(pdf) & (pdf >= 0),
-                "sample": np.isfinite(w).all(axis=1)
-                & (np.abs(np.linalg.norm(w.astype(np.float64), axis=1) - 1) < 1e-5)
-                & np.isfinite(density)
-                & (density >= 0),
-            }
-            if isinstance(subject, ModelSubject) and subject.closed_form:
-                E = closed_albedo(subject, where, wo, single_precision)
-                ok["albedo"] = np.isfinite(E).all(axis=1)
-            bad += [(f"{name} in {precision}", np.flatnonzero(~good)) for name, good in ok.items()]
-    count = sum(len(rows) for _, rows in bad)
-    if not count:
-        text = f"eval, pdf, sample{', albedo' if 'albedo' in ok else ''} finite at {n} hard cases"
-        return Finding("not finite", 0.0, PASS, text, subject.tag())
-    name, rows = next((name, rows) for name, rows in bad if len(rows))
-    row = rows[0]
-    names = ", ".join(dict.fromkeys(n for n, r in bad if len(r)))
-    case = (where[row], wi[row], wo[row])
-    text = f"of {n} hard cases: {names}; first {name} with u = {u[row].tolist()}"
-    return Finding(
-        "not finite", float(count), FAIL, text, subject.tag(), subject.replay(*case), case
+    more = hard_cases(subject, random_points(subject, effort.cases, 9))
+    return Cases(
+        np.concatenate([hard_parameters(subject, n, 4), more.parameters]),
+        np.concatenate([wi, more.wi]),
+        np.concatenate([wo, more.wo]),
+        np.concatenate([hard_numbers(n, 3).astype(np.float64), more.u]),
     )
 
 
+def _finite(subject: Subject, effort: Effort) -> Finding:
+    """Count what is NaN or infinite; the first such case is shown."""
+    cases = all_cases(subject, effort)
+    found: list[Wrong] = []
+    count = 0
+    for single_precision in (True,) if subject.float32 else (True, False):
+        wrong, number = not_finite(subject, cases, single_precision)
+        found += wrong
+        count += number
+    if not found:
+        # The largest value is searched for, in float32: it leads to where something overflows
+        points, _ = maximise(
+            lambda p: largest(subject, hard_cases(subject, p)),
+            len(subject.parameters) + EXTRA,
+            population=effort.cases,
+            rounds=effort.rounds // 2,
+            seed=14,
+            special=special_parts(subject),
+        )
+        found, count = not_finite(subject, hard_cases(subject, points[:64]), True)
+    if not count:
+        albedo = ", albedo" if subject.albedos == "closed form" else ""
+        text = f"eval, pdf, sample{albedo} finite at {len(cases)} hard cases and in a search"
+        return Finding("not finite", 0.0, PASS, text, subject.tag())
+    first = found[0]
+    names = ", ".join(dict.fromkeys(f"{w.what} in {w.precision}" for w in found))
+    case = (first.parameters, first.wi, first.wo)
+    sampled = first.what == "sample"
+    replay = subject.replay(
+        *case, double=first.precision == "float64", u=first.u if sampled else None
+    )
+    text = f"of {len(cases)} hard cases: {names}; first {first.what} = {first.value}"
+    return Finding("not finite", float(count), FAIL, text, subject.tag(), replay, case)
+
+
+def not_finite(subject: Subject, cases: Cases, single_precision: bool) -> tuple[list[Wrong], int]:
+    """The first case of each kind in which a method is not what it may be, and how many there are."""
+    n = len(cases)
+    index = np.arange(n, dtype=np.uint32)
+    results: dict[str, tuple[Any, NDArray[Any]]] = {}
+    with np.errstate(invalid="ignore", over="ignore"):
+        f, pdf = evaluate(
+            subject,
+            cases.parameters,
+            index,
+            cases.wi,
+            cases.wo,
+            single_precision=single_precision,
+            rounded=True,
+        )
+        w, density = draw(
+            subject, cases.parameters, index, cases.wo, cases.u, single_precision=single_precision
+        )
+        length = np.linalg.norm(w.astype(np.float64), axis=1)
+        results["eval"] = np.isfinite(f).all(axis=1), f
+        results["pdf"] = np.isfinite(pdf) & (pdf >= 0), pdf
+        results["sample"] = (
+            (
+                np.isfinite(w).all(axis=1)
+                & (np.abs(length - 1) < 1e-5)
+                & np.isfinite(density)
+                & (density >= 0)
+            ),
+            np.concatenate([w, density[:, None]], axis=1),
+        )
+        if subject.albedos == "closed form":
+            E = closed_albedo(subject, cases.parameters, cases.wo, single_precision)
+            results["albedo"] = np.isfinite(E).all(axis=1), E
+        if subject.mean_closed:
+            E = mean_albedo(subject, cases.parameters[:: max(n // MEANS, 1)], single_precision)
+            E = np.repeat(E, max(n // MEANS, 1), axis=0)[:n]
+            results["mean albedo"] = np.isfinite(E).all(axis=1), E
+    precision = "float32" if single_precision else "float64"
+    wrong = []
+    for what, (good, value) in results.items():
+        for row in np.flatnonzero(~good)[:1]:
+            shown = ", ".join(f"{x:.6g}" for x in np.atleast_1d(value[row]))
+            wrong.append(
+                Wrong(
+                    what,
+                    precision,
+                    cases.parameters[row],
+                    cases.wi[row],
+                    cases.wo[row],
+                    cases.u[row],
+                    shown,
+                )
+            )
+    return wrong, sum(int(np.count_nonzero(~good)) for good, _ in results.values())
+
+
+def largest(subject: Subject, cases: Cases) -> Array:
+    """The largest value or density of each case in float32, as a power of ten; infinite if not finite."""
+    index = np.arange(len(cases), dtype=np.uint32)
+    with np.errstate(invalid="ignore", over="ignore"):
+        f, pdf = evaluate(
+            subject,
+            cases.parameters,
+            index,
+            cases.wi,
+            cases.wo,
+            single_precision=True,
+            rounded=True,
+        )
+        top = np.maximum(np.abs(f).max(axis=1), np.abs(pdf)).astype(np.float64)
+    return np.where(np.isfinite(top), np.log10(np.maximum(top, 1e-45)), np.inf)
+
+
 def closed_albedo(
-    subject: ModelSubject, where: Array, wo: Array, single_precision: bool = False
+    subject: Subject, parameters: Array, wo: Array, single_precision: bool = False
 ) -> NDArray[np.float64]:
-    """The model's own albedo (n, 3) at n points."""
+    """The model's own albedo (n, 3) at n rows of parameters."""
     Float = number_type(single_precision)
     UInt = dr.uint32_array_t(Float)
-    model = subject.at(where, dr.arange(UInt, len(where)), Float, single_precision)
+    index = dr.arange(UInt, len(parameters))
+    model = subject.at(parameters, index, Float, single_precision)
     E = dr.replace_shape_t(Float, (3, -1))(model.albedo(vectors(Float, wo)))
-    E = E + dr.zeros(Float, len(where))
+    E = E + dr.zeros(Float, len(parameters))
     return columns_of(E, Float).astype(np.float64)
 
 
+def mean_albedo(
+    subject: Subject, parameters: Array, single_precision: bool = False
+) -> NDArray[np.float64]:
+    """The model's own mean albedo (n, 3)."""
+    Float = number_type(single_precision)
+    UInt = dr.uint32_array_t(Float)
+    model = subject.at(parameters, dr.arange(UInt, len(parameters)), Float, single_precision)
+    E = dr.replace_shape_t(Float, (3, -1))(model.mean_albedo()) + dr.zeros(Float, len(parameters))
+    return columns_of(E, Float).astype(np.float64)
+
+
+# --- not negative --------------------------------------------------------------------------------
+
+
 def _lowest(subject: Subject, effort: Effort) -> Finding:
-    """The most negative value, by search, times pi."""
+    """The most negative value, by search, times pi; in float32 as well."""
 
     def depth(points: Array) -> Array:
-        where, wi, wo = pairs(subject, points)
-        f, _ = evaluate(subject, where, np.arange(len(where), dtype=np.uint32), wi, wo)
+        parameters, wi, wo = pairs(subject, points)
+        f, _ = evaluate(subject, parameters, np.arange(len(wi), dtype=np.uint32), wi, wo)
         return np.asarray(-np.pi * f.min(axis=1))
 
     points, values = maximise(
@@ -132,129 +251,157 @@ def _lowest(subject: Subject, effort: Effort) -> Finding:
         population=effort.population,
         rounds=effort.rounds,
         seed=12,
+        special=special_parts(subject),
     )
-    where, wi, wo = pairs(subject, points[:1])
-    lowest = float(values[0]) if values[0] > 0 else 0.0
+    parameters, wi, wo = pairs(subject, points[:1])
+    case = (parameters[0], wi[0], wo[0])
+    lowest = max(float(values[0]), 0.0) if not np.isinf(values[0]) else float("nan")
+    double = True
+    if lowest == 0 and not subject.float32:
+        cases = all_cases(subject, effort)
+        f, _ = evaluate(
+            subject,
+            cases.parameters,
+            np.arange(len(cases), dtype=np.uint32),
+            cases.wi,
+            cases.wo,
+            single_precision=True,
+            rounded=True,
+        )
+        below = -np.pi * f.min(axis=1)
+        row = int(np.argmax(np.nan_to_num(below, nan=0.0)))  # NaN has been reported
+        if below[row] > 0:
+            lowest, double = float(below[row]), False
+            case = (cases.parameters[row], cases.wi[row], cases.wo[row])
     # Roundings of a lobe that ends in zero
-    verdict, text = judge(subject, "negative", lowest, limit=1e-12)
-    case = (where[0], wi[0], wo[0])
+    verdict, text = judge(subject, "negative", lowest, limit=1e-12, effort=effort)
     return Finding(
         "below zero, times pi",
         lowest,
         verdict,
-        text,
+        text if double else f"{text}; in float32",
         subject.tag(),
-        subject.replay(*case),
+        subject.replay(*case, double=double),
         case,
     )
 
 
-def _precision(subject: ModelSubject, effort: Effort) -> Finding:
-    """The largest relative error of float32 against float64, on the same float32 inputs."""
-    # The squares of smaller cosines are below the smallest float32
-    hard_i, hard_o = hard_pairs(MU_MIN)
-    rng = np.random.default_rng(1)
-    count = effort.pairs
-    random = [
-        directions(rng.random(count), 2 * np.pi * rng.random(count)).astype(np.float32)
-        for _ in range(2)
-    ]
-    wi, wo = np.concatenate([hard_i, random[0]]), np.concatenate([hard_o, random[1]])
-    where = places(len(wi), len(subject.columns), 5)
-    index = np.arange(len(wi), dtype=np.uint32)
-    wi64, wo64 = wi.astype(np.float64), wo.astype(np.float64)
-    with np.errstate(invalid="ignore", over="ignore"):
-        low = _values(subject, where, index, wi64, wo64, single_precision=True)
-        high = _values(subject, where, index, wi64, wo64, single_precision=False)
-        error = np.abs(low - high)
-        # A float32 ends at 1e-38
-        scale = np.where(np.abs(high) > 0, np.maximum(np.abs(high), FAR_TAIL), 1)
-        if known_size(subject, "negative") is not None:
-            scale[:, :3] = np.maximum(scale[:, :3], ZERO_CROSSING)
-        if known_size(subject, "unreached") is not None:
-            scale[:, 3] = np.maximum(scale[:, 3], RIM)
-        # What is not finite has been reported
-        error = np.where(np.isfinite(error), error, 0)
-        rows = np.flatnonzero((error > 0.5 * FLOAT32 * scale).any(axis=1))
-        if len(rows):
-            effect = _rounding_effect(subject, where[rows], wi64[rows], wo64[rows], high[rows])
-            error[rows] = np.maximum(error[rows] - ROUNDINGS * effect, 0)
-        error = error / scale
-    row, column = np.unravel_index(error.argmax(), error.shape)
-    measured = float(error[row, column])
-    verdict, text = judge(subject, "float32", measured, limit=FLOAT32, searched=False)
-    name = ("eval", "eval", "eval", "pdf", "albedo", "albedo", "albedo")[column]
-    case = (where[row], wi64[row], wo64[row])
+# --- float32 -------------------------------------------------------------------------------------
+
+
+def _precision(subject: Subject, effort: Effort) -> Finding:
+    """The largest relative error of float32 against float64, on the same float32 inputs, by search."""
+    points, _ = maximise(
+        lambda p: float32_error(subject, hard_cases(subject, p)).max(axis=1),
+        len(subject.parameters) + EXTRA,
+        population=effort.pairs,
+        rounds=effort.rounds,
+        seed=15,
+        starts=random_points(subject, effort.pairs // 2, 5),
+        special=special_parts(subject),
+    )
+    cases = hard_cases(subject, points[:1])
+    error = float32_error(subject, cases)[0]
+    column = int(error.argmax())
+    measured = float(error[column])
+    verdict, text = judge(
+        subject, "float32", measured, limit=FLOAT32, searched=False, effort=effort
+    )
+    case = (cases.parameters[0], cases.wi[0], cases.wo[0])
     return Finding(
         "float32 error",
         measured,
         verdict,
-        f"{text}; {name}",
+        f"{text}; {NAMES[column]}",
         subject.tag(),
-        subject.replay(*case),
+        subject.replay(*case, double=False),
         case,
     )
 
 
+def float32_error(subject: Subject, cases: Cases) -> Array:
+    """Relative errors (n, 4 or 7) of BRDF, density and closed-form albedo in float32.
+
+    What a few roundings of the parameters or of the directions' length change is left out: no formula could
+    do better with such inputs. What is not finite counts as no error; another finding reports it.
+    """
+    with np.errstate(invalid="ignore", over="ignore"):
+        low = _values(subject, cases, single_precision=True)
+        high = _values(subject, cases, single_precision=False)
+        error = np.abs(low - high)
+        # A float32 ends at 1e-38
+        scale = np.where(np.abs(high) > 0, np.maximum(np.abs(high), FAR_TAIL), 1)
+        if subject.size("negative") is not None:
+            scale[:, :3] = np.maximum(scale[:, :3], ZERO_CROSSING)
+        if subject.size("unreached") is not None:
+            scale[:, 3] = np.maximum(scale[:, 3], RIM)
+        error = np.where(np.isfinite(error), error, 0)
+        rows = np.flatnonzero((error > 0.5 * FLOAT32 * scale).any(axis=1))
+        if len(rows):
+            few = Cases(cases.parameters[rows], cases.wi[rows], cases.wo[rows], cases.u[rows])
+            effect = _rounding_effect(subject, few, high[rows])
+            error[rows] = np.maximum(error[rows] - ROUNDINGS * effect, 0)
+        relative = error / scale
+    return np.where(np.isfinite(relative), relative, 0)
+
+
 def _values(
-    subject: ModelSubject,
-    where: Array,
-    index: NDArray[np.uint32],
-    wi: Array,
-    wo: Array,
+    subject: Subject,
+    cases: Cases,
     *,
     single_precision: bool,
-    scaled: dict[int, float] | None = None,
+    moved: int | None = None,
+    shorter: float = 1.0,
 ) -> NDArray[np.float64]:
-    """BRDF, density and closed-form albedo, one column each."""
-    f, pdf = evaluate(
-        subject, where, index, wi, wo, single_precision=single_precision, rounded=True
+    """BRDF, density and closed-form albedo, one column each; for parameters that float32 can hold.
+
+    Args:
+        subject: what is evaluated.
+        cases: where.
+        single_precision: in float32.
+        moved: a number of the parameters to change by half a float32 epsilon, inside its range.
+        shorter: a factor for both directions.
+    """
+    Float = number_type(single_precision)
+    values = subject.values(cases.parameters, rounded=True)
+    if moved is not None:
+        free = subject.parameters[moved]
+        value = values[free.path]
+        one = value if value.ndim == 1 else value[:, free.channel]
+        up = one * (1 + 2.0**-24)
+        inside = (up >= free.declared.lowest) & (up <= free.declared.highest)
+        new = np.where(inside, up, one * (1 - 2.0**-24))
+        if value.ndim == 1:
+            values[free.path] = new
+        else:
+            values[free.path] = value.copy()
+            values[free.path][:, free.channel] = new
+    model = subject.bound(
+        {
+            path: vectors(Float, v) if v.ndim == 2 else stored(Float, v)
+            for path, v in values.items()
+        },
+        Float,
     )
-    columns = [f.astype(np.float64), pdf.astype(np.float64)[:, None]]
-    if subject.closed_form:
-        Float = number_type(single_precision)
-        UInt = dr.uint32_array_t(Float)
-        model = subject.at(where, stored(UInt, index), Float, True)
-        E = dr.replace_shape_t(Float, (3, -1))(model.albedo(vectors(Float, wo)))
-        columns.append(columns_of(E + dr.zeros(Float, len(wo)), Float).astype(np.float64))
+    Vec = dr.replace_shape_t(Float, (3, -1))
+    wi, wo = vectors(Float, cases.wi * shorter), vectors(Float, cases.wo * shorter)
+    zero = dr.zeros(Float, len(cases))
+    f, pdf = Vec(model.eval(wi, wo)) + zero, Float(model.pdf(wi, wo)) + zero
+    parts = [f, pdf]
+    if subject.albedos == "closed form":
+        parts.append(Vec(model.albedo(wo)) + zero)
+    dr.eval(parts)
+    columns = [columns_of(f, Float).astype(np.float64), pdf.numpy().astype(np.float64)[:, None]]
+    if len(parts) == 3:
+        columns.append(columns_of(parts[2], Float).astype(np.float64))
     return np.concatenate(columns, axis=1)
 
 
-def _rounding_effect(
-    subject: ModelSubject, where: Array, wi: Array, wo: Array, value: Array
-) -> Array:
-    """Change of the values in float64 by half a float32 epsilon in each parameter, in |wi| and in |wo|."""
-    n, parameters = len(where), len(subject.columns)
-    shorter = 1 - 2.0**-24
-    total = np.zeros_like(value)
-    index = np.arange(n, dtype=np.uint32)
-    changed = _values(subject, where, index, wi * shorter, wo * shorter, single_precision=False)
-    total += np.abs(changed - value)
-    for column in range(parameters):
-        moved = _Moved(subject, column)
-        changed = _values(moved, where, index, wi, wo, single_precision=False)
+def _rounding_effect(subject: Subject, cases: Cases, value: Array) -> Array:
+    """Change of the values in float64 by half a float32 epsilon in each parameter and in both lengths."""
+    changed = _values(subject, cases, single_precision=False, shorter=1 - 2.0**-24)
+    total = np.abs(changed - value)
+    for number in range(len(subject.parameters)):
+        changed = _values(subject, cases, single_precision=False, moved=number)
         total += np.abs(changed - value)
-    return total
-
-
-class _Moved(ModelSubject):
-    """A model with one number moved by half a float32 epsilon, away from an end of its range."""
-
-    def __init__(self, subject: ModelSubject, column: int) -> None:
-        super().__init__(subject.model, subject.fixed, subject.label)
-        self.moved = self.columns[column]
-
-    def values(self, places: Array, rounded: bool = False) -> dict[str, Array]:
-        """As those of the model, but one."""
-        found = super().values(places, rounded)
-        path, channel, declared = self.moved.path, self.moved.channel, self.moved.declared
-        value = found[path] if declared.width == 1 else found[path][:, channel]
-        up = value * (1 + 2.0**-24)
-        inside = (up >= declared.lowest) & (up <= declared.highest)
-        new = np.where(inside, up, value * (1 - 2.0**-24))
-        if declared.width == 1:
-            found[path] = new
-        else:
-            found[path] = found[path].copy()
-            found[path][:, channel] = new
-        return found
+    return np.asarray(total)

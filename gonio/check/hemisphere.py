@@ -5,7 +5,8 @@ quarter turns), v its slope,
 spaced evenly in asinh(slope / SLOPE_SCALE) up to where wi meets the horizon. A mirror's lobe of any width
 then takes up a fair share of the unit square. The square is first cut into cells that the model's own
 samples fill equally (so that a lobe anywhere is seen), and cells are cut again until Lobatto's rule has
-converged.
+converged. Where a sampler sends its samples back to wo rather than to the mirror direction, the chart is
+turned by half a turn about the normal.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ LEVELS = 22
 
 # At most so many cells of a point are cut at once, those along a jump double with every cut; and with
 # tolerances below CAREFUL.
-OPEN, OPEN_CAREFUL = 3000, 30000
+OPEN, OPEN_CAREFUL = 3000, 12000
 
 # With tolerances below this every cell is cut twice at least.
 CAREFUL = 5e-7
@@ -78,8 +79,11 @@ def _reach(wo: Any, c: Any) -> tuple[Any, Any]:
     return toward, dr.asinh(last / SLOPE_SCALE)
 
 
-def chart(wo: Any, u: Any, v: Any) -> tuple[Any, Any]:
-    """The direction wi at a place of the unit square, and the solid angle per area there."""
+def chart(wo: Any, u: Any, v: Any, side: Any = 1) -> tuple[Any, Any]:
+    """The direction wi at a point of the unit square, and the solid angle per area there.
+
+    `side` is 1 for a chart around the mirror direction, -1 for one around wo.
+    """
     phi, turn = _crowd(u)
     s, c = dr.sin(phi), dr.cos(phi)
     toward, end = _reach(wo, c)
@@ -92,6 +96,7 @@ def chart(wo: Any, u: Any, v: Any) -> tuple[Any, Any]:
     Vec = type(wo)
     m = Vec(t * cos_m * (c * ax - s * ay), t * cos_m * (c * ay + s * ax), cos_m)
     wi = 2 * cos_h * m - wo
+    wi = Vec(side * wi.x, side * wi.y, wi.z)
     # dωi = 4 (wo · m) dm, and dm = t cos³θm dt dφ
     return wi, 4 * cos_h * t * cos_m * cos_m * cos_m * dt * turn
 
@@ -119,9 +124,9 @@ def _uncrowd(turn: Any) -> Any:
     return (quarter + dr.select(from_below, 1 - x, x)) / 4
 
 
-def unchart(wo: Any, wi: Any) -> tuple[Any, Any]:
-    """The place of a direction in the unit square: the inverse of `chart`."""
-    h = wi + wo
+def unchart(wo: Any, wi: Any, side: Any = 1) -> tuple[Any, Any]:
+    """The point of a direction in the unit square: the inverse of `chart`."""
+    h = type(wo)(side * wi.x + wo.x, side * wi.y + wo.y, wi.z + wo.z)
     ax, ay = axes(wo)
     x, y = h.x * ax + h.y * ay, h.y * ax - h.x * ay
     radius = dr.sqrt(x * x + y * y)
@@ -138,33 +143,38 @@ class Partition:
     """The unit square of each point cut into cells: boxes, and the cuts as trees to find them again."""
 
     boxes: Array
-    """u from, u to, v from, v to: (points, CELLS, 4)."""
+    """u from, u to, v from, v to: (points, cells, 4)."""
     cuts: Array
-    """Where each node of the tree is cut, breadth first: (points, CELLS - 1)."""
+    """Where each node of the tree is cut, breadth first: (points, cells - 1)."""
     probes: Array
     """Places of the samples, (n, 2), sorted by their cells."""
     cell: NDArray[np.intp]
     """The cell of each of them, counted through all points."""
+    side: Array
+    """1 where the chart is around the mirror direction, -1 where it is around wo, (points,)."""
 
 
-def partition(subject: Subject, places: Array, wo: Array) -> Partition:
-    """Cut the square of every point so that the model's samples fill all cells equally."""
-    points = len(places)
-    index = repeated(points, PROBES)
-    u = np.tile(even(PROBES), (points, 1))
-    wi, pdf = draw(subject, places, index, wo[index], u)
+def partition(
+    subject: Subject, parameters: Array, wo: Array, depth: int = DEPTH, probes: int = PROBES
+) -> Partition:
+    """Cut the square of every point into 2^depth cells that the model's samples fill equally."""
+    points = len(parameters)
+    index = repeated(points, probes)
+    u = np.tile(even(probes), (points, 1))
+    wi, pdf = draw(subject, parameters, index, wo[index], u)
     Float = number_type()
-    a, b = unchart(vectors(Float, wo[index]), vectors(Float, wi))
-    coordinates = np.stack([a.numpy(), b.numpy()], -1).reshape(points, PROBES, 2)
-    lost = ~(pdf.reshape(points, PROBES) > 0) | ~np.isfinite(coordinates).all(-1)
+    side = _sides(wo, wi.reshape(points, probes, 3), pdf.reshape(points, probes))
+    a, b = unchart(vectors(Float, wo[index]), vectors(Float, wi), stored(Float, side[index]))
+    coordinates = np.stack([a.numpy(), b.numpy()], -1).reshape(points, probes, 2)
+    lost = ~(pdf.reshape(points, probes) > 0) | ~np.isfinite(coordinates).all(-1)
     lost[:, ::4] = True
-    coordinates = np.where(lost[..., None], even(PROBES)[::-1][None], coordinates)
+    coordinates = np.where(lost[..., None], even(probes)[::-1][None], coordinates)
     coordinates = np.concatenate([coordinates, lost[..., None]], axis=-1)
 
-    groups = coordinates.reshape(points, 1, PROBES, 3)
+    groups = coordinates.reshape(points, 1, probes, 3)
     boxes = np.tile(np.array([0.0, 1.0, 0.0, 1.0]), (points, 1, 1))
     cuts = []
-    for level in range(DEPTH):
+    for level in range(depth):
         axis = level % 2
         order = np.argsort(groups[..., axis], axis=-1)
         groups = np.take_along_axis(groups, order[..., None], axis=2)
@@ -181,10 +191,26 @@ def partition(subject: Subject, places: Array, wo: Array) -> Partition:
         boxes = np.stack([lower, upper], 2).reshape(points, -1, 4)
         groups = groups.reshape(points, -1, half, 3)
     drawn = groups[..., 2].ravel() == 0
-    cell = np.repeat(np.arange(points * CELLS), PROBES // CELLS)
+    cell = np.repeat(np.arange(points * 2**depth), probes // 2**depth)
     return Partition(
-        boxes, np.concatenate(cuts, axis=1), groups.reshape(-1, 3)[drawn, :2], cell[drawn]
+        boxes, np.concatenate(cuts, axis=1), groups.reshape(-1, 3)[drawn, :2], cell[drawn], side
     )
+
+
+def _sides(wo: Array, wi: Array, pdf: Array) -> Array:
+    """-1 for the points whose samples keep nearer to wo than to its mirror direction."""
+    drawn = pdf > 0
+    back = np.einsum("pnk,pk->pn", wi, wo)
+    mirror = np.einsum("pnk,pk->pn", wi, wo * np.array([-1.0, -1.0, 1.0]))
+    # Median distances: a few stray samples count little
+    with np.errstate(invalid="ignore"):
+        far_back = np.median(np.where(drawn, 1 - back, 1.0), axis=1)
+        far_mirror = np.median(np.where(drawn, 1 - mirror, 1.0), axis=1)
+    return np.where(far_back < RETRO * far_mirror, -1.0, 1.0)
+
+
+# A lobe is one around wo if half of its samples are so many times nearer to it.
+RETRO = 0.5
 
 
 def cell_of(cuts: Any, tree: Any, u: Any, v: Any) -> Any:
@@ -207,7 +233,7 @@ COLUMNS = 7
 
 @dataclass(frozen=True)
 class Integrals:
-    """Integrals over every cell, (points, CELLS, COLUMNS), and bounds of the points' errors."""
+    """Integrals over every cell, (points, cells, COLUMNS), and bounds of the points' errors."""
 
     cells: Array
     error: Array
@@ -221,7 +247,7 @@ class Integrals:
 
 def integrate(
     subject: Subject,
-    places: Array,
+    parameters: Array,
     wo: Array,
     cut: Partition,
     tolerance: float = 2e-6,
@@ -241,14 +267,16 @@ def integrate(
     root = np.arange(points * count)
     box = cut.boxes.reshape(-1, 4)
     probe, cell = cut.probes, cut.cell
-    coarse = _cells(subject, places, wo, root // count, box, width)
+    coarse = _cells(subject, parameters, wo, cut.side, root // count, box, width)
     limit = tolerance / np.sqrt(count)
     # A kink near a cell's corner may lie beside all nodes of one cut
     first = 1 if tolerance < CAREFUL else 0
     allowed = points * (OPEN_CAREFUL if tolerance < CAREFUL else OPEN)
     for level in range(levels):
         children = _split(box)
-        fine = _cells(subject, places, wo, np.repeat(root // count, 4), children, width)
+        fine = _cells(
+            subject, parameters, wo, cut.side, np.repeat(root // count, 4), children, width
+        )
         summed = fine.reshape(-1, 4, width).sum(axis=1)
         change = np.abs(summed - coarse)[:, :4].max(axis=1)
         # Not a comparison with >, which NaN would pass
@@ -326,8 +354,9 @@ _NODE_W = np.outer(_W / 2, _W / 2).ravel()
 
 def _cells(
     subject: Subject,
-    places: Array,
+    parameters: Array,
     wo: Array,
+    side: Array,
     point: NDArray[np.intp],
     box: Array,
     width: int,
@@ -337,14 +366,17 @@ def _cells(
     parts = []
     for start in range(0, len(box), BATCH // each):
         part = slice(start, start + BATCH // each)
-        parts.append(_rule(subject, places, wo, point[part].astype(np.uint32), box[part], width))
+        parts.append(
+            _rule(subject, parameters, wo, side, point[part].astype(np.uint32), box[part], width)
+        )
     return np.concatenate(parts)
 
 
 def _rule(
     subject: Subject,
-    places: Array,
+    parameters: Array,
     wo: Array,
+    side: Array,
     point: NDArray[np.uint32],
     box: Array,
     width: int,
@@ -360,9 +392,10 @@ def _rule(
     a, b, w = (dr.gather(Float, stored(Float, n), node) for n in (_NODE_U, _NODE_V, _NODE_W))
     Vec = dr.replace_shape_t(Float, (3, -1))
     wo_ = Vec(*(dr.gather(Float, stored(Float, c), index) for c in wo.T))
-    wi, solid = chart(wo_, u0 + (u1 - u0) * a, v0 + (v1 - v0) * b)
+    turned = dr.gather(Float, stored(Float, side), index)
+    wi, solid = chart(wo_, u0 + (u1 - u0) * a, v0 + (v1 - v0) * b, turned)
     solid = solid * ((u1 - u0) * (v1 - v0) * w)
-    model = subject.at(places, index, Float)
+    model = subject.at(parameters, index, Float)
     f = Vec(model.eval(wi, wo_))
     cosine = dr.maximum(wi.z, 0)
     sums = [f.x * cosine, f.y * cosine, f.z * cosine]

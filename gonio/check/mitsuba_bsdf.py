@@ -1,8 +1,10 @@
 """Any Mitsuba BSDF as a subject of the checks: Mitsuba's own plug-ins, and those of others.
 
-Its reflection is checked, without mirrors (delta lobes are no functions) and without transmission. Mitsuba
-has the directions the other way round and multiplies by the cosine; this file undoes both. It computes in
-single precision, which the checks allow for.
+Its reflection is checked in Mitsuba's default context, as an integrator uses it. Samples of mirrors (delta
+lobes are no functions) and transmitted ones count as samples without a direction, and so do their parts of
+the probability. Textures are looked at all over: uv are free parameters then. Mitsuba has the
+directions the other way round and multiplies by the cosine; this file undoes both. It computes in single
+precision, which the checks allow for.
 """
 
 from __future__ import annotations
@@ -18,8 +20,12 @@ import numpy as np
 
 from gonio import backend
 from gonio.check.report import NOTE, Finding, Report
-from gonio.check.subject import Array, Column
-from gonio.claims import Claims
+from gonio.check.subject import Array, FreeNumber, Size, stored
+from gonio.claims import Claims, Kink, WhiteFurnace
+from gonio.fields import Parameter
+
+# Hair's plug-ins are called so.
+FIBRES = "hair"
 
 # Divides f cos(theta_i); far below any cosine that float32 directions of the search have.
 COSINE_MIN = 1e-30
@@ -28,12 +34,15 @@ COSINE_MIN = 1e-30
 class MitsubaSubject:
     """A Mitsuba BSDF with the parameters it was given."""
 
-    columns: tuple[Column, ...] = ()
     claims = Claims()
+    claiming = False
     chosen: Mapping[str, str] = {}
     isotropic = False  # not known beforehand
     whole = False
     float32 = True
+    differentiable = False
+    albedos = ""
+    mean_closed = False
 
     def __init__(self, description: str) -> None:
         """Load a BSDF.
@@ -52,56 +61,109 @@ class MitsubaSubject:
             mi.set_variant(backend.mitsuba_variant("rgb"))
         self.name, self.bsdf = _load(mi, description)
         self.mi = mi
-        flags = self.bsdf.flags()
+        if FIBRES in self.bsdf.class_name().lower():
+            raise ValueError(
+                f"{self.name} scatters light around fibres, over the whole sphere; gonio check knows "
+                "surfaces only."
+            )
+        flags = int(self.bsdf.flags())
         reflection = int(mi.BSDFFlags.DiffuseReflection) | int(mi.BSDFFlags.GlossyReflection)
-        if not int(flags) & reflection:
+        if not flags & reflection:
             raise ValueError(
                 f"{self.name} reflects nothing that is a function; mirrors and transmission are left out."
             )
+        transmission = int(mi.BSDFFlags.DiffuseTransmission) | int(mi.BSDFFlags.GlossyTransmission)
+        self.transmits = bool(flags & transmission)
         self.left_out = [
             word
             for word, bits in (
-                ("delta lobes", mi.BSDFFlags.Delta),
-                (
-                    "transmission",
-                    int(mi.BSDFFlags.DiffuseTransmission) | int(mi.BSDFFlags.GlossyTransmission),
-                ),
+                ("delta lobes", int(mi.BSDFFlags.Delta)),
+                ("transmission", transmission),
             )
-            if int(flags) & int(bits)
+            if flags & bits
         ]
+        # SpatiallyVarying is not set by every plug-in whose children are textures
+        textured = flags & int(mi.BSDFFlags.SpatiallyVarying) or "bitmap" in repr(self.bsdf).lower()
+        self.parameters: tuple[FreeNumber, ...] = (
+            tuple(FreeNumber(name, 0, Parameter(0.5, 0, 1, name), ()) for name in ("u", "v"))
+            if textured
+            else ()
+        )
         self.context = mi.BSDFContext()
-        self.context.type_mask = reflection
 
-    def at(self, places: Array, index: Any, Float: Any, rounded: bool = False) -> Any:
+    def prepare(self) -> None:
+        """It has been loaded; that is all."""
+
+    def at(self, parameters: Array, index: Any, Float: Any, rounded: bool = False) -> Any:
         """The BSDF with gonio's conventions, for Dr.Jit arrays of any precision."""
-        return _Bound(self, Float)
+        if not self.parameters:
+            return _Bound(self, Float, None)
+        uv = [dr.gather(Float, stored(Float, c), index) for c in np.asarray(parameters).T]
+        return _Bound(self, Float, uv)
+
+    def bound(self, values: Mapping[str, Any], Float: Any) -> Any:
+        """The BSDF at uv that are Dr.Jit values."""
+        return _Bound(self, Float, [values["u"], values["v"]] if self.parameters else None)
+
+    def values(self, parameters: Array, rounded: bool = False) -> dict[str, Array]:
+        """The coordinates uv, if there are textures."""
+        return {f.path: np.asarray(parameters)[:, n] for n, f in enumerate(self.parameters)}
 
     def default(self) -> Array:
-        """No parameters."""
-        return np.zeros(0)
+        """The middle of the textures."""
+        return np.full(len(self.parameters), 0.5)
 
     def tag(self) -> str:
         """No options."""
         return ""
 
-    def replay(self, places: Array, wi: Array, wo: Array) -> str:
-        """The directions, in Mitsuba's terms."""
-        viewer, light = (", ".join(f"{x:.9g}" for x in w) for w in (wo, wi))
-        return f"si.wi = ({viewer}), wo = ({light})"
+    def with_options(self, choice: Mapping[str, str]) -> MitsubaSubject:
+        """No options."""
+        return self
+
+    def size(self, promise: str) -> Size | None:
+        """Nothing is documented."""
+        return None
+
+    def kinks(self) -> list[tuple[Kink, bool]]:
+        """Nothing is documented."""
+        return []
+
+    def furnaces(self) -> list[WhiteFurnace]:
+        """Nothing is claimed."""
+        return []
+
+    def replay(
+        self,
+        parameters: Array,
+        wi: Array,
+        wo: Array,
+        *,
+        double: bool = True,
+        u: Array | None = None,
+    ) -> str:
+        """The directions, in Mitsuba's terms, and the random numbers of a sample."""
+        given = [("si.wi", wo), ("wo", wi)] if u is None else [("si.wi", wo), ("sample2", u)]
+        if self.parameters:
+            given.append(("si.uv", parameters))
+        return ", ".join(
+            f"{name} = ({', '.join(f'{x:.9g}' for x in numbers)})" for name, numbers in given
+        )
 
     def notes(self) -> list[Report]:
         """What was left out of the checks."""
         if not self.left_out:
             return []
         text = f"not checked: {' and '.join(self.left_out)}"
-        return [Report("scope", self.name, (Finding("left out", float("nan"), NOTE, text),))]
+        finding = Finding("left out", float(len(self.left_out)), NOTE, text)
+        return [Report("scope", self.name, (finding,))]
 
 
 class _Bound:
     """eval, sample and pdf of a Mitsuba BSDF as gonio's models have them."""
 
-    def __init__(self, subject: MitsubaSubject, Float: Any) -> None:
-        self.subject, self.Float = subject, Float
+    def __init__(self, subject: MitsubaSubject, Float: Any, uv: list[Any] | None) -> None:
+        self.subject, self.Float, self.uv = subject, Float, uv
 
     def _interaction(self, wo: Any) -> Any:
         mi = self.subject.mi
@@ -109,7 +171,7 @@ class _Bound:
         si.wi = self._in(wo)
         si.n = mi.Normal3f(0, 0, 1)
         si.sh_frame = mi.Frame3f(si.n)
-        si.uv = mi.Point2f(0.5)
+        si.uv = mi.Point2f(0.5) if self.uv is None else mi.Point2f(*map(mi.Float, self.uv))
         si.t = 1.0
         return si
 
@@ -146,9 +208,10 @@ class _Bound:
         )
         pdf = self.Float(dr.detach(bs.pdf))
         wi = self._out(bs.wo)
-        # Mitsuba marks what is of no use by a weight of 0 as well
-        wasted = (wi.z <= 0) & (dr.max(self._out(weight)) == 0)
-        used = (pdf > 0) & (wo.z > 0) & ~wasted
+        delta = (bs.sampled_type & mi.UInt32(int(mi.BSDFFlags.Delta))) != 0
+        # Mitsuba marks what is of no use by a weight of 0 as well; what is transmitted is not judged
+        below = (wi.z <= 0) & (self.subject.transmits | (dr.max(self._out(weight)) == 0))
+        used = (pdf > 0) & (wo.z > 0) & ~below & ~type(wo.z > 0)(delta)
         up = type(wi)(0, 0, 1)
         return dr.select(used, wi, up), dr.select(used, pdf, 0)
 

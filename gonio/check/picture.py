@@ -85,27 +85,27 @@ def drawable(
 
 def _panel(panel: Any, subject: Subject, report: Report, finding: Finding) -> None:
     assert finding.case is not None
-    places, wi, wo = finding.case
+    parameters, wi, wo = finding.case
     tag = f" ({finding.tag})" if finding.tag else ""
     panel.set_title(
         f"{subject.name}{tag}\n{report.check}: {finding.what} {finding.measured:.4g}", fontsize=9
     )
     if report.check in ("energy", "albedo"):
-        _albedos(panel, subject, places, wo)
+        _albedos(panel, subject, parameters, wo)
     elif "s = 0" in finding.what:
-        _turn(panel, subject, places, wi, wo)
+        _turn(panel, subject, parameters, wi, wo)
     else:
-        _slice(panel, subject, places, wi, wo, both=report.check == "reciprocity")
+        _slice(panel, subject, parameters, wi, wo, both=report.check == "reciprocity")
     panel.tick_params(labelsize=8)
     panel.grid(alpha=0.3)
     panel.legend(fontsize=7)
 
 
-def _albedos(panel: Any, subject: Subject, places: Array, wo: Array) -> None:
+def _albedos(panel: Any, subject: Subject, parameters: Array, wo: Array) -> None:
     """Albedo of every channel over the viewer's angle, in the azimuth of the worst case."""
     theta = np.radians(np.linspace(0, 89.9, ANGLES))
     azimuth = np.arctan2(wo[1], wo[0])
-    E = precise(subject, np.tile(places, (ANGLES, 1)), directions(np.cos(theta), azimuth))
+    E = precise(subject, np.tile(parameters, (ANGLES, 1)), directions(np.cos(theta), azimuth))
     grey = np.allclose(E, E[:, :1], atol=1e-6)
     channels = [(0, "black", "albedo")] if grey else list(zip(range(3), RGB, NAMES, strict=True))
     for channel, colour, name in channels:
@@ -121,12 +121,12 @@ RGB = ("#c02020", "#208020", "#2040c0")
 NAMES = ("albedo, red", "green", "blue")
 
 
-def _turn(panel: Any, subject: Subject, places: Array, wi: Array, wo: Array) -> None:
+def _turn(panel: Any, subject: Subject, parameters: Array, wi: Array, wo: Array) -> None:
     """Values while wi turns about the normal, away from wo's azimuth, with the worst case marked."""
     turn = np.radians(np.linspace(-180, 180, POINTS))
     light = directions(np.full(POINTS, wi[2]), turn + np.arctan2(wo[1], wo[0]))
     index = np.zeros(POINTS, np.uint32)
-    f, _ = evaluate(subject, places[None], index, light, np.tile(wo, (POINTS, 1)))
+    f, _ = evaluate(subject, parameters[None], index, light, np.tile(wo, (POINTS, 1)))
     panel.plot(np.degrees(turn), f.mean(axis=1), color="black", label="f(wi, wo)")
     worst = np.degrees(np.arctan2(wi[1], wi[0]) - np.arctan2(wo[1], wo[0]))
     worst = (worst + 180) % 360 - 180
@@ -135,7 +135,9 @@ def _turn(panel: Any, subject: Subject, places: Array, wi: Array, wo: Array) -> 
     panel.set_ylabel("1/sr", fontsize=8)
 
 
-def _slice(panel: Any, subject: Subject, places: Array, wi: Array, wo: Array, both: bool) -> None:
+def _slice(
+    panel: Any, subject: Subject, parameters: Array, wi: Array, wo: Array, both: bool
+) -> None:
     """Values along the great circle of wi through the normal, with the worst case marked."""
     theta = np.radians(np.linspace(-89.9, 89.9, POINTS))
     azimuth = np.arctan2(wi[1], wi[0]) if abs(wi[2]) < 1 - 1e-12 else np.arctan2(wo[1], wo[0])
@@ -143,7 +145,7 @@ def _slice(panel: Any, subject: Subject, places: Array, wi: Array, wo: Array, bo
     light[:, :2] *= np.sign(theta)[:, None]
     viewer = np.tile(wo, (POINTS, 1))
     index = np.zeros(POINTS, np.uint32)
-    where = places[None]
+    where = parameters[None]
     f, pdf = evaluate(subject, where, index, light, viewer)
     degrees = np.degrees(theta)
     panel.plot(degrees, f.mean(axis=1), color="black", label="f(wi, wo)")

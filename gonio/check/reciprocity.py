@@ -8,6 +8,7 @@ import drjit as dr
 import numpy as np
 
 from gonio.check import hemisphere
+from gonio.check.adversarial import special_parts
 from gonio.check.report import Effort, Finding, Report, judge
 from gonio.check.search import maximise
 from gonio.check.subject import (
@@ -40,31 +41,32 @@ def check(subject: Subject, effort: Effort) -> Report:
         population=effort.population,
         rounds=effort.rounds,
         seed=11,
+        special=special_parts(subject),
     )
-    places, wi, wo = pairs(subject, points[:1])
-    measured = float(values[0])
+    parameters, wi, wo = pairs(subject, points[:1])
+    measured = float(values[0]) if not np.isinf(values[0]) else float("nan")
     limit = ROUNDING_FLOAT32 if subject.float32 else ROUNDING
-    verdict, text = judge(subject, "reciprocity", measured, limit=limit)
+    verdict, text = judge(subject, "reciprocity", measured, limit=limit, effort=effort)
     finding = Finding(
         "relative difference",
         measured,
         verdict,
         text,
         subject.tag(),
-        subject.replay(places[0], wi[0], wo[0]),
-        (places[0], wi[0], wo[0]),
+        subject.replay(parameters[0], wi[0], wo[0]),
+        (parameters[0], wi[0], wo[0]),
     )
     return Report("reciprocity", subject.name, (finding,), time.perf_counter() - start)
 
 
 def dimensions(subject: Subject) -> int:
     """Coordinates of a pair of directions with parameters."""
-    return len(subject.columns) + 4
+    return len(subject.parameters) + 4
 
 
 def pairs(subject: Subject, points: Array) -> tuple[Array, Array, Array]:
-    """Parameters' places, wi and wo; wi is charted around the mirror direction, which shows every lobe."""
-    count = len(subject.columns)
+    """Parameters, wi and wo; wi is charted around the mirror direction, which shows every lobe."""
+    count = len(subject.parameters)
     t = points[:, count:]
     low = MU_LOW_FLOAT32 if subject.float32 else MU_LOW
     wo = directions(np.maximum(cosine_at(t[:, 0]), low), 2 * np.pi * t[:, 1])
@@ -77,11 +79,11 @@ def pairs(subject: Subject, points: Array) -> tuple[Array, Array, Array]:
     return points[:, :count], wi / np.linalg.norm(wi, axis=1, keepdims=True), wo
 
 
-def difference(subject: Subject, places: Array, wi: Array, wo: Array) -> Array:
+def difference(subject: Subject, parameters: Array, wi: Array, wo: Array) -> Array:
     """|f(wi, wo) - f(wo, wi)| over the larger of the two, of the worst channel, (n,)."""
-    n = len(places)
+    n = len(parameters)
     index = np.tile(np.arange(n, dtype=np.uint32), 2)
-    f, _ = evaluate(subject, places, index, np.concatenate([wi, wo]), np.concatenate([wo, wi]))
+    f, _ = evaluate(subject, parameters, index, np.concatenate([wi, wo]), np.concatenate([wo, wi]))
     a, b = f[:n].astype(np.float64), f[n:].astype(np.float64)
     scale = np.maximum(np.maximum(np.abs(a), np.abs(b)), FLOOR)
     return np.asarray((np.abs(a - b) / scale).max(axis=1))

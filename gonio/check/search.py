@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -20,6 +20,7 @@ def maximise(
     rounds: int,
     seed: int,
     starts: Array | None = None,
+    special: Sequence[Array] = (),
     steps: tuple[float, float] = (0.25, 1e-6),
 ) -> tuple[Array, Array]:
     """The highest values of a function of points in [0, 1]^dimensions, and where, best first.
@@ -35,12 +36,16 @@ def maximise(
         rounds: how many.
         seed: of the random numbers.
         starts: points that the first round contains.
+        special: for each of the first dimensions, values that are tried as they are and nearby.
         steps: the size of the first and of the last steps.
     """
     rng = np.random.default_rng(seed)
     points = _scattered(rng, population, dimensions)
     if starts is not None:
         points[: len(starts)] = starts[:population]
+    if len(special):
+        rest = slice(0 if starts is None else min(len(starts), population), None)
+        points[rest] = specialised(rng, points[rest], special, 0.15)
     best_points, best_values = points[:0], np.zeros(0)
     for turn in range(rounds):
         values = np.asarray(objective(points), np.float64)
@@ -53,6 +58,8 @@ def maximise(
         if turn < rounds - 1:
             width = steps[0] * (steps[1] / steps[0]) ** (turn / max(rounds - 2, 1))
             points = _offspring(rng, best_points, population, width)
+            if len(special):
+                points[3::8] = specialised(rng, points[3::8], special, 0.3)
     return best_points, best_values
 
 
@@ -79,3 +86,19 @@ def _offspring(rng: np.random.Generator, elite: Array, count: int, width: float)
     points = np.where((kind[:, None] % 4 == 1) & (rng.random(points.shape) < 0.5), other, points)
     points = np.where((kind[:, None] == 2) & few, rng.integers(0, 2, points.shape), points)
     return np.asarray(np.clip(points, 0, 1))
+
+
+def specialised(
+    rng: np.random.Generator, points: Array, special: Sequence[Array], share: float
+) -> Array:
+    """Points with a share of their coordinates at special values, or a tiny bit beside them."""
+    points = points.copy()
+    for number, values in enumerate(special):
+        if not len(values):
+            continue
+        chosen = rng.random(len(points)) < share
+        near = rng.random(len(points)) < 0.5
+        beside = 10.0 ** rng.uniform(-14, -1.5, len(points)) * rng.choice([-1.0, 1.0], len(points))
+        value = rng.choice(values, len(points)) + np.where(near, beside, 0)
+        points[:, number] = np.where(chosen, np.clip(value, 0, 1), points[:, number])
+    return points

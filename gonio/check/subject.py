@@ -1,17 +1,17 @@
-"""What is being checked: a model with its options chosen, over the places of its free parameters.
+"""What is being checked: a model with its options chosen, and its free parameters over their whole range.
 
-Checks work on points: rows of places in [0, 1], one for each number and each channel of a colour. They are
-evaluated in batches, many directions at every point, in one kernel whatever the values are.
+Checks give parameters as rows of numbers in [0, 1], one for each number and each channel of a colour. They
+are evaluated in batches, many directions for every row, in one kernel whatever the values are.
 """
 
 from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import ModuleType
-from typing import Any, Protocol
+from typing import Any, Protocol, Self
 
 import drjit as dr
 import numpy as np
@@ -19,54 +19,107 @@ from numpy.typing import NDArray
 
 from gonio import backend
 from gonio.arrays.kernel import opaque
-from gonio.check.variants import place, place_of, single
-from gonio.claims import Claims, as_tuple
+from gonio.check import mistakes
+from gonio.check.special import inner_models, literals
+from gonio.check.variants import part_of, single, value_at
+from gonio.claims import Claims, Kink, WhiteFurnace, as_tuple
 from gonio.fields import Option, Parameter
 from gonio.model import Child, Model
 
 Array = NDArray[np.float64]
 
+# A value this near to a special one becomes exactly that.
+SNAP = 4e-15
+
 
 @dataclass(frozen=True)
-class Column:
-    """One number that may vary: a parameter, or a channel of a colour."""
+class FreeNumber:
+    """A number that may vary: a parameter, or a channel of a colour."""
 
     path: str
     channel: int
     declared: Parameter
+    special: tuple[float, ...]
+    """Values at which formulas may change: the default, whole numbers, and numbers in the source."""
+
+
+@dataclass(frozen=True)
+class Size:
+    """A documented size of a departure."""
+
+    size: float
+    own: bool
+    """Whether the model itself documents it; that of an inner model is an upper bound only."""
 
 
 class Subject(Protocol):
     """What the checks need to know; `ModelSubject` here, `MitsubaSubject` in gonio.check.mitsuba_bsdf."""
 
     name: str
-    columns: tuple[Column, ...]
-    claims: Claims
+    parameters: tuple[FreeNumber, ...]
     chosen: Mapping[str, str]
+    claims: Claims
+    claiming: bool
+    """Whether it says what it promises; a plug-in of others is measured all the same."""
     isotropic: bool
     whole: bool
     """Whether every parameter is free, so that claims must be neither too small nor too large."""
     float32: bool
     """Whether it computes in single precision only."""
+    differentiable: bool
+    """Whether it has derivatives."""
+    albedos: str
+    """Where its own albedos come from: "closed form", "quadrature", or "" if it has none."""
+    mean_closed: bool
+    """Whether its mean albedo is a closed form."""
 
-    def at(self, places: Array, index: Any, Float: Any, rounded: bool = False) -> Any:
+    def prepare(self) -> None:
+        """Raise a ValueError where it cannot be evaluated at all, with what to do about it."""
+
+    def at(self, parameters: Array, index: Any, Float: Any, rounded: bool = False) -> Any:
         """Something with eval, sample, pdf (and albedo) on Dr.Jit arrays.
 
         Args:
-            places: of the points, (points, columns).
-            index: Dr.Jit index of the point for every element.
+            parameters: rows in [0, 1], (rows, numbers).
+            index: Dr.Jit index of the row for every element.
             Float: the Dr.Jit number type.
             rounded: take parameters that float32 can hold.
         """
 
+    def bound(self, values: Mapping[str, Any], Float: Any) -> Any:
+        """The same with Dr.Jit values for the free parameters, by path."""
+
+    def values(self, parameters: Array, rounded: bool = False) -> dict[str, Array]:
+        """Values of the free parameters, (rows,) or (rows, 3), by path."""
+
     def default(self) -> Array:
-        """The places of the default parameters, (columns,)."""
+        """The row of the default parameters, (numbers,)."""
 
     def tag(self) -> str:
         """The options that are not the defaults, for people."""
 
-    def replay(self, places: Array, wi: Array, wo: Array) -> str:
-        """A shell command that shows the value at one point."""
+    def with_options(self, choice: Mapping[str, str]) -> Self:
+        """The same with other options."""
+
+    def size(self, promise: str) -> Size | None:
+        """The documented size of a departure; None where it is promised."""
+
+    def kinks(self) -> list[tuple[Kink, bool]]:
+        """Documented kinks, and whether the model itself documents them."""
+
+    def furnaces(self) -> list[WhiteFurnace]:
+        """Every white furnace that is claimed, with whatever options."""
+
+    def replay(
+        self,
+        parameters: Array,
+        wi: Array,
+        wo: Array,
+        *,
+        double: bool = True,
+        u: Array | None = None,
+    ) -> str:
+        """A shell command that shows the value at one pair of directions, or a sample."""
 
 
 def compute() -> ModuleType:
@@ -98,61 +151,72 @@ class ModelSubject:
         self.name = model.name
         self.label = label or model.name
         self.fixed = fixed
-        self.columns = tuple(
-            Column(path, channel, declared)
-            for path, declared, _ in model.parameters()
+        numbers = literals(model)
+        self.parameters = tuple(
+            FreeNumber(path, channel, declared, _special(declared, value, channel, numbers))
+            for path, declared, value in model.parameters()
             if path not in fixed
             for channel in range(declared.width)
         )
         self.claims = model.claims
-        self.chosen: Mapping[str, str] = {
-            name: getattr(model, name) for name, f in model.fields.items() if isinstance(f, Option)
-        }
-        inner = [getattr(model, n) for n, f in model.fields.items() if isinstance(f, Child)]
-        self.isotropic = model.isotropic and all(m.isotropic for m in inner)
+        self.claiming = True
+        self.chosen: Mapping[str, str] = _choices(model)
+        self.isotropic = model.isotropic and all(m.isotropic for m in inner_models(model))
         self.whole = not fixed
         self.float32 = False
-        self.closed_form = type(model).albedo is not Model.albedo
+        self.differentiable = True
+        closed = type(model).albedo is not Model.albedo
+        self.albedos = "closed form" if closed else "quadrature"
+        self.mean_closed = type(model).mean_albedo is not Model.mean_albedo
 
-    def values(self, places: Array, rounded: bool = False) -> dict[str, Array]:
-        """Values of the free parameters at points, (points,) or (points, 3), by path."""
+    def prepare(self) -> None:
+        """Raise a ModelError about a mistake in the model's methods."""
+        mistakes.find(self.model, number_type())
+
+    def values(self, parameters: Array, rounded: bool = False) -> dict[str, Array]:
+        """Values of the free parameters, (rows,) or (rows, 3), by path."""
         found: dict[str, list[Array]] = {}
-        for number, column in enumerate(self.columns):
-            value = place(column.declared, places[:, number])
+        for number, free in enumerate(self.parameters):
+            value = np.asarray(value_at(free.declared, parameters[:, number]))
+            for exact in free.special:
+                value = np.where(np.abs(value - exact) <= SNAP * abs(exact), exact, value)
             if rounded:
-                value = single(column.declared, value).astype(np.float64)
-            found.setdefault(column.path, []).append(value)
+                value = single(free.declared, value).astype(np.float64)
+            found.setdefault(free.path, []).append(value)
         return {
             path: np.stack(channels, -1) if len(channels) > 1 else channels[0]
             for path, channels in found.items()
         }
 
-    def at(self, places: Array, index: Any, Float: Any, rounded: bool = False) -> Any:
-        """The model, bound to the parameters of the points that `index` names."""
-        values = self.values(places, rounded)
+    def at(self, parameters: Array, index: Any, Float: Any, rounded: bool = False) -> Any:
+        """The model, bound to the parameters of the rows that `index` names."""
+        values = {
+            path: [stored(Float, c) for c in np.atleast_2d(v.T)]
+            for path, v in self.values(parameters, rounded).items()
+        }
+        gathered = {
+            path: dr.gather(Float, channels[0], index)
+            if len(channels) == 1
+            else dr.replace_shape_t(Float, (3, -1))(*(dr.gather(Float, c, index) for c in channels))
+            for path, channels in values.items()
+        }
+        return self.bound(gathered, Float)
+
+    def bound(self, values: Mapping[str, Any], Float: Any) -> Any:
+        """The model with Dr.Jit values for its free parameters, by path."""
 
         def convert(path: str, declared: Parameter, value: Any) -> Any:
-            if path not in values:
-                return opaque(Float, declared.width, value)
-            if declared.width == 1:
-                return dr.gather(Float, stored(Float, values[path]), index)
-            channels = (dr.gather(Float, stored(Float, c), index) for c in values[path].T)
-            return dr.replace_shape_t(Float, (3, -1))(*channels)
+            return values[path] if path in values else opaque(Float, declared.width, value)
 
         return self.model.bind(Float, convert)
 
     def default(self) -> Array:
-        """The places of the model's own values."""
+        """The row of the model's own values."""
         values = {path: value for path, _, value in self.model.parameters()}
         return np.array(
             [
-                float(
-                    place_of(
-                        c.declared,
-                        v[c.channel] if isinstance(v := values[c.path], tuple) else v,
-                    )
-                )
-                for c in self.columns
+                float(part_of(f.declared, _channel(values[f.path], f.channel)))
+                for f in self.parameters
             ]
         )
 
@@ -164,21 +228,71 @@ class ModelSubject:
             if value != self.model.fields[name].default
         )
 
-    def replay(self, places: Array, wi: Array, wo: Array) -> str:
-        """The `gonio eval` line of one point."""
-        values = self.values(np.asarray(places)[None])
+    def with_options(self, choice: Mapping[str, str]) -> ModelSubject:
+        """The model with other options."""
+        return ModelSubject(self.model.replace(**choice), self.fixed, self.label)
+
+    def size(self, promise: str) -> Size | None:
+        """The documented size of a departure, that of inner models included; None where it is promised."""
+        own = self.claims.size(promise, self.chosen)
+        below = [
+            size
+            for inner in inner_models(self.model)
+            if (size := inner.claims.size(promise, _choices(inner))) is not None
+        ]
+        if own is None and not below:
+            return None
+        return Size(max([*below, *([] if own is None else [own])]), own is not None and not below)
+
+    def kinks(self) -> list[tuple[Kink, bool]]:
+        """Documented kinks, and whether the model itself documents them."""
+        found = [(kink, True) for kink in self.claims.known_kinks(self.chosen)]
+        for inner in inner_models(self.model):
+            found += [(kink, False) for kink in inner.claims.known_kinks(_choices(inner))]
+        return found
+
+    def furnaces(self) -> list[WhiteFurnace]:
+        """Every white furnace that is claimed, with whatever options."""
+        return list(as_tuple(self.claims.furnace))
+
+    def replay(
+        self,
+        parameters: Array,
+        wi: Array,
+        wo: Array,
+        *,
+        double: bool = True,
+        u: Array | None = None,
+    ) -> str:
+        """The `gonio eval` line of one pair of directions, or of one sample."""
+        values = self.values(np.asarray(parameters)[None], rounded=not double)
         texts = _assignments(self.model)
         for path, _, value in self.model.parameters():
-            if path in values:
-                texts[path] = _number(values[path][0])
-            else:
-                texts[path] = _number(value)
+            texts[path] = _number(values[path][0] if path in values else value)
         text = ",".join(f"{path}={value}" for path, value in texts.items())
-        directions = " ".join(
-            f"--{name} {' '.join(repr(float(x)) for x in w)}"
-            for name, w in (("wi", wi), ("wo", wo))
+        given = [("wo", wo), ("wi", wi)] if u is None else [("wo", wo), ("u", u)]
+        words = " ".join(
+            f"--{name} {' '.join(repr(float(x)) for x in numbers)}" for name, numbers in given
         )
-        return f"gonio eval {self.label}{':' if text else ''}{text} {directions} --double"
+        precision = " --double" if double else ""
+        return f"gonio eval {self.label}{':' if text else ''}{text} {words}{precision}"
+
+
+def _special(
+    declared: Parameter, value: Any, channel: int, numbers: Sequence[float]
+) -> tuple[float, ...]:
+    """Values of a parameter at which a formula may change."""
+    default = _channel(declared.default, channel)
+    candidates = [_channel(value, channel), default, 0.0, 0.5, 1.0, 2.0, *numbers]
+    return tuple(dict.fromkeys(v for v in candidates if declared.low <= v <= declared.high))
+
+
+def _channel(value: Any, channel: int) -> float:
+    return float(value[channel] if isinstance(value, tuple) else value)
+
+
+def _choices(model: Model) -> dict[str, str]:
+    return {name: getattr(model, name) for name, f in model.fields.items() if isinstance(f, Option)}
 
 
 def _assignments(model: Model, prefix: str = "") -> dict[str, str]:
@@ -240,7 +354,7 @@ def number_type(single_precision: bool = False) -> Any:
 
 def evaluate(
     subject: Subject,
-    places: Array,
+    parameters: Array,
     index: NDArray[np.uint32],
     wi: Array,
     wo: Array,
@@ -248,10 +362,10 @@ def evaluate(
     single_precision: bool = False,
     rounded: bool = False,
 ) -> tuple[NDArray[Any], NDArray[Any]]:
-    """BRDF (n, 3) and density (n,) for n pairs of directions at the points that `index` names."""
+    """BRDF (n, 3) and density (n,) for n pairs of directions at the rows that `index` names."""
     Float = number_type(single_precision)
     UInt = dr.uint32_array_t(Float)
-    model = subject.at(places, stored(UInt, index), Float, rounded)
+    model = subject.at(parameters, stored(UInt, index), Float, rounded)
     wi_, wo_ = vectors(Float, wi), vectors(Float, wo)
     f = dr.replace_shape_t(Float, (3, -1))(model.eval(wi_, wo_))
     pdf = Float(model.pdf(wi_, wo_)) + dr.zeros(Float, len(wi))
@@ -262,7 +376,7 @@ def evaluate(
 
 def draw(
     subject: Subject,
-    places: Array,
+    parameters: Array,
     index: NDArray[np.uint32],
     wo: Array,
     u: Array,
@@ -272,7 +386,7 @@ def draw(
     """Sampled directions (n, 3) and the densities that the sampler reports (n,)."""
     Float = number_type(single_precision)
     UInt = dr.uint32_array_t(Float)
-    model = subject.at(places, stored(UInt, index), Float, single_precision)
+    model = subject.at(parameters, stored(UInt, index), Float, single_precision)
     wi, pdf = model.sample(vectors(Float, wo), vectors(Float, u))
     zero = dr.zeros(Float, len(wo))
     wi, pdf = dr.replace_shape_t(Float, (3, -1))(wi) + zero, Float(pdf) + zero
@@ -280,9 +394,9 @@ def draw(
     return columns_of(wi, Float), pdf.numpy()
 
 
-def repeated(points: int, each: int) -> NDArray[np.uint32]:
-    """0 0 0 1 1 1 2 2 2 ...: the index of `points` points with `each` directions."""
-    return np.repeat(np.arange(points, dtype=np.uint32), each)
+def repeated(rows: int, each: int) -> NDArray[np.uint32]:
+    """0 0 0 1 1 1 2 2 2 ...: the index of `rows` rows with `each` directions."""
+    return np.repeat(np.arange(rows, dtype=np.uint32), each)
 
 
 # --- sequences of random numbers -----------------------------------------------------------------
@@ -307,56 +421,9 @@ def directions(cosine: Any, azimuth: Any) -> Array:
 
 
 def cosine_at(t: Any) -> Any:
-    """A cosine for a place in [0, 1], crowded at grazing angles and at the normal; 0 and 1 at the ends."""
+    """A cosine for a number in [0, 1], crowded at grazing angles and at the normal; 0 and 1 at the ends."""
     t = np.asarray(t, np.float64)
     return np.minimum(t**3 * (10 - 15 * t + 6 * t * t), 1.0)
-
-
-def known_size(subject: Subject, promise: str) -> float | None:
-    """The documented size of a departure, that of inner models included; None where it is promised."""
-    size = subject.claims.size(promise, subject.chosen)
-    model = getattr(subject, "model", None)
-    if isinstance(model, Model):
-        for inner in inner_models(model):
-            choices = {
-                n: getattr(inner, n) for n, f in inner.fields.items() if isinstance(f, Option)
-            }
-            below = inner.claims.size(promise, choices)
-            size = max((s for s in (size, below) if s is not None), default=None)
-    return size
-
-
-def inner_models(model: Model) -> list[Model]:
-    """All models inside a model, at every depth."""
-    found = []
-    for name, declared in model.fields.items():
-        if isinstance(declared, Child):
-            inner = getattr(model, name)
-            found += [inner, *inner_models(inner)]
-    return found
-
-
-def known_kinks(subject: Subject) -> list[str]:
-    """Documented kinks, those of inner models included."""
-    found = subject.claims.known_kinks(subject.chosen)
-    model = getattr(subject, "model", None)
-    if isinstance(model, Model):
-        for inner in inner_models(model):
-            choices = {
-                n: getattr(inner, n) for n, f in inner.fields.items() if isinstance(f, Option)
-            }
-            found += inner.claims.known_kinks(choices)
-    return found
-
-
-def whites(subject: Subject) -> list[Any]:
-    """The white furnaces that the options of a subject allow."""
-    found = []
-    for entry in as_tuple(subject.claims.furnace):
-        choice = {k: v for k, v in entry.values.items() if isinstance(v, str)}
-        if all(subject.chosen.get(k) == v for k, v in choice.items()):
-            found.append(entry)
-    return found
 
 
 def finite(value: float) -> float:

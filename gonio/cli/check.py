@@ -10,6 +10,7 @@ import click
 
 import gonio
 from gonio.check import CHECKS, Progress, check_subjects, data, failed, subjects
+from gonio.check import fuzz as fuzz_search
 from gonio.check.measured_data import DATA_CHECKS, check_file
 from gonio.check.picture import check_format, drawable, plot
 from gonio.check.report import FAIL, Report, junit, summary, table
@@ -177,6 +178,20 @@ def _writable(junit_file: str | None, picture_file: str | None) -> None:
         check_format(picture_file)
 
 
+def _fuzz(planned: Plan, count: str, state: str | None, record: str | None) -> list[Report]:
+    """Search, and write the record of all that the state knows."""
+    cases = fuzz_search.parse_count(count)
+    _writable(state, None)
+    _writable(record, None)
+    variants = [subject for group in planned.groups for subject in group]
+    with progress("searching") as step:
+        states = fuzz_search.run(variants, cases, state, step)
+    if record is not None:
+        known = fuzz_search.load(Path(state)) if state is not None else states
+        fuzz_search.record(record, known)
+    return fuzz_search.reports(states)
+
+
 @click.command("check", short_help="Measure whether a model is what it claims to be.")
 @click.argument("models", nargs=-1, metavar="[MODEL|MATERIAL|FILE]...", shell_complete=complete)
 @param_option
@@ -191,6 +206,11 @@ def _writable(junit_file: str | None, picture_file: str | None) -> None:
 @click.option("--quick", "effort", flag_value="quick", help="Seconds for each model.")
 @click.option("--thorough", "effort", flag_value="thorough", help="Minutes for each model.")
 @click.option("--only", metavar="CHECK,...", help="Only these checks, such as energy,sampling.")
+@click.option(
+    "--fuzz", metavar="N", help="Search N hard cases in float32 instead, such as 1e9: hours."
+)
+@click.option("--resume", metavar="FILE.json", help="With --fuzz: the state, read and written.")
+@click.option("--record", metavar="FILE.md", help="With --fuzz: write a table of all states.")
 @click.option("--junit", metavar="FILE", help="Also write a JUnit report for other programs.")
 @click.option("--plot", "picture", metavar="FILE", help="Also draw the worst cases.")
 @json_option
@@ -201,6 +221,9 @@ def command(
     plugins: tuple[str, ...],
     effort: str | None,
     only: str | None,
+    fuzz: str | None,
+    resume: str | None,
+    record: str | None,
     junit: str | None,
     picture: str | None,
     as_json: bool,
@@ -221,6 +244,7 @@ def command(
       gonio check --all --quick --junit report.xml
       gonio check --mitsuba roughplastic
       gonio check --mitsuba '{"type": "roughconductor", "alpha": 0.5}' --only energy
+      gonio check eon --fuzz 1e9 --resume eon.json --record eon.md
     """
     if everything and (models or params):
         raise click.UsageError("--all checks every model; it goes with no MODEL and no --param")
@@ -235,6 +259,16 @@ def command(
         junit_file=junit,
         picture_file=picture,
     )
+    if fuzz is not None:
+        if only or effort or picture:
+            raise click.UsageError(
+                "--fuzz is a search of its own; it goes with no effort or --only"
+            )
+        reports = _fuzz(planned, fuzz, resume, record)
+        click.echo("\n".join(lines(reports)))
+        return 1 if failed(reports) else 0
+    if resume or record:
+        raise click.UsageError("--resume and --record belong to --fuzz N")
     with progress("checking") as step:
         result = planned.run(effort or "normal", step)
     if as_json:

@@ -34,16 +34,21 @@ class Evaluation:
     albedo: list[float]
     """Directional, for wo."""
     mean_albedo: list[float]
+    u: list[float] | None = None
+    """The random numbers from which `sample` made wi; None where wi was given."""
+    sampled_pdf: float | None = None
+    """The density that `sample` reported."""
 
 
-def evaluate(model: Model, wi: Any, wo: Any, *, double: bool = False) -> Evaluation:
+def evaluate(model: Model, wi: Any, wo: Any, *, double: bool = False, u: Any = None) -> Evaluation:
     """Evaluate everything a model knows about one pair of unit vectors.
 
     Args:
         model: a model whose parameters are numbers.
-        wi: towards the light, shape (3,), unit, normal +z.
+        wi: towards the light, shape (3,), unit, normal +z; with `u` it is not looked at.
         wo: towards the viewer, likewise.
         double: float64 instead of float32.
+        u: two random numbers in [0, 1), shape (2,): wi is the direction that `sample` makes of them.
 
     Raises:
         ValueError: a direction that is not a unit vector.
@@ -58,6 +63,25 @@ def evaluate(model: Model, wi: Any, wo: Any, *, double: bool = False) -> Evaluat
                 for path, declared, value in model.parameters()
             }
         )
+    reported = None
+    if u is not None:
+        u = np.asarray(u, dtype)
+        drawn, density = exact.sample(wo, u)
+        wi, reported = np.asarray(drawn, dtype), float(str(density))
+        if not (np.isfinite(wi).all() and abs(np.linalg.norm(wi) - 1) < DRAWN):
+            return Evaluation(
+                repr(model),
+                np.dtype(dtype).name,
+                _floats(wi),
+                _floats(wo),
+                [math.nan] * 3,
+                math.nan,
+                None,
+                _floats(exact.albedo(wo)),
+                _floats(exact.mean_albedo()),
+                _floats(u),
+                reported,
+            )
     f, pdf = exact.eval(wi, wo), float(exact.pdf(wi, wo))
     weight = f * wi[2] / pdf if pdf > 0 else None
     return Evaluation(
@@ -70,7 +94,13 @@ def evaluate(model: Model, wi: Any, wo: Any, *, double: bool = False) -> Evaluat
         weight=None if weight is None else _floats(weight),
         albedo=_floats(exact.albedo(wo)),
         mean_albedo=_floats(exact.mean_albedo()),
+        u=None if u is None else _floats(u),
+        sampled_pdf=reported,
     )
+
+
+# A sampled direction that is further from unit length is no direction: nothing is evaluated there.
+DRAWN = 1e-4
 
 
 def _triple(value: float | tuple[float, ...], width: int) -> Any:
@@ -129,6 +159,8 @@ def _normalized(name: str, vector: Sequence[float]) -> npt.NDArray[np.float64]:
 def lines(result: Evaluation) -> Iterator[str]:
     """The lines of an evaluation, for a terminal."""
     yield f"{result.model}  in {result.precision}"
+    if result.u is not None:
+        yield f"  {'u':<12} {', '.join(f'{x:.9g}' for x in result.u)}   (wi is sampled)"
     for name, w in (("wi", result.wi), ("wo", result.wo)):
         theta = math.degrees(math.atan2(math.hypot(w[0], w[1]), w[2]))
         yield f"  {name:<12} {', '.join(f'{x:.7g}' for x in w)}   (theta {theta:.6g}°)"
@@ -136,6 +168,11 @@ def lines(result: Evaluation) -> Iterator[str]:
     digits = [
         ("eval", f"{_number(result.eval)} 1/sr", "BRDF without the cosine"),
         ("pdf", f"{_number(result.pdf)} 1/sr", "density of sample"),
+        *(
+            []
+            if result.sampled_pdf is None
+            else [("reported", f"{_number(result.sampled_pdf)} 1/sr", "density that came with wi")]
+        ),
         ("weight", weight, "eval cos(theta_i) / pdf"),
         ("albedo", _number(result.albedo), "directional, for wo"),
         ("mean albedo", _number(result.mean_albedo), "over all directions"),
@@ -155,6 +192,21 @@ def _number(value: float | Sequence[float]) -> str:
     return ", ".join(f"{v:.9g}" for v in distinct)
 
 
+def _readable(value: Any) -> Any:
+    """Numbers that JSON cannot hold as the words NaN, Infinity and -Infinity."""
+    if isinstance(value, dict):
+        return {
+            key: _readable(v)
+            for key, v in value.items()
+            if not (key in {"u", "sampled_pdf"} and v is None)
+        }
+    if isinstance(value, list):
+        return [_readable(v) for v in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return "NaN" if math.isnan(value) else f"{'-' if value < 0 else ''}Infinity"
+    return value
+
+
 @click.command("eval", short_help="Evaluate a model for two directions.")
 @click.argument("model", shell_complete=complete)
 @click.option("--wi", type=float, nargs=3, metavar="X Y Z", help="Unit vector towards the light.")
@@ -167,6 +219,9 @@ def _number(value: float | Sequence[float]) -> str:
     metavar="DEG",
     help="Azimuth between the two: 0 (default) is the viewer's side, 180 the mirror's.",
 )
+@click.option(
+    "--u", type=float, nargs=2, metavar="U1 U2", help="Sample the light with these random numbers."
+)
 @param_option
 @click.option("--normalize", is_flag=True, help="Scale the vectors to length 1 first.")
 @click.option("--double/--float32", help="Compute in double precision (default: float32).")
@@ -178,6 +233,7 @@ def command(
     theta_i: float | None,
     theta_o: float | None,
     phi: float | None,
+    u: tuple[float, float] | None,
     params: tuple[str, ...],
     normalize: bool,
     double: bool,
@@ -191,18 +247,23 @@ def command(
     Examples:
       gonio eval lambert --wi 0 0 1 --wo 0 0 1
       gonio eval eon --theta-i 30 --theta-o 60 --phi 180 --param roughness=1
+      gonio eval eon --theta-o 60 --u 0.3 0.7
       gonio eval eon:sampler=cosine --wi 1 0 1 --wo 0 1 1 --normalize -p rho=0.8,0.3,0.1 --json
     """
     (material,) = plain_models([model], params)
+    if u is not None:
+        if wi is not None or theta_i is not None or phi is not None:
+            raise click.UsageError("--u makes wi; it goes with --wo or --theta-o alone")
+        wi, theta_i = (wo, None) if wo is not None else (None, 0.0)
     wi_vector, wo_vector = directions(wi, wo, theta_i, theta_o, phi, normalize)
     try:
-        result = evaluate(material, wi_vector, wo_vector, double=double)
+        result = evaluate(material, wi_vector, wo_vector, double=double, u=u)
     except ValueError as error:
         if "has length" in str(error):  # the model's advice is for Python
             sentence = str(error).partition(";")[0]
             raise ValueError(f"{sentence}; give unit vectors, or add --normalize.") from error
         raise
     if as_json:
-        echo_json(dataclasses.asdict(result))
+        echo_json(_readable(dataclasses.asdict(result)))
     else:
         click.echo("\n".join(lines(result)))

@@ -5,7 +5,7 @@ The albedo's closed form is ours: the BRDF is a polynomial in cosines once 2 cos
 as 1 + dot(wi, wo), so it can be integrated term by term.
 """
 
-from gonio.claims import Claims, known
+from gonio.claims import Claims, at_most
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, dot
 from gonio.model import Model, param
 from gonio.parts.fresnel import schlick_weight
@@ -24,7 +24,7 @@ class BurleyDiffuse(Model):
         "Reflects more than it receives at grazing angles for roughness > 0.4, at most 1.5575 (at 1).",
         "Loses energy when smooth: white of roughness 0 reflects 97.6 % at the normal, 48.8 % grazing.",
     )
-    claims = Claims(energy=known(1.5575))
+    claims = Claims(energy=at_most(1.5576))
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """BRDF value in 1/sr, without the cosine."""

@@ -7,7 +7,7 @@ which masking="anisotropic" gives.
 Deviation: base_color is linear here, the code takes it with a gamma of 2.2.
 """
 
-from gonio.claims import Claims, known
+from gonio.claims import Claims, at_most
 from gonio.lang import (
     INV_PI,
     Color,
@@ -85,9 +85,9 @@ class Disney(Model):
         "Wastes the samples that the clearcoat's facets mirror below the horizon, at most 16 %.",
     )
     claims = Claims(
-        energy=(known(3, masking="anisotropic"), known(3.82)),
-        wasted=known(0.16),
-        numeric_albedo=known(4e-4, masking="anisotropic"),
+        energy=(at_most(3, masking="anisotropic"), at_most(3.82)),
+        wasted=at_most(0.16),
+        numeric_albedo=at_most(4e-4, masking="anisotropic"),
     )
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:

@@ -9,7 +9,7 @@ grazing, so that values at cosines below 0.0015 differ by up to 4e-4 of themselv
 put a kink there and gain nothing.
 """
 
-from gonio.claims import Claims, kink, known, white
+from gonio.claims import Claims, Place, at_most, kink, white_furnace
 from gonio.lang import (
     INV_PI,
     PI,
@@ -89,13 +89,13 @@ class EON(Model):
         "sampler='ltc' wastes the samples that fall below the horizon; 'cltc' has rare high weights.",
     )
     claims = Claims(
-        energy=known(1.00016, albedo_form="fitted"),
-        wasted=known(0.0534, sampler="ltc"),
-        unreached=known(0.01, sampler=("ltc", "cltc")),
-        kinks=(kink("kink at s = 0"), kink("kink at mu_i = mu_o")),
+        energy=at_most(1.00016, albedo_form="fitted"),
+        wasted=at_most(0.0534, sampler="ltc"),
+        unreached=at_most(0.01, sampler=("ltc", "cltc")),
+        kinks=(kink(Place.SIDE_LIGHT), kink(Place.EQUAL_COSINES)),
         furnace=(
-            white(1e-6, rho=1, albedo_form="exact"),
-            white(5.5e-4, rho=1, albedo_form="fitted"),
+            white_furnace(within=1e-6, rho=1, albedo_form="exact"),
+            white_furnace(within=5.5e-4, rho=1, albedo_form="fitted"),
         ),
         falls=("roughness",),
     )

@@ -4,7 +4,7 @@ Source: Fujii, "A tiny improvement of Oren-Nayar reflectance model", 2013, in th
 Kutz, Hill, "EON", arXiv:2410.18026, Eq. 10 to 15.
 """
 
-from gonio.claims import Claims, kink
+from gonio.claims import Claims, Place, kink
 from gonio.lang import INV_PI, PI, Color, Float, Sample, Vec2, Vec3
 from gonio.model import Model, param
 from gonio.parts import cltc
@@ -21,9 +21,7 @@ class FON(Model):
     caveats = (
         "Loses energy: at roughness 1 a white surface reflects 77.7 % at the normal and 83.3 % on average.",
     )
-    claims = Claims(
-        kinks=(kink("kink at s = 0"), kink("kink at mu_i = mu_o")), falls=("roughness",)
-    )
+    claims = Claims(kinks=(kink(Place.SIDE_LIGHT), kink(Place.EQUAL_COSINES)), falls=("roughness",))
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """Eq. 10: BRDF value in 1/sr, without the cosine."""

@@ -3,7 +3,7 @@
 Source: Johann Heinrich Lambert, "Photometria", 1760.
 """
 
-from gonio.claims import Claims, white
+from gonio.claims import Claims, white_furnace
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3
 from gonio.model import Model, param
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
@@ -13,7 +13,7 @@ class Lambert(Model):
     """Ideal diffuse: the same radiance in every direction. Reciprocal; the albedo is rho."""
 
     rho: Color = param((0.8, 0.8, 0.8), 0, 1, "albedo, linear RGB")
-    claims = Claims(furnace=white(1e-6, rho=1))
+    claims = Claims(furnace=white_furnace(within=1e-6, rho=1))
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """rho / pi."""

@@ -6,7 +6,7 @@ k_d = 1 - F and c_d = base_color (1 - metallic), Cook-Torrance with GGX, Smith a
 Deviation: alpha = roughness^2 is at least ALPHA_MIN, where the highlight still is a function.
 """
 
-from gonio.claims import Claims, known
+from gonio.claims import Claims, at_most
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, lerp, maximum
 from gonio.model import Model, option, param
 from gonio.parts.distribution import ALPHA_MIN, D_ggx
@@ -41,7 +41,7 @@ class MetallicRoughness(Model):
         "Loses what facets reflect more than once: a white metal of roughness 1 reflects 31 % at "
         "the normal.",
     )
-    claims = Claims(energy=known(1.93))
+    claims = Claims(energy=at_most(1.93))
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """BRDF value in 1/sr, without the cosine."""

@@ -6,7 +6,7 @@ grazing angles; the values are the same. Where the value passes through zero on 
 (see `caveats`), float32 keeps an absolute accuracy of 1e-6 rho / pi, not a relative one.
 """
 
-from gonio.claims import Claims, kink, known
+from gonio.claims import Claims, Place, at_most, kink
 from gonio.lang import (
     INV_PI,
     MU_MIN,
@@ -54,9 +54,9 @@ class OrenNayar(Model):
         "most -0.27 rho / pi (sigma = pi/2). The published fit is kept as it is.",
     )
     claims = Claims(
-        energy=known(1.051),
-        negative=known(0.0565),
-        kinks=(kink("kink at s = 0"), kink("kink at mu_i = mu_o")),
+        energy=at_most(1.051),
+        negative=at_most(0.0565),
+        kinks=(kink(Place.SIDE_LIGHT), kink(Place.EQUAL_COSINES)),
     )
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:

@@ -8,7 +8,7 @@ Deviations: by default light that leaves the coat spreads by 1 / eta^2, without 
 eta^2 = 9.5 times too bright; an option restores the original.
 """
 
-from gonio.claims import Claims, known
+from gonio.claims import Claims, at_most
 from gonio.lang import (
     INV_PI,
     Color,
@@ -82,18 +82,18 @@ class Patina(Model):
     tarnish_tint: Color = param((0.45, 0.2, 0.08), 0, 1, "colour of the metal at tarnish 1")
     solid_angle: str = option("compressed", "none", doc="1 / eta^2 for light that leaves the coat")
     caveats = (
-        "float32 densities are within 1e-3, not 1e-5, of float64 where the metal is sharpest.",
-        "Wastes the samples that the metal below the patina mirrors sideways: about 1 % by default, up to "
-        "half of them where it is roughest.",
-        "The patina's diffuse part is added without being taken from what passes through it: a thin white "
-        "patina over a mirror reflects up to 1.38, and up to 2.75 with every index free; up to 10 with "
-        "solid_angle='none'. The default stays below 0.81.",
+        "float32 loses digits where the metal is sharpest.",
+        "Wastes the samples that the metal below the patina mirrors sideways: about 1 % by default, more "
+        "the rougher it is.",
+        "The patina's diffuse part is added without being taken from what passes through it, so that a "
+        "thin white patina over a mirror reflects more than it receives, and much more with every index "
+        "free or solid_angle='none'. The default stays below 0.81.",
     )
     claims = Claims(
-        energy=(known(10.1, solid_angle="none"), known(2.75)),
-        wasted=known(0.51),
-        float32=known(1e-3),
-        numeric_albedo=known(1e-3),
+        energy=(at_most(10.1, solid_angle="none"), at_most(2.75)),
+        wasted=at_most(0.51),
+        float32=at_most(1e-3),
+        numeric_albedo=at_most(1e-3),
     )
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:

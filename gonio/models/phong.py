@@ -6,7 +6,7 @@ for the normalised form. alpha is the angle between wi and the mirror direction 
 Phong's formula gives the radiance f cos(theta_i); "classical" is that formula divided by the cosine.
 """
 
-from gonio.claims import Claims, kink, known
+from gonio.claims import Claims, Place, at_most, jump, kink
 from gonio.lang import (
     INV_PI,
     INV_TWO_PI,
@@ -118,11 +118,11 @@ class Phong(Model):
         "above 1 gains energy; at grazing angles little of it is left: 8.8 % for shininess 20.",
     )
     claims = Claims(
-        energy=(known(7.2832, form="classical"), known(2)),
-        reciprocity=known(1, form="classical"),
+        energy=(at_most(7.2832, form="classical"), at_most(2)),
+        reciprocity=at_most(1, form="classical"),
         kinks=(
-            kink("kink at a right angle to the mirror direction"),
-            kink("jump at a right angle to the mirror direction"),
+            kink(Place.RIGHT_ANGLE_TO_MIRROR),
+            jump(Place.RIGHT_ANGLE_TO_MIRROR),
         ),
     )
 

@@ -4,7 +4,7 @@ Source: Oren, Nayar, "Generalization of Lambert's reflectance model", SIGGRAPH 1
 footnote; in the form of Portsmouth, Kutz, Hill, "EON", arXiv:2410.18026, Eq. 1 to 9.
 """
 
-from gonio.claims import Claims, kink, known
+from gonio.claims import Claims, Place, at_most, dark_ring, kink
 from gonio.lang import INV_PI, PI, Color, Float, Sample, Vec2, Vec3
 from gonio.model import Model, param
 from gonio.parts import cltc
@@ -28,8 +28,8 @@ class QONFootnote(Model):
         "Its slope jumps where cos(phi_i - phi_o) changes sign, a dark ring on a side-lit sphere.",
     )
     claims = Claims(
-        energy=known(1.0444),
-        kinks=(kink("dark ring at s = 0"), kink("kink at mu_i = mu_o")),
+        energy=at_most(1.0444),
+        kinks=(dark_ring(), kink(Place.EQUAL_COSINES)),
     )
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:

@@ -4,7 +4,7 @@ Source: Fujii, "A tiny improvement of Oren-Nayar reflectance model", 2013, its f
 and plotted in Portsmouth, Kutz, Hill, "EON", arXiv:2410.18026, section 1.
 """
 
-from gonio.claims import Claims, kink, known
+from gonio.claims import Claims, Place, at_most, kink
 from gonio.lang import INV_PI, PI, Color, Float, Sample, Vec2, Vec3
 from gonio.model import Model, param
 from gonio.parts import cltc
@@ -28,8 +28,8 @@ class QONFujii(Model):
         "Loses energy at larger sigma: at pi/2 a white surface reflects 72 % at the normal.",
     )
     claims = Claims(
-        energy=known(1.0287),
-        kinks=(kink("kink at s = 0"), kink("kink at mu_i = mu_o")),
+        energy=at_most(1.0287),
+        kinks=(kink(Place.SIDE_LIGHT), kink(Place.EQUAL_COSINES)),
     )
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:

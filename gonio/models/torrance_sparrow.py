@@ -13,7 +13,7 @@ Those of D, G and F are named in gonio.parts.distribution, masking and fresnel.
 
 from typing import Any
 
-from gonio.claims import Claims, kink, known, white
+from gonio.claims import Claims, Place, at_most, kink, white_furnace
 from gonio.fields import ModelError
 from gonio.lang import (
     INV_PI,
@@ -122,35 +122,37 @@ class TorranceSparrow(Model):
     )
     claims = Claims(
         energy=(
-            known(1.778, distribution="blinn_phong"),
-            known(1.084, distribution="gaussian"),
-            known(1.582, masking="neumann"),
-            known(2.995, masking="schlick_ggx"),
-            known(1.829, masking="schlick_beckmann"),
-            known(1.08, compensation="kulla_conty"),
-            known(1.09, compensation="turquin"),
+            at_most(1.778, distribution="blinn_phong"),
+            at_most(1.084, distribution="gaussian"),
+            at_most(1.582, masking="neumann"),
+            at_most(2.995, masking="schlick_ggx"),
+            at_most(1.829, masking="schlick_beckmann"),
+            at_most(1.08, compensation="kulla_conty"),
+            at_most(1.09, compensation="turquin"),
         ),
-        reciprocity=known(0.7, compensation="turquin"),
-        float32=known(5e-5, fresnel=("conductor", "dielectric")),
+        reciprocity=at_most(0.7, compensation="turquin"),
+        float32=at_most(5e-5, fresnel=("conductor", "dielectric")),
         wasted=(
-            known(0.404, compensation="kulla_conty"),
-            known(0.663, distribution="beckmann"),
-            known(0.5, distribution="blinn_phong", masking=("cook_torrance", "kelemen")),
-            known(0.509, distribution="gaussian"),
-            known(0.74, distribution="ggx"),
+            at_most(0.404, compensation="kulla_conty"),
+            at_most(0.664, distribution="beckmann"),
+            at_most(0.5, distribution="blinn_phong", masking=("cook_torrance", "kelemen")),
+            at_most(0.509, distribution="gaussian"),
+            at_most(0.74, distribution="ggx"),
         ),
         numeric_albedo=(
-            known(0.03, fresnel="dielectric"),
-            known(1e-3, masking=("cook_torrance", "smith_walter")),
-            known(1e-3),
+            at_most(0.03, fresnel="dielectric"),
+            at_most(1e-3, masking=("cook_torrance", "smith_walter")),
+            at_most(1e-3),
         ),
         kinks=(
-            kink("kink at mu_i = mu_o", masking=("cook_torrance", "neumann")),
-            kink("kink at another place", masking="cook_torrance"),
+            kink(Place.EQUAL_COSINES, masking=("cook_torrance", "neumann")),
+            kink(Place.ELSEWHERE, masking="cook_torrance"),
         ),
         furnace=(
-            white(2.5e-3, fresnel="white", compensation="kulla_conty", anisotropy=0.0),
-            white(0.004, fresnel="white", compensation="turquin", anisotropy=0.0),
+            white_furnace(
+                within=2.5e-3, fresnel="white", compensation="kulla_conty", anisotropy=0.0
+            ),
+            white_furnace(within=0.004, fresnel="white", compensation="turquin", anisotropy=0.0),
         ),
     )
 

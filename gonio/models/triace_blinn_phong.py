@@ -6,7 +6,7 @@ The course's shaders return pi f cos(theta_i); this is f. Its linear factor 0.03
 fit of (n + 2) / (4 pi (2 - 2^(-n / 2))): within 0.6 % for n >= 10, 32 % too small at n = 1.
 """
 
-from gonio.claims import Claims, kink, known
+from gonio.claims import Claims, Place, at_most, kink
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, lerp
 from gonio.model import Model, param
 from gonio.parts.distribution import blinn_phong_alpha
@@ -31,7 +31,7 @@ class TriAceBlinnPhong(Model):
         "Reflects more than it receives for white rho and low f0: at most 1.030 for f0 = 0.04 and "
         "1.066 for f0 = 0, at 80 degrees and high shininess.",
     )
-    claims = Claims(energy=known(1.066), kinks=kink("kink at mu_i = mu_o"))
+    claims = Claims(energy=at_most(1.066), kinks=kink(Place.EQUAL_COSINES))
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """Eq. 1 without the cosine and the factor pi: BRDF value in 1/sr."""

@@ -8,7 +8,7 @@ negative value, float32 keeps an absolute accuracy of 1e-6 rho / pi, not a relat
 
 from typing import NamedTuple
 
-from gonio.claims import UNBOUNDED, Claims, kink, known
+from gonio.claims import UNBOUNDED, Claims, Place, at_most, dark_ring, kink
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3
 from gonio.model import Model, option, param
 from gonio.parts import cltc
@@ -52,12 +52,12 @@ class TriAceOrenNayar(Model):
         "eq23 has QON's dark ring where cos(phi_i - phi_o) changes sign.",
     )
     claims = Claims(
-        energy=(known(1.0152, variant="eq23"), known(1.0109, variant="eq25")),
-        negative=known(UNBOUNDED, variant="eq24"),
+        energy=(at_most(1.0152, variant="eq23"), at_most(1.0109, variant="eq25")),
+        negative=at_most(UNBOUNDED, variant="eq24"),
         kinks=(
-            kink("kink at mu_i = mu_o"),
-            kink("dark ring at s = 0", variant="eq23"),
-            kink("kink at s = 0", variant="eq25"),
+            kink(Place.EQUAL_COSINES),
+            dark_ring(variant="eq23"),
+            kink(Place.SIDE_LIGHT, variant="eq25"),
         ),
     )
 

@@ -8,7 +8,7 @@ Deviations: the Fresnel term is Schlick's power, which the engine replaces by
 2^((-5.55473 (wo.H) - 6.98316) (wo.H)), at most 0.0038 from it; alpha is at least ALPHA_MIN.
 """
 
-from gonio.claims import Claims, known
+from gonio.claims import Claims, at_most
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, lerp, maximum
 from gonio.model import Model, option, param
 from gonio.parts.distribution import ALPHA_MIN, D_ggx
@@ -45,7 +45,7 @@ class UE4(Model):
         "Loses what facets reflect more than once: a white metal of roughness 1 reflects 31 % at "
         "the normal.",
     )
-    claims = Claims(energy=(known(1.171, light="punctual"), known(1.96, light="image")))
+    claims = Claims(energy=(at_most(1.171, light="punctual"), at_most(1.96, light="image")))
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """BRDF value in 1/sr, without the cosine."""

@@ -8,7 +8,7 @@ directions. Unity's constants are kept: at roughness 0 there is no highlight at 
 BRDF3, the lowest of the three, is absent: it reads its highlight from a table that is not public.
 """
 
-from gonio.claims import Claims, kink, known
+from gonio.claims import Claims, Place, at_most, kink
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, lerp, maximum, sqrt
 from gonio.model import Model, param
 from gonio.parts.frame import cos_half, half_vector
@@ -43,7 +43,7 @@ class UnityBRDF2(Model):
         "(wo.H)^2): numeric albedos are good to 1e-3 only.",
     )
     claims = Claims(
-        energy=known(1.871), numeric_albedo=known(1e-3), kinks=kink("kink at another place")
+        energy=at_most(1.871), numeric_albedo=at_most(1e-3), kinks=kink(Place.ELSEWHERE)
     )
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:

@@ -11,7 +11,7 @@ Deviation: Unity adds 1e-5 to V's and 1e-7 to D's denominator, against division 
 The second dims its highlights: the peak by 4 % at roughness 0.2, 28 % at 0.15 and 91 % at 0.1.
 """
 
-from gonio.claims import Claims, known
+from gonio.claims import Claims, at_most
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, dot, lerp, maximum
 from gonio.model import Model, param
 from gonio.parts.distribution import D_ggx
@@ -45,7 +45,7 @@ class UnityStandard(Model):
         "Loses what facets reflect more than once: a white metal of roughness 1 reflects 31 % at "
         "the normal.",
     )
-    claims = Claims(energy=known(1.581))
+    claims = Claims(energy=at_most(1.581))
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """BRDF value in 1/sr, without the cosine."""

@@ -8,7 +8,7 @@ D carries the 1 / pi that Elek's lacks. What Eq. 2 leaves out can be switched on
 both crossings, the compression of solid angles, and the light that bounces between base and surface.
 """
 
-from gonio.claims import Claims, kink, known
+from gonio.claims import Claims, Place, at_most, kink
 from gonio.lang import Color, Float, Sample, Vec2, Vec3, maximum, select
 from gonio.model import Model, child, option, param
 from gonio.parts.coat import attenuation_least, optical_depth, usual_cos_half
@@ -100,17 +100,17 @@ class WeidlichWilkie(Model):
     )
     claims = Claims(
         energy=(
-            known(10.13, bounces="diffuse"),
-            known(2, interface="rough", transmission="half_vector"),
+            at_most(10.13, bounces="diffuse"),
+            at_most(2, interface="rough", transmission="half_vector"),
         ),
-        wasted=known(0.501, interface="rough", masking="cook_torrance"),
+        wasted=at_most(0.501, interface="rough", masking="cook_torrance"),
         numeric_albedo=(
-            known(0.007, masking="cook_torrance", interface="rough"),
-            known(1e-4, masking=("smith", "smith_correlated")),
+            at_most(0.007, masking="cook_torrance", interface="rough"),
+            at_most(1e-4, masking=("smith", "smith_correlated")),
         ),
         kinks=(
-            kink("kink at mu_i = mu_o", masking="cook_torrance", interface="rough"),
-            kink("kink at another place", masking="cook_torrance", interface="rough"),
+            kink(Place.EQUAL_COSINES, masking="cook_torrance", interface="rough"),
+            kink(Place.ELSEWHERE, masking="cook_torrance", interface="rough"),
         ),
     )
 

@@ -1,6 +1,6 @@
 """Broken on purpose: FON with an interreflection that knows of the viewer's angle alone."""
 
-from gonio.claims import Claims, kink
+from gonio.claims import Claims, Place, kink
 from gonio.lang import INV_PI, Color, Vec3
 from gonio.model import Model
 from gonio.models.fon import FON
@@ -9,7 +9,7 @@ from gonio.models.fon import FON
 class NonReciprocal(FON, register=False):
     """Reflects no more than EON, but not the same both ways."""
 
-    claims = Claims(kinks=(kink("kink at s = 0"), kink("kink at mu_i = mu_o")))
+    claims = Claims(kinks=(kink(Place.SIDE_LIGHT), kink(Place.EQUAL_COSINES)))
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """What FON loses towards the viewer, spread evenly and coloured twice."""

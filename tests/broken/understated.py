@@ -1,6 +1,6 @@
 """Broken on purpose: QON that documents a smaller gain of energy than it has."""
 
-from gonio.claims import Claims, kink, known
+from gonio.claims import Claims, Place, at_most, dark_ring, kink
 from gonio.models.qon import QON
 
 
@@ -8,6 +8,6 @@ class Understated(QON, register=False):
     """QON with a wrong number in its claims."""
 
     claims = Claims(
-        energy=known(1.005),
-        kinks=(kink("dark ring at s = 0"), kink("kink at mu_i = mu_o")),
+        energy=at_most(1.005),
+        kinks=(dark_ring(), kink(Place.EQUAL_COSINES)),
     )

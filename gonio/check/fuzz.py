@@ -1,0 +1,300 @@
+"""A long search for inputs that break a model in float32: resumable, and the same on every machine.
+
+    gonio check eon --fuzz 1e9 --resume eon.json --record fuzz.md
+
+Batch after batch of hard cases (`gonio.check.adversarial`), a quarter of them near the worst ones before:
+eval, pdf, sample and the derivatives of each may not be NaN or infinite, nothing may be negative where none
+is claimed, and float32 has to keep within the claimed distance of float64. The state after each batch
+is all that the next one depends on.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gonio.check.adversarial import Cases, hard_cases, random_points
+from gonio.check.finite import FLOAT32, NAMES, float32_error, not_finite
+from gonio.check.gradient import METHODS, gradients
+from gonio.check.report import FAIL, PASS, Finding, Report
+from gonio.check.subject import Array, Subject, evaluate
+from gonio.files import replacing
+
+# Cases of a batch, and how many of the worst ones are kept to look near them.
+BATCH, ELITE = 1 << 15, 32
+
+# A state is written so often, in seconds.
+SAVED = 10.0
+
+# Failures of one kind that are kept with their replay; all are counted.
+SHOWN = 3
+
+HEAD = (
+    "| model | options | cases | not finite | derivatives | negative | float32 error | claimed | hours |\n"
+    "| :-- | :-- | --: | --: | --: | --: | --: | --: | --: |\n"
+)
+
+
+@dataclass
+class State:
+    """What a search has done and found so far, for one choice of options."""
+
+    model: str
+    options: str
+    cases: int = 0
+    batches: int = 0
+    seconds: float = 0.0
+    error: float = 0.0
+    """Largest relative error of float32."""
+    error_replay: str = ""
+    claimed: float = FLOAT32
+    counts: dict[str, int] = field(default_factory=dict)
+    """Failures by kind: "not finite", "derivatives", "negative"."""
+    replays: dict[str, list[str]] = field(default_factory=dict)
+    elite: list[list[float]] = field(default_factory=list)
+    """Points of the worst cases."""
+    values: list[float] = field(default_factory=list)
+    """How bad they are."""
+
+    @property
+    def failed(self) -> bool:
+        """Whether something has been found that is not as claimed."""
+        return bool(self.counts) or not self.error <= self.claimed
+
+    def row(self) -> str:
+        """A line of the record."""
+        kinds = (f"{self.counts.get(k, 0):,}" for k in ("not finite", "derivatives", "negative"))
+        return (
+            f"| {self.model} | {self.options or '–'} | {self.cases:.2g} | {' | '.join(kinds)} | "
+            f"{self.error:.2g} | {self.claimed:.2g} | {self.seconds / 3600:.2g} |"
+        )
+
+
+def run(
+    subjects: Sequence[Subject],
+    count: int,
+    state_file: str | Path | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> list[State]:
+    """Search `count` cases of a model, shared by its variants, on top of nothing or up to it.
+
+    Args:
+        subjects: the variants of one or of several models.
+        count: cases of each model in all, those of a state that is resumed included.
+        state_file: is read if it exists, and written every few seconds.
+        progress: called with what is done and what there is to do.
+    """
+    path = None if state_file is None else Path(state_file)
+    states = {(s.model, s.options): s for s in load(path)}
+    alike = {name: sum(s.name == name for s in subjects) for name in {s.name for s in subjects}}
+    goals = [-(-count // alike[subject.name]) for subject in subjects]
+    own = [states.setdefault((s.name, s.tag()), State(s.name, s.tag())) for s in subjects]
+    saved = time.monotonic()
+    total = sum(goals)
+    for subject, goal, state in zip(subjects, goals, own, strict=True):
+        subject.prepare()
+        size = subject.size("float32")
+        state.claimed = FLOAT32 if size is None else size.size
+        while state.cases < goal:
+            if progress is not None:
+                done = sum(min(s.cases, g) for s, g in zip(own, goals, strict=True))
+                progress(done, total)
+            batch(subject, state, min(BATCH, goal - state.cases))
+            if path is not None and time.monotonic() - saved > SAVED:
+                save(path, states.values())
+                saved = time.monotonic()
+    if path is not None:
+        save(path, states.values())
+    return own
+
+
+def batch(subject: Subject, state: State, count: int) -> None:
+    """Try one batch of cases, and add what it has found to the state."""
+    start = time.perf_counter()
+    seed = 1_000_003 + 7 * state.batches
+    points = random_points(subject, count, seed)
+    rng = np.random.default_rng(seed)
+    if state.elite:
+        elite = np.array(state.elite)
+        rows = rng.integers(0, len(elite), count // 4)
+        steps = 10.0 ** rng.uniform(-8, -1, (len(rows), 1)) * rng.normal(
+            size=(len(rows), elite.shape[1])
+        )
+        moved = rng.random(steps.shape) < 0.4
+        points[: len(rows)] = np.clip(elite[rows] + np.where(moved, steps, 0), 0, 1)
+    cases = hard_cases(subject, points)
+    wrong, number = not_finite(subject, cases, True)
+    _count(state, "not finite", number)
+    for found in wrong:
+        u = found.u if found.what == "sample" else None
+        replay = subject.replay(found.parameters, found.wi, found.wo, double=False, u=u)
+        _show(state, "not finite", f"{found.what} = {found.value}: {replay}")
+    _negative(subject, state, cases)
+    badness = _derivatives(subject, state, cases)
+    error = float32_error(subject, cases)
+    worst = int(error.max(axis=1).argmax())
+    if not error[worst].max() <= state.error:
+        state.error = float(error[worst].max())
+        what = NAMES[int(error[worst].argmax())]
+        case = (cases.parameters[worst], cases.wi[worst], cases.wo[worst])
+        state.error_replay = f"{what}: {subject.replay(*case, double=False)}"
+    badness = np.maximum(badness, np.log10(np.maximum(error.max(axis=1), 1e-12)) + 12)
+    _keep(state, points, badness)
+    state.cases += count
+    state.batches += 1
+    state.seconds += time.perf_counter() - start
+
+
+def _negative(subject: Subject, state: State, cases: Cases) -> None:
+    if subject.size("negative") is not None:
+        return
+    index = np.arange(len(cases), dtype=np.uint32)
+    f, _ = evaluate(
+        subject, cases.parameters, index, cases.wi, cases.wo, single_precision=True, rounded=True
+    )
+    rows = np.flatnonzero((f < 0).any(axis=1))
+    _count(state, "negative", len(rows))
+    for row in rows[:1]:
+        case = (cases.parameters[row], cases.wi[row], cases.wo[row])
+        _show(
+            state, "negative", f"eval = {f[row].min():.6g}: {subject.replay(*case, double=False)}"
+        )
+
+
+def _derivatives(subject: Subject, state: State, cases: Cases) -> Array:
+    """How steep each case is, as a power of ten of its largest derivative; failures are counted."""
+    steep = np.zeros(len(cases))
+    if not subject.differentiable:
+        return steep
+    for method in METHODS:
+        for name, gradient in gradients(subject, cases, method).items():
+            size = np.abs(gradient.astype(np.float64)).max(axis=0)
+            bad = np.flatnonzero(~np.isfinite(size))
+            _count(state, "derivatives", len(bad))
+            for row in bad[:1]:
+                case = (cases.parameters[row], cases.wi[row], cases.wo[row])
+                u = cases.u[row] if method == "sample" else None
+                replay = subject.replay(*case, double=False, u=u)
+                _show(state, "derivatives", f"d {method} / d {name}: {replay}")
+            finite = np.where(np.isfinite(size), size, 0)
+            steep = np.maximum(steep, 0.2 * np.log10(np.maximum(finite, 1)))
+    return steep
+
+
+def _count(state: State, kind: str, number: int) -> None:
+    if number:
+        state.counts[kind] = state.counts.get(kind, 0) + number
+
+
+def _show(state: State, kind: str, text: str) -> None:
+    shown = state.replays.setdefault(kind, [])
+    if len(shown) < SHOWN:
+        shown.append(text)
+
+
+def _keep(state: State, points: Array, badness: Array) -> None:
+    order = np.argsort(-badness)[: ELITE // 4]
+    everything = [*zip(state.values, state.elite, strict=True)]
+    everything += [(float(badness[k]), points[k].tolist()) for k in order]
+    everything.sort(key=lambda pair: -pair[0])
+    state.values = [value for value, _ in everything[:ELITE]]
+    state.elite = [point for _, point in everything[:ELITE]]
+
+
+# --- files and reports ---------------------------------------------------------------------------
+
+
+def load(path: Path | None) -> list[State]:
+    """The states in a file; none if there is no file yet.
+
+    Raises:
+        ValueError: the file is none of this command's.
+    """
+    if path is None or not path.is_file():
+        return []
+    try:
+        entries = json.loads(path.read_text(encoding="utf-8"))
+        if not isinstance(entries, list):
+            raise TypeError("it holds no list")
+        return [State(**entry) for entry in entries]
+    except (ValueError, TypeError) as error:
+        raise ValueError(
+            f"{path} is no state of gonio check --fuzz ({error}); give a new name to start afresh."
+        ) from None
+
+
+def save(path: Path, states: Iterable[State]) -> None:
+    """Write all states; a run that is stopped leaves the last whole file."""
+    with replacing(path) as temporary:
+        temporary.write_text(json.dumps([asdict(s) for s in states]), encoding="utf-8")
+
+
+def record(path: str | Path, states: Iterable[State]) -> None:
+    """Write the table of all states, as docs/fuzz.md has it."""
+    with replacing(Path(path)) as temporary:
+        temporary.write_text(table(states), encoding="utf-8")
+
+
+def table(states: Iterable[State]) -> str:
+    """All states as a table, and how each failure is shown again."""
+    states = list(states)
+    text = HEAD + "\n".join(s.row() for s in states) + "\n"
+    lines = [
+        f"- {s.model}{f' ({s.options})' if s.options else ''}, {kind}: `{replay}`"
+        for s in states
+        for kind, replays in s.replays.items()
+        for replay in replays[:1]
+    ]
+    return text + ("\n" + "\n".join(lines) + "\n" if lines else "")
+
+
+def reports(states: Iterable[State]) -> list[Report]:
+    """The same as reports, for the table and the exit code of the command."""
+    found = []
+    for state in states:
+        findings = [
+            Finding(
+                kind,
+                float(number),
+                FAIL,
+                f"of {state.cases:,} cases",
+                state.options,
+                state.replays[kind][0],
+            )
+            for kind, number in state.counts.items()
+        ]
+        good = state.error <= state.claimed and not math.isnan(state.error)
+        findings.append(
+            Finding(
+                "float32 error",
+                state.error,
+                PASS if good else FAIL,
+                f"at most {state.claimed:g} is claimed; {state.cases:,} cases",
+                state.options,
+                state.error_replay or None,
+            )
+        )
+        found.append(Report("fuzz", state.model, tuple(findings), state.seconds))
+    return found
+
+
+def parse_count(text: str) -> int:
+    """A number of cases, such as 1e9.
+
+    Raises:
+        ValueError: it is no number of at least one.
+    """
+    try:
+        value: Any = float(text)
+    except ValueError:
+        value = math.nan
+    if not 1 <= value < 1e15:
+        raise ValueError(f"--fuzz takes a number of cases such as 1e6, got {text!r}.")
+    return int(value)

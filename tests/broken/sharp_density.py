@@ -1,0 +1,30 @@
+"""Broken on purpose: a density that is 0.7 % too large for sharp lobes only."""
+
+from gonio.lang import Color, Float, Sample, Vec2, Vec3, select
+from gonio.model import Model, param
+from gonio.parts.distribution import ALPHA_MIN, D_ggx
+from gonio.parts.frame import half_vector
+from gonio.parts.lobes import pdf_ggx_lobe, sample_ggx_lobe
+from gonio.parts.masking import V_smith_correlated_ggx
+
+
+class SharpDensity(Model):
+    """White facets."""
+
+    alpha: Float = param(0.3, ALPHA_MIN, 1, "slope width")
+    albedo_rule = "half_vectors"
+
+    def eval(self, wi: Vec3, wo: Vec3) -> Color:
+        """D G / (4 mu_i mu_o)."""
+        V = V_smith_correlated_ggx(wi, wo, self.alpha, self.alpha)
+        return 1.0 * D_ggx(half_vector(wi, wo), self.alpha, self.alpha) * V
+
+    def sample(self, wo: Vec3, u: Vec2) -> Sample:
+        """Visible normals."""
+        wi = sample_ggx_lobe(wo, self.alpha, self.alpha, u)
+        return Sample(wi, self.pdf(wi, wo))
+
+    def pdf(self, wi: Vec3, wo: Vec3) -> Float:
+        """Density of `sample`."""
+        wrong = select(self.alpha < 0.05, 1.007, 1)
+        return wrong * pdf_ggx_lobe(wi, wo, self.alpha, self.alpha)
