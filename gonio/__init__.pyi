@@ -57,6 +57,29 @@ class _Array(Protocol):
 _Number = SupportsFloat | _Array
 _Color = SupportsFloat | Sequence[float] | _Array
 
+class AshikhminShirley(Model):
+    """Brushed metal and varnished wood by two exponents. Reciprocal.
+
+    Parameters:
+        rho: diffuse reflectance R_d, linear RGB; 0 to 1, default (0.5, 0.5, 0.5)
+        f0: reflectance R_s at normal incidence, linear RGB; 0 to 1, default (0.04, 0.04, 0.04)
+        shininess_x: exponent n_u along x; 0 to 100000, default 100
+        shininess_y: exponent n_v along y; 0 to 100000, default 100
+    """
+
+    def __init__(
+        self,
+        *,
+        rho: _Color = (0.5, 0.5, 0.5),
+        f0: _Color = (0.04, 0.04, 0.04),
+        shininess_x: _Number = 100.0,
+        shininess_y: _Number = 100.0,
+    ) -> None: ...
+    rho: Any
+    f0: Any
+    shininess_x: Any
+    shininess_y: Any
+
 class BurleyDiffuse(Model):
     """Diffuse with darker edges when smooth and a bright rim when rough. Reciprocal.
 
@@ -127,6 +150,23 @@ class CarPaint(Model):
     transmission: Literal["both_ways", "half_vector"]
     solid_angle: Literal["compressed", "none"]
     flake_cosine: Literal["reciprocal", "light"]
+
+class Charlie(Model):
+    """Velvet and felt: bright at the edges, to be laid over a base. Reciprocal.
+
+    Parameters:
+        rho: colour of the sheen, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
+        alpha: roughness of the fibres; 1 / alpha is the sine's exponent; 0.05 to 1, default 0.4
+    """
+
+    def __init__(
+        self,
+        *,
+        rho: _Color = (0.8, 0.8, 0.8),
+        alpha: _Number = 0.4,
+    ) -> None: ...
+    rho: Any
+    alpha: Any
 
 class Disney(Model):
     """Artists' model of cloth, plastic, metal and lacquer. Reciprocal; gains energy at grazing angles.
@@ -223,6 +263,30 @@ class FON(Model):
     rho: Any
     roughness: Any
 
+class Hapke(Model):
+    """Regolith: dust that scatters once by its phase function, and often. Reciprocal.
+
+    Parameters:
+        rho: single-scattering albedo w of a grain, linear RGB; 0 to 1, default (0.3, 0.3, 0.3)
+        asymmetry: b of Henyey and Greenstein: below 0 back to the light, above 0 onwards; -0.8 to
+            0.8, default -0.2
+        opposition: strength B0 of the brighter spot around the light; 0 to 1, default 0.8
+        opposition_width: width h of that spot; radians, about; 0.02 to 1, default 0.06
+    """
+
+    def __init__(
+        self,
+        *,
+        rho: _Color = (0.3, 0.3, 0.3),
+        asymmetry: _Number = -0.2,
+        opposition: _Number = 0.8,
+        opposition_width: _Number = 0.06,
+    ) -> None: ...
+    rho: Any
+    asymmetry: Any
+    opposition: Any
+    opposition_width: Any
+
 class Lambert(Model):
     """Ideal diffuse: the same radiance in every direction. Reciprocal; the albedo is rho.
 
@@ -234,6 +298,20 @@ class Lambert(Model):
         self,
         *,
         rho: _Color = (0.8, 0.8, 0.8),
+    ) -> None: ...
+    rho: Any
+
+class LommelSeeliger(Model):
+    """Dark dust that scatters light once; a full moon without dark limbs. Reciprocal.
+
+    Parameters:
+        rho: single-scattering albedo w of a grain, linear RGB; 0 to 1, default (0.3, 0.3, 0.3)
+    """
+
+    def __init__(
+        self,
+        *,
+        rho: _Color = (0.3, 0.3, 0.3),
     ) -> None: ...
     rho: Any
 
@@ -260,6 +338,23 @@ class MetallicRoughness(Model):
     metallic: Any
     roughness: Any
     masking: Literal["smith_correlated", "smith"]
+
+class Minnaert(Model):
+    """Planets and moons by one exponent: darker limbs above k = 1, brighter ones below. Reciprocal.
+
+    Parameters:
+        rho: albedo at the normal, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
+        k: limb darkening: 1 is Lambert, 0.5 a flat full moon; 0 to 2, default 0.7
+    """
+
+    def __init__(
+        self,
+        *,
+        rho: _Color = (0.8, 0.8, 0.8),
+        k: _Number = 0.7,
+    ) -> None: ...
+    rho: Any
+    k: Any
 
 class OrenNayar(Model):
     """Rough diffuse from V-shaped grooves, single and double scattering. Reciprocal; loses energy.
@@ -614,6 +709,33 @@ class UnityStandard(Model):
     base_color: Any
     metallic: Any
     roughness: Any
+
+class Ward(Model):
+    """Brushed metal and lacquer, as many measurements were fitted. Reciprocal.
+
+    Parameters:
+        rho: diffuse albedo, linear RGB; 0 to 1, default (0.3, 0.3, 0.3)
+        specular: weight of the highlight, linear RGB; 0 to 1, default (0.2, 0.2, 0.2)
+        alpha_x: slope width of the highlight along x; 0.0001 to 1, default 0.15
+        alpha_y: slope width of the highlight along y; 0.0001 to 1, default 0.15
+        form: the denominator: mu_i mu_o (2006), its root (1992), or of bounded albedo (2010);
+            'dur', 'ward', 'balanced'; default 'dur'
+    """
+
+    def __init__(
+        self,
+        *,
+        rho: _Color = (0.3, 0.3, 0.3),
+        specular: _Color = (0.2, 0.2, 0.2),
+        alpha_x: _Number = 0.15,
+        alpha_y: _Number = 0.15,
+        form: Literal["dur", "ward", "balanced"] = "dur",
+    ) -> None: ...
+    rho: Any
+    specular: Any
+    alpha_x: Any
+    alpha_y: Any
+    form: Literal["dur", "ward", "balanced"]
 
 class WeidlichWilkie(Model):
     """A clear, tinted coat over any base; nest it for more layers. Reciprocal if the base is.

@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: Apache-2.0
+// Ashikhmin-Shirley: an anisotropic Phong highlight over a diffuse part that it takes its light from.
+//
+// Source: Ashikhmin, Shirley, "An anisotropic Phong BRDF model", Journal of Graphics Tools 5(2), 2000: Eq.
+// 4, 5 and, for samples, 6 to 9.
+// Deviation: (N.H) to its power is taken from the slopes of H, which a sharp lobe needs in float32.
+//
+// WGSL (WebGPU), made by gonio from gonio/models/ashikhmin_shirley.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: var params: AshikhminShirley; params.rho = ...; ... ashikhmin_shirley_eval(params, wi, wo)
+
+// A sampled direction and its density.
+struct AshikhminShirleySample {
+    wi: vec3f,  // direction towards the light, unit, local frame
+    pdf: f32,  // its density in 1/sr; 0 marks a wasted sample
+}
+
+// ashikhmin_shirley: Brushed metal and varnished wood by two exponents. Reciprocal.
+struct AshikhminShirley {
+    rho: vec3f,  // diffuse reflectance R_d, linear RGB; 0 to 1, default (0.5, 0.5, 0.5)
+    // reflectance R_s at normal incidence, linear RGB; 0 to 1, default (0.04, 0.04, 0.04)
+    f0: vec3f,
+    shininess_x: f32,  // exponent n_u along x; 0 to 100000, default 100
+    shininess_y: f32,  // exponent n_v along y; 0 to 100000, default 100
+}
+
+// Which of two lobes a sample is taken from.
+struct AshikhminShirleyChoice {
+    is_first: bool,  // Whether it is the first one
+    u: vec2f,  // Fresh random numbers, made of those that chose
+}
+
+// ---- evaluation ----------------------------------------------------------------------------
+
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+fn ashikhmin_shirley_cos_half(wi: vec3f, wo: vec3f) -> f32 {
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return 0.5 * length(wi + wo);
+}
+
+// (1 - c)^5 at c = wo . m, the half vector's cosine.
+fn ashikhmin_shirley_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
+    // keeps its digits where the two meet and it goes to 0.
+    let apart = wi - wo;
+    let k = 0.25 * dot(apart, apart) / (1.0 + ashikhmin_shirley_cos_half(wi, wo));
+    let k2 = k * k;
+    return k2 * k2 * k;
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn ashikhmin_shirley_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    let h = wi + wo;
+    return h / length(h);  // which ashikhmin_shirley_cos_half needs as well
+}
+
+// log(1 + x) / x for x > -1; 1 at x = 0.
+fn ashikhmin_shirley_log1p_over(x: f32) -> f32 {
+    // Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+    const LOG1P_SMALL = 0.25;
+    // 2 atanh(y) with y = x / (2 + x): the series of odd powers, error below 1e-16 for |x| < 0.25.
+    let near = max(min(x, LOG1P_SMALL), -LOG1P_SMALL);
+    let y = near / (2.0 + near);
+    let y2 = y * y;
+    var series = 1.0 / 9.0
+        + y2 * (1.0 / 11.0 + y2 * (1.0 / 13.0 + y2 * (1.0 / 15.0 + y2 * (1.0 / 17.0))));
+    series = 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * series)));
+    let small = x > -LOG1P_SMALL && x < LOG1P_SMALL;
+    let far = select(x, 1.0, small);
+    return select(log(1.0 + far) / far, 2.0 / (2.0 + near) * series, small);
+}
+
+// Of normals, sqrt((n_u + 1) (n_v + 1)) / (2 pi) (N.m)^(n_u cos^2 + n_v sin^2 of the azimuth).
+fn ashikhmin_shirley_density(params: AshikhminShirley, m: vec3f) -> f32 {
+    const inv_two_pi = 0.15915494;
+    // -log(N.m) (n_u x^2 + n_v y^2) / (x^2 + y^2) with log(N.m) = -log(1 + tan^2) / 2: the square of the sine
+    // cancels
+    let x2 = m.x * m.x;
+    let y2 = m.y * m.y;
+    let z2 = m.z * m.z;
+    let steep = 0.5 * ashikhmin_shirley_log1p_over((x2 + y2) / z2) / z2;
+    let norm = inv_two_pi * sqrt((params.shininess_x + 1.0) * (params.shininess_y + 1.0));
+    return norm * exp(-(params.shininess_x * x2 + params.shininess_y * y2) * steep);
+}
+
+// 1 - (1 - mu / 2)^5, with the factor mu taken out.
+fn ashikhmin_shirley_below(mu: f32) -> f32 {
+    let k = 1.0 - 0.5 * mu;
+    return 0.5 * mu * (1.0 + k * (1.0 + k * (1.0 + k * (1.0 + k))));
+}
+
+// The diffuse part, which is not stretched (Eq. 5).
+fn ashikhmin_shirley_eval_round(params: AshikhminShirley, wi: vec3f, wo: vec3f) -> vec3f {
+    // Eq. 5: 28 / 23 makes the diffuse part of a black highlight lose nothing.
+    const DIFFUSE = 1.2173913;
+    const inv_pi = 0.31830987;
+    let below = ashikhmin_shirley_below(wi.z) * ashikhmin_shirley_below(wo.z);
+    return DIFFUSE * inv_pi * below * params.rho * (1.0 - params.f0);
+}
+
+// Eq. 4 and 5: BRDF value in 1/sr, without the cosine.
+fn ashikhmin_shirley_eval(params: AshikhminShirley, wi: vec3f, wo: vec3f) -> vec3f {
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return vec3f(0.0);
+    }
+    let F = mix(params.f0, vec3f(1.0), vec3f(ashikhmin_shirley_schlick_weight_half(wi, wo)));
+    var highlight = 0.25 * ashikhmin_shirley_density(params, ashikhmin_shirley_half_vector(wi, wo));
+    highlight = highlight / (ashikhmin_shirley_cos_half(wi, wo) * max(wi.z, wo.z));
+    return ashikhmin_shirley_eval_round(params, wi, wo) + F * highlight;
+}
+
+// ---- sampling ------------------------------------------------------------------------------
+
+// (1 - cos_theta)^5 of Schlick's approximation.
+fn ashikhmin_shirley_schlick_weight(cos_theta: f32) -> f32 {
+    let k = 1.0 - cos_theta;
+    let k2 = k * k;
+    return k2 * k2 * k;
+}
+
+// Mean of the three channels, by which lobes are weighed against each other.
+fn ashikhmin_shirley_average(color: vec3f) -> f32 {
+    return (color.x + color.y + color.z) / 3.0;
+}
+
+fn ashikhmin_shirley_raised(probability: f32) -> f32 {
+    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+    const SHARE_LEAST = 0.1;
+    const ESTIMATE_TRUST = 50.0;
+    return max(probability, min(SHARE_LEAST, ESTIMATE_TRUST * probability));
+}
+
+// Probabilities of two lobes with the given albedos; the first is certain if both are black.
+fn ashikhmin_shirley_lobes_shares(first: f32, second: f32) -> vec2f {
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose and the
+    // reciprocal of their sum has a derivative; no albedo that can be seen is that small.
+    const BLACK = 1.0e-12;
+    let lifted = first + BLACK;
+    let inv = 1.0 / (lifted + second);
+    let a = ashikhmin_shirley_raised(lifted * inv);
+    let b = ashikhmin_shirley_raised(second * inv);
+    // The smaller one by itself: 1 minus a probability near 1 has no digits left.
+    let smaller = lifted < second;
+    return vec2f(select(1.0 - b, a, smaller), select(b, 1.0 - a, smaller));
+}
+
+// Probabilities of the diffuse part and of the highlight.
+fn ashikhmin_shirley_shares(params: AshikhminShirley, wo: vec3f) -> vec2f {
+    let F = mix(params.f0, vec3f(1.0), vec3f(ashikhmin_shirley_schlick_weight(wo.z)));
+    return ashikhmin_shirley_lobes_shares(ashikhmin_shirley_average(params.rho * (1.0 - params.f0)),
+        ashikhmin_shirley_average(F));
+}
+
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+fn ashikhmin_shirley_choose(probability: f32, u: vec2f) -> AshikhminShirleyChoice {
+    // Smallest probability that is divided by: a random number falls below it once in a million million.
+    const SHARE_MIN = 1.0e-12;
+    const RANDOM_MAX = 0.99999994;  // The largest float32 below 1, up to which random numbers go.
+    let first = u.x < probability;
+    let below = u.x / max(probability, SHARE_MIN);
+    let above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
+    return AshikhminShirleyChoice(first,
+        vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
+}
+
+// A direction with density cos(theta) / pi.
+fn ashikhmin_shirley_sample_cosine(u: vec2f) -> vec3f {
+    const two_pi = 6.2831855;
+    let r = sqrt(max(u.x, 0.0));
+    let phi = two_pi * u.y;
+    return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
+}
+
+// exp(x) - 1, exact where x is small.
+fn ashikhmin_shirley_expm1(x: f32) -> f32 {
+    // Below this the series needs eleven terms; above, the plain difference is exact to 2e-7 in float32.
+    const EXPM1_SMALL = 0.3;
+    let near = max(min(x, EXPM1_SMALL), -EXPM1_SMALL);
+    // Taylor's series up to x^11 / 11!, error below 2e-15 for |x| < 0.3.
+    var series = 1.0 + near / 8.0 * (1.0 + near / 9.0 * (1.0 + near / 10.0 * (1.0 + near / 11.0)));
+    series = 1.0 + near / 5.0 * (1.0 + near / 6.0 * (1.0 + near / 7.0 * series));
+    series = near * (1.0 + near / 2.0 * (1.0 + near / 3.0 * (1.0 + near / 4.0 * series)));
+    return select(exp(x) - 1.0, series, x > -EXPM1_SMALL && x < EXPM1_SMALL);
+}
+
+fn ashikhmin_shirley_normal(params: AshikhminShirley, u: vec2f) -> vec3f {
+    const two_pi = 6.2831855;
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const RANDOM_MARGIN = 5.9604645e-8;
+    let phi = two_pi * u.y;
+    let x = cos(phi) / sqrt(params.shininess_x + 1.0);
+    let y = sin(phi) / sqrt(params.shininess_y + 1.0);
+    let r2 = x * x + y * y;
+    let exponent = (params.shininess_x * x * x + params.shininess_y * y * y) / r2;
+    let tan2 = ashikhmin_shirley_expm1(-2.0 / (exponent + 1.0)
+        * log(max(1.0 - u.x, RANDOM_MARGIN)));
+    let scale = sqrt(max(tan2, 0.0)) / sqrt(r2);
+    return normalize(vec3f(x * scale, y * scale, 1.0));
+}
+
+// wo mirrored at a facet with normal m; it may leave below the horizon.
+fn ashikhmin_shirley_mirror(wo: vec3f, m: vec3f) -> vec3f {
+    return 2.0 * dot(wo, m) * m - wo;
+}
+
+// Density of ashikhmin_shirley_mirror in 1/sr, if m has the given density and cos_h = wo . m.
+fn ashikhmin_shirley_pdf_mirror(density: f32, cos_h: f32) -> f32 {
+    // Walter et al., Eq. 14
+    return 0.25 * density / cos_h;
+}
+
+// Density of ashikhmin_shirley_sample_cosine in 1/sr, for w above the horizon.
+fn ashikhmin_shirley_pdf_cosine(w: vec3f) -> f32 {
+    const inv_pi = 0.31830987;
+    return w.z * inv_pi;
+}
+
+// Density of ashikhmin_shirley_sample in 1/sr (Eq. 8).
+fn ashikhmin_shirley_pdf(params: AshikhminShirley, wi: vec3f, wo: vec3f) -> f32 {
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return 0.0;
+    }
+    let P = ashikhmin_shirley_shares(params, wo);
+    let facets = ashikhmin_shirley_pdf_mirror(ashikhmin_shirley_density(params,
+        ashikhmin_shirley_half_vector(wi, wo)), ashikhmin_shirley_cos_half(wi, wo));
+    return P.x * ashikhmin_shirley_pdf_cosine(wi) + P.y * facets;
+}
+
+// Cosine-weighted, or wo mirrored at a normal by its density (Eq. 6, 7 and 9).
+fn ashikhmin_shirley_sample(params: AshikhminShirley, wo: vec3f,
+    u: vec2f) -> AshikhminShirleySample {
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
+        return AshikhminShirleySample(vec3f(0.0, 0.0, 1.0), 0.0);
+    }
+    let choose_result = ashikhmin_shirley_choose(ashikhmin_shirley_shares(params, wo).x, u);
+    let matte = choose_result.is_first;
+    let v = choose_result.u;
+    let wi = select(ashikhmin_shirley_mirror(wo, ashikhmin_shirley_normal(params, v)),
+        ashikhmin_shirley_sample_cosine(v), matte);
+    return AshikhminShirleySample(wi, ashikhmin_shirley_pdf(params, wi, wo));
+}
+
+// ---- albedo --------------------------------------------------------------------------------
+
+// Directional albedo of a model without a closed form: the mean weight of its own samples.
+//
+// For tables and previews; the random numbers are a Fibonacci lattice.
+fn ashikhmin_shirley_albedo(params: AshikhminShirley, wo: vec3f) -> vec3f {
+    // Steps of the rule in ashikhmin_shirley_albedo: a Fibonacci number, and the golden ratio.
+    const ALBEDO_SAMPLES = 987.0;
+    const GOLDEN = 0.618034;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const HORIZON = 1.0e-6;
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z < 0.0) {  // below the horizon
+        return vec3f(0.0);
+    }
+    let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
+    var total = vec3f(0.0, 0.0, 0.0);
+    for (var i_step = 0; i_step < 987; i_step++) {
+        let i = f32(i_step);
+        let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
+        let drawn = ashikhmin_shirley_sample(params, w, u);
+        let weight = select(0.0, drawn.wi.z / max(drawn.pdf, mu_min), drawn.pdf > 0.0);
+        total = total + ashikhmin_shirley_eval(params, drawn.wi, w) * weight;
+    }
+    return total / ALBEDO_SAMPLES;
+}

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lommel-Seeliger: single scattering in a half space of dark dust, such as the Moon's.
+//
+// Source: Seeliger, "Zur Photometrie des Saturnringes", Astronomische Nachrichten 109, 1884, in the form of
+// Hapke, "Bidirectional reflectance spectroscopy, 1: theory", Journal of Geophysical Research 86, 1981, Eq.
+// 15 without its other orders, for grains that scatter evenly in all directions. The albedos are integrated
+// here.
+//
+// Metal, made by gonio from gonio/models/lommel_seeliger.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// Usage: LommelSeeliger params; params.rho = ...; ... lommel_seeliger_eval(params, wi, wo)
+
+#include <metal_stdlib>
+using namespace metal;
+
+// A sampled direction and its density.
+struct LommelSeeligerSample {
+    float3 wi;  // direction towards the light, unit, local frame
+    float pdf;  // its density in 1/sr; 0 marks a wasted sample
+};
+
+// lommel_seeliger: Dark dust that scatters light once; a full moon without dark limbs. Reciprocal.
+struct LommelSeeliger {
+    // single-scattering albedo w of a grain, linear RGB; 0 to 1, default (0.3, 0.3, 0.3)
+    float3 rho;
+};
+
+// ---- evaluation ----------------------------------------------------------------------------
+
+// w / (4 pi (mu_i + mu_o)): BRDF value in 1/sr, without the cosine.
+inline float3 lommel_seeliger_eval(LommelSeeliger params, float3 wi, float3 wo) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    const float INV_FOUR_PI = 0.07957747;
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return float3(0.0);
+    }
+    return params.rho * (INV_FOUR_PI / (wi.z + wo.z));
+}
+
+// ---- sampling ------------------------------------------------------------------------------
+
+// A direction with density 1 / (2 pi).
+inline float3 lommel_seeliger_sample_uniform(float2 u) {
+    const float two_pi = 6.2831855;
+    // z = 1 - u instead of u: random numbers lie in [0, 1), so z never becomes 0.
+    float z = 1.0 - u.x;
+    float r = sqrt(max(u.x * (1.0 + z), 0.0));
+    float phi = two_pi * u.y;
+    return float3(r * cos(phi), r * sin(phi), z);
+}
+
+// Density of lommel_seeliger_sample in 1/sr.
+inline float lommel_seeliger_pdf(LommelSeeliger params, float3 wi, float3 wo) {
+    const float inv_two_pi = 0.15915494;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return 0.0;
+    }
+    return inv_two_pi;
+}
+
+// Uniform: the weight, w / 2 mu_i / (mu_i + mu_o), has a bound.
+inline LommelSeeligerSample lommel_seeliger_sample(LommelSeeliger params, float3 wo, float2 u) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
+        return LommelSeeligerSample{float3(0.0, 0.0, 1.0), 0.0};
+    }
+    float3 wi = lommel_seeliger_sample_uniform(u);
+    return LommelSeeligerSample{wi, lommel_seeliger_pdf(params, wi, wo)};
+}
+
+// ---- albedo --------------------------------------------------------------------------------
+
+// log(1 + x) / x for x > -1; 1 at x = 0.
+inline float lommel_seeliger_log1p_over(float x) {
+    // Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+    const float LOG1P_SMALL = 0.25;
+    // 2 atanh(y) with y = x / (2 + x): the series of odd powers, error below 1e-16 for |x| < 0.25.
+    float near = max(min(x, LOG1P_SMALL), -LOG1P_SMALL);
+    float y = near / (2.0 + near);
+    float y2 = y * y;
+    float series = 1.0 / 9.0
+        + y2 * (1.0 / 11.0 + y2 * (1.0 / 13.0 + y2 * (1.0 / 15.0 + y2 * (1.0 / 17.0))));
+    series = 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * series)));
+    bool small = x > -LOG1P_SMALL && x < LOG1P_SMALL;
+    float far = small ? 1.0 : x;
+    return small ? 2.0 / (2.0 + near) * series : log(1.0 + far) / far;
+}
+
+// log(1 + x) for x > -1, exact where x is small.
+inline float lommel_seeliger_log1p(float x) {
+    return x * lommel_seeliger_log1p_over(x);
+}
+
+// w / 2 (1 - mu_o log((1 + mu_o) / mu_o)).
+inline float3 lommel_seeliger_albedo(LommelSeeliger params, float3 wo) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z < 0.0) {  // below the horizon
+        return float3(0.0);
+    }
+    float mu = wo.z;
+    return params.rho * (0.5 - 0.5 * mu * (lommel_seeliger_log1p(mu) - log(max(mu, mu_min))));
+}

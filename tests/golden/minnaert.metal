@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// Minnaert: limb darkening of planets as a power of both cosines.
+//
+// Source: Minnaert, "The reciprocity principle in lunar photometry", Astrophysical Journal 93, 1941,
+// normalised such that rho is the albedo at the normal. k = 1 is Lambert; the full Moon has about k = 0.5.
+//
+// Metal, made by gonio from gonio/models/minnaert.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// Usage: Minnaert params; params.rho = ...; ... minnaert_eval(params, wi, wo)
+
+#include <metal_stdlib>
+using namespace metal;
+
+// A sampled direction and its density.
+struct MinnaertSample {
+    float3 wi;  // direction towards the light, unit, local frame
+    float pdf;  // its density in 1/sr; 0 marks a wasted sample
+};
+
+// minnaert: Planets and moons by one exponent: darker limbs above k = 1, brighter ones below. Reciprocal.
+struct Minnaert {
+    float3 rho;  // albedo at the normal, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
+    float k;  // limb darkening: 1 is Lambert, 0.5 a flat full moon; 0 to 2, default 0.7
+};
+
+// ---- evaluation ----------------------------------------------------------------------------
+
+// rho (k + 1) / (2 pi) (mu_i mu_o)^(k - 1): BRDF value in 1/sr, without the cosine.
+inline float3 minnaert_eval(Minnaert params, float3 wi, float3 wo) {
+    const float inv_two_pi = 0.15915494;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return float3(0.0);
+    }
+    float k = params.k;
+    return params.rho * (inv_two_pi * (k + 1.0) * pow(wi.z, k - 1.0) * pow(wo.z, k - 1.0));
+}
+
+// ---- sampling ------------------------------------------------------------------------------
+
+// exp(x) - 1, exact where x is small.
+inline float minnaert_expm1(float x) {
+    // Below this the series needs eleven terms; above, the plain difference is exact to 2e-7 in float32.
+    const float EXPM1_SMALL = 0.3;
+    float near = max(min(x, EXPM1_SMALL), -EXPM1_SMALL);
+    // Taylor's series up to x^11 / 11!, error below 2e-15 for |x| < 0.3.
+    float series = 1.0 + near / 8.0
+        * (1.0 + near / 9.0 * (1.0 + near / 10.0 * (1.0 + near / 11.0)));
+    series = 1.0 + near / 5.0 * (1.0 + near / 6.0 * (1.0 + near / 7.0 * series));
+    series = near * (1.0 + near / 2.0 * (1.0 + near / 3.0 * (1.0 + near / 4.0 * series)));
+    return x > -EXPM1_SMALL && x < EXPM1_SMALL ? series : exp(x) - 1.0;
+}
+
+// Density of minnaert_sample in 1/sr.
+inline float minnaert_pdf(Minnaert params, float3 wi, float3 wo) {
+    const float inv_two_pi = 0.15915494;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return 0.0;
+    }
+    return inv_two_pi * (params.k + 1.0) * pow(wi.z, params.k);
+}
+
+// A direction with a density like mu_i^k, which leaves a constant weight.
+inline MinnaertSample minnaert_sample(Minnaert params, float3 wo, float2 u) {
+    const float two_pi = 6.2831855;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
+        return MinnaertSample{float3(0.0, 0.0, 1.0), 0.0};
+    }
+    float t = log(1.0 - u.x) / (params.k + 1.0);
+    float r = sqrt(max(-minnaert_expm1(2.0 * t), 0.0));
+    float phi = two_pi * u.y;
+    float3 wi = float3(r * cos(phi), r * sin(phi), exp(t));
+    return MinnaertSample{wi, minnaert_pdf(params, wi, wo)};
+}
+
+// ---- albedo --------------------------------------------------------------------------------
+
+// rho mu_o^(k - 1).
+inline float3 minnaert_albedo(Minnaert params, float3 wo) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z < 0.0) {  // below the horizon
+        return float3(0.0);
+    }
+    return params.rho * pow(max(wo.z, mu_min), params.k - 1.0);
+}

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// Minnaert: limb darkening of planets as a power of both cosines.
+//
+// Source: Minnaert, "The reciprocity principle in lunar photometry", Astrophysical Journal 93, 1941,
+// normalised such that rho is the albedo at the normal. k = 1 is Lambert; the full Moon has about k = 0.5.
+//
+// WGSL (WebGPU), made by gonio from gonio/models/minnaert.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// Usage: var params: Minnaert; params.rho = ...; ... minnaert_eval(params, wi, wo)
+
+// A sampled direction and its density.
+struct MinnaertSample {
+    wi: vec3f,  // direction towards the light, unit, local frame
+    pdf: f32,  // its density in 1/sr; 0 marks a wasted sample
+}
+
+// minnaert: Planets and moons by one exponent: darker limbs above k = 1, brighter ones below. Reciprocal.
+struct Minnaert {
+    rho: vec3f,  // albedo at the normal, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
+    k: f32,  // limb darkening: 1 is Lambert, 0.5 a flat full moon; 0 to 2, default 0.7
+}
+
+// ---- evaluation ----------------------------------------------------------------------------
+
+// rho (k + 1) / (2 pi) (mu_i mu_o)^(k - 1): BRDF value in 1/sr, without the cosine.
+fn minnaert_eval(params: Minnaert, wi: vec3f, wo: vec3f) -> vec3f {
+    const inv_two_pi = 0.15915494;
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return vec3f(0.0);
+    }
+    let k = params.k;
+    return params.rho * (inv_two_pi * (k + 1.0) * pow(wi.z, k - 1.0) * pow(wo.z, k - 1.0));
+}
+
+// ---- sampling ------------------------------------------------------------------------------
+
+// exp(x) - 1, exact where x is small.
+fn minnaert_expm1(x: f32) -> f32 {
+    // Below this the series needs eleven terms; above, the plain difference is exact to 2e-7 in float32.
+    const EXPM1_SMALL = 0.3;
+    let near = max(min(x, EXPM1_SMALL), -EXPM1_SMALL);
+    // Taylor's series up to x^11 / 11!, error below 2e-15 for |x| < 0.3.
+    var series = 1.0 + near / 8.0 * (1.0 + near / 9.0 * (1.0 + near / 10.0 * (1.0 + near / 11.0)));
+    series = 1.0 + near / 5.0 * (1.0 + near / 6.0 * (1.0 + near / 7.0 * series));
+    series = near * (1.0 + near / 2.0 * (1.0 + near / 3.0 * (1.0 + near / 4.0 * series)));
+    return select(exp(x) - 1.0, series, x > -EXPM1_SMALL && x < EXPM1_SMALL);
+}
+
+// Density of minnaert_sample in 1/sr.
+fn minnaert_pdf(params: Minnaert, wi: vec3f, wo: vec3f) -> f32 {
+    const inv_two_pi = 0.15915494;
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return 0.0;
+    }
+    return inv_two_pi * (params.k + 1.0) * pow(wi.z, params.k);
+}
+
+// A direction with a density like mu_i^k, which leaves a constant weight.
+fn minnaert_sample(params: Minnaert, wo: vec3f, u: vec2f) -> MinnaertSample {
+    const two_pi = 6.2831855;
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
+        return MinnaertSample(vec3f(0.0, 0.0, 1.0), 0.0);
+    }
+    let t = log(1.0 - u.x) / (params.k + 1.0);
+    let r = sqrt(max(-minnaert_expm1(2.0 * t), 0.0));
+    let phi = two_pi * u.y;
+    let wi = vec3f(r * cos(phi), r * sin(phi), exp(t));
+    return MinnaertSample(wi, minnaert_pdf(params, wi, wo));
+}
+
+// ---- albedo --------------------------------------------------------------------------------
+
+// rho mu_o^(k - 1).
+fn minnaert_albedo(params: Minnaert, wo: vec3f) -> vec3f {
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z < 0.0) {  // below the horizon
+        return vec3f(0.0);
+    }
+    return params.rho * pow(max(wo.z, mu_min), params.k - 1.0);
+}
