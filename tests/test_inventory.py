@@ -101,7 +101,7 @@ ROWS = {
     "Unity BRDF2": "model unity_brdf2",
     "Weidlich-Wilkie": "model weidlich_wilkie",
     "layers: refraction": "interface.refract",
-    "layers: absorption": "interface.absorbed",
+    "layers: absorption": "interface.attenuation",
     "layers: T12 t": "coat.through_facets",
     "layers: roughness clamp": "roughness.at_least_alpha",
     "layers: Fresnel both ways": "model weidlich_wilkie transmission both_ways",

@@ -16,7 +16,6 @@ from gonio.lang import (
     Vec3,
     cos,
     exp,
-    log,
     maximum,
     power,
     safe_sqrt,
@@ -24,7 +23,7 @@ from gonio.lang import (
     vec3,
 )
 from gonio.model import Model, param
-from gonio.parts.special import expm1
+from gonio.parts.special import expm1, log1p
 
 
 class Minnaert(Model):
@@ -45,7 +44,7 @@ class Minnaert(Model):
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """A direction with a density like mu_i^k, which leaves a constant weight."""
-        t = log(1 - u.x) / (self.k + 1)
+        t = log1p(-u.x) / (self.k + 1)
         r, phi = safe_sqrt(-expm1(2 * t)), TWO_PI * u.y
         wi = vec3(r * cos(phi), r * sin(phi), exp(t))
         return Sample(wi, self.pdf(wi, wo))

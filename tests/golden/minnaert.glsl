@@ -36,6 +36,27 @@ vec3 minnaert_eval(Minnaert params, vec3 wi, vec3 wo) {
 
 // ---- sampling ------------------------------------------------------------------------------
 
+// log(1 + x) / x for x > -1; 1 at x = 0.
+float minnaert_log1p_over(float x) {
+    // Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+    const float LOG1P_SMALL = 0.25;
+    // 2 atanh(y) with y = x / (2 + x): the series of odd powers, error below 1e-16 for |x| < 0.25.
+    float near = max(min(x, LOG1P_SMALL), -LOG1P_SMALL);
+    float y = near / (2.0 + near);
+    float y2 = y * y;
+    float series = 1.0 / 9.0
+        + y2 * (1.0 / 11.0 + y2 * (1.0 / 13.0 + y2 * (1.0 / 15.0 + y2 * (1.0 / 17.0))));
+    series = 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * series)));
+    bool small = x > -LOG1P_SMALL && x < LOG1P_SMALL;
+    float far = small ? 1.0 : x;
+    return small ? 2.0 / (2.0 + near) * series : log(1.0 + far) / far;
+}
+
+// log(1 + x) for x > -1, exact where x is small.
+float minnaert_log1p(float x) {
+    return x * minnaert_log1p_over(x);
+}
+
 // exp(x) - 1, exact where x is small.
 float minnaert_expm1(float x) {
     // Below this the series needs eleven terms; above, the plain difference is exact to 2e-7 in float32.
@@ -66,7 +87,7 @@ MinnaertSample minnaert_sample(Minnaert params, vec3 wo, vec2 u) {
     if (wo.z <= mu_min) {  // in the horizon or below
         return MinnaertSample(vec3(0.0, 0.0, 1.0), 0.0);
     }
-    float t = log(1.0 - u.x) / (params.k + 1.0);
+    float t = minnaert_log1p(-u.x) / (params.k + 1.0);
     float r = sqrt(max(-minnaert_expm1(2.0 * t), 0.0));
     float phi = two_pi * u.y;
     vec3 wi = vec3(r * cos(phi), r * sin(phi), exp(t));

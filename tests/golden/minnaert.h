@@ -33,6 +33,8 @@ inline Vec3 operator*(Vec3 a, float b) {
 constexpr float two_pi = 6.2831855f;
 constexpr float inv_two_pi = 0.15915494f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
+// Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+constexpr float LOG1P_SMALL = 0.25f;
 // Below this the series needs eleven terms; above, the plain difference is exact to 2e-7 in float32.
 constexpr float EXPM1_SMALL = 0.3f;
 
@@ -61,6 +63,25 @@ inline Vec3 minnaert_eval(const Minnaert& params, Vec3 wi, Vec3 wo) {
 
 // ---- sampling ------------------------------------------------------------------------------
 
+// log(1 + x) / x for x > -1; 1 at x = 0.
+inline float minnaert_log1p_over(float x) {
+    // 2 atanh(y) with y = x / (2 + x): the series of odd powers, error below 1e-16 for |x| < 0.25.
+    float near = fmaxf(fminf(x, LOG1P_SMALL), -LOG1P_SMALL);
+    float y = near / (2.0f + near);
+    float y2 = y * y;
+    float series = 1.0f / 9.0f
+        + y2 * (1.0f / 11.0f + y2 * (1.0f / 13.0f + y2 * (1.0f / 15.0f + y2 * (1.0f / 17.0f))));
+    series = 1.0f + y2 * (1.0f / 3.0f + y2 * (1.0f / 5.0f + y2 * (1.0f / 7.0f + y2 * series)));
+    bool small = x > -LOG1P_SMALL && x < LOG1P_SMALL;
+    float far = small ? 1.0f : x;
+    return small ? 2.0f / (2.0f + near) * series : logf(1.0f + far) / far;
+}
+
+// log(1 + x) for x > -1, exact where x is small.
+inline float minnaert_log1p(float x) {
+    return x * minnaert_log1p_over(x);
+}
+
 // exp(x) - 1, exact where x is small.
 inline float minnaert_expm1(float x) {
     float near = fmaxf(fminf(x, EXPM1_SMALL), -EXPM1_SMALL);
@@ -85,7 +106,7 @@ inline MinnaertSample minnaert_sample(const Minnaert& params, Vec3 wo, Vec2 u) {
     if (wo.z <= mu_min) {  // in the horizon or below
         return MinnaertSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
-    float t = logf(1.0f - u.x) / (params.k + 1.0f);
+    float t = minnaert_log1p(-u.x) / (params.k + 1.0f);
     float r = sqrtf(fmaxf(-minnaert_expm1(2.0f * t), 0.0f));
     float phi = two_pi * u.y;
     Vec3 wi = Vec3{r * cosf(phi), r * sinf(phi), expf(t)};
