@@ -5,7 +5,7 @@ Source: Ashikhmin, Shirley, "An anisotropic Phong BRDF model", Journal of Graphi
 Deviation: (N.H) to its power is taken from the slopes of H, which a sharp lobe needs in float32.
 """
 
-from gonio.claims import Claims, kink, known
+from gonio.claims import Claims, Place, at_most, kink
 from gonio.lang import (
     INV_PI,
     INV_TWO_PI,
@@ -57,7 +57,7 @@ class AshikhminShirley(Model):
         "with shininess 0.",
     )
     claims = Claims(
-        wasted=known(0.71), kinks=kink("kink at mu_i = mu_o"), numeric_albedo=known(1e-4)
+        wasted=at_most(0.71), kinks=kink(Place.EQUAL_COSINES), numeric_albedo=at_most(1e-4)
     )
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:

@@ -5,7 +5,7 @@ distribution; its masking grows without bound in the horizon, and real-time rend
 Pettineo, "Crafting a next-gen material pipeline for The Order: 1886", SIGGRAPH 2013 course, which is here.
 """
 
-from gonio.claims import Claims, known
+from gonio.claims import Claims, at_most
 from gonio.lang import INV_TWO_PI, Color, Float, Sample, Vec2, Vec3, exp, log, maximum
 from gonio.model import Model, param
 from gonio.parts.frame import half_vector
@@ -24,7 +24,7 @@ class Charlie(Model):
         "Reflects little but at grazing angles: the base below has to be dimmed by what it reflects.",
         "Reflects more than it receives at grazing angles when fibres stand upright (small alpha).",
     )
-    claims = Claims(energy=known(1.86))
+    claims = Claims(energy=at_most(1.86))
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """D / (4 (mu_i + mu_o - mu_i mu_o)): BRDF value in 1/sr, without the cosine."""

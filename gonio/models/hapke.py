@@ -7,7 +7,7 @@ scatter by the function of Henyey, Greenstein, "Diffuse radiation in the galaxy"
 1941. Macroscopic roughness is not there.
 """
 
-from gonio.claims import Claims, known
+from gonio.claims import Claims, at_most
 from gonio.lang import PI, Color, Float, Sample, Vec2, Vec3, dot, length, smooth_sqrt, sqrt
 from gonio.model import Model, param
 from gonio.parts.hemisphere import pdf_uniform, sample_uniform
@@ -29,7 +29,7 @@ class Hapke(Model):
         "Scattering that is not even counts for the first order only, and so does the opposition effect: "
         "white grains gain or lose what it brings.",
     )
-    claims = Claims(energy=known(1.7), numeric_albedo=known(1e-3))
+    claims = Claims(energy=at_most(1.7), numeric_albedo=at_most(1e-3))
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """Eq. 16 over mu_i: BRDF value in 1/sr, without the cosine."""

@@ -4,7 +4,7 @@ Source: Minnaert, "The reciprocity principle in lunar photometry", Astrophysical
 normalised such that rho is the albedo at the normal. k = 1 is Lambert; the full Moon has about k = 0.5.
 """
 
-from gonio.claims import UNBOUNDED, Claims, known
+from gonio.claims import UNBOUNDED, Claims, at_most
 from gonio.lang import (
     INV_TWO_PI,
     MU_MIN,
@@ -35,7 +35,7 @@ class Minnaert(Model):
         "Reflects more than it receives for k < 1 at grazing angles, without bound: rho times the cosine "
         "to the power k - 1.",
     )
-    claims = Claims(energy=known(UNBOUNDED))
+    claims = Claims(energy=at_most(UNBOUNDED))
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """rho (k + 1) / (2 pi) (mu_i mu_o)^(k - 1): BRDF value in 1/sr, without the cosine."""

@@ -6,7 +6,7 @@ normalization for the Ward reflectance model", Journal of Graphics Tools 11(1), 
 Ngan, Durand, Matusik, "Experimental analysis of BRDF models", EGSR 2005, fitted "dur".
 """
 
-from gonio.claims import UNBOUNDED, Claims, known
+from gonio.claims import UNBOUNDED, Claims, at_most
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, minimum, select, sqrt, vec2
 from gonio.model import Model, option, param
 from gonio.parts.distribution import ALPHA_MIN, D_beckmann, sample_beckmann
@@ -44,9 +44,9 @@ class Ward(Model):
         "Wastes the samples that a facet mirrors below the horizon, half of them at grazing angles.",
     )
     claims = Claims(
-        energy=(known(UNBOUNDED, form=("dur", "ward")), known(2)),
-        wasted=known(0.51),
-        numeric_albedo=known(0.01),
+        energy=(at_most(UNBOUNDED, form=("dur", "ward")), at_most(2)),
+        wasted=at_most(0.51),
+        numeric_albedo=at_most(0.01),
     )
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
