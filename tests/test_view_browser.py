@@ -306,6 +306,24 @@ def test_estimators_and_mitsuba_agree(shown: Shown) -> None:
     shown.run("await gonio.show('eon')")
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "torrance_sparrow:alpha=0.0001",
+        "torrance_sparrow:alpha=1,anisotropy=1",
+        "weidlich_wilkie:alpha=0.0001,eta=3,base=torrance_sparrow,base.alpha=0.0001",
+        "phong:shininess=100000",
+        "eon:roughness=0,rho=0",
+    ],
+)
+def test_extremes_draw_no_pixel_that_is_no_number(shown: Shown, text: str) -> None:
+    shown.run("await gonio.show(given)", text)
+    picture = shown.film(1, 24, env="sun", furnace=False, shape="ball", el=4)
+    assert np.isfinite(picture).all()
+    assert (picture >= 0).all()
+    shown.run("await gonio.show('eon'); gonio.set({ el: 13 })")
+
+
 # --- the page as people use it -------------------------------------------------------------------------
 
 
@@ -343,6 +361,32 @@ def test_a_refused_option_says_why_and_what_would_allow_it(shown: Shown) -> None
     shown.page.get_by_role("button", name="Set distribution = ggx").click()
     shown.until("gonio.sides[0].options.get('compensation') === 'kulla_conty'")
     assert shown.value("gonio.sides[0].text()") == "torrance_sparrow:compensation=kulla_conty"
+    shown.run("await gonio.show('eon')")
+
+
+def test_a_hidden_coat_shows_what_is_below(shown: Shown) -> None:
+    state = {"env": "studio", "furnace": False, "shape": "sphere"}
+    shown.run("await gonio.show('weidlich_wilkie:base=eon,base.rho=0.9/0.5/0.2')")
+    below = shown.film(1, 24, **state)
+    coats = "base=weidlich_wilkie,base.base=eon,base.base.rho=0.9/0.5/0.2,base.sigma_a=1/2/3"
+    shown.run("await gonio.show(given)", f"weidlich_wilkie:{coats}")
+    assert np.abs(shown.film(1, 24, **state) - below).max() > 0.1
+    shown.page.get_by_role("button", name="Hide layer 2").click()
+    shown.until("gonio.sides[0].active.payload.models.length === 1")
+    np.testing.assert_array_equal(shown.film(1, 24, **state), below)
+    shown.page.get_by_role("button", name="Show layer 2").click()
+    shown.until("gonio.sides[0].active.payload.models.length === 2")
+    shown.run("await gonio.show('eon')")
+
+
+def test_coats_are_put_on_and_taken_off_and_the_base_stays(shown: Shown) -> None:
+    shown.run("await gonio.show('eon:rho=0.9/0.5/0.2')")
+    shown.page.get_by_role("button", name="+ Coat").click()
+    shown.until("gonio.sides[0].models.size === 1")
+    assert shown.value("gonio.sides[0].text()").endswith(",base.rho=0.9/0.5/0.2")
+    shown.page.get_by_role("button", name="Remove layer 1").click()
+    shown.until("gonio.sides[0].models.size === 0")
+    assert shown.value("gonio.sides[0].text()") == "eon:rho=0.9/0.5/0.2"
     shown.run("await gonio.show('eon')")
 
 
@@ -422,6 +466,35 @@ def test_a_link_restores_everything(browser: Browser, server: Viewer) -> None:
     assert server.token not in link
     assert "b=eon&cmp=side&env=sun" in link
     found.page.close()
+
+
+def test_a_saved_file_is_read_again_and_an_error_leaves_the_picture(
+    browser: Browser, tmp_path: Path
+) -> None:
+    mine = tmp_path / "mine.py"
+    mine.write_text(BROKEN.replace("TooBright", "Mine"), encoding="utf-8")
+    viewer = Viewer([str(mine)], [str(mine)])
+    thread = threading.Thread(target=viewer.serve_forever, kwargs={"poll_interval": 0.05})
+    thread.start()
+    try:
+        found = Shown(browser, viewer.url)
+        found.run("gonio.setParameter('rho', [0.5, 0.5, 0.5])")
+        mine.write_text(
+            BROKEN.replace("TooBright", "Mine").replace("1.25", "1.5"), encoding="utf-8"
+        )
+        found.until("gonio.sides[0].payload.code.wgsl.includes('1.5')")
+        assert found.value("gonio.sides[0].values.get('rho')[0]") == 0.5  # the slider stays
+        mine.write_text(BROKEN.replace("wi = sample_cosine(u)", "wi = ="), encoding="utf-8")
+        found.until("gonio.sides[0].error")
+        error = found.value("gonio.sides[0].error.text")
+        assert "mine.py, line 16" in error
+        assert "the last model that worked" in error
+        assert found.value("gonio.sides[0].program != null")
+        found.page.close()
+    finally:
+        viewer.shutdown()
+        viewer.server_close()
+        thread.join()
 
 
 def test_a_bad_link_says_so_and_something_is_shown(browser: Browser, server: Viewer) -> None:

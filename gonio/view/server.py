@@ -292,6 +292,7 @@ def _stamp(name: str) -> tuple[int, int] | None:
 
 def serve(viewer: Viewer, *, open_browser: bool = True) -> None:
     """Answer until the user stops it."""
+    viewer.workers.submit(page.shapes)  # while the browser starts
     if open_browser:
         webbrowser.open(viewer.url)
     try:

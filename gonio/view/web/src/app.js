@@ -43,6 +43,7 @@ export class App {
         await this.#load();
         this.history = new History(this.#remembered());
         this.openColours.add(this.edited().payload?.parameters.find((p) => p.kind === "reflectance")?.path);
+        this.#flicker();
         this.source.watch((change) => this.#fileChanged(change));
         this.update();
         return this;
@@ -191,11 +192,18 @@ export class App {
         const shown = ["furnace", "env", "turn", "shape", "az", "el", "dist"].some((k) => k in changes);
         if (shown) this.moved();
         else this.renderer?.refresh(this.state);
-        if ("cmp" in changes) this.moved(false);
+        if ("cmp" in changes) { this.moved(false); this.#flicker(); }
         if ("theta" in changes || "view" in changes || "dock" in changes) this.#measureSoon();
         if ("dock" in changes) this.#codeSoon();
         this.#remember(name || Object.keys(changes).join());
         this.update();
+    }
+
+    /** A and B in turn, twice a second, while that is chosen. */
+    #flicker() {
+        clearInterval(this.flickering);
+        if (this.state.cmp !== "flick" || !this.renderer) return;
+        this.flickering = setInterval(() => { this.renderer.flicker = !this.renderer.flicker; this.renderer.show(); }, 500);
     }
 
     setParameter(path, value) { this.setParameters({ [path]: value }); }
@@ -421,7 +429,13 @@ export class App {
     bodies() { return this.sides.map((s) => this.lobes[s.letter]).filter(Boolean); }
 
     /** Look at a place of the picture, x and y from 0 to 1. */
-    probe(x, y) { this.set({ probe: `${x.toFixed(4)},${y.toFixed(4)}` }, "probe"); this.#measureSoon(); }
+    probe(x, y) {
+        const changes = { probe: `${x.toFixed(4)},${y.toFixed(4)}` }, found = this.surface(x, y);
+        // The plots show what this point shows
+        if (found) changes.theta = Math.min(89, Math.round((Math.acos(Math.min(1, found.wo[2])) * 180) / Math.PI));
+        this.set(changes, "probe");
+        this.#measureSoon();
+    }
 
     async #probe() {
         this.probed = null;
@@ -541,6 +555,7 @@ export class App {
         this.observer?.disconnect();
         this.unlisten?.();
         clearTimeout(this.measuring);
+        clearInterval(this.flickering);
         this.renderer?.close();
     }
 }

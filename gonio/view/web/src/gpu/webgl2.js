@@ -20,7 +20,7 @@ export class WebGL2 {
         this.errors = [];
         this.frame = gl.createFramebuffer();
         this.corner = this.#shader(gl.VERTEX_SHADER, cornerEssl);
-        this.display = this.#link(this.#shader(gl.FRAGMENT_SHADER, displayEssl));
+        this.display = this.#link(this.#shader(gl.FRAGMENT_SHADER, displayEssl()));
         this.#check(this.display);
         const empty = new Float32Array(8);
         this.setScene({ nodes: empty, places: empty, looks: empty });

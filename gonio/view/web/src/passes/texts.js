@@ -1,7 +1,11 @@
 // Whole shaders from the passes and a model's export.
-import * as trace from "./trace.wgsl";
-import * as rows from "./rows.wgsl";
-import * as display from "./display.wgsl";
+import trace from "./trace.wgsl";
+import rows from "./rows.wgsl";
+import display from "./display.wgsl";
+import { glsl } from "./glsl.js";
+
+const TABLES = ["nodes", "places", "looks", "alias_table"];
+const common = (text) => glsl(text, TABLES); // the part that both languages share
 
 const HEAD = "#version 300 es\nprecision highp float;\nprecision highp int;\nprecision highp sampler2D;\n";
 const AT = { wgsl: "fn model_at(uv: vec2f, growth: f32, t: f32) -> Model {\n    var m: Model = model_load(P);\n",
@@ -30,7 +34,7 @@ const sources = (model, language) => `${model.code[language]}\n${model.load[lang
 export const members = (model) => Math.max(1, model.members.length);
 
 export function traceWgsl(model) {
-    const text = trace.wgsl.replace("MEMBERS", members(model));
+    const text = trace.replace("MEMBERS", members(model));
     return text.replace("//MODEL", () => sources(model, "wgsl") + modelAt(model, "wgsl"));
 }
 
@@ -39,7 +43,7 @@ export function traceEssl(model) {
     return `${HEAD}precision highp sampler2DArray;
 uniform vec4 U[44]; uniform vec4 P[${members(model)}];
 uniform sampler2D ${tables.join(", ")}; uniform sampler2DArray maps; out vec4 film;
-${TABLE}${trace.glsl.replace("//MODEL", () => sources(model, "essl") + modelAt(model, "essl"))}
+${TABLE}${common(trace).replace("//MODEL", () => sources(model, "essl") + modelAt(model, "essl"))}
 void main() {
     vec4 old = U[0].z < 0.5 ? vec4(0.0) : texelFetch(before, ivec2(gl_FragCoord.xy), 0);
     film = old + pixel(uvec2(gl_FragCoord.xy));
@@ -61,7 +65,7 @@ const ROWS_WGSL = (count) => `@group(0) @binding(0) var<uniform> P: array<vec4f,
 `;
 
 export function rowsWgsl(model) {
-    return `${ROWS_WGSL(members(model))}${sources(model, "wgsl")}${rows.wgsl}
+    return `${ROWS_WGSL(members(model))}${sources(model, "wgsl")}${rows}
 @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3u) {
     let i = id.x;
     if (3u * i + 2u >= arrayLength(&given)) { return; }
@@ -73,7 +77,7 @@ export function rowsWgsl(model) {
 export function rowsEssl(model) {
     return `${HEAD}uniform vec4 P[${members(model)}]; uniform sampler2D given;
 layout(location = 0) out vec4 made; layout(location = 1) out vec4 drawn;
-${sources(model, "essl")}${rows.glsl}
+${sources(model, "essl")}${common(rows)}
 vec4 row_of(int i) { return texelFetch(given, ivec2(i % 768, i / 768), 0); }
 void main() {
     int i = int(gl_FragCoord.y) * 256 + int(gl_FragCoord.x);
@@ -103,17 +107,17 @@ fn film_at(second: bool, x: i32, y: i32, w: i32) -> vec4f {
     if (second) { return film_b[y * w + x]; }
     return film_a[y * w + x];
 }
-${display.wgsl}
+${display}
 @vertex fn corner(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
     return vec4f(select(-1.0, 3.0, i == 1u), select(-1.0, 3.0, i == 2u), 0.0, 1.0);
 }
 @fragment fn pixel(@builtin(position) at: vec4f) -> @location(0) vec4f { return screen(at.xy / D[3].xy); }`;
 
-export const displayEssl = `${HEAD}uniform vec4 D[4]; uniform sampler2D film_a, film_b; out vec4 shown;
+export const displayEssl = () => `${HEAD}uniform vec4 D[4]; uniform sampler2D film_a, film_b; out vec4 shown;
 vec4 film_at(bool second, int x, int y, int w) {
     return second ? texelFetch(film_b, ivec2(x, y), 0) : texelFetch(film_a, ivec2(x, y), 0);
 }
-${display.glsl}
+${common(display)}
 void main() { shown = screen(vec2(gl_FragCoord.x, D[3].y - gl_FragCoord.y) / D[3].xy); }`;
 
 export const cornerEssl = `${HEAD}void main() {

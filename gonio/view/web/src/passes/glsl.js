@@ -46,9 +46,9 @@ function rewriteTables(text, tables) {
     return text;
 }
 
-/** The functions of a WGSL text in GLSL; what is before the line "//BEGIN" is left out. */
+/** The functions of a WGSL text between its lines "//BEGIN" and "//END" in GLSL. */
 export function glsl(wgsl, tables) {
-    let text = wgsl.slice(wgsl.indexOf("//BEGIN"));
+    let text = wgsl.slice(wgsl.indexOf("//BEGIN") + 7, wgsl.indexOf("//END"));
     text = text.replace(/const (\w+): (\w+) =/g, (_, n, t) => `const ${type(t)} ${n} =`);
     text = text.replace(/fn (\w+)\(([^)]*)\) -> (\w+) \{/g, (_, name, parameters, result) => {
         const given = parameters.split(",").filter((p) => p.trim()).map((p) => {
