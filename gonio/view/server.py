@@ -29,6 +29,7 @@ from gonio.fields import ModelError
 from gonio.materials import Material, MaterialError
 from gonio.view import page
 from gonio.view.page import Names
+from gonio.view.scene import shapes
 
 HOST = "127.0.0.1"
 BODY_MAX = 16384  # bytes of a question
@@ -292,7 +293,7 @@ def _stamp(name: str) -> tuple[int, int] | None:
 
 def serve(viewer: Viewer, *, open_browser: bool = True) -> None:
     """Answer until the user stops it."""
-    viewer.workers.submit(page.shapes)  # while the browser starts
+    viewer.workers.submit(shapes)  # while the browser starts
     if open_browser:
         webbrowser.open(viewer.url)
     try:
