@@ -22,8 +22,19 @@ from PIL import Image
 
 ROOT = Path(__file__).parent.parent
 LEFT_BEHIND = shutil.ignore_patterns(
-    ".git", ".venv", "__pycache__", "*.egg-info", "build", "dist", "demo", ".*_cache", ".hypothesis"
+    ".git",
+    ".venv",
+    "__pycache__",
+    "*.egg-info",
+    "build",
+    "dist",
+    "demo",
+    ".*_cache",
+    ".hypothesis",
+    "node_modules",
 )
+# Made by programs, or other people's: 'make test' fetches the latter.
+NOT_OURS = {"__pycache__", "node_modules"}
 
 
 def build(source: Path) -> Path:
@@ -39,7 +50,7 @@ def missing_in_wheel(dist: Path) -> set[str]:
     wanted = {
         path.relative_to(ROOT).as_posix()
         for path in (ROOT / "gonio").rglob("*")
-        if path.is_file() and path.suffix not in {".pyc", ".pyo"}
+        if path.is_file() and NOT_OURS.isdisjoint(path.parts)
     }
     return wanted - set(zipfile.ZipFile(wheel).namelist())
 
@@ -122,7 +133,7 @@ def test_the_archive_has_all_that_the_tests_need(dist: Path) -> None:
         wanted = {
             path.relative_to(ROOT).as_posix()
             for path in (ROOT / folder).rglob("*")
-            if path.is_file() and path.suffix != ".pyc" and "__pycache__" not in path.parts
+            if path.is_file() and NOT_OURS.isdisjoint(path.parts)
         }
         assert wanted
         assert wanted - packed == set()
