@@ -716,8 +716,8 @@ class Ward(Model):
     Parameters:
         rho: diffuse albedo, linear RGB; 0 to 1, default (0.3, 0.3, 0.3)
         specular: weight of the highlight, linear RGB; 0 to 1, default (0.2, 0.2, 0.2)
-        alpha_x: slope width of the highlight along x; 0.0001 to 1, default 0.15
-        alpha_y: slope width of the highlight along y; 0.0001 to 1, default 0.15
+        alpha_x: slope width of the highlight along x; 0.005 to 1, default 0.15
+        alpha_y: slope width of the highlight along y; 0.005 to 1, default 0.15
         form: the denominator: mu_i mu_o (2006), its root (1992), or of bounded albedo (2010);
             'dur', 'ward', 'balanced'; default 'dur'
     """

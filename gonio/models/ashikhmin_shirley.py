@@ -20,6 +20,7 @@ from gonio.lang import (
     lerp,
     log,
     maximum,
+    minimum,
     normalize,
     safe_sqrt,
     select,
@@ -34,6 +35,7 @@ from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
 from gonio.parts.fresnel import schlick_weight, schlick_weight_half
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
 from gonio.parts.lobes import average, choose, shares
+from gonio.parts.masking import V_MAX
 from gonio.parts.roughness import at_most_blinn_phong
 from gonio.parts.special import expm1, log1p_over
 
@@ -63,9 +65,8 @@ class AshikhminShirley(Model):
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """Eq. 4 and 5: BRDF value in 1/sr, without the cosine."""
         F = lerp(self.f0, 1, schlick_weight_half(wi, wo))
-        highlight = 0.25 * self._density(half_vector(wi, wo))
-        highlight = highlight / (cos_half(wi, wo) * maximum(wi.z, wo.z))
-        return self.eval_round(wi, wo) + F * highlight
+        V = minimum(0.25 / cos_half(wi, wo) / maximum(wi.z, wo.z), V_MAX)
+        return self.eval_round(wi, wo) + F * (self._density(half_vector(wi, wo)) * V)
 
     def eval_round(self, wi: Vec3, wo: Vec3) -> Color:
         """The diffuse part, which is not stretched (Eq. 5)."""

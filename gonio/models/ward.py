@@ -9,12 +9,15 @@ Ngan, Durand, Matusik, "Experimental analysis of BRDF models", EGSR 2005, fitted
 from gonio.claims import UNBOUNDED, Claims, at_most
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, minimum, select, sqrt, vec2
 from gonio.model import Model, option, param
-from gonio.parts.distribution import ALPHA_MIN, D_beckmann, sample_beckmann
+from gonio.parts.distribution import D_beckmann, sample_beckmann
 from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
 from gonio.parts.lobes import average, choose, shares
 from gonio.parts.masking import V_MAX
 from gonio.parts.roughness import at_least_alpha
+
+# Smallest width. Both are free, and a quadrature resolves no lobe that is 1,000 times as long as it is wide.
+ALPHA_WARD = 0.005
 
 
 class Ward(Model):
@@ -26,10 +29,10 @@ class Ward(Model):
     rho: Color = param((0.3, 0.3, 0.3), 0, 1, "diffuse albedo, linear RGB")
     specular: Color = param((0.2, 0.2, 0.2), 0, 1, "weight of the highlight, linear RGB")
     alpha_x: Float = param(
-        0.15, ALPHA_MIN, 1, "slope width of the highlight along x", rougher=at_least_alpha
+        0.15, ALPHA_WARD, 1, "slope width of the highlight along x", rougher=at_least_alpha
     )
     alpha_y: Float = param(
-        0.15, ALPHA_MIN, 1, "slope width of the highlight along y", rougher=at_least_alpha
+        0.15, ALPHA_WARD, 1, "slope width of the highlight along y", rougher=at_least_alpha
     )
     form: str = option(
         "dur",
@@ -40,12 +43,14 @@ class Ward(Model):
     caveats = (
         "form='dur' and 'ward' reflect more than they receive at grazing angles, without bound; 'ward' "
         "does so below a cosine of about alpha squared, and fades before.",
+        "float32 loses the far tails of these two in the horizon, where they are divided by the cosines.",
         "rho + specular above 1 gains energy in every form.",
         "Wastes the samples that a facet mirrors below the horizon, half of them at grazing angles.",
     )
     claims = Claims(
         energy=(at_most(UNBOUNDED, form=("dur", "ward")), at_most(2)),
         wasted=at_most(0.51),
+        float32=at_most(1, form=("dur", "ward")),
         numeric_albedo=at_most(0.01),
     )
 

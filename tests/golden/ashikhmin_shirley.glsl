@@ -49,6 +49,21 @@ float ashikhmin_shirley_schlick_weight_half(vec3 wi, vec3 wo) {
     return k2 * k2 * k;
 }
 
+// 1 - (1 - mu / 2)^5, with the factor mu taken out.
+float ashikhmin_shirley_below(float mu) {
+    float k = 1.0 - 0.5 * mu;
+    return 0.5 * mu * (1.0 + k * (1.0 + k * (1.0 + k * (1.0 + k))));
+}
+
+// The diffuse part, which is not stretched (Eq. 5).
+vec3 ashikhmin_shirley_eval_round(AshikhminShirley params, vec3 wi, vec3 wo) {
+    // Eq. 5: 28 / 23 makes the diffuse part of a black highlight lose nothing.
+    const float DIFFUSE = 1.2173913;
+    const float inv_pi = 0.31830987;
+    float below = ashikhmin_shirley_below(wi.z) * ashikhmin_shirley_below(wo.z);
+    return DIFFUSE * inv_pi * below * params.rho * (1.0 - params.f0);
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 ashikhmin_shirley_half_vector(vec3 wi, vec3 wo) {
     vec3 h = wi + wo;
@@ -84,32 +99,19 @@ float ashikhmin_shirley_density(AshikhminShirley params, vec3 m) {
     return norm * exp(-(params.shininess_x * x2 + params.shininess_y * y2) * steep);
 }
 
-// 1 - (1 - mu / 2)^5, with the factor mu taken out.
-float ashikhmin_shirley_below(float mu) {
-    float k = 1.0 - 0.5 * mu;
-    return 0.5 * mu * (1.0 + k * (1.0 + k * (1.0 + k * (1.0 + k))));
-}
-
-// The diffuse part, which is not stretched (Eq. 5).
-vec3 ashikhmin_shirley_eval_round(AshikhminShirley params, vec3 wi, vec3 wo) {
-    // Eq. 5: 28 / 23 makes the diffuse part of a black highlight lose nothing.
-    const float DIFFUSE = 1.2173913;
-    const float inv_pi = 0.31830987;
-    float below = ashikhmin_shirley_below(wi.z) * ashikhmin_shirley_below(wo.z);
-    return DIFFUSE * inv_pi * below * params.rho * (1.0 - params.f0);
-}
-
 // Eq. 4 and 5: BRDF value in 1/sr, without the cosine.
 vec3 ashikhmin_shirley_eval(AshikhminShirley params, vec3 wi, vec3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
+    // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
+    // it still is a float32. It is reached at cosines of 5e-16.
+    const float V_MAX = 1.0e30;
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3(0.0);
     }
     vec3 F = mix(params.f0, vec3(1.0), vec3(ashikhmin_shirley_schlick_weight_half(wi, wo)));
-    float highlight = 0.25
-        * ashikhmin_shirley_density(params, ashikhmin_shirley_half_vector(wi, wo));
-    highlight = highlight / (ashikhmin_shirley_cos_half(wi, wo) * max(wi.z, wo.z));
-    return ashikhmin_shirley_eval_round(params, wi, wo) + F * highlight;
+    float V = min(0.25 / ashikhmin_shirley_cos_half(wi, wo) / max(wi.z, wo.z), V_MAX);
+    return ashikhmin_shirley_eval_round(params, wi, wo)
+        + F * (ashikhmin_shirley_density(params, ashikhmin_shirley_half_vector(wi, wo)) * V);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

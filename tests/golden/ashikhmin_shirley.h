@@ -81,16 +81,19 @@ inline Vec3 lerp(Vec3 a, Vec3 b, Vec3 c) {
     return Vec3{lerp(a.x, b.x, c.x), lerp(a.y, b.y, c.y), lerp(a.z, b.z, c.z)};
 }
 
-// Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
-constexpr float LOG1P_SMALL = 0.25f;
-// Below this the series needs eleven terms; above, the plain difference is exact to 2e-7 in float32.
-constexpr float EXPM1_SMALL = 0.3f;
+// Eq. 5: 28 / 23 makes the diffuse part of a black highlight lose nothing.
+constexpr float DIFFUSE = 1.2173913f;
 constexpr float two_pi = 6.2831855f;
 constexpr float inv_pi = 0.31830987f;
 constexpr float inv_two_pi = 0.15915494f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
-// Eq. 5: 28 / 23 makes the diffuse part of a black highlight lose nothing.
-constexpr float DIFFUSE = 1.2173913f;
+// Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+constexpr float LOG1P_SMALL = 0.25f;
+// Below this the series needs eleven terms; above, the plain difference is exact to 2e-7 in float32.
+constexpr float EXPM1_SMALL = 0.3f;
+// Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
+// it still is a float32. It is reached at cosines of 5e-16.
+constexpr float V_MAX = 1.0e30f;
 // Added to the first lobe's weight, so that two black lobes still leave something to choose and the
 // reciprocal of their sum has a derivative; no albedo that can be seen is that small.
 constexpr float BLACK = 1.0e-12f;
@@ -148,6 +151,18 @@ inline float ashikhmin_shirley_schlick_weight_half(Vec3 wi, Vec3 wo) {
     return k2 * k2 * k;
 }
 
+// 1 - (1 - mu / 2)^5, with the factor mu taken out.
+inline float ashikhmin_shirley_below(float mu) {
+    float k = 1.0f - 0.5f * mu;
+    return 0.5f * mu * (1.0f + k * (1.0f + k * (1.0f + k * (1.0f + k))));
+}
+
+// The diffuse part, which is not stretched (Eq. 5).
+inline Vec3 ashikhmin_shirley_eval_round(const AshikhminShirley& params, Vec3 wi, Vec3 wo) {
+    float below = ashikhmin_shirley_below(wi.z) * ashikhmin_shirley_below(wo.z);
+    return DIFFUSE * inv_pi * below * params.rho * (1.0f - params.f0);
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 ashikhmin_shirley_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
@@ -180,28 +195,15 @@ inline float ashikhmin_shirley_density(const AshikhminShirley& params, Vec3 m) {
     return norm * expf(-(params.shininess_x * x2 + params.shininess_y * y2) * steep);
 }
 
-// 1 - (1 - mu / 2)^5, with the factor mu taken out.
-inline float ashikhmin_shirley_below(float mu) {
-    float k = 1.0f - 0.5f * mu;
-    return 0.5f * mu * (1.0f + k * (1.0f + k * (1.0f + k * (1.0f + k))));
-}
-
-// The diffuse part, which is not stretched (Eq. 5).
-inline Vec3 ashikhmin_shirley_eval_round(const AshikhminShirley& params, Vec3 wi, Vec3 wo) {
-    float below = ashikhmin_shirley_below(wi.z) * ashikhmin_shirley_below(wo.z);
-    return DIFFUSE * inv_pi * below * params.rho * (1.0f - params.f0);
-}
-
 // Eq. 4 and 5: BRDF value in 1/sr, without the cosine.
 inline Vec3 ashikhmin_shirley_eval(const AshikhminShirley& params, Vec3 wi, Vec3 wo) {
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
     Vec3 F = lerp(params.f0, splat(1.0f), splat(ashikhmin_shirley_schlick_weight_half(wi, wo)));
-    float highlight = 0.25f
-        * ashikhmin_shirley_density(params, ashikhmin_shirley_half_vector(wi, wo));
-    highlight = highlight / (ashikhmin_shirley_cos_half(wi, wo) * fmaxf(wi.z, wo.z));
-    return ashikhmin_shirley_eval_round(params, wi, wo) + F * highlight;
+    float V = fminf(0.25f / ashikhmin_shirley_cos_half(wi, wo) / fmaxf(wi.z, wo.z), V_MAX);
+    return ashikhmin_shirley_eval_round(params, wi, wo)
+        + F * (ashikhmin_shirley_density(params, ashikhmin_shirley_half_vector(wi, wo)) * V);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

@@ -50,6 +50,21 @@ fn ashikhmin_shirley_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
     return k2 * k2 * k;
 }
 
+// 1 - (1 - mu / 2)^5, with the factor mu taken out.
+fn ashikhmin_shirley_below(mu: f32) -> f32 {
+    let k = 1.0 - 0.5 * mu;
+    return 0.5 * mu * (1.0 + k * (1.0 + k * (1.0 + k * (1.0 + k))));
+}
+
+// The diffuse part, which is not stretched (Eq. 5).
+fn ashikhmin_shirley_eval_round(params: AshikhminShirley, wi: vec3f, wo: vec3f) -> vec3f {
+    // Eq. 5: 28 / 23 makes the diffuse part of a black highlight lose nothing.
+    const DIFFUSE = 1.2173913;
+    const inv_pi = 0.31830987;
+    let below = ashikhmin_shirley_below(wi.z) * ashikhmin_shirley_below(wo.z);
+    return DIFFUSE * inv_pi * below * params.rho * (1.0 - params.f0);
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn ashikhmin_shirley_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
@@ -85,31 +100,19 @@ fn ashikhmin_shirley_density(params: AshikhminShirley, m: vec3f) -> f32 {
     return norm * exp(-(params.shininess_x * x2 + params.shininess_y * y2) * steep);
 }
 
-// 1 - (1 - mu / 2)^5, with the factor mu taken out.
-fn ashikhmin_shirley_below(mu: f32) -> f32 {
-    let k = 1.0 - 0.5 * mu;
-    return 0.5 * mu * (1.0 + k * (1.0 + k * (1.0 + k * (1.0 + k))));
-}
-
-// The diffuse part, which is not stretched (Eq. 5).
-fn ashikhmin_shirley_eval_round(params: AshikhminShirley, wi: vec3f, wo: vec3f) -> vec3f {
-    // Eq. 5: 28 / 23 makes the diffuse part of a black highlight lose nothing.
-    const DIFFUSE = 1.2173913;
-    const inv_pi = 0.31830987;
-    let below = ashikhmin_shirley_below(wi.z) * ashikhmin_shirley_below(wo.z);
-    return DIFFUSE * inv_pi * below * params.rho * (1.0 - params.f0);
-}
-
 // Eq. 4 and 5: BRDF value in 1/sr, without the cosine.
 fn ashikhmin_shirley_eval(params: AshikhminShirley, wi: vec3f, wo: vec3f) -> vec3f {
     const mu_min = 1.0e-18;  // cosine of the horizon
+    // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
+    // it still is a float32. It is reached at cosines of 5e-16.
+    const V_MAX = 1.0e30;
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
     let F = mix(params.f0, vec3f(1.0), vec3f(ashikhmin_shirley_schlick_weight_half(wi, wo)));
-    var highlight = 0.25 * ashikhmin_shirley_density(params, ashikhmin_shirley_half_vector(wi, wo));
-    highlight = highlight / (ashikhmin_shirley_cos_half(wi, wo) * max(wi.z, wo.z));
-    return ashikhmin_shirley_eval_round(params, wi, wo) + F * highlight;
+    let V = min(0.25 / ashikhmin_shirley_cos_half(wi, wo) / max(wi.z, wo.z), V_MAX);
+    return ashikhmin_shirley_eval_round(params, wi, wo)
+        + F * (ashikhmin_shirley_density(params, ashikhmin_shirley_half_vector(wi, wo)) * V);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

@@ -103,8 +103,8 @@ struct WardSample {
 struct Ward {
     Vec3 rho;  // diffuse albedo, linear RGB; 0 to 1, default (0.3, 0.3, 0.3)
     Vec3 specular;  // weight of the highlight, linear RGB; 0 to 1, default (0.2, 0.2, 0.2)
-    float alpha_x;  // slope width of the highlight along x; 0.0001 to 1, default 0.15
-    float alpha_y;  // slope width of the highlight along y; 0.0001 to 1, default 0.15
+    float alpha_x;  // slope width of the highlight along x; 0.005 to 1, default 0.15
+    float alpha_y;  // slope width of the highlight along y; 0.005 to 1, default 0.15
 };
 
 // Which of two lobes a sample is taken from.

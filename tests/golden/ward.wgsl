@@ -22,8 +22,8 @@ struct WardSample {
 struct Ward {
     rho: vec3f,  // diffuse albedo, linear RGB; 0 to 1, default (0.3, 0.3, 0.3)
     specular: vec3f,  // weight of the highlight, linear RGB; 0 to 1, default (0.2, 0.2, 0.2)
-    alpha_x: f32,  // slope width of the highlight along x; 0.0001 to 1, default 0.15
-    alpha_y: f32,  // slope width of the highlight along y; 0.0001 to 1, default 0.15
+    alpha_x: f32,  // slope width of the highlight along x; 0.005 to 1, default 0.15
+    alpha_y: f32,  // slope width of the highlight along y; 0.005 to 1, default 0.15
 }
 
 // Which of two lobes a sample is taken from.
