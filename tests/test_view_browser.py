@@ -597,6 +597,76 @@ def test_a_dropped_picture_lights_the_scene_and_its_sun_is_not_clipped(shown: Sh
     shown.run("gonio.set({ env: 'studio' })")
 
 
+@pytest.mark.parametrize("compression", ["zip", "piz", "none"])
+def test_a_dropped_exr_has_its_first_line_at_the_top(
+    shown: Shown, tmp_path: Path, compression: str
+) -> None:
+    import OpenEXR
+
+    pixels = np.full((8, 16, 3), 0.5, np.float16)
+    pixels[0] = (4, 5, 6)
+    pixels[3, 2] = np.inf  # an overflowed sun counts as the largest half float
+    kind = {"zip": "ZIP_COMPRESSION", "piz": "PIZ_COMPRESSION", "none": "NO_COMPRESSION"}
+    header = {
+        "compression": getattr(OpenEXR, kind[compression]),
+        "type": OpenEXR.scanlineimage,
+    }
+    OpenEXR.File(header, {"RGB": pixels}).write(str(tmp_path / "sky.exr"))
+    take(shown, "sky.exr", (tmp_path / "sky.exr").read_bytes())
+    sky = shown.value("({ w: gonio.renderer.sky.width, p: [...gonio.renderer.sky.pixels] })")
+    read = np.array(sky["p"]).reshape(8, 16, 4)[..., :3]
+    np.testing.assert_array_equal(read, np.minimum(pixels.astype(float), 65504))
+    shown.run("gonio.set({ env: 'studio' })")
+
+
+def glb(positions: Any, faces: Any, node: dict[str, Any]) -> bytes:
+    """A binary glTF file of one mesh, written here."""
+    place = np.asarray(positions, "<f4").tobytes()
+    order = np.asarray(faces, "<u2").tobytes()
+    order += bytes(-len(order) % 4)
+    views = [
+        {"buffer": 0, "byteOffset": 0, "byteLength": len(place)},
+        {"buffer": 0, "byteOffset": len(place), "byteLength": len(order)},
+    ]
+    accessors = [
+        {"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": len(positions)},
+        {"bufferView": 1, "componentType": 5123, "type": "SCALAR", "count": np.size(faces)},
+    ]
+    about = {
+        "asset": {"version": "2.0"},
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, **node}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "accessors": accessors,
+        "bufferViews": views,
+        "buffers": [{"byteLength": len(place + order)}],
+    }
+    text = json.dumps(about).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = b"".join(
+        len(c).to_bytes(4, "little") + kind + c
+        for c, kind in ((text, b"JSON"), (place + order, b"BIN\0"))
+    )
+    return b"glTF" + (2).to_bytes(4, "little") + (12 + len(chunks)).to_bytes(4, "little") + chunks
+
+
+def test_a_dropped_glb_is_turned_and_scaled_as_its_node_says(shown: Shown) -> None:
+    # A flat triangle that the node turns upright by a quarter about x, and stretches four times
+    triangle = glb(
+        [[0, 0, 0], [1, 0, 0], [0, 0, -1]],
+        [[0, 1, 2]],
+        {"rotation": [np.sqrt(0.5), 0, 0, np.sqrt(0.5)], "scale": [1, 1, 4]},
+    )
+    take(shown, "flag.glb", triangle)
+    own = "gonio.renderer.own"
+    # Its height is four times its width, and the largest side becomes 2
+    assert shown.value(f"{own}.height") == pytest.approx(2, abs=1e-5)
+    places = np.array(shown.value(f"[...{own}.mesh.positions]")).reshape(-1, 3)
+    assert np.ptp(places, axis=0) == pytest.approx([0.5, 2, 0], abs=1e-5)
+    assert np.isfinite(shown.film(1, 16, furnace=False, shape="own")).all()
+    shown.run("gonio.set({ shape: 'ball' })")
+
+
 def test_a_dropped_mesh_takes_the_balls_place(shown: Shown) -> None:
     take(shown, "quad.obj", b"v 0 0 0\nv 1 0 0\nv 1 2 0\nv 0 2 0\nf 1 2 3 4\n")
     assert shown.value("gonio.state.shape") == "own"
