@@ -26,7 +26,8 @@ export function pageOf(app) {
 /** What differs from the other side, or from the start, in few words. */
 function brief(app, side) {
     if (!side.payload) return "";
-    const other = app.two ? app.sides[side.letter === "A" ? 1 : 0] : null, parts = [];
+    const across = app.two ? app.sides[side.letter === "A" ? 1 : 0] : null, parts = [];
+    const other = across?.payload?.model === side.payload.model ? across : null;
     for (const [path, value] of side.options) if (other?.options ? other.options.get(path) !== value : value !== side.startOf(path, value)) parts.push(value);
     for (const p of side.payload.parameters) {
         const value = side.values.get(p.path), theirs = other?.values?.get(p.path);
@@ -162,7 +163,9 @@ function lightStrip(app) {
         <div class="g"><label>Turn light<b>${Math.round(s.turn)}°</b></label><input type="range" class="bi" aria-label="Turn light" min="-180" max="180" .value=${String(s.turn)} @input=${(e) => app.set({ turn: e.target.valueAsNumber }, "turn")} @dblclick=${() => app.set({ turn: 0 })}></div>
         <div class="g"><label>Exposure<b>${s.ev < 0 ? "−" : "+"}${Math.abs(s.ev).toFixed(1)} EV</b></label><input type="range" class="bi" aria-label="Exposure" min="-6" max="6" step=".1" .value=${String(s.ev)} @input=${(e) => app.set({ ev: e.target.valueAsNumber }, "ev")} @dblclick=${() => app.set({ ev: 0 })}></div>
         <div class="g tone"><select aria-label="Tone curve" .value=${s.tone} @change=${(e) => app.set({ tone: e.target.value })}>${["none", "reinhard", "filmic"].map((t) => html`<option value=${t} ?selected=${t === s.tone}>Tone: ${t}</option>`)}</select></div>
-        <div class="g shape"><select aria-label="Shape" .value=${s.shape} @change=${(e) => (e.target.value === "open" ? pick() : app.set({ shape: e.target.value }))}>${[["ball", "Ball"], ["sphere", "Sphere"], ...(app.renderer?.own ? [["own", "Own mesh"]] : []), ["open", "Open mesh …"]].map(([id, text]) => html`<option value=${id} ?selected=${id === s.shape}>${text}</option>`)}</select></div></section>`;
+        <div class="g shape"><select aria-label="Shape" .value=${s.shape} @change=${(e) => (e.target.value === "open" ? pick() : app.set({ shape: e.target.value }))}>${[["ball", "Ball"], ["sphere", "Sphere"], ...(app.renderer?.own ? [["own", "Own mesh"]] : []), ["open", "Open mesh …"]].map(([id, text]) => html`<option value=${id} ?selected=${id === s.shape}>${text}</option>`)}</select></div>
+        <div class="phone w" role="group" aria-label="Compare and share">${app.two ? html`<div class="seg">${COMPARE.map(([id, text]) => html`<button aria-pressed=${s.cmp === id} @click=${() => app.set({ cmp: id })}>${text}</button>`)}</div>` : ""}
+            <div class="row"><button class="btn" @click=${() => app.compare()}>${app.two ? "Stop comparing" : "Compare"}</button><button class="btn" @click=${() => app.copy(app.link(), "The link")}>Copy link</button><button class="btn" @click=${() => app.savePicture()}>Save picture</button></div></div></section>`;
 }
 
 /** Where the lamps are, as a small map of the surroundings. */
