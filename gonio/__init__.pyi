@@ -563,6 +563,8 @@ class TriAceBlinnPhong(Model):
         rho: diffuse albedo R_d, linear RGB; 0 to 1, default (0.5, 0.5, 0.5)
         f0: reflectance at normal incidence, linear RGB; 0 to 1, default (0.04, 0.04, 0.04)
         shininess: Blinn-Phong exponent n; 0 to 100000, default 50
+        diffuse: Oren-Nayar is the course's Eq. 25, with the same shininess; 'lambert',
+            'oren_nayar'; default 'lambert'
     """
 
     def __init__(
@@ -571,10 +573,12 @@ class TriAceBlinnPhong(Model):
         rho: _Color = (0.5, 0.5, 0.5),
         f0: _Color = (0.04, 0.04, 0.04),
         shininess: _Number = 50.0,
+        diffuse: Literal["lambert", "oren_nayar"] = "lambert",
     ) -> None: ...
     rho: Any
     f0: Any
     shininess: Any
+    diffuse: Literal["lambert", "oren_nayar"]
 
 class TriAceLayered(Model):
     """A glossy layer over a glossy and matte one, with absorption between. Reciprocal.

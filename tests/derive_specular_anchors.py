@@ -285,12 +285,17 @@ def phong(m, p, wi, wo):
 
 
 def triace_blinn_phong(m, p, wi, wo):
-    """Gotanda 2012, Eq. 1."""
+    """Gotanda 2012, Eq. 1, and Eq. 25 for a rough diffuse part."""
     n, h = p["shininess"], half_vector(m, wi, wo)
     factor = m.number("0.0397436") * n + m.number("0.0856832")
     lobe = factor * h[2] ** n / m.maximum(wi[2], wo[2])
+    shape = m.number(1)
+    if p.get("diffuse") == "oren_nayar":  # Eq. 25: t = 1 where s is negative
+        s = wi[0] * wo[0] + wi[1] * wo[1]
+        s = s / m.maximum(wi[2], wo[2]) if s > 0 else s
+        shape = 1 - 1 / (2 + m.number("0.65") * n) + s / (m.number("2.22222") + m.number("0.1") * n)
     return [
-        rho / m.pi * (1 - f0) + schlick(dot(wo, h), f0) * lobe
+        rho / m.pi * (1 - f0) * shape + schlick(dot(wo, h), f0) * lobe
         for rho, f0 in zip(p["rho"], p["f0"], strict=True)
     ]
 
@@ -846,6 +851,18 @@ def pdf_rows():
                 yield row("torrance_sparrow", p, wi, wo, "pdf", value, found_by)
 
 
+def rough_rows():
+    """tri-Ace's single layer over a rough diffuse part."""
+    for p in TRIACE_SETS[:2]:
+        p = {**p, "diffuse": "oren_nayar"}
+        for wi, wo in PAIRS[:6]:
+            value = triace_blinn_phong(Exact, exact(p), exact(wi), exact(wo))
+            found_by = source(
+                BY_FORMULA, ["gotanda2012 Eq. 1", "gotanda2012 Eq. 25"], HERE, "triace_blinn_phong"
+            )
+            yield row("triace_blinn_phong", p, wi, wo, "eval", value, found_by)
+
+
 ROUNDED_TRIACE = {1.0: "0.36", 10.0: "0.73", 50.0: "0.93", 100.0: "0.96"}
 ROUNDED_BECKMANN = "0.996"
 
@@ -912,6 +929,7 @@ def main():
     for name in MODELS:
         rows += [*eval_rows(name), *albedo_rows(name)]
     rows += pdf_rows()
+    rows += rough_rows()
     path = pathlib.Path(__file__).with_name("anchors_specular.csv")
     with path.open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")

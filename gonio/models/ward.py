@@ -16,7 +16,7 @@ from gonio.parts.lobes import average, choose, shares
 from gonio.parts.masking import V_MAX
 from gonio.parts.roughness import at_least_alpha
 
-# Smallest width. Both are free, and a quadrature resolves no lobe that is 1,000 times as long as it is wide.
+# Smallest width. Both are free, and no quadrature resolves a lobe 1,000 times as long as it is wide.
 ALPHA_WARD = 0.005
 
 

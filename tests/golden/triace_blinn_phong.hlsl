@@ -2,7 +2,8 @@
 // tri-Ace Blinn-Phong: a normalised Blinn-Phong highlight with Fresnel, cheap enough for a console.
 //
 // Source: Gotanda, "Beyond a simple physically based Blinn-Phong model in real-time", SIGGRAPH 2012
-// course "Practical physically based shading in film and game production", Eq. 1.
+// course "Practical physically based shading in film and game production", Eq. 1; Eq. 25 for the rough
+// diffuse part of its Figures 6, 11 and 14, which shares the highlight's exponent.
 // The course's shaders return pi f cos(theta_i); this is f. Its linear factor 0.0397436 n + 0.0856832 is a
 // fit of (n + 2) / (4 pi (2 - 2^(-n / 2))): within 0.6 % for n >= 10, 32 % too small at n = 1.
 //
@@ -18,7 +19,8 @@ struct TriaceBlinnPhongSample {
     float pdf;  // its density in 1/sr; 0 marks a wasted sample
 };
 
-// triace_blinn_phong: Lambert under a Blinn-Phong highlight with Schlick's Fresnel. Reciprocal.
+// triace_blinn_phong: Lambert under a Blinn-Phong highlight with Schlick's Fresnel. Reciprocal. Exported
+// with diffuse='lambert'.
 struct TriaceBlinnPhong {
     float3 rho;  // diffuse albedo R_d, linear RGB; 0 to 1, default (0.5, 0.5, 0.5)
     float3 f0;  // reflectance at normal incidence, linear RGB; 0 to 1, default (0.04, 0.04, 0.04)
@@ -103,7 +105,8 @@ float3 triace_blinn_phong_eval(TriaceBlinnPhong params, float3 wi, float3 wo) {
     float3 F = lerp(params.f0, float3(1.0, 1.0, 1.0),
         (triace_blinn_phong_schlick_weight_half(wi, wo)).xxx);
     float highlight = triace_blinn_phong_blinn_phong_highlight(wi, wo, params.shininess);
-    return params.rho * (1.0 - params.f0) * inv_pi + F * highlight;
+    float3 diffuse = params.rho * (1.0 - params.f0) * inv_pi;
+    return diffuse + F * highlight;
 }
 
 // ---- sampling ------------------------------------------------------------------------------
@@ -273,7 +276,8 @@ float triace_blinn_phong_pdf(TriaceBlinnPhong params, float3 wi, float3 wo) {
         return 0.0;
     }
     float alpha = triace_blinn_phong_blinn_phong_alpha(params.shininess);
-    return triace_blinn_phong_pdf_matte_gloss(wi, wo, alpha, triace_blinn_phong_shares(params, wo));
+    float2 P = triace_blinn_phong_shares(params, wo);
+    return triace_blinn_phong_pdf_matte_gloss(wi, wo, alpha, P);
 }
 
 // Cosine-weighted, or the GGX lobe of the same width, whose longer tail bounds the weights.
