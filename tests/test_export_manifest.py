@@ -67,6 +67,7 @@ KINDS = {
     ("weidlich_wilkie", "base.rho"): "reflectance",
     ("triace_layered", "top_shininess"): "exponent",
     ("triace_layered", "bottom_eta"): "index",
+    ("ashikhmin_shirley", "shininess_x"): "exponent",
     ("car_paint", "metal_k"): "extinction",
     ("car_paint", "flake_x"): "slope",
     ("car_paint", "distance"): "length",

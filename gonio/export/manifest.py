@@ -144,7 +144,8 @@ def kind(declared: Parameter) -> str:
     if declared.kind:
         return declared.kind
     name = declared.name
-    last = name.rpartition("_")[2]
+    words = name.split("_")  # an axis can stand behind: alpha_x, shininess_y
+    last = words[-1]
     if "radians" in declared.doc:
         return "angle"
     if last in ("eta", "ior"):
@@ -153,9 +154,9 @@ def kind(declared: Parameter) -> str:
         return "extinction"
     if name.endswith("sigma_a"):
         return "absorption"
-    if last == "alpha" or declared.doc.startswith("slope"):
+    if "alpha" in words or declared.doc.startswith("slope"):
         return "slope"
-    if last in ("shininess", "exponent"):
+    if "shininess" in words or "exponent" in words:
         return "exponent"
     if last in ("thickness", "distance"):
         return "length"
