@@ -52,6 +52,11 @@ UPRIGHT = {(*map(float, p), float(u), 1.0 - v) for p, (u, v) in zip(CORNERS, UVS
     [
         lambda t: t.replace("f 1/1 2/2", "f 1/1 \\\n2/2"),
         lambda t: t.replace("f 1/1 2/2", "f 1/1 \\\r\n  2/2"),
+        lambda t: t.replace("f 1/1 2/2", "f 1/1 \\  \n2/2"),  # blanks behind the backslash
+        lambda t: t.replace("f 1/1 2/2", "f 1/1 \\ # a comment\n2/2"),
+        lambda t: t.rstrip("\n") + " \\",
+        lambda t: "# made of C:\\models\\\n" + t,  # no continuation: the next line is a vertex
+        lambda t: "mtllib C:\\models\\\no a\\\n" + t,
         lambda t: t.replace("\n", "\r\n"),
         lambda t: t.replace("\n", "\r"),
         lambda t: t.replace("\n", "\n\t  "),
@@ -229,6 +234,25 @@ def test_ply_strips_are_turned_as_their_triangles(tmp_path: Path) -> None:
     mesh = load_mesh(tmp_path / "m.ply")
     a, b, c = (mesh.positions[mesh.faces[:, k]] for k in range(3))
     np.testing.assert_allclose(np.cross(b - a, c - a)[:, 2], [1, 1, 1])
+
+
+@pytest.mark.parametrize("order", ["ascii", "binary_little_endian"])
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda d: b"\xef\xbb\xbf" + d,
+        lambda d: d.replace(b"element vertex", b"comment before end_header\nelement vertex", 1),
+        lambda d: b"\r".join(d.split(b"\n", d[: d.index(b"end_header") + 11].count(b"\n"))),
+    ],
+)
+def test_ply_headers_may_be_odd(tmp_path: Path, order: str, change) -> None:
+    # The last one ends its lines as old Macs did; x of the first vertex begins with a line feed, so that
+    # a reader which looks for the next one would begin too late.
+    x = -1 - 10 / 2**23
+    data = ply(order, [(x, *CORNERS[0][1:]), *CORNERS[1:]], [[0, 1, 2, 3]])
+    if order != "ascii":
+        assert data.startswith(b"\n", data.index(b"end_header\n") + 11)
+    assert area(obj(tmp_path, change(data), "m.ply")) == pytest.approx(4, rel=1e-5)
 
 
 @pytest.mark.parametrize("order", ["ascii", "binary_little_endian"])
@@ -570,3 +594,26 @@ def test_sphere_projection_is_longitude_and_latitude_without_a_torn_seam(tmp_pat
 def test_an_unknown_projection_names_the_known_ones(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="no uv projection 'cube'; use one of box, sphere"):
         projected(load_mesh(obj(tmp_path, SQUARE_OBJ)), "cube")
+
+
+@pytest.mark.parametrize(
+    ("vertices", "message"),
+    [
+        ("v 0 0 0\nv 1 1 1\nv 3 3 3\n", "no area"),
+        ("v 1e7 0 0\nv 1e7 0.1 0.1\nv 1e7 0.3 0.3\n", "no area"),
+        ("v 0 0 0\nv 1e-200 0 0\nv 0 1e-200 0\n", "usual size"),
+        ("v 0 0 0\nv 1e200 0 0\nv 0 1e200 0\n", "usual size"),
+    ],
+)
+def test_a_mesh_of_which_nothing_can_be_seen_is_refused(tmp_path: Path, vertices, message) -> None:
+    with pytest.raises(ValueError, match=message):
+        load_mesh(obj(tmp_path, vertices + "f 1 2 3\n"))
+
+
+def test_needles_and_unusual_units_are_drawn(tmp_path: Path) -> None:
+    needle = "v 0 0 0\nv 1 0 0\nv 1 1e-6 0\nf 1 2 3\n"
+    assert area(obj(tmp_path, needle)) == pytest.approx(5e-7)
+    for unit in ("e-30", "e30"):
+        corners = SQUARE_OBJ.replace("v -1 ", f"v -1{unit} ").replace("v 1 ", f"v 1{unit} ")
+        mesh = on_stage(load_mesh(obj(tmp_path, corners.replace(" 2 0\n", f" 2{unit} 0\n"))))
+        assert np.ptp(mesh.positions, axis=0)[:2] == pytest.approx(2 * 1.12 / np.sqrt(2))

@@ -16,6 +16,9 @@ MESH_RADIUS = 1.12
 
 MESH_FORMATS = meshes.FORMATS
 
+LARGEST = 1e100  # its square and its inverse are numbers, too
+SLIVER = 1e-14  # of the squared extent: an area that nothing can be seen of
+
 
 def load_mesh(path: str | Path) -> Triangles:
     """Reads .obj, .ply, .stl, .glb or .gltf (see `gonio.render.meshes`).
@@ -46,8 +49,16 @@ def load_mesh(path: str | Path) -> Triangles:
         raise ValueError(
             f"mesh {file} has a vertex that is NaN or infinite; repair and export again"
         )
-    if not np.ptp(used, axis=0).max() > 0:
+    extent = float(np.ptp(used, axis=0).max())
+    if not extent > 0:
         raise ValueError(f"mesh {file} has no extent: all its vertices are one point")
+    if not 1 / LARGEST < extent < LARGEST:
+        raise ValueError(f"mesh {file} is {extent:.3g} wide; give it a usual size")
+    # Rounding leaves a little area to triangles whose corners are on a line.
+    if not mesh.face_areas().max() > SLIVER * extent**2:
+        raise ValueError(
+            f"mesh {file} has no area: the corners of each of its triangles are on a line"
+        )
     # A NaN texture coordinate would turn into NaN pixels; 0 only looks wrong.
     return (
         mesh if mesh.uvs is None else replace(mesh, uvs=np.nan_to_num(mesh.uvs, posinf=0, neginf=0))

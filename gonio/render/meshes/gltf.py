@@ -159,6 +159,9 @@ class _File:
                 raise RefusedError(_refusal(name))
         positions = self._accessor(attributes["POSITION"])
         normals = self._accessor(attributes["NORMAL"]) if "NORMAL" in attributes else None
+        for name, found in (("POSITION", positions), ("NORMAL", normals)):
+            if found is not None and found.shape != (len(positions), 3):
+                raise ValueError(f"its {name} does not have three numbers for each vertex")
         for weight, target in zip(weights, primitive.get("targets", []), strict=False):
             if weight and "POSITION" in target:
                 positions = positions + weight * self._accessor(target["POSITION"])

@@ -28,14 +28,14 @@ def read_obj(data: bytes) -> Polygons:
     faces: list[bytes] = []
     seen: list[tuple[int, int, int, int]] = []  # how many v, vt, vn there were from which face on
     begun = b""  # what stands before a backslash at the end of a line
-    for number, end in enumerate(text.split(b"\n"), 1):
-        line = begun + end
-        if end.endswith(b"\\"):
+    for number, end in enumerate(
+        (*text.split(b"\n"), b""), 1
+    ):  # what the last line begins is ended
+        line = begun + end.partition(b"#")[0].rstrip() if b"#" in end else begun + end.rstrip()
+        if line.endswith(b"\\") and _goes_on(line):
             begun = line[:-1] + b" "
             continue
         begun = b""
-        if b"#" in line:
-            line = line.partition(b"#")[0]
         word, _, rest = line.strip().partition(b" ")
         if b"\t" in word:
             word, rest = line.split(None, 1)
@@ -62,6 +62,16 @@ def read_obj(data: bytes) -> Polygons:
         normals,
         None if normals is None else indices[:, 2],
     )
+
+
+def _goes_on(line: bytes) -> bool:
+    """Whether a backslash at the end of a line joins the next one to it.
+
+    It does so for numbers only: comments, and names of files and groups, end in one for other reasons
+    (C:\\models\\), and would swallow a vertex.
+    """
+    word = line.split(None, 1)[0].rstrip(b"\\")
+    return word in _WIDTHS or word in (b"f", b"fo")
 
 
 def _table(kind: bytes, rows: list[bytes], lines: list[int]) -> Floats:

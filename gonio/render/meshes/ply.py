@@ -7,6 +7,7 @@ Other elements and properties are passed over.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -94,15 +95,17 @@ def read_ply(data: bytes) -> Polygons:
 
 def _header(data: bytes) -> tuple[str, list[_Element], bytes]:
     """Byte order ("" for ASCII), the elements, and what follows the header."""
-    end = data.find(b"end_header")
-    line_end = data.find(b"\n", end)
-    if line_end < 0:
-        line_end = data.find(b"\r", end)
-    if not data.startswith(b"ply") or end < 0 or line_end < 0:
+    data = data.removeprefix(b"\xef\xbb\xbf")
+    first = re.match(rb"ply[ \t]*(\r?\n|\r)", data)
+    # A line of its own: comments may speak of it. Where lines end in a lone carriage return, a line feed
+    # behind the last one belongs to the data.
+    end = rb"\r" if first and first[1] == b"\r" else rb"\r?\n"
+    last = re.search(rb"(?<=[\r\n])[ \t]*end_header[ \t]*" + end, data)
+    if first is None or last is None:
         raise ValueError("its header is not that of a PLY file, or cut short")
     order: str | None = None
     elements: list[_Element] = []
-    for raw in data[:end].decode("latin-1").splitlines()[1:]:
+    for raw in data[: last.start()].decode("latin-1").splitlines()[1:]:
         words = raw.split()
         if not words or words[0] in ("comment", "obj_info"):
             continue
@@ -124,7 +127,7 @@ def _header(data: bytes) -> tuple[str, list[_Element], bytes]:
             raise ValueError(f"its header has the line {raw[:60]!r}, which is not PLY") from None
     if order is None:
         raise ValueError("its header has no line 'format'")
-    return order, elements, data[line_end + 1 :]
+    return order, elements, data[last.end() :]
 
 
 class _Ascii:
