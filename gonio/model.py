@@ -361,7 +361,7 @@ def _suggest(name: str, known: Mapping[str, Any]) -> str:
 
 # Where derivatives end: they are 0 below this cosine, down to the horizon. Those of a sharp highlight grow
 # like the cube of 1 / mu there, and would leave a float32.
-MU_STEEP = 1e-7
+MU_STEEP = 1e-6
 
 # The horizon is handled here and nowhere else. Directions in it or below are replaced by the normal before
 # the model sees them: the values are masked anyway, and their derivatives stay finite that way.
