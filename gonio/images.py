@@ -8,11 +8,12 @@ keeps eight.
 from __future__ import annotations
 
 import contextlib
+import io
 import os
 import re
 import struct
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Pixels = NDArray[np.float32]
+Matrix = NDArray[np.float64]
 
 # What a picture may hold; above it a slip or an attack is likelier than a picture (16384 x 16384).
 MAX_PIXELS = 1 << 28
@@ -45,11 +47,13 @@ class Image:
     pixels: (height, width, channels): 1 for grey, 3 for RGB, and one more where there is alpha.
     linear: whether colours are linear light, or (False) coded as sRGB, from 0 to 1.
     halves: whether numbers above 65504 were stored as infinite.
+    rgb: linear sRGB where the file says that its numbers are of other primaries, (height, width, 3).
     """
 
     pixels: Pixels
     linear: bool
     halves: bool = False
+    rgb: Pixels | None = None
 
     @property
     def colours(self) -> int:
@@ -57,7 +61,9 @@ class Image:
         return 1 if self.pixels.shape[2] <= 2 else 3
 
     def linear_rgb(self) -> Pixels:
-        """Linear RGB without alpha, (height, width, 3)."""
+        """Linear RGB of sRGB's primaries without alpha, (height, width, 3)."""
+        if self.rgb is not None:
+            return self.rgb
         rgb = self.pixels[..., : self.colours]
         if self.colours == 1:
             rgb = np.repeat(rgb, 3, axis=2)
@@ -84,6 +90,46 @@ def from_srgb(coded: Pixels) -> Pixels:
     low = coded / np.float32(12.92)
     high = ((np.maximum(coded, 0) + np.float32(0.055)) / np.float32(1.055)) ** np.float32(2.4)
     return np.asarray(np.where(coded <= 0.04045, low, high), np.float32)
+
+
+# x and y of red, green, blue and white, ITU-R BT.709.
+SRGB_CHROMATICITIES = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
+_BRADFORD = np.array(
+    [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]]
+)  # cone responses, Lam 1985
+
+
+def to_srgb_primaries(chromaticities: Sequence[float]) -> Matrix | None:
+    """What takes linear RGB of these primaries to linear sRGB; None where they are sRGB's.
+
+    White stays white (Bradford's adaptation), as renderers of such pictures show it.
+
+    Args:
+        chromaticities: x and y of red, green, blue and white.
+
+    Raises:
+        ImageError: they do not span a triangle.
+    """
+    if np.allclose(chromaticities, SRGB_CHROMATICITIES, atol=1e-3):
+        return None
+    try:
+        theirs, ours = _to_xyz(chromaticities), _to_xyz(SRGB_CHROMATICITIES)
+        cones = _BRADFORD @ ours.sum(axis=1) / (_BRADFORD @ theirs.sum(axis=1))
+        adapted = np.linalg.solve(_BRADFORD, cones[:, None] * _BRADFORD) @ theirs
+        change = np.linalg.solve(ours, adapted)
+    except np.linalg.LinAlgError:
+        change = np.full((3, 3), np.nan)
+    if not np.isfinite(change).all():
+        raise ImageError(f"its chromaticities are none: {tuple(map(float, chromaticities))}")
+    return change
+
+
+def _to_xyz(chromaticities: Sequence[float]) -> Matrix:
+    """Columns: XYZ of red, green and blue, which add up to the white of luminance 1."""
+    x, y = np.reshape(np.asarray(chromaticities, np.float64), (4, 2)).T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        columns = np.stack([x / y, np.ones(4), (1 - x - y) / y])
+    return np.asarray(columns[:, :3] * np.linalg.solve(columns[:, :3], columns[:, 3]))
 
 
 def read_image(path: Path) -> Image:
@@ -138,6 +184,11 @@ def _read_pillow(path: Path) -> Image:
                 picture.load()
                 return _pillow_pixels(picture, path)
     except UnidentifiedImageError:
+        with path.open("rb") as stream:
+            if stream.read(4) in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"):
+                raise ImageError(
+                    "it is a TIFF of a kind that is not read; save it with 8 or 16 bits, or as .exr"
+                ) from None
         raise ImageError("it is not a picture of any kind that is known") from None
     except PIL.Image.DecompressionBombError:
         raise ImageError("is it damaged? It claims more pixels than a picture has") from None
@@ -151,8 +202,10 @@ def _pillow_pixels(picture: Any, path: Path) -> Image:
         raise ImageError(
             f"its colours are {mode}, which mean nothing without a profile; save it in sRGB"
         )
+    inverted = picture.format == "TIFF" and _tiff_is_inverted(picture.tag_v2)
     if mode in ("I;16", "I;16B", "I;16L", "I"):  # .pgm of 16 bits comes as I
-        return Image(np.asarray(picture, np.float32)[..., None] / np.float32(65535), False)
+        codes = np.asarray(picture, np.float32)[..., None] / np.float32(65535)
+        return Image(1 - codes if inverted else codes, False)
     if mode == "F":
         return Image(np.asarray(picture, np.float32)[..., None], True)
     if path.suffix.lower() == ".png" and _png_depth(path) == 16:
@@ -161,7 +214,49 @@ def _pillow_pixels(picture: Any, path: Path) -> Image:
     grey = mode in ("1", "L", "LA", "La")
     wanted = ("LA" if alpha else "L") if grey else ("RGBA" if alpha else "RGB")
     codes = np.asarray(picture.convert(wanted), np.float32) / np.float32(255)
-    return Image(codes if codes.ndim == 3 else codes[..., None], False)
+    rgb = None if grey else _by_profile(picture)
+    return Image(codes if codes.ndim == 3 else codes[..., None], False, rgb=rgb)
+
+
+_BITS, _PHOTOMETRIC, _PLANAR, _SAMPLE_FORMAT = 258, 262, 284, 339  # tags of TIFF 6.0
+_SIGNED = 2
+
+
+def _tiff_is_inverted(tags: Any) -> bool:
+    """Whether 0 is white and Pillow leaves it so; what it would read wrongly is refused."""
+    bits = max(tags.get(_BITS, (1,)))
+    formats = tags.get(_SAMPLE_FORMAT, (1,))
+    if _SIGNED in formats or (bits == 32 and 1 in formats):
+        kind = "signed" if _SIGNED in formats else "32-bit"
+        raise ImageError(f"its numbers are {kind} integers; save it with 8 or 16 bits, or as .exr")
+    if bits == 16 and tags.get(_PLANAR, 1) == 2:
+        raise ImageError(
+            "its channels lie apart from each other; save them interleaved, or as .png"
+        )
+    return bits == 16 and tags.get(_PHOTOMETRIC, 1) == 0
+
+
+def _by_profile(picture: Any) -> Pixels | None:
+    """Linear sRGB of a picture whose ICC profile says that its colours are others; None for sRGB."""
+    profile = picture.info.get("icc_profile")
+    if not profile:
+        return None
+    from PIL import ImageCms
+
+    coded = picture.convert("RGB")
+    try:
+        theirs = ImageCms.ImageCmsProfile(io.BytesIO(profile))
+        ours = ImageCms.profileToProfile(coded, theirs, ImageCms.createProfile("sRGB"))
+    except (ImageCms.PyCMSError, OSError):  # a damaged profile, or one of grey or print
+        return None
+    before, after = np.asarray(coded, np.int16), np.asarray(ours, np.int16)
+    if abs(after - before).max() <= PROFILE_ROUNDING:
+        return None
+    return from_srgb(after.astype(np.float32) / np.float32(255))
+
+
+# Profiles that say sRGB in their own words differ by so many codes of 255.
+PROFILE_ROUNDING = 2
 
 
 def _png_depth(path: Path) -> int:
@@ -177,16 +272,42 @@ def _check_size(width: int, height: int) -> None:
         )
 
 
+_BEGINNINGS = {".hdr": b"#?", ".pfm": (b"PF", b"Pf")}
+
+
+def _is_utf8(path: Path) -> bool:
+    """Whether libraries that want names in UTF-8 can open a file."""
+    try:
+        str(path).encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
 def _read_mitsuba(path: Path) -> Image:
     import mitsuba as mi
 
     with path.open("rb") as stream:
         head = stream.read(4096)
-    if path.suffix.lower() == ".hdr" and b"32-bit_rle_xyze" in head:
+    suffix = path.suffix.lower()
+    if suffix in _BEGINNINGS and not head.startswith(_BEGINNINGS[suffix]):
+        raise ImageError(f"it is no {suffix} picture, whatever its name says")
+    if suffix == ".hdr" and b"32-bit_rle_xyze" in head:
         raise ImageError("its colours are XYZ, not RGB; convert it with 'ra_xyze -r'")
-    if size := re.search(rb"[-+]Y (\d+) [-+]X (\d+)\n", head):
-        _check_size(int(size[2]), int(size[1]))
-    bitmap = mi.Bitmap(str(path))
+    if size := re.search(rb"\n([-+][XY]) (\d+) ([-+][XY]) (\d+)\r?\n", head):
+        if (size[1], size[3]) != (b"-Y", b"+X"):
+            order = f"{size[1].decode()} {size[3].decode()}"
+            raise ImageError(
+                f"its pixels run {order}, not -Y +X, from the top left; save it again so"
+            )
+        _check_size(int(size[4]), int(size[2]))
+    if _is_utf8(path):
+        bitmap = mi.Bitmap(str(path))
+    else:
+        stored = mi.MemoryStream()
+        stored.write(path.read_bytes())
+        stored.seek(0)
+        bitmap = mi.Bitmap(stored)
     codes = np.array(bitmap)
     if codes.ndim == 2:
         codes = codes[..., None]
@@ -203,12 +324,15 @@ def _read_exr(path: Path) -> Image:
     with path.open("rb") as stream:
         if stream.read(4) != b"\x76\x2f\x31\x01":
             raise ImageError("it is not an OpenEXR file")
-    for part in OpenEXR.File(str(path), header_only=True).parts:
+    source = str(path) if _is_utf8(path) else io.BytesIO(path.read_bytes())
+    for part in OpenEXR.File(source, header_only=True).parts:
         for window in ("dataWindow", "displayWindow"):
             low, high = part.header[window]
             _check_size(*(int(b) - int(a) + 1 for a, b in zip(low, high, strict=True)))
+    if isinstance(source, io.BytesIO):
+        source.seek(0)
     with _quiet():
-        opened = OpenEXR.File(str(path), separate_channels=True)
+        opened = OpenEXR.File(source, separate_channels=True)
     with opened as file:
         found = []
         layers: list[str] = []
@@ -233,7 +357,11 @@ def _read_exr(path: Path) -> Image:
             raise ImageError("its colours have less pixels than its brightness; save it as R, G, B")
         halves = all(c.pixels.dtype == np.float16 for c in channels)
         pixels = np.stack([np.asarray(c.pixels, np.float32) for c in channels], axis=-1)
-        return Image(_placed(pixels, part.header), True, halves)
+        placed = _placed(pixels, part.header)
+        primaries = part.header.get("chromaticities")
+        change = None if primaries is None or len(chosen) < 3 else to_srgb_primaries(primaries)
+        rgb = None if change is None else (placed[..., :3] @ change.T).astype(np.float32)
+        return Image(placed, True, halves, rgb)
 
 
 @contextmanager
@@ -270,7 +398,7 @@ def _colour_channels(names: list[str]) -> tuple[list[str], list[str]]:
     if len(coloured) == 1:
         return next(iter(coloured.values())), []
     root = by_layer.get("", {})
-    if not coloured and "Y" in root and not {"RY", "BY"} & set(root):
+    if not coloured and "Y" in root and not {"RY", "BY", "X", "Z"} & set(root):
         return [root["Y"]], []
     if len(names) == 1:
         return names, []
@@ -291,3 +419,15 @@ def _placed(pixels: Pixels, header: dict[str, Any]) -> Pixels:
             low_y - top : high_y - top, low_x - left : high_x - left
         ]
     return result
+
+
+def write_linear(path: Path, pixels: NDArray[Any]) -> None:
+    """Write numbers, (height, width) or (height, width, channels): .exr of float32, or .hdr."""
+    import mitsuba as mi
+
+    # By way of memory: Mitsuba opens no files whose names are not UTF-8.
+    stored = mi.MemoryStream()
+    bitmap = mi.Bitmap(np.ascontiguousarray(pixels, np.float32))
+    formats = {".exr": mi.Bitmap.FileFormat.OpenEXR, ".hdr": mi.Bitmap.FileFormat.RGBE}
+    bitmap.write(stored, formats[path.suffix.lower()])
+    path.write_bytes(stored.raw_buffer())

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import struct
+import sys
 import zlib
 from pathlib import Path
 from typing import Any
@@ -13,7 +15,7 @@ import OpenEXR
 import pytest
 from PIL import Image
 
-from gonio.images import ImageError, read_image
+from gonio.images import ImageError, read_image, write_linear
 
 
 def exr(path: Path, channels: dict[str, Any], **header: Any) -> Path:
@@ -157,7 +159,7 @@ def png(width: int, height: int, data: bytes) -> bytes:
         ),
         ("bomb.exr", "huge window", "laims 1000000 x 1000000"),
         ("text.exr", lambda: b"just some words", "not an OpenEXR file"),
-        ("text.hdr", lambda: b"just some words", "is it damaged"),
+        ("text.hdr", lambda: b"just some words", "it is no .hdr picture"),
         ("bomb.hdr", lambda: b"#?RADIANCE\n\n-Y 1000000 +X 2000000\n", "laims 2000000 x 1000000"),
         ("a.gif", lambda: b"GIF89a", "must end in"),
         ("cut.exr", "cut", "cut short or damaged|is it damaged"),
@@ -209,3 +211,157 @@ def test_a_damaged_picture_leaves_the_terminal_quiet(
     with pytest.raises(ImageError):
         read_image(path)
     assert capfd.readouterr() == ("", "")
+
+
+# ------------------------------------------------------------------------- numbers that mean others
+
+
+def tiff(path: Path, values: Any, photometric: int = 1, planar: int = 1) -> Path:
+    """A TIFF of one strip (or one for each channel), as TIFF 6.0 describes it."""
+    grey = values.ndim == 2
+    samples = 1 if grey else values.shape[2]
+    height, width = values.shape[:2]
+    data = (values if planar == 1 else np.moveaxis(values, 2, 0)).tobytes()
+    strips = samples if planar == 2 else 1
+    form = {"u": 1, "i": 2, "f": 3}[values.dtype.kind]
+    entries = [(256, width), (257, height), (258, [values.itemsize * 8] * samples), (259, 1)]
+    entries += [(262, photometric), (273, None), (277, samples), (278, height)]
+    entries += [(279, [len(data) // strips] * strips), (284, planar), (339, [form] * samples)]
+    start = 8 + 2 + 12 * len(entries) + 4
+    room = 4 * 8 * len(entries)
+    entries[5] = (273, [start + room + k * (len(data) // strips) for k in range(strips)])
+    table, extra = struct.pack("<H", len(entries)), b""
+    for tag, value in entries:
+        numbers = value if isinstance(value, list) else [value]
+        packed = struct.pack(f"<{len(numbers)}I", *numbers)
+        if len(packed) > 4:
+            packed, extra = struct.pack("<I", start + len(extra)), extra + packed
+        table += struct.pack("<HHI", tag, 4, len(numbers)) + packed
+    head = b"II*\0" + struct.pack("<I", 8) + table + b"\0\0\0\0"
+    path.write_bytes(head + extra.ljust(room, b"\0") + data)
+    return path
+
+
+RAMP = np.linspace(0, 1, 8).reshape(2, 4)
+
+
+@pytest.mark.parametrize(
+    ("values", "photometric", "expected"),
+    [
+        ((RAMP * 65535).astype("<u2"), 1, RAMP),
+        ((RAMP * 65535).astype("<u2"), 0, 1 - RAMP),  # 0 is white
+        ((RAMP * 255).astype("u1"), 0, 1 - RAMP),
+        (RAMP.astype("<f4"), 1, RAMP),
+    ],
+)
+def test_tiff_is_grey_from_black_to_white(tmp_path: Path, values, photometric, expected) -> None:
+    image = read_image(tiff(tmp_path / "a.tif", values, photometric))
+    # By 8 bits, cut and not rounded.
+    np.testing.assert_allclose(image.pixels[..., 0], expected, atol=1 / 255)
+
+
+@pytest.mark.parametrize(
+    ("values", "planar", "reason"),
+    [
+        ((RAMP * 32767).astype("<i2"), 1, "signed integers"),
+        ((RAMP * 2**31).astype("<u4"), 1, "32-bit integers"),
+        ((RAMP * 2**30).astype("<i4"), 1, "signed integers"),
+        ((np.stack([RAMP] * 3, -1) * 65535).astype("<u2"), 2, "lie apart"),
+        (np.stack([RAMP] * 3, -1).astype("<f4"), 1, "a TIFF of a kind that is not read"),
+    ],
+)
+def test_a_tiff_that_would_be_read_wrongly_is_refused(tmp_path, values, planar, reason) -> None:
+    with pytest.raises(ImageError, match=reason):
+        read_image(tiff(tmp_path / "a.tif", values, 1 if values.ndim == 2 else 2, planar))
+
+
+def test_xyz_is_not_taken_for_grey(tmp_path: Path) -> None:
+    channels = {"X": plane(0.1), "Y": plane(0.2), "Z": plane(0.3)}
+    with pytest.raises(ImageError, match="X, Y, Z; save the one that is meant as R, G, B"):
+        read_image(exr(tmp_path / "a.exr", channels))
+
+
+REC_2020 = (0.708, 0.292, 0.170, 0.797, 0.131, 0.046, 0.3127, 0.3290)
+ACES_CG = (0.713, 0.293, 0.165, 0.830, 0.128, 0.044, 0.32168, 0.33767)
+
+
+@pytest.mark.parametrize(
+    ("primaries", "expected"),
+    [
+        # ITU-R BT.2087-0, and what the Academy's transforms have for AP1 to BT.709 with D65.
+        (
+            REC_2020,
+            [[1.6605, -0.5876, -0.0728], [-0.1246, 1.1329, -0.0083], [-0.0182, -0.1006, 1.1187]],
+        ),
+        (
+            ACES_CG,
+            [[1.7051, -0.6218, -0.0833], [-0.1303, 1.1408, -0.0105], [-0.0240, -0.1290, 1.1530]],
+        ),
+    ],
+)
+def test_colours_of_wider_primaries_become_those_of_srgb(tmp_path, primaries, expected) -> None:
+    image = read_image(exr(tmp_path / "a.exr", RGB, chromaticities=primaries))
+    wanted = np.array(expected) @ [0.25, 0.5, 0.75]
+    np.testing.assert_allclose(image.linear_rgb()[0, 0], wanted, atol=2e-4)
+    np.testing.assert_array_equal(image.channel("r"), 0.25)  # data stay as they are stored
+
+
+def test_stated_srgb_primaries_change_nothing(tmp_path: Path) -> None:
+    image = read_image(
+        exr(
+            tmp_path / "a.exr",
+            RGB,
+            chromaticities=(0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329),
+        )
+    )
+    assert image.rgb is None
+    with pytest.raises(ImageError, match="its chromaticities are none"):
+        read_image(exr(tmp_path / "b.exr", RGB, chromaticities=(0.3,) * 8))
+
+
+def test_a_colour_profile_is_honoured_for_colours_and_not_for_numbers(tmp_path: Path) -> None:
+    from PIL import ImageCms
+
+    own = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
+    # The same profile with red and green exchanged: tag names stand in its directory.
+    swapped = own.replace(b"rXYZ", b"????").replace(b"gXYZ", b"rXYZ").replace(b"????", b"gXYZ")
+    picture = Image.new("RGB", (4, 2), (200, 100, 20))
+    picture.save(tmp_path / "own.png", icc_profile=own)
+    picture.save(tmp_path / "swapped.png", icc_profile=swapped)
+    picture.save(tmp_path / "none.png", icc_profile=b"nonsense")
+    plain, other = read_image(tmp_path / "own.png"), read_image(tmp_path / "swapped.png")
+    assert plain.rgb is None
+    assert read_image(tmp_path / "none.png").rgb is None
+    np.testing.assert_allclose(
+        other.linear_rgb()[0, 0], plain.linear_rgb()[0, 0][[1, 0, 2]], atol=0.01
+    )
+    assert other.channel("r")[0, 0] == pytest.approx(200 / 255)
+
+
+@pytest.mark.parametrize("name", ["photo.hdr", "photo.pfm", "photo.exr"])
+def test_a_photograph_renamed_to_a_format_of_light_is_found_out(tmp_path: Path, name: str) -> None:
+    Image.new("RGB", (4, 2)).save(tmp_path / name, format="JPEG")
+    with pytest.raises(ImageError, match=r"whatever its name says|not an OpenEXR"):
+        read_image(tmp_path / name)
+
+
+@pytest.mark.parametrize("order", ["+Y 2 +X 4", "-Y 2 -X 4", "+X 4 -Y 2"])
+def test_a_radiance_picture_in_another_order_is_refused_and_not_called_damaged(
+    tmp_path, order
+) -> None:
+    path = tmp_path / "a.hdr"
+    path.write_bytes(f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n{order}\n".encode() + b"\x80" * 32)
+    with pytest.raises(ImageError, match=r"its pixels run .*, not -Y \+X"):
+        read_image(path)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names of files are bytes on Linux")
+@pytest.mark.parametrize("suffix", [".exr", ".hdr", ".png"])
+def test_names_that_are_not_utf8_are_read_and_written(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / os.fsdecode(b"caf\xe9" + suffix.encode())
+    if suffix == ".png":
+        Image.new("RGB", (4, 2), (51, 51, 51)).save(path)
+    else:
+        write_linear(path, np.full((2, 4, 3), 0.5, np.float32))
+    expected = 0.2 if suffix == ".png" else 0.5
+    np.testing.assert_allclose(read_image(path).pixels, expected, rtol=1e-6)

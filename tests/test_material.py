@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import mitsuba as mi
@@ -10,8 +11,10 @@ import pytest
 
 import gonio
 from gonio.fields import ModelError
+from gonio.images import write_linear
 from gonio.materials import MaterialError, library, load_material
 from gonio.mitsuba.nodes import node
+from gonio.notices import Notice
 from gonio.parts.metals import metal
 from gonio.render import render
 from gonio.render.sheets import write_sheet
@@ -235,6 +238,32 @@ def test_a_channel_drives_a_number_as_it_is_stored(tmp_path: Path) -> None:
     Image.new("RGB", (4, 4), (51, 51, 51)).save(tmp_path / "grey.png")  # no choice to make
     grey = load_material(write(tmp_path, 'model = "eon"\nroughness = "grey.png"\n'))
     np.testing.assert_allclose(render(grey, **common), plain, rtol=1e-4)
+
+
+def test_values_of_a_picture_out_of_range_are_said(tmp_path: Path) -> None:
+    values = np.full((2, 4, 3), 0.5, np.float32)
+    values[0, 1, 2] = -0.25
+    values[1, 3, 0] = 9
+    write_linear(tmp_path / "a.exr", values)
+    (tmp_path / "a.toml").write_text('model = "eon"\nrho = "a.exr"\n')
+    said = r"a.toml:2: rho: .* 2 of 8 pixels are out of range \(0 to 1\).* -0.25 to 9"
+    with pytest.warns(Notice, match=said):
+        gonio.load(tmp_path / "a.toml")
+    write_linear(tmp_path / "a.exr", np.clip(values, -5e-4, 1 + 5e-4))  # what compression does
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", Notice)
+        gonio.load(tmp_path / "a.toml")
+
+
+def test_a_normal_map_is_read_when_it_is_named(tmp_path: Path) -> None:
+    from PIL import Image
+
+    Image.new("L", (2, 2)).save(tmp_path / "grey.png")
+    (tmp_path / "a.toml").write_text('model = "eon"\nnormal_map = "grey.png"\n')
+    with pytest.raises(
+        MaterialError, match=r"a.toml:2: normal_map: picture .*grey.png: it is grey"
+    ):
+        gonio.load(tmp_path / "a.toml")
 
 
 def test_coloured_pictures_are_srgb_in_every_format(tmp_path: Path) -> None:

@@ -154,6 +154,8 @@ def test_metals_have_their_symbols_in_texts_too() -> None:
     assert load("weidlich_wilkie:base=torrance_sparrow,base.metal=Ag").base.k == metal("Ag")["k"]
     with pytest.raises(ModelError, match="eon has no eta and k for a metal"):
         load("eon:metal=Cu")
+    with pytest.raises(ModelError, match="metal says what eta is; leave one of them out"):
+        load("torrance_sparrow:metal=Cu,eta=1/1/1")
 
 
 # From the definition in IEC 61966-2-1: sRGB 0x80 is 0.2158605, 0xc0 is 0.5271151, 0x40 is 0.0512695.
@@ -195,8 +197,9 @@ def test_material_files_name_files_and_materials_inside(folder: Path) -> None:
     )
     assert load("outer.toml").model.base.rho == hex_colour("#808080")
     outer.write_text('model = "outer.toml"\n', encoding="utf-8")
-    with pytest.raises(MaterialError, match="in a circle"):
+    with pytest.raises(MaterialError, match="in a circle") as error:
         load("outer.toml")
+    assert str(error.value).count("outer.toml") == 1  # and not once for every round
 
 
 def test_a_byte_order_mark_is_no_part_of_a_file(folder: Path) -> None:
@@ -215,6 +218,7 @@ def test_a_byte_order_mark_is_no_part_of_a_file(folder: Path) -> None:
         ('model = "car_paint"\n[flakes]\nsize = 8\nflake_size = 9\n', 4),
         ('model = "car_paint"\n[flakes]\ntiles = "many"\n', 3),
         ('model = "torrance_sparrow"\nmetal = 3\n', 2),
+        ('model = "torrance_sparrow"\nmetal = "Fe"\nk = [1, 2, 3]\n', 3),
         ('model = "torrance_sparrow"\nmetal = "Fe"\nneutral = "yes"\n', 3),
         ('model = "weidlich_wilkie"\nbase = [1]\n', 2),
         ('model = "weidlich_wilkie"\n\n[base]\nrho = 1\n', 3),

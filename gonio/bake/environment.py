@@ -29,6 +29,7 @@ from numpy.typing import ArrayLike, NDArray
 from gonio.arrays.elementwise import elementwise
 from gonio.bake import image_light
 from gonio.files import replacing
+from gonio.images import write_linear
 from gonio.parts import distribution, fresnel
 
 if TYPE_CHECKING:
@@ -131,11 +132,10 @@ class Environment:
             ValueError: another suffix.
             FileNotFoundError: the folder does not exist.
         """
-        import mitsuba as mi
 
         path = check_format(path)
         with replacing(path) as temporary:
-            mi.Bitmap(np.ascontiguousarray(self.pixels, np.float32)).write(str(temporary))
+            write_linear(temporary, self.pixels)
 
 
 def check_format(path: str | Path) -> Path:

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gonio.arrays.elementwise import elementwise
 from gonio.files import replacing
+from gonio.images import write_linear
 from gonio.lang import Float, vec3
 from gonio.parts import distribution, fresnel
 
@@ -226,10 +227,9 @@ def write_table(path: str | Path, table: Table) -> None:
         if path.suffix == ".npy":
             np.save(temporary, table)
             return
-        import mitsuba as mi
 
         if table.shape[1] in {1, 3} and table.shape[1] != table.shape[0]:
             picture = table[None]
         else:
             picture = table[..., None]
-        mi.Bitmap(np.ascontiguousarray(picture, np.float32)).write(str(temporary))
+        write_linear(temporary, picture)

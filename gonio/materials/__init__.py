@@ -134,7 +134,7 @@ def _start(name: str, folder: Path, depth: int) -> Model | Material:
 
 def _material(path: Path, depth: int) -> Material:
     if depth > FILES_DEEP:
-        raise MaterialError(f"{path}: material files name each other in a circle.")
+        raise toml_file.CircleError(f"{path}: material files name each other in a circle.")
 
     def resolve(name: str, seen_from: Path) -> Model | Material:
         return _load(name, (), seen_from.parent, depth + 1)

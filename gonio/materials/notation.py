@@ -75,6 +75,11 @@ def assign(
         if declared is None and name == "metal":
             owner = _owner(model, outer, children)
             symbols = metal_parameters(owner, text) if owner is not None else {}
+            for twice in (f"{outer}.{n}" if outer else n for n in symbols):
+                if twice in texts:
+                    raise ModelError(
+                        f"{model.name}: metal says what {twice} is; leave one of them out."
+                    )
             values |= {f"{outer}.{n}" if outer else n: v for n, v in symbols.items()}
         elif isinstance(declared, Parameter):
             values[path] = parse_number(model.name, declared, text)

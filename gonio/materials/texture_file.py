@@ -44,12 +44,13 @@ def stored_values(picture: Path) -> Pixels:
     """The three channels of a picture as they are stored, shape (height, width, 3), such as normals.
 
     Raises:
-        ImageError: the picture cannot be read, or has fewer channels.
+        ImageError: the picture cannot be read, has fewer channels, or pixels that are not finite.
     """
     image = _read(picture)
-    return np.ascontiguousarray(
-        np.stack([image.channel(c) for c in ("r", "g", "b")], axis=-1), np.float32
-    )
+    values = np.stack([image.channel(c) for c in ("r", "g", "b")], axis=-1)
+    if wrong := int((~np.isfinite(values)).any(axis=2).sum()):
+        raise ImageError(f"it has {wrong} pixels that are NaN or infinite")
+    return np.ascontiguousarray(values, np.float32)
 
 
 def _only_channel(image: Image) -> str:

@@ -20,13 +20,14 @@ import difflib
 import math
 import re
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from gonio.fields import ModelError, Parameter
-from gonio.images import ImageError
+from gonio.images import ImageError, Pixels
 from gonio.materials.material import (
     FLAKE_PARAMETERS,
     GROWTH_PARAMETER,
@@ -35,8 +36,9 @@ from gonio.materials.material import (
     inside,
 )
 from gonio.materials.notation import hex_colour, metal_parameters, settings_of
-from gonio.materials.texture_file import split_channel, texture_values
+from gonio.materials.texture_file import split_channel, stored_values, texture_values
 from gonio.model import Child, Model, models
+from gonio.notices import notice
 
 # What a [flakes] table may hold; gonio.mitsuba.textures.flake_map says what each does.
 FLAKE_SETTINGS = {
@@ -54,6 +56,14 @@ FLAKE_SETTINGS = {
     )
 }
 WHOLE_NUMBERS = ("size", "seed")
+
+# How far values of a picture may leave their range by compression and filtering alone.
+CLIPPED_IN_SILENCE = 1e-3
+
+
+class CircleError(MaterialError):
+    """Material files that name each other in a circle."""
+
 
 Resolve = Callable[[str, Path], Model | Material]
 """Finds what a text names, as seen from a file."""
@@ -148,8 +158,10 @@ class _Reader:
         value = table.pop("normal_map")
         if not isinstance(value, str):
             raise self.error("normal_map", f"normal_map is a picture in quotes, got {value!r}.")
-        declared = Parameter((0.5, 0.5, 1.0), 0, 1, "tangent-space normal", "normal_map", 3)
-        return self._texture(declared, value, "")[0]
+        picture = self._picture("normal_map", value, "")
+        with self._picture_errors("normal_map", picture, ""):
+            stored_values(picture)
+        return picture
 
     def scale(self, table: dict[str, Any]) -> tuple[float, float] | None:
         """How often pictures repeat, taken out; None where the file does not say it."""
@@ -245,6 +257,8 @@ class _Reader:
     def _found(self, key: str, name: str, section: str) -> Material:
         try:
             found = self.resolve(name, self.path)
+        except CircleError:  # one line is enough, however often the circle was gone round
+            raise
         except (ValueError, OSError) as error:
             raise self.error(key, str(error), section) from None
         return found if isinstance(found, Material) else Material(found.name, found)
@@ -264,15 +278,39 @@ class _Reader:
         """The picture that drives a parameter, after reading it, and the channel that is named."""
         key = declared.name
         name, channel = split_channel(value)
+        picture = self._picture(key, name, section)
+        with self._picture_errors(key, picture, section):
+            values = texture_values(picture, channel, declared.width)
+        self._say_what_is_clipped(declared, picture, values, section)
+        return picture, channel
+
+    def _picture(self, key: str, name: str, section: str) -> Path:
         picture = self.path.parent / name
         if not picture.is_file():
             message = f"{key} names a picture that does not exist: {picture}."
             raise self.error(key, message, section)
+        return picture
+
+    @contextmanager
+    def _picture_errors(self, key: str, picture: Path, section: str) -> Iterator[None]:
         try:
-            texture_values(picture, channel, declared.width)
+            yield
         except ImageError as error:
             raise self.error(key, f"{key}: picture {picture}: {error}.", section) from None
-        return picture, channel
+
+    def _say_what_is_clipped(
+        self, declared: Parameter, picture: Path, values: Pixels, section: str
+    ) -> None:
+        slack = CLIPPED_IN_SILENCE * max(1.0, min(abs(declared.high), 1e6))
+        outside = (values < declared.low - slack) | (values > declared.high + slack)
+        if outside.any():
+            count, pixels = int(outside.any(axis=2).sum()), values.shape[0] * values.shape[1]
+            message = (
+                f"{declared.name}: picture {picture}: {count} of {pixels} pixels are out of range "
+                f"({declared.range_text()}) and are clipped; its values are {values.min():g} to "
+                f"{values.max():g}."
+            )
+            notice(str(self.error(declared.name, message, section)))
 
     def _metal(self, cls: type[Model], table: dict[str, Any], section: str) -> dict[str, Any]:
         """eta and k of a named metal, if the table names one."""
@@ -285,9 +323,12 @@ class _Reader:
         if not isinstance(symbol, str):
             raise self.error("metal", f"metal is a symbol in quotes, got {symbol!r}.", section)
         try:
-            return metal_parameters(cls, symbol, neutral)
+            indices = metal_parameters(cls, symbol, neutral)
         except ModelError as error:
             raise self.error("metal", str(error), section) from None
+        if twice := sorted(set(indices) & set(table)):
+            raise self.error(twice[0], f"metal says what {twice[0]} is; leave one out.", section)
+        return indices
 
 
 def unknown(name: str, materials: dict[str, Path]) -> ModelError:

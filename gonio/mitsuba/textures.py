@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gonio.files import replacing
+from gonio.images import write_linear
 from gonio.mitsuba import viewer_distance
 
 Floats = NDArray[np.float64]
@@ -133,7 +134,6 @@ def write_map(path: str | Path, values: Map) -> None:
     Raises:
         ValueError: another shape or suffix.
     """
-    import mitsuba as mi
 
     path = Path(path)
     if path.suffix.lower() != ".exr":
@@ -141,7 +141,7 @@ def write_map(path: str | Path, values: Map) -> None:
     if values.ndim != 2:
         raise ValueError(f"the map has shape {values.shape}; needed is (height, width).")
     with replacing(path) as temporary:
-        mi.Bitmap(np.ascontiguousarray(values[..., None], np.float32)).write(str(temporary))
+        write_linear(temporary, values)
 
 
 # --- growth --------------------------------------------------------------------------------------------

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from gonio.fields import Parameter
 from gonio.files import replacing
+from gonio.images import write_linear
 from gonio.materials import Material
 from gonio.materials.notation import model_text
 from gonio.model import Model
@@ -92,7 +93,6 @@ def write_picture(
         ValueError: another suffix, or pixels that are not finite.
         FileNotFoundError: the folder does not exist.
     """
-    import mitsuba as mi
 
     path = Path(path)
     check_format(path)
@@ -100,7 +100,7 @@ def write_picture(
         raise ValueError(f"{path}: the picture has pixels that are not finite.")
     if path.suffix.lower() == ".exr":
         with replacing(path) as temporary:
-            mi.Bitmap(np.ascontiguousarray(pixels, np.float32)).write(str(temporary))
+            write_linear(temporary, pixels)
         return
     picture = captioned(to_srgb(pixels, exposure, tone), labels, row_labels)
     with replacing(path) as temporary:
