@@ -19,6 +19,7 @@ from gonio import export as export
 from gonio import fields as fields
 from gonio import files as files
 from gonio import fit as fit
+from gonio import foreign as foreign
 from gonio import images as images
 from gonio import lang as lang
 from gonio import materials as materials

@@ -32,7 +32,7 @@ FLOORS = (
     {"export", "fit"},
     {"mitsuba"},
     {"render", "check"},
-    {"bake", "compare", "view"},
+    {"bake", "compare", "view", "foreign"},
     {"bench"},
     {"reproduce"},
     {"cli"},

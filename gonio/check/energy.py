@@ -86,7 +86,8 @@ def _in_a_furnace(subject: Subject) -> Finding:
     azimuth = np.concatenate(
         [0 * np.array(FURNACE_ANGLES), 2 * np.pi * 0.618034 * np.arange(len(mu2))]
     )
-    E = precise(subject, np.zeros((len(mu), 0)), directions(mu, azimuth)).mean(axis=1)
+    parameters = np.tile(subject.default(), (len(mu), 1))
+    E = precise(subject, parameters, directions(mu, azimuth)).mean(axis=1)
     shown = ", ".join(
         f"{albedo:.4f} at {angle:g}°" for albedo, angle in zip(E, FURNACE_ANGLES, strict=False)
     )

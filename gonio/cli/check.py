@@ -15,8 +15,13 @@ from gonio.check.measured_data import DATA_CHECKS, check_file
 from gonio.check.picture import check_format, drawable, plot
 from gonio.check.report import FAIL, Report, junit, summary, table
 from gonio.check.subject import Subject
+from gonio.cli._code import Code, code_options
 from gonio.cli.program import complete, echo_json, json_option, param_option, progress
 from gonio.files import replacing
+from gonio.foreign import Foreign, ForeignError, is_foreign
+from gonio.foreign import check as check_code
+from gonio.foreign import identify as identify_code
+from gonio.foreign.verdicts import VERDICTS
 from gonio.materials import Material, load
 from gonio.materials.notation import split
 from gonio.measured import is_data_file
@@ -75,6 +80,10 @@ class Plan:
     picture_file: str | None
     files: list[str] = field(default_factory=list)
     """Of measured reflection."""
+    code: list[Foreign] = field(default_factory=list)
+    """Functions that others wrote."""
+    identify: bool = False
+    """Whether to find out which models these are."""
 
     def run(self, effort: str = "normal", progress: Progress | None = None) -> Result:
         """Check one group after the other, and write what is asked for.
@@ -97,6 +106,13 @@ class Plan:
             wanted = [name for name in self.only if name in DATA_CHECKS]
             if wanted or not self.only:
                 reports += check_file(path, tuple(wanted))
+        for foreign in self.code:
+            wanted = [name for name in self.only if name in VERDICTS]
+            if wanted or not self.only:
+                reports += check_code(foreign, effort, wanted, progress)
+            if self.identify:
+                found = identify_code(foreign, thorough=effort == "thorough", progress=progress)
+                reports.append(found.report(foreign.name))
         written = []
         if self.junit_file is not None:
             with replacing(self.junit_file) as temporary:
@@ -117,6 +133,8 @@ def plan(
     only: Iterable[str] = (),
     junit_file: str | None = None,
     picture_file: str | None = None,
+    code: Code | None = None,
+    identify: bool = False,
 ) -> Plan:
     """Find everything that the texts name.
 
@@ -128,33 +146,48 @@ def plan(
         only: names of checks; all if empty.
         junit_file: where to write a JUnit report.
         picture_file: where to draw the worst cases.
+        code: options of code that others wrote; texts that name such a file are code.
+        identify: find out which models that code is.
 
     Raises:
         ValueError: an unknown name, check or format.
     """
     chosen = [name.strip() for name in only]
     for name in chosen:
-        if name not in CHECKS and name not in DATA_CHECKS:
-            known = ", ".join(dict.fromkeys([*CHECKS, *DATA_CHECKS]))
+        if name not in CHECKS and name not in DATA_CHECKS and name not in VERDICTS:
+            known = ", ".join(dict.fromkeys([*CHECKS, *DATA_CHECKS, *VERDICTS]))
             raise ValueError(f"no check {name!r}; there are {known}.")
     _writable(junit_file, picture_file)
     given = list(params)
     files = [text for text in texts if is_data_file(text)]
     if files and given:
         raise ValueError(f"{files[0]} is a measurement and has no parameters.")
-    groups = [subjects_of(text, given) for text in texts if text not in files]
+    foreign = [text for text in texts if is_foreign(text)]
+    if foreign and given:
+        raise ForeignError(f"{foreign[0]} is code; --uniform NAME=VALUE keeps one of its numbers.")
+    if foreign and picture_file is not None:
+        raise ForeignError(f"--plot draws models; {foreign[0]} is code.")
+    if not foreign and (identify or (code is not None and code.given)):
+        raise ForeignError(
+            "--function, --map and the like belong to a FILE of code, such as x.glsl#eval."
+        )
+    plain = [text for text in texts if text not in files and text not in foreign]
+    if foreign and chosen and not set(chosen) & set(VERDICTS):
+        raise ForeignError(f"code has values only; its checks are {', '.join(VERDICTS)}.")
+    groups = [subjects_of(text, given) for text in plain]
+    loaded = [code.load(text) for text in foreign] if code is not None else []
     notes: list[Report] = []
     if plugins:
         from gonio.check.mitsuba_bsdf import MitsubaSubject
 
-        foreign = [MitsubaSubject(text) for text in plugins]
-        notes = [note for subject in foreign for note in subject.notes()]
-        groups += [[subject] for subject in foreign]
+        others = [MitsubaSubject(text) for text in plugins]
+        notes = [note for subject in others for note in subject.notes()]
+        groups += [[subject] for subject in others]
     if picture_file is not None and files:
         raise ValueError(
             f"{files[0]} is a measurement; 'gonio data {files[0]} --picture {picture_file}' draws it."
         )
-    return Plan(groups, notes, chosen, junit_file, picture_file, files)
+    return Plan(groups, notes, chosen, junit_file, picture_file, files, loaded, identify)
 
 
 def lines(reports: Sequence[Report]) -> list[str]:
@@ -213,6 +246,8 @@ def _fuzz(planned: Plan, count: str, state: str | None, record: str | None) -> l
 @click.option("--record", metavar="FILE.md", help="With --fuzz: write a table of all states.")
 @click.option("--junit", metavar="FILE", help="Also write a JUnit report for other programs.")
 @click.option("--plot", "picture", metavar="FILE", help="Also draw the worst cases.")
+@click.option("--identify", is_flag=True, help="Of code: also say which model it is.")
+@code_options
 @json_option
 def command(
     models: tuple[str, ...],
@@ -226,13 +261,17 @@ def command(
     record: str | None,
     junit: str | None,
     picture: str | None,
+    identify: bool,
+    code: Code,
     as_json: bool,
 ) -> int:
     """Measure energy, reciprocity, sampling, precision, derivatives and more; compare with the claims.
 
     Worst cases are searched for over all angles, parameters and options. What is given of them stays
     fixed; a material is checked as it is. Of a file of measured reflection: negative values, holes, energy,
-    reciprocity, isotropy and noise. Ends with exit code 1 when something is not as it is claimed.
+    reciprocity, isotropy and noise. Of code that others wrote, FILE.glsl#FUNCTION (GLSL, HLSL, WGSL, MSL,
+    Slang, C++, CUDA, .brdf): its values, in a process of its own. Ends with exit code 1 when something is
+    not as it is claimed.
 
     \b
     Examples:
@@ -244,6 +283,7 @@ def command(
       gonio check --all --quick --junit report.xml
       gonio check --mitsuba roughplastic
       gonio check --mitsuba '{"type": "roughconductor", "alpha": 0.5}' --only energy
+      gonio check shading.hlsl#SpecularGGX --map "L=wi V=wo" --range roughness=0.05..1 --identify
       gonio check eon --fuzz 1e9 --resume eon.json --record eon.md
     """
     if everything and (models or params):
@@ -258,6 +298,8 @@ def command(
         only=only.split(",") if only else (),
         junit_file=junit,
         picture_file=picture,
+        code=code,
+        identify=identify,
     )
     if fuzz is not None:
         if only or effort or picture:

@@ -6,7 +6,9 @@ from typing import Any
 
 import click
 
-from gonio.cli.program import complete, echo_json, json_option, param_option, progress
+from gonio.cli._code import Code, code_options
+from gonio.cli.program import complete, echo_json, json_option, param_option, plain_models, progress
+from gonio.foreign import is_foreign
 
 
 @click.command("compare", short_help="Compare models with the truth, or with each other.")
@@ -24,6 +26,10 @@ from gonio.cli.program import complete, echo_json, json_option, param_option, pr
 @click.option("--spp", type=click.IntRange(1, 1 << 20), default=100, help="Samples per pixel.")
 @click.option("--seed", type=click.IntRange(0, 65535), default=0, help="Of the random numbers.")
 @click.option("-o", "--output", metavar="FILE", help="A .png file (default: compare.png).")
+@click.option("--fit-parameters", is_flag=True, help="Of code: fit what only the model has.")
+@click.option("--tolerance", type=float, metavar="X", help="Of code: differ by more, exit with 1.")
+@click.option("--identify", is_flag=True, help="Of code: say which model it is.")
+@code_options
 @json_option
 def command(
     models: tuple[str, ...],
@@ -36,18 +42,25 @@ def command(
     spp: int,
     seed: int,
     output: str | None,
+    fit_parameters: bool,
+    tolerance: float | None,
+    identify: bool,
+    code: Code,
     as_json: bool,
-) -> None:
+) -> int:
     """Show how wrong models are, and where: error maps, numbers, and pictures side by side.
 
     With --truth every layered model is compared with the layers that it stands for, whose light is followed
-    by random walks. Without it, the first model is what the others are compared with. --json prints numbers
-    and writes a picture only with -o.
+    by random walks. FILE.glsl#FUNCTION, code that others wrote, is compared with the models beside it: the
+    largest difference over all angles and common parameters, and where it is. Without either, the first
+    model is what the others are compared with. --json prints numbers and writes a picture only with -o.
 
     \b
     Examples:
       gonio compare weidlich_wilkie triace_layered --truth -o layers.png
       gonio compare weidlich_wilkie:alpha=0.3,bounces=diffuse --truth --vary eta --json
+      gonio compare my.glsl#diffuse eon --map "rough=roughness" --tolerance 1e-4
+      gonio compare my.glsl#specular --identify
       gonio compare eon:roughness=1 oren_nayar:sigma=1.2 qon:sigma=1.2
     """
     from gonio import compare as comparison
@@ -57,6 +70,18 @@ def command(
     given: dict[str, Any] = {} if walks is None else {"walks": walks}
     if not models:
         raise click.UsageError("give a MODEL; 'gonio list' shows the models")
+    if is_foreign(models[0]):
+        if truth or vary or walks or output:
+            raise click.UsageError(
+                "code is compared in numbers; it goes with no --truth, --vary, --walks or -o"
+            )
+        return _code(
+            models[0], models[1:], params, code, fit_parameters, tolerance, identify, as_json
+        )
+    if code.given or fit_parameters or tolerance is not None or identify:
+        raise click.UsageError(
+            "--map, --tolerance and the like take FILE.glsl#FUNCTION before the models"
+        )
     target = output or ("" if as_json else "compare.png")
     if target:
         drawing.check_format(target)
@@ -77,6 +102,37 @@ def command(
         drawing.write(target, found)
     if as_json:
         echo_json([c.data() for c in found])
-        return
+        return 0
     click.echo("\n".join(line for c in found for line in comparison.lines(c)))
     click.echo(target)
+    return 0
+
+
+def _code(
+    text: str,
+    models: tuple[str, ...],
+    params: tuple[str, ...],
+    code: Code,
+    fit_parameters: bool,
+    tolerance: float | None,
+    identify: bool,
+    as_json: bool,
+) -> int:
+    """Compare code with models, or say which model it is."""
+    from gonio.foreign import compare
+    from gonio.foreign import identify as identified
+
+    if not models and not identify:
+        raise click.UsageError("give a MODEL to compare the code with, or --identify")
+    beside = plain_models(models, params)
+    foreign = code.load(text)
+    with progress("comparing") as step:
+        found = [compare(foreign, model, fit_parameters=fit_parameters) for model in beside]
+        identity = identified(foreign, progress=step) if identify else None
+    if as_json:
+        more = {} if identity is None else {"identity": identity.data()}
+        echo_json({"comparisons": [c.data() for c in found], **more})
+    else:
+        lines = [line for c in found for line in c.lines()]
+        click.echo("\n".join([*lines, *([] if identity is None else identity.lines())]))
+    return int(tolerance is not None and any(not c.largest <= tolerance for c in found))

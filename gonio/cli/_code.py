@@ -1,0 +1,94 @@
+"""Options of commands that take code which others wrote."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import click
+
+from gonio.foreign import Foreign, load
+
+
+@dataclass(frozen=True)
+class Code:
+    """What the options say."""
+
+    function: str | None
+    mapping: tuple[str, ...]
+    ranges: tuple[str, ...]
+    uniforms: tuple[str, ...]
+    defines: tuple[str, ...]
+    include: tuple[str, ...]
+    returns: str | None
+    seconds: float
+
+    @property
+    def given(self) -> bool:
+        """Whether any of them was given."""
+        lists = (self.mapping, self.ranges, self.uniforms, self.defines, self.include)
+        return any(lists) or self.function is not None or self.returns is not None
+
+    def load(self, text: str) -> Foreign:
+        """The function that a text and the options name, running."""
+        return load(
+            text,
+            function=self.function,
+            mapping=self.mapping,
+            ranges=self.ranges,
+            uniforms=self.uniforms,
+            defines=self.defines,
+            include=self.include,
+            returns=self.returns,
+            seconds=self.seconds,
+        )
+
+
+OPTIONS = (
+    click.option("--function", metavar="NAME", help="Of code: the function, as after FILE#."),
+    click.option(
+        "--map",
+        "mapping",
+        multiple=True,
+        metavar='"ARG=WHAT ..."',
+        help="Of code: what arguments are: wi, wo, normal, tangent, bitangent, half, a name, a formula.",
+    ),
+    click.option(
+        "--range", "ranges", multiple=True, metavar="NAME=LOW..HIGH", help="Of a parameter of code."
+    ),
+    click.option(
+        "--uniform", "uniforms", multiple=True, metavar="NAME=VALUE", help="A number that code has."
+    ),
+    click.option("-D", "defines", multiple=True, metavar="NAME[=VALUE]", help="A macro of code."),
+    click.option(
+        "-I", "include", multiple=True, metavar="FOLDER", help="Where code includes files from."
+    ),
+    click.option(
+        "--returns",
+        metavar='"f|f cos|pi f|pi f cos"',
+        help="What code gives back, if not as measured.",
+    ),
+    click.option(
+        "--time-limit",
+        "seconds",
+        type=click.FloatRange(0.1),
+        default=20.0,
+        show_default=True,
+        help="Seconds for a call of code.",
+    ),
+)
+
+
+def code_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options of code to a command, which gets them as one argument `code`."""
+
+    @functools.wraps(command)
+    def packed(**given: Any) -> Any:
+        code = Code(**{name: given.pop(name) for name in Code.__dataclass_fields__})
+        return command(code=code, **given)
+
+    for option in reversed(OPTIONS):
+        packed = option(packed)
+    return packed

@@ -1,0 +1,31 @@
+"""Judging shader code that others wrote: run it on arrays, check it, compare it, find out what it is.
+
+    from gonio import foreign
+    code = foreign.load("brdf.glsl#ggx", mapping=["L=wi V=wo"])
+    code.brdf(wi, wo, {"roughness": 0.3})                 # arrays (n, 3)
+    foreign.check(code)                                   # energy, reciprocity, finite values ...
+    foreign.compare(code, gonio.model("ue4")).lines()     # the largest difference, and where
+    foreign.identify(code).lines()                        # which model it is
+
+The code is compiled by its own compiler and runs in a process of its own, with limits of time and memory.
+"""
+
+from gonio.foreign.compared import Comparison, compare
+from gonio.foreign.function import Foreign, Returns, is_foreign
+from gonio.foreign.identity import Identity, identify
+from gonio.foreign.loading import load
+from gonio.foreign.source import ForeignError
+from gonio.foreign.verdicts import check
+
+__all__ = [
+    "Comparison",
+    "Foreign",
+    "ForeignError",
+    "Identity",
+    "Returns",
+    "check",
+    "compare",
+    "identify",
+    "is_foreign",
+    "load",
+]

@@ -1,0 +1,221 @@
+"""The text around foreign code that calls it for each row of numbers, in each language.
+
+The user's text keeps its lines, so that compilers complain about these. A row of inputs holds the numbers
+of all leaves one after the other, a row of outputs holds three.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from gonio.foreign.roles import Leaf, Matched, leaves_of
+from gonio.foreign.source import FILE_LINES, SHADERS, ForeignError, Function, Source, Variable
+
+OUTPUTS = 3
+
+# Lines of the harness itself are counted as those of this file: complaints are about the signature.
+OWN = 999
+
+
+@dataclass(frozen=True)
+class Spelling:
+    """How a language spells what the harness needs."""
+
+    read: str
+    write: str
+    declaration: str = "{type} {name};"
+    result: str = "{type} gonio_result = {call};"
+    whole: str = "{type}({value})"
+    flag: str = "({value} != 0.0)"
+
+
+SPELLINGS = {
+    "glsl": Spelling("gonio_texel{texel}.{component}", "gonio_made.{component} = {value};"),
+    "slang": Spelling("x[i + {column}]", "y[o + {row}] = {value};", whole="({type})({value})"),
+    "wgsl": Spelling(
+        "gonio_x[i + {column}u]",
+        "gonio_y[o + {row}u] = {value};",
+        "var {name}: {type};",
+        "let gonio_result = {call};",
+    ),
+    "cpp": Spelling("x[{column}]", "y[{row}] = {value};", whole="({type})({value})"),
+}
+_LIKE = {"essl": "glsl", "brdf": "glsl", "hlsl": "slang", "msl": "cpp", "cuda": "cpp"}
+
+
+def statements(source: Source, function: Function, matched: Matched) -> list[str]:
+    """Read one row, call the function, write one row.
+
+    Raises:
+        ForeignError: it returns something that is neither a number nor a colour.
+    """
+    language = source.language
+    spelling = SPELLINGS[_LIKE.get(language, language)]
+    lines: list[str] = []
+    names = {}
+    for k, argument in enumerate(function.arguments):
+        names[argument.name] = f"gonio_a{k}"
+        lines.append(_declare(argument, f"gonio_a{k}", spelling))
+    if function.owner:
+        lines.append(spelling.declaration.format(type=function.owner, name="gonio_self"))
+    column = 0
+    for leaf, _ in matched.leaves:
+        root, dot, rest = leaf.place.partition(".")
+        place = f"{names[root]}{dot}{rest}" if root in names else leaf.place
+        numbers = [
+            spelling.read.format(column=c, texel=c // 4, component="xyzw"[c % 4])
+            for c in range(column, column + leaf.width)
+        ]
+        lines += _set(leaf, place, numbers, language, spelling)
+        column += leaf.width
+    given = ", ".join(
+        f"&{names[a.name]}" if a.pointer and language == "wgsl" else names[a.name]
+        for a in function.arguments
+    )
+    call = f"{function.name}({given})"
+    if function.owner:
+        call = f"gonio_self.{call}"
+    result, where = _result(source, function, names)
+    if where:
+        lines.append(f"{call};")
+    else:
+        lines.append(spelling.result.format(type=function.returns, call=call))
+        where = "gonio_result"
+    parts = (
+        [where] * OUTPUTS
+        if result.width == 1
+        else [where + c for c in _components(result)[:OUTPUTS]]
+    )
+    lines += [
+        spelling.write.format(row=k, component="xyz"[k], value=part) for k, part in enumerate(parts)
+    ]
+    return lines
+
+
+def _declare(argument: Variable, name: str, spelling: Spelling) -> str:
+    if argument.array or (argument.pointer and "wgsl" not in argument.type):
+        kind = re.sub(r"^ptr<\w+,(.*)>$", r"\1", argument.type)
+        if kind != argument.type:
+            return spelling.declaration.format(type=kind, name=name)
+        return f"{argument.type} {name}[{argument.array or 3}];"
+    return spelling.declaration.format(type=argument.type, name=name)
+
+
+def _components(leaf: Leaf) -> tuple[str, ...]:
+    return leaf.components or tuple(f".{c}" for c in "xyzw"[: leaf.width])
+
+
+def _set(
+    leaf: Leaf, place: str, numbers: Sequence[str], language: str, spelling: Spelling
+) -> Iterable[str]:
+    if leaf.components:
+        return [f"{place}{c} = {n};" for c, n in zip(leaf.components, numbers, strict=True)]
+    if leaf.width == 1:
+        pattern = spelling.flag if leaf.type.endswith("bool") else spelling.whole
+        return [f"{place} = {pattern.format(type=leaf.type, value=numbers[0])};"]
+    if language == "cuda" and re.fullmatch(r"float[234]", leaf.type):
+        return [f"{place} = make_{leaf.type}({', '.join(numbers)});"]
+    return [f"{place} = {leaf.type}({', '.join(numbers)});"]
+
+
+def _result(source: Source, function: Function, names: Mapping[str, str]) -> tuple[Leaf, str]:
+    """What is read after the call, and the variable that it is in if it is not returned."""
+    written = [a for a in function.arguments if a.written]
+    returned = Variable("result", function.returns)
+    where = ""
+    if function.returns == "void" and len(written) == 1:
+        returned, where = written[0], names[written[0].name]
+    try:
+        found = list(leaves_of(source, returned))
+    except ForeignError:
+        found = []
+    if len(found) != 1 or found[0].width == 2:
+        raise ForeignError(
+            f"{source.path}: {function.signature} gives back {function.returns}, which is neither a number "
+            "nor a colour; write a function that returns one of them."
+        )
+    return found[0], where
+
+
+def text(source: Source, function: Function, matched: Matched, defines: Sequence[str]) -> str:
+    """The whole text that is compiled."""
+    lines = statements(source, function, matched)
+    if source.language in SHADERS:
+        return _fragment(source, matched, lines, defines)
+    if source.language == "wgsl":
+        return _wgsl(source, matched, lines, defines)
+    if source.language in ("hlsl", "slang"):
+        return (
+            f'#line 1 "{source.path.name}"\n{source.text}\n#line 1 "harness"\n'
+            "export __extern_cpp void gonio_run(float* x, float* y, int rows)\n{\n"
+            "    for (int row = 0; row < rows; ++row)\n    {\n"
+            f"        int i = row * {matched.columns};\n        int o = row * {OUTPUTS};\n"
+            f"{_indented(lines, 8)}\n    }}\n}}\n"
+        )
+    scopes = [s for s in function.scope if s != function.owner]
+    return (
+        f'#include "{source.path.resolve()}"\n#line 1 "harness"\n'
+        f"{''.join(f'namespace {s} {{ ' for s in scopes)}\n"
+        "static void gonio_call(const float* x, float* y) {\n"
+        f"{_indented(lines, 4)}\n}}\n{'}' * len(scopes)}\n"
+        'extern "C" void gonio_run(const float* x, float* y, int rows) {\n'
+        f"    for (int row = 0; row < rows; ++row, x += {matched.columns}, y += {OUTPUTS}) {{\n"
+        f"        {''.join(f'{s}::' for s in scopes)}gonio_call(x, y);\n    }}\n}}\n"
+    )
+
+
+def _indented(lines: Iterable[str], spaces: int) -> str:
+    return "\n".join(" " * spaces + line for line in lines)
+
+
+def _fragment(
+    source: Source, matched: Matched, lines: Sequence[str], defines: Sequence[str]
+) -> str:
+    """A fragment shader whose pixel is one row, as in gonio.export.prove.opengl."""
+    es = source.language == "essl"
+    head = (
+        "#version 300 es\nprecision highp float;\nprecision highp int;\n"
+        if es
+        else "#version 450\n"
+    )
+    if re.search(r"\btexture(2D|Cube)\b", source.text):
+        head += "#define texture2D texture\n#define textureCube texture\n"
+    for define in defines:
+        name, _, value = define.partition("=")
+        head += f"#define {name} {value or 1}\n"
+    if source.language == "brdf":
+        head += "".join(f"{u.type} {u.name};\n" for u in source.uniforms if u.default)
+    texels = -(-matched.columns // 4)
+    fetched = [
+        f"vec4 gonio_texel{k} = "
+        f"texelFetch(gonio_rows, gonio_pixel * ivec2({texels}, 1) + ivec2({k}, 0), 0);"
+        for k in range(texels)
+    ]
+    body = [
+        "ivec2 gonio_pixel = ivec2(gl_FragCoord.xy);",
+        *fetched,
+        "gonio_made = vec4(1.0);",
+        *lines,
+    ]
+    return (
+        f"{head}#line 1\n{source.text}\n#line {OWN * FILE_LINES}\n"
+        f"uniform highp sampler2D gonio_rows;\nlayout(location = 0) out vec4 gonio_made;\n"
+        f"void main() {{\n{_indented(body, 4)}\n}}\n"
+    )
+
+
+def _wgsl(source: Source, matched: Matched, lines: Sequence[str], defines: Sequence[str]) -> str:
+    if defines:
+        raise ForeignError(f"{source.path}: WGSL has no preprocessor; -D means nothing to it.")
+    return (
+        f"{source.text}\n"
+        "@group(0) @binding(0) var<storage, read> gonio_x: array<f32>;\n"
+        "@group(0) @binding(1) var<storage, read_write> gonio_y: array<f32>;\n\n"
+        "@compute @workgroup_size(64)\n"
+        "fn gonio_main(@builtin(global_invocation_id) id: vec3u) {\n"
+        f"    if (id.x >= arrayLength(&gonio_y) / {OUTPUTS}u) {{\n        return;\n    }}\n"
+        f"    let i = id.x * {matched.columns}u;\n    let o = id.x * {OUTPUTS}u;\n"
+        f"{_indented(lines, 4)}\n}}\n"
+    )

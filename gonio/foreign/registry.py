@@ -1,0 +1,296 @@
+"""Which of gonio's models code is: by fitting every model of the registry to values of the code.
+
+First all models with their default options, then the options of the nearest ones; last, the code's own
+parameters are moved, and the model's are fitted anew, which shows how they belong together: alpha = r^2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from gonio.fields import Option
+from gonio.fit import METRICS, Problem
+from gonio.fit.problem import columns
+from gonio.foreign.expressions import Array
+from gonio.foreign.function import Foreign, probe
+from gonio.measured import Measurement, measurement
+from gonio.model import Model, models
+
+# Pairs of directions of a fit, descents, and steps of each.
+PAIRS = 240
+STARTS = 3
+STEPS = 60
+
+# Models whose options are tried, and the misfit at which nothing is left to find.
+NEAREST = 3
+EXACT = 2e-4
+
+# Factors that are tried between code and model, beside the measured one.
+FACTORS = {"f": 1.0, "pi f": float(np.pi), "f / pi": float(1 / np.pi)}
+
+# How a model's parameter may come from the code's, tried in this order.
+SCALES: dict[str, Callable[[Array], Array]] = {
+    "{}": lambda r: r,
+    "{}^2": lambda r: r * r,
+    "sqrt({})": np.sqrt,
+    "1 - {}": lambda r: 1 - r,
+    "{}^4": lambda r: r**4,
+    "(1 - {})^2": lambda r: (1 - r) ** 2,
+    "{} / 2": lambda r: r / 2,
+    "2 {}": lambda r: 2 * r,
+    "{} pi / 2": lambda r: r * np.pi / 2,
+    "radians({})": np.radians,
+    "{}^2 / 2": lambda r: r * r / 2,
+    "{}^3": lambda r: r**3,
+    "{}^2.2": lambda r: r**2.2,
+}
+STEPPED = 4
+RELATED = 2e-3
+
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True)
+class Found:
+    """A model that was fitted to code."""
+
+    model: Model
+    factor: str
+    misfit: float
+    """Relative, at one setting of the code's parameters."""
+    relations: dict[str, str]
+    """The model's parameters in terms of the code's."""
+
+    @property
+    def exact(self) -> bool:
+        """Whether only roundings are left."""
+        return self.misfit < EXACT
+
+    def __str__(self) -> str:
+        """In a sentence."""
+        chosen = [
+            f"{name}={getattr(self.model, name)}"
+            for name, f in self.model.fields.items()
+            if isinstance(f, Option) and not f.is_default(getattr(self.model, name))
+        ]
+        text = self.model.name + (f" with {', '.join(chosen)}" if chosen else "")
+        if self.relations:
+            text += ": " + ", ".join(f"{k} = {v}" for k, v in self.relations.items())
+        return text + (f"; returns {self.factor}" if self.factor != "f" else "")
+
+
+def setting(foreign: Foreign) -> dict[str, Any]:
+    """Values of the code's parameters inside of their ranges, all different."""
+    found: dict[str, Any] = {}
+    for k, (name, p) in enumerate(foreign.parameters.items()):
+        t = (0.45 + 0.17 * k) % 0.7 + 0.15
+        if p.width == 3:
+            found[name] = np.array([p.low + (p.high - p.low) * x for x in (0.75, 0.5, 0.3)])
+        else:
+            found[name] = p.low + (p.high - p.low) * t
+    return found
+
+
+def measured(foreign: Foreign, values: Mapping[str, Any], count: int) -> Measurement:
+    """Values of code as a measurement."""
+    wi, wo = probe(count, 21)
+    f = foreign.brdf(wi, wo, values)
+    return measurement("code", foreign.name, wi, wo, f, channels=("r", "g", "b"), isotropic=False)
+
+
+class _Fitter:
+    """Fits models to the code at one setting after the other."""
+
+    def __init__(self, foreign: Foreign) -> None:
+        self.foreign = foreign
+        self.wi, self.wo = probe(PAIRS // 2, 21)
+        good = self.wi[:, 2] > 0.05
+        self.wi, self.wo = self.wi[good], self.wo[good]
+
+    def data(self, values: Mapping[str, Any]) -> Array:
+        f = self.foreign.brdf(self.wi, self.wo, values)
+        return np.where(np.isfinite(f), f, 0)
+
+    def fit(
+        self, model: Model, data: Array, starts: int, begin: Array | None = None
+    ) -> tuple[float, Model, Array]:
+        """Relative misfit, the fitted model, and its numbers."""
+        from scipy.optimize import least_squares
+
+        free = columns(model)
+        problem = Problem(model, free, self.wi, self.wo, data, np.ones(len(data)))
+        metric = METRICS["log"]
+        low, high = problem.bounds
+        width = np.where(np.isfinite(high - low), high - low, 1.0)
+        scale = max(float(np.sqrt(np.mean(metric.value(data * self.wi[:, 2:]) ** 2))), 1e-9)
+        rng = np.random.default_rng(3)
+        best: tuple[float, Array] | None = None
+        for number in range(starts):
+            x = (
+                begin
+                if number == 0 and begin is not None
+                else problem.start()
+                if number == 0
+                else problem.random(rng)
+            )
+            x = np.clip(x, low + 1e-3 * width, high - 1e-3 * width)
+            result = least_squares(
+                lambda x: problem.residuals(x, metric),
+                x,
+                lambda x: problem.jacobian(x, metric),
+                (low, high),
+                x_scale=width,
+                max_nfev=STEPS,
+                ftol=1e-10,
+                xtol=1e-10,
+                gtol=1e-13,
+            )
+            misfit = float(np.sqrt(2 * result.cost / data.size)) / scale
+            if best is None or misfit < best[0]:
+                best = (misfit, result.x)
+            if best[0] < EXACT / 4:
+                break
+        assert best is not None
+        return best[0], problem.made(best[1]), best[1]
+
+
+def identify(
+    foreign: Foreign,
+    names: Iterable[str] = (),
+    *,
+    thorough: bool = False,
+    count: int = 3,
+    progress: Progress | None = None,
+) -> list[Found]:
+    """The models of the registry that are nearest to code, best first.
+
+    Args:
+        foreign: a function that is running.
+        names: of models; all if empty.
+        thorough: try the options of every model, not of the nearest ones alone.
+        count: how many are returned.
+        progress: called with what is done and what there is to do.
+    """
+    registered = models()
+    chosen = [registered[n] for n in names] if names else list(registered.values())
+    fitter = _Fitter(foreign)
+    values = setting(foreign)
+    data = fitter.data(values)
+    ranked: list[tuple[float, Model, str, Array]] = []
+    total = len(chosen) + (len(chosen) if thorough else NEAREST)
+
+    def tell(done: int) -> None:
+        if progress is not None:
+            progress(done, total)
+
+    for done, cls in enumerate(chosen):
+        tell(done)
+        model = _begin(cls, values)
+        if model is None:
+            continue
+        for factor, size in FACTORS.items():
+            misfit, fitted, x = fitter.fit(model, data / size, STARTS)
+            ranked.append((misfit, fitted, factor, x))
+            if misfit < EXACT:
+                break
+    ranked.sort(key=lambda r: _rank(r[0], r[2]))
+    for k, (misfit, model, factor, x) in enumerate(ranked[: len(ranked) if thorough else NEAREST]):
+        tell(len(chosen) + k)
+        if ranked[0][0] < EXACT and not thorough:
+            break
+        ranked[k] = (*_options(fitter, model, data / FACTORS[factor], misfit, x)[:2], factor, x)
+    ranked.sort(key=lambda r: _rank(r[0], r[2]))
+    tell(total)
+    found: list[Found] = []
+    seen: set[str] = set()
+    for misfit, model, factor, _ in ranked:
+        if model.name in seen:
+            continue
+        seen.add(model.name)
+        related = _relations(fitter, model, FACTORS[factor], values) if len(found) == 0 else {}
+        found.append(Found(model, factor, misfit, related))
+        if len(found) == count:
+            break
+    return found
+
+
+def _rank(misfit: float, factor: str) -> tuple[float, int]:
+    return max(misfit, EXACT / 2), list(FACTORS).index(factor)
+
+
+def _begin(cls: type[Model], values: Mapping[str, Any]) -> Model | None:
+    """A model with the code's values where names are the same; None if it has nothing to fit."""
+    model = cls()
+    given = {}
+    for path, p, _ in model.parameters():
+        if path in values and np.ndim(values[path]) == (1 if p.width == 3 else 0):
+            value = np.clip(values[path], p.low, p.high)
+            given[path] = tuple(map(float, value)) if p.width == 3 else float(value)
+    return model.replace(**given) if list(model.parameters()) else None
+
+
+def _options(
+    fitter: _Fitter, model: Model, data: Array, misfit: float, x: Array
+) -> tuple[float, Model, Array]:
+    """The best options, one after the other."""
+    for name, declared in model.fields.items():
+        if not isinstance(declared, Option):
+            continue
+        for value in declared.values:
+            if value == getattr(model, name) or misfit < EXACT:
+                continue
+            try:
+                other = model.replace(**{name: value})
+            except ValueError:  # options that do not go together
+                continue
+            off, fitted, y = fitter.fit(other, data, 2, x)
+            if off < 0.98 * misfit:
+                misfit, model, x = off, fitted, y
+    return misfit, model, x
+
+
+def _relations(
+    fitter: _Fitter, model: Model, factor: float, values: Mapping[str, Any]
+) -> dict[str, str]:
+    """How the model's parameters come from the code's; numbers where they do not."""
+    foreign = fitter.foreign
+    found: dict[str, str] = {}
+    free = columns(model)
+    base = {c.name: v for c, v in zip(free, _numbers(model, free), strict=True)}
+    for name, p in foreign.parameters.items():
+        steps = p.low + (p.high - p.low) * np.linspace(0.3, 0.85, STEPPED)
+        rows = []
+        x = np.array(list(base.values()))
+        for step in steps:
+            value = np.full(3, step) if p.width == 3 else step
+            _, _, x = fitter.fit(model, fitter.data({**values, name: value}) / factor, 1, x)
+            rows.append(x)
+        table = np.stack(rows)
+        for k, column in enumerate(free):
+            low, high = column.declared.low, column.declared.high
+            width = high - low if np.isfinite(high) else 1.0
+            if np.ptp(table[:, k]) < RELATED * width or column.path in found:
+                continue
+            for text, turn in SCALES.items():
+                with np.errstate(all="ignore"):
+                    expected = np.clip(turn(steps), low, high)
+                if np.abs(expected - table[:, k]).max() < RELATED * max(width, 1e-9):
+                    found[column.path] = text.format(name)
+                    break
+            else:
+                found[column.path] = f"a function of {name}"
+    for path, p, value in model.parameters():
+        if path not in found and not p.is_default(value):
+            numbers = np.atleast_1d(value)
+            shown = numbers[:1] if np.ptp(numbers) == 0 else numbers
+            found[path] = "/".join(f"{v:.4g}" for v in shown)
+    return found
+
+
+def _numbers(model: Model, free: Any) -> list[float]:
+    values = {path: np.atleast_1d(v) for path, _, v in model.parameters()}
+    return [float(values[c.path][c.channel % len(values[c.path])]) for c in free]

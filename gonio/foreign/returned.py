@@ -1,0 +1,86 @@
+"""What foreign code returns, by measurement: f, f cos(theta_i), pi f, or pi f cos(theta_i).
+
+The cosine is told by reciprocity: of f and f cos(theta_i) at most one is the same with light and viewer
+exchanged. A factor of pi is told by energy, if no more than that is wrong with it: with the brightest
+parameters the albedo is above 1, and not above 1 without the factor.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from gonio.foreign.expressions import Array
+from gonio.foreign.function import Foreign, Returns, probe
+
+# Relative differences of values with light and viewer exchanged: reciprocal ones are equal up to roundings,
+# others are as different as cosines are.
+RECIPROCAL = 0.02
+PAIRS = 512
+
+# Settings of the parameters, and directions of an albedo.
+SETTINGS = 8
+NODES = 24
+
+# Albedos that are integrated so coarsely are right to this.
+COARSE = 0.03
+
+
+def random_values(foreign: Foreign, count: int, rng: np.random.Generator) -> dict[str, Array]:
+    """Values all over the ranges; colours are grey, and as often white."""
+    found: dict[str, Array] = {}
+    for name, p in foreign.parameters.items():
+        t = rng.random(count)
+        if p.width == 3:
+            t = np.where(rng.random(count) < 0.5, 1, t)
+            found[name] = np.repeat((p.low + (p.high - p.low) * t)[:, None], 3, axis=1)
+        else:
+            found[name] = p.low + (p.high - p.low) * t
+    return found
+
+
+def asymmetry(foreign: Foreign, cosine: int) -> float:
+    """The median relative difference of both orders of two directions, with the cosine divided out."""
+    wi, wo = probe(PAIRS, 3)
+    values = random_values(foreign, PAIRS, np.random.default_rng(4))
+    with np.errstate(all="ignore"):
+        a = foreign.raw(wi, wo, values) / wi[:, 2:] ** cosine
+        b = foreign.raw(wo, wi, values) / wo[:, 2:] ** cosine
+        difference = np.abs(a - b) / np.maximum(np.abs(a), np.abs(b))
+    difference = difference[np.isfinite(difference) & (np.maximum(np.abs(a), np.abs(b)) > 1e-4)]
+    return float(np.median(difference)) if len(difference) else 0.0
+
+
+def albedos(foreign: Foreign, values: dict[str, Any], cosine: int) -> Array:
+    """Roughly the directional albedos at a middling angle, one for each setting, (settings,)."""
+    x, w = np.polynomial.legendre.leggauss(NODES)
+    count = len(next(iter(values.values()))) if values else 1
+    phi = 2 * np.pi * (np.arange(NODES) + 0.5) / NODES
+    # Half vectors over the hemisphere: the mirror's lobe is resolved whatever its width
+    theta_h = 0.5 * np.pi * ((x + 1) / 2) ** 3
+    jacobian = 0.5 * np.pi * 3 * ((x + 1) / 2) ** 2 * w / 2
+    t, p = (a.ravel() for a in np.meshgrid(theta_h, phi, indexing="ij"))
+    weight = np.repeat(jacobian, NODES) * np.sin(t) * 2 * np.pi / NODES
+    h = np.stack([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)], -1)
+    wo = np.tile([np.sin(0.6), 0.0, np.cos(0.6)], (len(h), 1))
+    cos_d = (h * wo).sum(1)
+    wi = 2 * cos_d[:, None] * h - wo
+    weight = weight * 4 * cos_d * np.maximum(wi[:, 2], 0) ** (1 - cosine)
+    good = (cos_d > 0) & (wi[:, 2] > 1e-4)
+    wi, wo, weight = wi[good], wo[good], weight[good]
+    found = np.empty(count)
+    for k in range(count):
+        f = foreign.raw(wi, wo, {n: v[k] for n, v in values.items()}).max(axis=1)
+        found[k] = np.nansum(np.where(np.isfinite(f), f, 0) * weight)
+    return found
+
+
+def measure(foreign: Foreign) -> Returns:
+    """What a function returns."""
+    with_cosine, without = asymmetry(foreign, 1), asymmetry(foreign, 0)
+    cosine = int(with_cosine < RECIPROCAL < without or with_cosine < 0.1 * without)
+    values = random_values(foreign, SETTINGS, np.random.default_rng(5))
+    largest = float(albedos(foreign, values, cosine).max())
+    factor = np.pi if 1.5 < largest <= np.pi * (1 + COARSE) else 1.0
+    return Returns(float(factor), cosine)

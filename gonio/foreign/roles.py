@@ -1,0 +1,319 @@
+"""What the arguments of foreign code are: light, viewer, normal, cosines between them, and parameters.
+
+Told by types and names, as programs have them; `--map` says it where that is not clear.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from gonio.fields import Parameter
+from gonio.foreign.expressions import Array, Expression, parse
+from gonio.foreign.source import ForeignError, Function, Source, Variable
+from gonio.model import models
+from gonio.suggestions import did_you_mean
+
+# Names in lower case without underscores, by what they stand for.
+DIRECTIONS = {
+    "wi": "l wi light lightdir lightdirection lightvec lightvector tolight ldir wl incoming omegai "
+    "dirtolight lightdirectionws worldlightdir directlightdirection wilocal in i",
+    "wo": "v wo view viewdir viewdirection viewvec viewvector eye eyedir eyevec e toeye toviewer tocamera "
+    "camera cameradir omegao outgoing vdir worldviewdir wolocal out o",
+    "normal": "n normal nrm norm nor shadingnormal worldnormal geometrynormal ns ng nn surfacenormal "
+    "normalws",
+    "tangent": "t x tangent tangentu tx dpdu tangentws tu worldtangent",
+    "bitangent": "b y bitangent binormal dpdv ty tv bt bitangentws worldbinormal",
+    "half": "h half halfvec halfvector halfdir wh wm m halfway",
+}
+COSINES = {
+    "cos_i": "nol ndotl ndl nl dotnl costhetai cosi mui cosl costhetal ldotn lon cosnl clampednol",
+    "cos_o": "nov ndotv ndv nv dotnv costhetao coso muo cosv costhetav vdotn von cosnv clampednov",
+    "cos_h": "noh ndoth ndh nh dotnh costhetah cosh muh hdotn hon cosnh",
+    "cos_d": "loh ldoth ldh lh dotlh voh vdoth vdh vh dotvh costhetad hdotv hdotl hov hol cosd",
+    "cos_v": "lov ldotv ldv lv dotlv vdotl vol vdl dotvl",
+    "cos_tangent_h": "toh tdoth dottoh hdotx hdott toh_",
+    "cos_bitangent_h": "boh bdoth hdoty hdotb",
+    "cos_tangent_i": "tol tdotl ldotx ldott",
+    "cos_bitangent_i": "bol bdotl ldoty ldotb",
+    "cos_tangent_o": "tov tdotv vdotx vdott",
+    "cos_bitangent_o": "bov bdotv vdoty vdotb",
+}
+ROLES = (*DIRECTIONS, *COSINES)
+
+# Kinds of numbers, by the ends of their types' names in all languages.
+_VECTOR = re.compile(
+    r"(?:^|::)(?:[iub]?vec|float|half|double|real|packed_float|simd_float|min16float|Vec|Vector|V|vec|"
+    r"vector|Float|Color|Colour|color|Spectrum|RGB|Normal)(?P<n>[234])?(?:[fhd]|<f(?:32|16)>|<float>|<half>)?$"
+)
+_NUMBER = re.compile(
+    r"(?:^|::)(?:float|half|double|real|f32|f16|min16float|Float|Real|scalar|float_t|half_t)$"
+)
+_WHOLE = re.compile(r"(?:^|::)(?:int|uint|bool|i32|u32|unsigned|size_t|uint32_t|int32_t|char)$")
+_COLOURS = re.compile(r"(?:^|::)(?:Spectrum|Color|Colour|RGB|Vector|Normal|Vec|color|vector)$")
+
+# Ranges that names suggest where gonio's own models do not have the name.
+SUGGESTED = (
+    (r"(ior|eta|index)", 1.0, 3.0, 1.5),
+    (r"(shininess|exponent|glossiness_power|power|spec_?power|nu|nv)$", 1.0, 1000.0, 32.0),
+    (r"^k$|extinction", 0.0, 8.0, 3.0),
+)
+
+
+@dataclass(frozen=True)
+class Leaf:
+    """One number or vector that the harness sets: an argument, a member of one, or a uniform."""
+
+    place: str
+    """Where it is set, such as "params.roughness"."""
+    type: str
+    width: int
+    """How many numbers it has."""
+    whole: bool
+    """Whether it is an int or bool."""
+    variable: Variable
+    components: tuple[str, ...] = ()
+    """Names of its components where it is a struct of numbers, not a built-in vector."""
+
+
+@dataclass(frozen=True)
+class Matched:
+    """All leaves with the formula of each, and the parameters that the formulas leave free."""
+
+    leaves: tuple[tuple[Leaf, Expression], ...]
+    parameters: dict[str, Parameter]
+    notes: tuple[str, ...]
+    """What was assumed, for people."""
+
+    @property
+    def columns(self) -> int:
+        """How many numbers the harness reads for each call."""
+        return sum(leaf.width for leaf, _ in self.leaves)
+
+    def explained(self) -> str:
+        """What each argument was taken for."""
+        return ", ".join(f"{leaf.place} = {expression.text}" for leaf, expression in self.leaves)
+
+
+def width_of(kind: str) -> int:
+    """How many numbers a type has: 1, 2, 3 or 4; 0 for what is no type of numbers."""
+    if _NUMBER.search(kind) or _WHOLE.search(kind):
+        return 1
+    match = _VECTOR.search(kind)
+    if match and match["n"]:
+        return int(match["n"])
+    return 3 if _COLOURS.search(kind) else 0
+
+
+def leaves_of(
+    source: Source, variable: Variable, prefix: str = "", depth: int = 0
+) -> Iterable[Leaf]:
+    """The numbers that a variable consists of.
+
+    Raises:
+        ForeignError: a type that is neither a number, nor a vector, nor a struct of these.
+    """
+    place = prefix + variable.name
+    if variable.pointer or variable.array:
+        width = 3 if not variable.array else int(variable.array) if variable.array.isdigit() else 0
+        if width_of(variable.type) == 1 and 1 <= width <= 4:
+            yield Leaf(
+                place, variable.type, width, False, variable, tuple(f"[{k}]" for k in range(width))
+            )
+            return
+        raise ForeignError(
+            f"{source.path}: {place} is an array or a pointer to {variable.type}; only "
+            "arrays of two to four numbers can be set."
+        )
+    members = source.structs.get(variable.type.rpartition("::")[2])
+    if members is not None and depth < 6:
+        numbers = all(_NUMBER.search(m.type) and not m.array for m in members)
+        names = [m.name for m in members]
+        if numbers and names in (["x", "y", "z"], ["r", "g", "b"], ["x", "y"]):
+            yield Leaf(
+                place, variable.type, len(names), False, variable, tuple(f".{n}" for n in names)
+            )
+            return
+        if len(members) == 1 and members[0].array == "3" and width_of(members[0].type) == 1:
+            inner = members[0].name
+            yield Leaf(
+                place, variable.type, 3, False, variable, tuple(f".{inner}[{k}]" for k in range(3))
+            )
+            return
+        for member in members:
+            yield from leaves_of(source, member, place + ".", depth + 1)
+        return
+    if not (width := width_of(variable.type)):
+        raise ForeignError(
+            f"{source.path}: {place} is a {variable.type}, which is no number, vector or struct of them "
+            "in this file; give a function without it, or write one that calls it."
+        )
+    yield Leaf(place, variable.type, width, bool(_WHOLE.search(variable.type)), variable)
+
+
+def match(
+    source: Source,
+    function: Function,
+    mapping: Mapping[str, str],
+    ranges: Mapping[str, tuple[float, float]],
+    constants: Mapping[str, str],
+) -> Matched:
+    """Find out what each number is that a function needs.
+
+    Args:
+        source: with the function.
+        function: to be called.
+        mapping: what --map says: formulas by argument, member or uniform.
+        ranges: what --range says.
+        constants: what --uniform says.
+
+    Raises:
+        ForeignError: something cannot be told, or a name that is given does not exist.
+    """
+    words = source.reached(function)
+    leaves = [leaf for a in function.arguments if not a.written for leaf in leaves_of(source, a)]
+    if function.owner:
+        for member in source.structs.get(function.owner, ()):
+            if member.name in words:
+                leaves += leaves_of(source, member, "gonio_self.")
+    for uniform in source.uniforms:
+        if uniform.name in words and not uniform.array:
+            leaves += leaves_of(source, uniform)
+    given = dict(mapping) | dict(constants)
+    # Globals of the file that are named
+    places = {leaf.place for leaf in leaves}
+    for name in given:
+        if not any(name in (p, p.rpartition(".")[2]) for p in places):
+            known = [leaf.place for leaf in leaves]
+            raise ForeignError(
+                f"{source.path}: {function.name} needs no {name!r}; {did_you_mean(name, known)}"
+                f"it needs {', '.join(known)}."
+            )
+    matched: list[tuple[Leaf, Expression]] = []
+    notes: list[str] = []
+    for leaf in leaves:
+        last = leaf.place.rpartition(".")[2]
+        text = given.get(leaf.place, given.get(last))
+        if text is None:
+            text = _guess(source, function, leaf)
+            if leaf.whole:
+                notes.append(f"{leaf.place} is {text}; --uniform {last}=1 for another")
+        matched.append((leaf, parse(text)))
+    used = set().union(*(e.names for _, e in matched)) if matched else set()
+    for what, enough in (
+        ("the light", {"wi", "cos_i", "half", "cos_d", "cos_h", "cos_v", "cos_tangent_i"}),
+        ("the viewer", {"wo", "cos_o", "half", "cos_d", "cos_h", "cos_v", "cos_tangent_o"}),
+    ):
+        if not used & enough:
+            role = "wi" if what == "the light" else "wo"
+            raise ForeignError(
+                f"{source.path}: {function.signature} has no argument for {what}; say which one it is with "
+                f'--map "NAME={role}".'
+            )
+    parameters: dict[str, Parameter] = {}
+    for leaf, expression in matched:
+        for name in sorted(expression.names - set(ROLES)):
+            width = leaf.width if expression.alone == name and leaf.width >= 3 else 1
+            if name not in parameters:
+                parameters[name], assumed = _declared(name, min(width, 3), leaf, ranges)
+                if assumed:
+                    notes.append(assumed)
+    if unknown := set(ranges) - set(parameters):
+        name = sorted(unknown)[0]
+        raise ForeignError(
+            f"{source.path}: there is no parameter {name!r} for --range; {did_you_mean(name, parameters)}"
+            f"there are {', '.join(parameters) or 'none'}."
+        )
+    return Matched(tuple(matched), parameters, tuple(notes))
+
+
+def _plain(name: str) -> tuple[str, str]:
+    """A name in lower case without underscores, and without a prefix such as u_ as well."""
+    low = name.lower()
+    return low.replace("_", ""), re.sub(r"^(?:[uvagip]|in|arg|param)_+", "", low).replace("_", "")
+
+
+def _guess(source: Source, function: Function, leaf: Leaf) -> str:
+    """The role that a name suggests, else a parameter of that name."""
+    last = leaf.place.rpartition(".")[2]
+    plain, bare = _plain(last)
+    if leaf.whole:
+        return f"{leaf.variable.default[0]:g}" if leaf.variable.default else "0"
+    if leaf.width == 3:
+        for role, names in DIRECTIONS.items():
+            if plain in names.split() or bare in names.split():
+                return role
+        if re.search(r"dir(ection)?$|pos(ition)?$|vec(tor)?$|^p$|normal|tangent", plain):
+            raise ForeignError(
+                f"{source.path}: cannot tell what {leaf.place} ({leaf.type}) is; say it with "
+                f'--map "{last}=wi", or wo, normal, tangent, bitangent, half, or (0, 0, 1).'
+            )
+    if leaf.width == 1:
+        for role, names in COSINES.items():
+            if plain in names.split() or bare in names.split():
+                return role
+    if leaf.width == 2:
+        raise ForeignError(
+            f"{source.path}: cannot tell what {leaf.place} ({leaf.type}) is; say it with "
+            f'--map "{last}=(0.5, 0.5)".'
+        )
+    return last
+
+
+def _declared(
+    name: str, width: int, leaf: Leaf, ranges: Mapping[str, tuple[float, float]]
+) -> tuple[Parameter, str]:
+    """Range and default of a parameter, and what was assumed."""
+    variable = leaf.variable
+    if name in ranges:
+        low, high = ranges[name]
+        middle = variable.default[0] if variable.default else 0.5 * (low + high)
+        return Parameter(float(np.clip(middle, low, high)), low, high, name, name, width), ""
+    if variable.low is not None and variable.high is not None:
+        default = variable.default if width == 3 else variable.default[0]
+        return Parameter(default, variable.low, variable.high, name, name, width), ""
+    for cls in models().values():
+        known = cls.fields.get(name)
+        if isinstance(known, Parameter) and known.width == width and np.isfinite(known.high):
+            low, high, default = known.low, known.high, known.default
+            break
+    else:
+        low, high, default = 0.0, 1.0, 0.5
+        for pattern, a, b, c in SUGGESTED:
+            if width == 1 and re.search(pattern, name.lower()):
+                low, high, default = a, b, c
+    if variable.default and width == 1:
+        default = variable.default[0]
+        low, high = min(low, default), max(high, default)
+    text = f"{name} is taken from {low:.4g} to {high:.4g}; --range {name}={low:.4g}..{high:.4g} for another"
+    return Parameter(default, low, high, name, name, width), text
+
+
+def environment(wi: Array, wo: Array) -> dict[str, Array]:
+    """Values of all roles, in the local frame, for directions (n, 3)."""
+    n = len(wi)
+    h = wi + wo
+    h = h / np.maximum(np.linalg.norm(h, axis=1, keepdims=True), 1e-300)
+    x, y, z = (np.tile(axis, (n, 1)) for axis in np.eye(3))
+    return {
+        "wi": wi,
+        "wo": wo,
+        "normal": z,
+        "tangent": x,
+        "bitangent": y,
+        "half": h,
+        "cos_i": wi[:, 2],
+        "cos_o": wo[:, 2],
+        "cos_h": h[:, 2],
+        "cos_d": (wi * h).sum(1),
+        "cos_v": (wi * wo).sum(1),
+        "cos_tangent_h": h[:, 0],
+        "cos_bitangent_h": h[:, 1],
+        "cos_tangent_i": wi[:, 0],
+        "cos_bitangent_i": wi[:, 1],
+        "cos_tangent_o": wo[:, 0],
+        "cos_bitangent_o": wo[:, 1],
+    }

@@ -1,0 +1,559 @@
+"""Shader code that others wrote, as far as it has to be understood: functions, structs and uniforms.
+
+No compiler: comments are blanked, brackets are counted, and what stands in front of a bracket is read. All
+positions stay those of the file, so that compilers complain about the user's own lines.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from gonio.suggestions import did_you_mean
+
+
+class ForeignError(ValueError):
+    """Foreign code that cannot be found, read, matched, compiled or run; the message says what to do."""
+
+
+# By the ends of files' names. GLSL ES is told by its version line as well.
+LANGUAGES = {
+    "glsl": ("glsl", "frag", "vert", "comp", "fs", "vs", "fsh", "vsh"),
+    "essl": ("essl",),
+    "brdf": ("brdf",),
+    "hlsl": ("hlsl", "hlsli", "fx", "fxh", "usf", "ush", "cginc"),
+    "wgsl": ("wgsl",),
+    "msl": ("metal", "msl"),
+    "slang": ("slang",),
+    "cpp": ("cpp", "cc", "cxx", "c", "h", "hh", "hpp", "inl"),
+    "cuda": ("cu", "cuh"),
+}
+
+ENDINGS = {ending: language for language, endings in LANGUAGES.items() for ending in endings}
+
+
+# So many lines are left for each file in the numbers that #line gives.
+FILE_LINES = 100_000
+
+# Those that run as a fragment shader of gonio's own.
+SHADERS = ("glsl", "essl", "brdf")
+
+
+@dataclass(frozen=True)
+class Variable:
+    """An argument of a function, a member of a struct, a uniform, or a parameter of a .brdf file."""
+
+    name: str
+    type: str
+    """As it is written, without qualifiers and spaces."""
+    written: bool = False
+    """Whether the function writes to it (out, inout, a pointer or reference that is not const)."""
+    array: str = ""
+    """What stands between the brackets of an array."""
+    pointer: bool = False
+    default: tuple[float, ...] = ()
+    low: float | None = None
+    high: float | None = None
+
+
+@dataclass(frozen=True)
+class Function:
+    """The definition of a function."""
+
+    name: str
+    scope: tuple[str, ...]
+    """Namespaces and the struct that it stands in, from the outside."""
+    returns: str
+    arguments: tuple[Variable, ...]
+    line: int
+    body: str
+    owner: str = ""
+    """The struct that it is a method of."""
+
+    @property
+    def signature(self) -> str:
+        """In one line, for people."""
+        inside = ", ".join(
+            f"{a.type} {a.name}{f'[{a.array}]' if a.array else ''}" for a in self.arguments
+        )
+        return f"{self.returns} {'::'.join((*self.scope, self.name))}({inside})"
+
+
+@dataclass(frozen=True)
+class Source:
+    """A file that has been read."""
+
+    path: Path
+    language: str
+    text: str
+    """As it is compiled: the file's text, line by line in its place, and for GLSL with its includes."""
+    functions: tuple[Function, ...]
+    structs: Mapping[str, tuple[Variable, ...]]
+    uniforms: tuple[Variable, ...]
+    """Values from outside which the code needs: uniforms, and the parameters of a .brdf file."""
+    files: tuple[Path, ...]
+    """In the order in which their lines are counted."""
+
+    def find(self, name: str | None) -> Function:
+        """The function of a name such as "eval", "Eon.eval" or "gonio_eon::eon_eval".
+
+        Raises:
+            ForeignError: there is none, or none was named and several might be meant.
+        """
+        own = [f for f in self.functions if f.name != "main"]
+        if name is None:
+            candidates = [
+                f
+                for f in own
+                if re.fullmatch(r"BRDF|brdf|eval|.*_eval|.*[bB][rR][sS]?[dD][fF].*", f.name)
+            ]
+            if len(candidates) == 1 or (candidates and self.language == "brdf"):
+                return candidates[0]
+            shown = ", ".join(dict.fromkeys(f.name for f in own)) or "none"
+            raise ForeignError(
+                f"{self.path}: say which function with --function NAME; it has {shown}."
+            )
+        parts = re.split(r"::|\.", name)
+        for f in own:
+            if (
+                f.name == parts[-1]
+                and tuple(parts[:-1]) == f.scope[len(f.scope) - len(parts) + 1 :]
+            ):
+                return f
+        names = list(dict.fromkeys(f.name for f in own))
+        raise ForeignError(
+            f"{self.path} defines no function {name!r}; {did_you_mean(parts[-1], names)}"
+            f"it has {', '.join(names) or 'none'}."
+        )
+
+    def reached(self, function: Function) -> set[str]:
+        """All words in a function and in those that it may call."""
+        by_name: dict[str, list[Function]] = {}
+        for f in self.functions:
+            by_name.setdefault(f.name, []).append(f)
+        words: set[str] = set()
+        waiting, seen = [function], set()
+        while waiting:
+            f = waiting.pop()
+            if id(f) in seen:
+                continue
+            seen.add(id(f))
+            new = set(re.findall(r"[A-Za-z_]\w*", f.body))
+            words |= new
+            waiting += [g for word in new for g in by_name.get(word, [])]
+        # Macros may hold names of uniforms
+        for macro, value in re.findall(r"^[ \t]*#[ \t]*define[ \t]+(\w+)(.*)$", self.text, re.M):
+            if macro in words:
+                words |= set(re.findall(r"[A-Za-z_]\w*", value))
+        return words
+
+
+def language_of(path: Path, text: str) -> str:
+    """The language of a file, by its name and its version line.
+
+    Raises:
+        ForeignError: an unknown ending.
+    """
+    ending = path.suffix.lstrip(".").lower()
+    if ending not in ENDINGS:
+        known = ", ".join(f".{e}" for e in ENDINGS)
+        hint = (
+            " (OSL runs inside a renderer only; give it as C++ or GLSL)" if ending == "osl" else ""
+        )
+        raise ForeignError(
+            f"{path}: no language has the ending {path.suffix!r}{hint}; known are {known}."
+        )
+    language = ENDINGS[ending]
+    if language == "glsl" and re.search(r"^\s*#\s*version\s+(100|3[0-9]0\s+es)", text, re.M):
+        return "essl"
+    return language
+
+
+def read(path: str | Path, include: Sequence[str | Path] = ()) -> Source:
+    """Read a file of foreign code.
+
+    Args:
+        path: of a language that LANGUAGES has.
+        include: folders in which #include is looked for, beside that of the file.
+
+    Raises:
+        ForeignError: there is no such file, it is no text, or in no known language.
+    """
+    path = Path(path)
+    text = _text(path)
+    language = language_of(path, text)
+    uniforms: list[Variable] = []
+    files = [path]
+    if language == "brdf":
+        text, uniforms = _brdf(path, text)
+    if language in (*SHADERS, "wgsl"):
+        text = _included(text, path, [Path(p) for p in include], files, language)
+    bare = blank_comments(text)
+    if language in SHADERS:
+        bare, text = _without_main(bare, text)
+    if language in (*SHADERS, "hlsl"):
+        bare, text, found = _uniforms(bare, text, language)
+        uniforms += found
+    if language == "wgsl":
+        bare, text, found = _wgsl_uniforms(bare, text)
+        uniforms += found
+    functions = tuple(_functions(bare, language))
+    seen = bare
+    if language not in (*SHADERS, "wgsl"):
+        seen += "".join(_headers(bare, path, [Path(p) for p in include], set()))
+    return Source(
+        path, language, text, functions, _structs(seen, language), tuple(uniforms), tuple(files)
+    )
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8-sig").replace("\r\n", "\n")
+    except UnicodeDecodeError:
+        return path.read_text(encoding="latin-1").replace("\r\n", "\n")
+    except OSError as error:
+        raise ForeignError(f"{path}: {error.strerror or error}") from None
+
+
+def blank_comments(text: str) -> str:
+    """The text with comments and strings as spaces, every character in its place."""
+
+    def spaces(match: re.Match[str]) -> str:
+        return re.sub(r"[^\n]", " ", match[0])
+
+    return re.sub(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"', spaces, text, flags=re.S)
+
+
+def _brdf(path: Path, text: str) -> tuple[str, list[Variable]]:
+    """The shader of a BRDF Explorer file with everything else as empty lines, and its parameters."""
+    kept: list[str] = []
+    found: list[Variable] = []
+    section = ""
+    for number, line in enumerate(text.split("\n"), 1):
+        if match := re.match(r"\s*::(begin|end)\s+(\w+)", line):
+            section = match[2] if match[1] == "begin" else ""
+            kept.append("")
+            continue
+        kept.append(line if section == "shader" else "")
+        if section != "parameters" or not (words := line.split("#")[0].split()):
+            continue
+        try:
+            kind, name, numbers = words[0], words[1], [float(w) for w in words[2:]]
+            if kind == "float":
+                low, high, default = numbers[:3]
+                found.append(Variable(name, "float", default=(default,), low=low, high=high))
+            elif kind == "bool":
+                found.append(Variable(name, "bool", default=(numbers[0],)))
+            elif kind == "color":
+                colour = tuple(numbers[:3]) if len(numbers) >= 3 else (1.0, 1.0, 1.0)
+                found.append(Variable(name, "vec3", default=colour, low=0.0, high=1.0))
+            else:
+                raise ValueError
+        except (ValueError, IndexError):
+            raise ForeignError(
+                f"{path}:{number}: {line.strip()!r} is no parameter; write 'float name min max default', "
+                "'bool name 0' or 'color name r g b'."
+            ) from None
+    if not any(kept):
+        raise ForeignError(f"{path} has no '::begin shader'.")
+    return "\n".join(kept), found
+
+
+def _included(text: str, path: Path, folders: list[Path], files: list[Path], language: str) -> str:
+    """GLSL with its #include lines replaced by the files.
+
+    Lines of the k-th file are counted from k FILE_LINES on: not all drivers keep #line's second number.
+    """
+    found = []
+    number = files.index(path)
+    for n, line in enumerate(text.split("\n"), 1):
+        match = re.match(r'\s*#\s*include\s*[<"]([^>"]+)[>"]', line)
+        if match is None:
+            version = re.match(r"\s*#\s*version", line)
+            found.append("" if version else line)
+            continue
+        target = next(
+            (f / match[1] for f in (path.parent, *folders) if (f / match[1]).is_file()), None
+        )
+        if target is None:
+            raise ForeignError(
+                f"{path}:{n}: there is no file {match[1]!r} to include; name its folder with -I FOLDER."
+            )
+        if target in files:
+            found.append("")
+            continue
+        files.append(target)
+        inner = _included(_text(target), target, folders, files, language)
+        if language == "wgsl":
+            found.append(inner)
+        else:
+            first = files.index(target) * FILE_LINES + 1
+            found += [f"#line {first}", inner, f"#line {number * FILE_LINES + n + 1}"]
+    return "\n".join(found)
+
+
+def _headers(bare: str, path: Path, folders: list[Path], seen: set[Path]) -> Iterable[str]:
+    """Texts of the files that C-like code includes, for their structs."""
+    raw = _text(path)
+    for name in re.findall(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', raw, re.M):
+        target = next((f / name for f in (path.parent, *folders) if (f / name).is_file()), None)
+        if target is not None and target not in seen:
+            seen.add(target)
+            text = blank_comments(_text(target))
+            yield "\n" + text
+            yield from _headers(text, target, folders, seen)
+
+
+_DECLARED = r"(?:(?:highp|mediump|lowp|flat|smooth|const|static)\s+)*"
+
+
+def _uniforms(bare: str, text: str, language: str) -> tuple[str, str, list[Variable]]:
+    """Turn uniforms, inputs and outputs of a whole shader into globals that a harness can set."""
+    found: list[Variable] = []
+    edits: list[tuple[int, int, str]] = []
+    layout = r"(?:layout\s*\([^)]*\)\s*)?"
+    if language != "hlsl":
+        pattern = (
+            rf"^[ \t]*({layout}(?:flat\s+|smooth\s+|highp\s+)?(uniform|varying|in|out|attribute)\s+)"
+            rf"{_DECLARED}(\w+)\s+(\w+)\s*(\[[^\]]*\])?\s*(=[^;]*)?;"
+        )
+        for m in re.finditer(pattern, bare, re.M):
+            if m[3].startswith(("sampler", "isampler", "usampler", "image")):
+                continue
+            if _depth(bare, m.start()) == 0:
+                edits.append((m.start(1), m.end(1), ""))
+                if m[2] not in ("out",):
+                    found.append(Variable(m[4], m[3], array=(m[5] or "")[1:-1]))
+        for m in re.finditer(rf"{layout}uniform\s+\w+\s*(\{{)([^}}]*)(\}})\s*;", bare):
+            edits += [(m.start(), m.end(1), ""), (m.start(3), m.end(), "")]
+            found += [v for v in _members(m[2], language) if not v.array]
+    else:
+        for m in re.finditer(
+            r"\bcbuffer\s+\w+\s*(?::\s*register\s*\([^)]*\)\s*)?(\{)([^}]*)(\}\s*;?)", bare
+        ):
+            edits += [(m.start(), m.end(1), ""), (m.start(3), m.end(3), "")]
+            for member in re.finditer(r"(\w+)\s+(\w+)\s*(?::[^;]*)?(\[[^\]]*\])?\s*;", m[2]):
+                start = m.start(2) + member.start()
+                edits.append((start, start, "static "))
+                found.append(Variable(member[2], member[1], array=(member[3] or "")[1:-1]))
+        for m in re.finditer(
+            r"^[ \t]*((?:uniform\s+)?)((?:float|half|int|bool|uint)[1-4]?)\s+(\w+)\s*"
+            r"(?::\s*register\s*\([^)]*\)\s*)?;",
+            bare,
+            re.M,
+        ):
+            if _depth(bare, m.start()) == 0:
+                edits.append((m.start(1), m.end(1), "static "))
+                found.append(Variable(m[3], m[2]))
+    for start, end, new in sorted(edits, reverse=True):
+        kept = "\n" * text[start:end].count("\n")
+        text = text[:start] + new + kept + text[end:]
+        bare = bare[:start] + new + kept + bare[end:]
+    return bare, text, found
+
+
+def _wgsl_uniforms(bare: str, text: str) -> tuple[str, str, list[Variable]]:
+    found: list[Variable] = []
+    edits = []
+    for m in re.finditer(
+        r"(?:@group\s*\(\s*\d+\s*\)\s*|@binding\s*\(\s*\d+\s*\)\s*)*"
+        r"var\s*<\s*uniform\s*>\s*(\w+)\s*:\s*([\w<>, ]+?)\s*;",
+        bare,
+    ):
+        edits.append((m.start(), m.end(), f"var<private> {m[1]}: {m[2]};"))
+        found.append(Variable(m[1], _type(m[2])))
+    for start, end, new in sorted(edits, reverse=True):
+        new += "\n" * text[start:end].count("\n")
+        text = text[:start] + new + text[end:]
+        bare = bare[:start] + new + bare[end:]
+    return bare, text, found
+
+
+def _without_main(bare: str, text: str) -> tuple[str, str]:
+    """A shader without its entry, whose lines stay empty."""
+    for match in re.finditer(r"\bvoid\s+main\s*\(\s*(?:void)?\s*\)\s*\{", bare):
+        end = _closing(bare, match.end() - 1, "{", "}")
+        empty = re.sub(r"[^\n]", " ", text[match.start() : end])
+        bare = bare[: match.start()] + empty + bare[end:]
+        text = text[: match.start()] + empty + text[end:]
+    return bare, text
+
+
+def _depth(bare: str, position: int) -> int:
+    return bare.count("{", 0, position) - bare.count("}", 0, position)
+
+
+_HEAD = re.compile(
+    r"(?P<type>[A-Za-z_][\w:]*(?:\s*<[^<>;{}()]*>)?(?:\s*[&*])?)\s+(?P<name>[A-Za-z_]\w*)\s*\("
+)
+_WORDS = {
+    "return",
+    "else",
+    "if",
+    "for",
+    "while",
+    "switch",
+    "do",
+    "new",
+    "case",
+    "define",
+    "namespace",
+}
+
+
+def _functions(bare: str, language: str) -> Iterable[Function]:
+    """All definitions of functions, with the scopes that they stand in."""
+    code = re.sub(
+        r"^[ \t]*#(?:\\\n|[^\n])*", lambda m: re.sub(r"[^\n]", " ", m[0]), bare, flags=re.M
+    )
+    head = re.compile(r"\bfn\s+(?P<name>\w+)\s*\(") if language == "wgsl" else _HEAD
+    position = 0
+    scopes: list[tuple[str, str]] = []
+    while position < len(code):
+        brace = re.compile(r"[{}]").search(code, position)
+        found = head.search(code, position)
+        if found is not None and (brace is None or found.start() < brace.start()):
+            end = _closing(code, found.end() - 1, "(", ")")
+            after = re.compile(
+                r"\s*(?:->\s*(?P<to>[\w:<>, ]+?)"
+                r"|(?:const|noexcept|override|:\s*\w+|\[\[[^\]]*\]\])\s*)*\s*\{"
+            ).match(code, end)
+            kind = found.groupdict().get("type", "")
+            if after is None or kind in _WORDS:
+                position = found.end()
+                continue
+            close = _closing(code, after.end() - 1, "{", "}")
+            inside = code[found.end() : end - 1]
+            returns = after["to"] or kind or "void"
+            owner = scopes[-1][1] if scopes and scopes[-1][0] == "struct" else ""
+            yield Function(
+                found["name"],
+                tuple(name for _, name in scopes if name),
+                _type(returns),
+                tuple(
+                    _argument(piece, language)
+                    for piece in _pieces(inside)
+                    if piece.strip() not in ("", "void")
+                ),
+                code.count("\n", 0, found.start()) + 1,
+                code[after.end() : close],
+                owner,
+            )
+            position = close
+        elif brace is None:
+            return
+        elif brace[0] == "}":
+            if scopes:
+                scopes.pop()
+            position = brace.end()
+        else:
+            before = re.split(r"[;{}]", code[: brace.start()])[-1]
+            scope = re.search(r"\b(namespace|struct|class)\s+([\w:]*)", before)
+            if scope or "extern" in before or re.search(r"\bnamespace\s*$", before):
+                kind = "" if scope is None else "struct" if scope[1] != "namespace" else "namespace"
+                scopes.append((kind, scope[2] if scope else ""))
+                position = brace.end()
+            else:
+                position = _closing(code, brace.start(), "{", "}")
+
+
+def _closing(text: str, position: int, open_: str, close: str) -> int:
+    """The position behind the bracket that closes the one at `position`."""
+    depth = 0
+    for place in range(position, len(text)):
+        if text[place] == open_:
+            depth += 1
+        elif text[place] == close:
+            depth -= 1
+            if depth == 0:
+                return place + 1
+    return len(text)
+
+
+def _pieces(text: str) -> list[str]:
+    """Split at commas outside of brackets."""
+    found, depth = [""], 0
+    for letter in text:
+        depth += (letter in "(<[{") - (letter in ")>]}")
+        if letter == "," and depth == 0:
+            found.append("")
+        else:
+            found[-1] += letter
+    return found
+
+
+_QUALIFIERS = {
+    "const", "in", "highp", "mediump", "lowp", "precise", "thread", "device", "constant", "uniform",
+    "restrict", "__restrict__", "static", "constexpr", "volatile", "struct", "nointerpolation", "inline",
+}  # fmt: skip
+
+
+def _type(text: str) -> str:
+    return re.sub(r"\s+", "", text).rstrip("&*")
+
+
+def _argument(piece: str, language: str) -> Variable:
+    """One argument as it is written."""
+    piece = re.sub(r"\[\[.*?\]\]|@\w+(\([^)]*\))?", " ", piece, flags=re.S)
+    if language == "wgsl":
+        name, _, kind = piece.partition(":")
+        return Variable(name.strip(), _type(kind), pointer="ptr<" in kind)
+    given = piece.partition("=")[2].strip()
+    piece = (
+        re.sub(r":\s*\w+\s*$", " ", piece.partition("=")[0])
+        if "::" not in piece
+        else piece.partition("=")[0]
+    )
+    array = re.search(r"\[([^\]]*)\]", piece)
+    piece = re.sub(r"\[[^\]]*\]", " ", piece)
+    reference = "&" in piece
+    pointer = "*" in piece
+    words = re.findall(r"[A-Za-z_][\w:]*(?:\s*<[^<>]*>)?", piece)
+    constant = "const" in words or "constant" in words
+    written = "out" in words or "inout" in words or ((reference or pointer) and not constant)
+    words = [w for w in words if w not in _QUALIFIERS and w not in ("out", "inout")]
+    name = words[-1] if len(words) > 1 else ""
+    kind = words[-2] if len(words) > 1 else words[0] if words else ""
+    default = (
+        (float(given.rstrip("fF")),) if re.fullmatch(r"[-+]?[\d.]+(e[-+]?\d+)?[fF]?", given) else ()
+    )
+    return Variable(name, _type(kind), written, array[1].strip() if array else "", pointer, default)
+
+
+def _structs(bare: str, language: str) -> dict[str, tuple[Variable, ...]]:
+    """Members of all structs, by name."""
+    found: dict[str, tuple[Variable, ...]] = {}
+    for match in re.finditer(
+        r"\b(?:struct|class)\s+(?:alignas\s*\([^)]*\)\s*)?(\w+)\s*(?::[^{;]*)?\{", bare
+    ):
+        close = _closing(bare, match.end() - 1, "{", "}")
+        inside = bare[match.end() : close - 1]
+        while "{" in inside:  # methods, and constructors
+            start = inside.index("{")
+            end = _closing(inside, start, "{", "}")
+            inside = inside[:start] + ";" + inside[end:]
+        found[match[1]] = tuple(_members(inside, language))
+    return found
+
+
+def _members(inside: str, language: str) -> Iterable[Variable]:
+    if language == "wgsl":
+        for piece in _pieces(inside):
+            if ":" in piece:
+                yield _argument(piece, language)
+        return
+    for statement in inside.split(";"):
+        statement = re.sub(r"\b(public|private|protected)\s*:", " ", statement)
+        if not statement.strip() or "(" in statement.partition("=")[0] or "operator" in statement:
+            continue
+        if re.match(r"\s*(static|using|typedef|typealias|friend)\b", statement):
+            continue
+        first, *others = _pieces(statement)
+        variable = _argument(first, language)
+        if not variable.name:
+            continue
+        yield variable
+        for other in others:
+            yield _argument(f"{variable.type} {other}", language)

@@ -1,0 +1,150 @@
+"""Foreign code as a subject of gonio's checks, as far as values go."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import drjit as dr
+import numpy as np
+
+from gonio.check.subject import Array, FreeNumber, Size, stored
+from gonio.check.variants import value_at
+from gonio.claims import Claims, Kink, WhiteFurnace
+from gonio.foreign.function import Foreign
+
+
+class ForeignSubject:
+    """A function of foreign code, with its parameters over their ranges."""
+
+    claims = Claims()
+    claiming = False
+    chosen: Mapping[str, str] = {}
+    isotropic = False  # not known beforehand
+    whole = False
+    float32 = True
+    differentiable = False
+    albedos = ""
+    mean_closed = False
+
+    def __init__(self, foreign: Foreign) -> None:
+        """Take a function that is running."""
+        self.foreign = foreign
+        self.name = foreign.name
+        self.parameters: tuple[FreeNumber, ...] = tuple(
+            FreeNumber(name, channel, declared, _special(declared.low, declared.high))
+            for name, declared in foreign.parameters.items()
+            for channel in range(declared.width)
+        )
+
+    def prepare(self) -> None:
+        """It is running; that is all."""
+
+    def values(self, parameters: Array, rounded: bool = False) -> dict[str, Array]:
+        """Values of the parameters, (rows,) or (rows, 3), by name."""
+        found: dict[str, list[Array]] = {}
+        for number, free in enumerate(self.parameters):
+            value = np.asarray(value_at(free.declared, np.asarray(parameters)[:, number]))
+            found.setdefault(free.path, []).append(value.astype(np.float32).astype(np.float64))
+        return {
+            name: np.stack(channels, -1) if len(channels) > 1 else channels[0]
+            for name, channels in found.items()
+        }
+
+    def at(self, parameters: Array, index: Any, Float: Any, rounded: bool = False) -> Any:
+        """The function with the parameters of the rows that `index` names."""
+        rows = index.numpy() if dr.is_array_v(index) else np.asarray(index)
+        values = {name: v[rows] for name, v in self.values(parameters).items()}
+        return _Bound(self.foreign, Float, values)
+
+    def bound(self, values: Mapping[str, Any], Float: Any) -> Any:
+        """The function with Dr.Jit values for its parameters."""
+        plain = {
+            name: np.asarray(dr.detach(v).numpy()).T if dr.is_array_v(v) else v
+            for name, v in values.items()
+        }
+        return _Bound(self.foreign, Float, plain)
+
+    def default(self) -> Array:
+        """The row of the default parameters."""
+        found = []
+        for free in self.parameters:
+            d = free.declared
+            value = d.default[free.channel] if isinstance(d.default, tuple) else d.default
+            found.append((value - d.low) / (d.high - d.low))
+        return np.clip(np.array(found, np.float64), 0, 1)
+
+    def tag(self) -> str:
+        """No options."""
+        return ""
+
+    def with_options(self, choice: Mapping[str, str]) -> ForeignSubject:
+        """No options."""
+        return self
+
+    def size(self, promise: str) -> Size | None:
+        """Nothing is documented."""
+        return None
+
+    def kinks(self) -> list[tuple[Kink, bool]]:
+        """Nothing is documented."""
+        return []
+
+    def furnaces(self) -> list[WhiteFurnace]:
+        """Nothing is claimed."""
+        return []
+
+    def replay(
+        self,
+        parameters: Array,
+        wi: Array,
+        wo: Array,
+        *,
+        double: bool = True,
+        u: Array | None = None,
+    ) -> str:
+        """Directions and parameters, in words."""
+        values = self.values(np.asarray(parameters)[None])
+        words = [f"wi = ({_shown(wi)})", f"wo = ({_shown(wo)})"]
+        words += [f"{name} = {_shown(v[0])}" for name, v in values.items()]
+        return ", ".join(words)
+
+
+def _shown(value: Any) -> str:
+    return ", ".join(f"{x:.7g}" for x in np.atleast_1d(value))
+
+
+def _special(low: float, high: float) -> tuple[float, ...]:
+    return tuple(v for v in (0.0, 0.5, 1.0) if low <= v <= high)
+
+
+class _Bound:
+    """eval of the code, and a sampler of gonio's own that shows integrals where to look."""
+
+    def __init__(self, foreign: Foreign, Float: Any, values: Mapping[str, Any]) -> None:
+        self.foreign, self.Float, self.values = foreign, Float, values
+
+    def eval(self, wi: Any, wo: Any) -> Any:
+        """BRDF without the cosine."""
+        a, b = self._plain(wi), self._plain(wo)
+        n = max(len(a), len(b))
+        a, b = np.broadcast_to(a, (n, 3)), np.broadcast_to(b, (n, 3))
+        f = self.foreign.brdf(a, b, self.values)
+        Vec = dr.replace_shape_t(self.Float, (3, -1))
+        return Vec(*(stored(self.Float, c) for c in f.T))
+
+    def _plain(self, w: Any) -> Array:
+        Vec = dr.replace_shape_t(self.Float, (3, -1))
+        return np.asarray(Vec(w).numpy(), np.float64).T
+
+    def pdf(self, wi: Any, wo: Any) -> Any:
+        """The cosine's density."""
+        return dr.select((wi.z > 0) & (wo.z > 0), wi.z / np.pi, 0)
+
+    def sample(self, wo: Any, u: Any) -> tuple[Any, Any]:
+        """Around the normal, by the cosine."""
+        Vec = dr.replace_shape_t(self.Float, (3, -1))
+        r, phi = dr.sqrt(self.Float(u.x)), 2 * np.pi * self.Float(u.y)
+        z = dr.sqrt(dr.maximum(1 - r * r, 0))
+        wi = Vec(r * dr.cos(phi), r * dr.sin(phi), z)
+        return wi, dr.select(wo.z > 0, z / np.pi, 0)

@@ -1,0 +1,403 @@
+"""What shaders are made of: distributions, masking, Fresnel terms, cosines, in the ways people write them.
+
+Most reflection in shaders is one product, D G F / (4 cos cos), or one diffuse formula. All combinations of
+the terms below, right and wrong ones, are tried against values of the code: in logarithms a product is a
+sum and an unknown constant is the mean, so that thousands of them cost less than one fit. A match names
+every term: "GGX, alpha = roughness; masking Schlick, k = alpha / 2". Sources are the papers of gonio.parts;
+the mistakes are those that forums and issue trackers are full of.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from gonio.foreign.expressions import Array
+from gonio.foreign.function import Foreign
+
+PAIRS = 300
+
+# Values below this part of the largest one have few digits in float32.
+FAINT = 1e-6
+
+# Spread of the logarithm, up to which code is the product: roundings of float32.
+EXACT = 2e-4
+
+TINY = 1e-30
+
+
+@dataclass(frozen=True)
+class Cosines:
+    """Of the directions that the code is called with, (n,) each."""
+
+    i: Array
+    o: Array
+    h: Array
+    d: Array
+    v: Array
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One way to write a term."""
+
+    text: str
+    """For people; empty for what is usual."""
+    log: Array
+    """Of its values, (n,)."""
+    usual: bool = True
+
+
+@dataclass(frozen=True)
+class Product:
+    """A combination of terms that was tried."""
+
+    terms: tuple[str, ...]
+    constant: float
+    misfit: float
+    """Standard deviation of the logarithm of the ratio."""
+    worst: float
+    """Largest relative difference."""
+    odd: tuple[str, ...]
+    """Terms that are usually mistakes."""
+
+    @property
+    def exact(self) -> bool:
+        """Whether nothing but roundings is left."""
+        return self.misfit < EXACT
+
+    def __str__(self) -> str:
+        """In a sentence."""
+        factor = constant_name(self.constant)
+        return "; ".join([*self.terms, f"times {factor}"] if factor else self.terms)
+
+
+def constant_name(value: float) -> str:
+    """A constant as people write it; empty for 1."""
+    names = {
+        "": 1.0, "pi": np.pi, "1 / pi": 1 / np.pi, "4": 4.0, "1 / 4": 0.25, "pi / 4": np.pi / 4,
+        "1 / (4 pi)": 0.25 / np.pi, "4 / pi": 4 / np.pi, "2": 2.0, "1 / 2": 0.5, "1 / pi^2": np.pi**-2,
+        "1 / (2 pi)": 0.5 / np.pi, "4 pi": 4 * np.pi, "1 / (4 pi^2)": 0.25 / np.pi**2, "pi^2": np.pi**2,
+        "1 / 8": 0.125, "2 / pi": 2 / np.pi,
+    }  # fmt: skip
+    for name, number in names.items():
+        if abs(value / number - 1) < 1e-3:
+            return name
+    return f"{value:.5g}"
+
+
+def _ggx(c: Array, a: Array) -> Array:
+    return a * a / (np.pi * (c * c * (a * a - 1) + 1) ** 2)
+
+
+def _beckmann(c: Array, a: Array) -> Array:
+    c2 = np.maximum(c * c, TINY)
+    return np.asarray(np.exp((c2 - 1) / (c2 * a * a)) / (np.pi * a * a * c2 * c2))
+
+
+def _blinn(c: Array, a: Array) -> Array:
+    n = np.maximum(2 / (a * a) - 2, 0)
+    return np.asarray((n + 2) / (2 * np.pi) * np.maximum(c, TINY) ** n)
+
+
+DISTRIBUTIONS: dict[str, Callable[[Array, Array], Array]] = {
+    "GGX": _ggx,
+    "Beckmann": _beckmann,
+    "Blinn-Phong": _blinn,
+}
+
+# Of the width, by what is done to the parameter.
+WIDTHS: dict[str, Callable[[Array], Array]] = {
+    "{}": lambda r: r,
+    "{}^2": lambda r: r * r,
+    "{}^4": lambda r: r**4,
+    "sqrt({})": np.sqrt,
+    "1 - {}": lambda r: 1 - r,
+    "(1 - {})^2": lambda r: (1 - r) ** 2,
+}
+
+
+def _smith(c: Array, a: Array) -> Array:
+    """G1 of GGX."""
+    return 2 * c / (c + np.sqrt(a * a + (1 - a * a) * c * c))
+
+
+def _schlick_g(c: Array, k: Array) -> Array:
+    return c / (c * (1 - k) + k)
+
+
+def _maskings(c: Cosines, a: Array, r: Array) -> Iterator[tuple[str, Array, bool]]:
+    """Name, G, and whether it is usual."""
+    yield "no masking", np.ones_like(a), True
+    root_i = np.sqrt(a * a + (1 - a * a) * c.i * c.i)
+    root_o = np.sqrt(a * a + (1 - a * a) * c.o * c.o)
+    yield (
+        "Smith's masking of GGX, height-correlated",
+        2 * c.i * c.o / (c.i * root_o + c.o * root_i),
+        True,
+    )
+    fast = 2 * c.i * c.o / (c.i * (c.o * (1 - a) + a) + c.o * (c.i * (1 - a) + a))
+    yield "Smith's masking of GGX, height-correlated, Filament's fast form", fast, True
+    ones: list[tuple[str, Callable[[Array], Array], bool]] = [
+        ("Smith's masking of GGX", lambda x: _smith(x, a), True),
+        ("Schlick's masking, k = alpha / 2", lambda x: _schlick_g(x, a / 2), True),
+        (
+            "Schlick's masking, k = (parameter + 1)^2 / 8",
+            lambda x: _schlick_g(x, (r + 1) ** 2 / 8),
+            True,
+        ),
+        ("Schlick's masking, k = alpha", lambda x: _schlick_g(x, a), False),
+        ("Schlick's masking, k = alpha^2 / 2", lambda x: _schlick_g(x, a * a / 2), False),
+        ("Schlick's masking, k = parameter / 2", lambda x: _schlick_g(x, r / 2), False),
+        (
+            "Schlick's masking, k = alpha sqrt(2 / pi)",
+            lambda x: _schlick_g(x, a * np.sqrt(2 / np.pi)),
+            True,
+        ),
+    ]
+    for name, g, usual in ones:
+        yield f"{name}, separable", g(c.i) * g(c.o), usual
+        yield f"{name} on the light's side only", g(c.i), False
+        yield f"{name} on the viewer's side only", g(c.o), False
+    groove = np.minimum(1, 2 * c.h * np.minimum(c.i, c.o) / np.maximum(c.d, TINY))
+    yield "Cook-Torrance's masking", groove, True
+    yield "Kelemen's masking", c.i * c.o / np.maximum(c.d**2, TINY), True
+    yield "Neumann's masking", c.i * c.o / np.maximum(c.i, c.o), True
+
+
+def _schlick(c: Array, f0: Array) -> Array:
+    return f0 + (1 - f0) * (1 - np.clip(c, 0, 1)) ** 5
+
+
+def srgb_decoded(c: Array) -> Array:
+    """Linear values of sRGB ones (IEC 61966-2-1)."""
+    return np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
+
+
+def srgb_encoded(c: Array) -> Array:
+    """sRGB values of linear ones."""
+    return np.where(c <= 0.0031308, 12.92 * c, 1.055 * np.maximum(c, TINY) ** (1 / 2.4) - 0.055)
+
+
+COLOURS: dict[str, tuple[Callable[[Array], Array], bool]] = {
+    "{}": (lambda c: c, True),
+    "{}, decoded from sRGB": (srgb_decoded, False),
+    "{}, encoded to sRGB": (srgb_encoded, False),
+    "{}^2.2": (lambda c: c**2.2, False),
+    "{}^(1/2.2)": (lambda c: c ** (1 / 2.2), False),
+    "{} squared": (lambda c: c * c, False),
+}
+
+
+def _fresnels(c: Cosines, colours: dict[str, Array]) -> Iterator[tuple[str, Array, bool]]:
+    """Name, F, and whether it is usual."""
+    yield "no Fresnel term", np.ones_like(c.d), True
+    yield "Schlick's Fresnel, F0 = 0.04", _schlick(c.d, np.full_like(c.d, 0.04)), True
+    for name, f0 in colours.items():
+        for text, (turn, usual) in COLOURS.items():
+            colour = turn(f0)
+            shown = text.format(name)
+            yield f"times {shown}", colour, usual
+            if usual or "sRGB" in text or "2.2" in text:
+                yield f"Schlick's Fresnel of V.H, F0 = {shown}", _schlick(c.d, colour), usual
+        power = 2 ** ((-5.55473 * c.d - 6.98316) * c.d)
+        yield f"Schlick's Fresnel as a spherical Gaussian, F0 = {name}", f0 + (1 - f0) * power, True
+        for where, cosine in (("N.V", c.o), ("N.L", c.i), ("N.H", c.h)):
+            yield (
+                f"Schlick's Fresnel of {where} instead of V.H, F0 = {name}",
+                _schlick(cosine, f0),
+                False,
+            )
+
+
+def _diffuse(c: Cosines, r: Array, name: str) -> Iterator[tuple[str, Array, bool]]:
+    """Shapes of diffuse reflection, without colour and 1 / pi."""
+    s = c.v - c.i * c.o
+    for text, sigma, usual in (
+        (name, r, True),
+        (f"{name} pi / 2", r * np.pi / 2, True),
+        (f"{name}^2", r * r, False),
+        (f"{name} in degrees", np.radians(r), False),
+    ):
+        s2 = sigma * sigma
+        A, B = 1 - 0.5 * s2 / (s2 + 0.33), 0.45 * s2 / (s2 + 0.09)
+        A57 = 1 - 0.5 * s2 / (s2 + 0.57)
+        over = np.maximum(c.i, c.o)
+        kinds = [
+            ("Oren-Nayar", A + B * np.maximum(s, 0) / over, usual),
+            ("Oren-Nayar with 0.57", A57 + B * np.maximum(s, 0) / over, usual),
+            ("Oren-Nayar whose s / t is not cut at 0", A + B * s / over, False),
+            (
+                "Oren-Nayar with L.V cut at 0",
+                A + B * np.maximum(np.maximum(c.v, 0) - c.i * c.o, 0) / over,
+                False,
+            ),
+        ]
+        for kind, shape, fine in kinds:
+            yield f"{kind}, sigma = {text}", shape, fine
+        AF = 1 / (np.pi + (np.pi / 2 - 2 / 3) * sigma)
+        t = np.where(s > 0, over, 1)
+        yield f"Fujii's Oren-Nayar, sigma = {text}", np.pi * AF * (1 + sigma * s / t), usual
+        cut = np.maximum(c.v, 0) - c.i * c.o
+        tc = np.where(cut > 0, over, 1)
+        yield (
+            f"Fujii's Oren-Nayar with L.V cut at 0, sigma = {text}",
+            np.pi * AF * (1 + sigma * cut / tc),
+            False,
+        )
+    for text, rough, usual in (
+        (name, r, True),
+        (f"{name}^2", r * r, False),
+        (f"sqrt({name})", np.sqrt(r), False),
+    ):
+        for kind, f90, fine in (
+            ("Burley diffuse", 0.5 + 2 * rough * c.d**2, usual),
+            ("Burley diffuse with V.H not squared", 0.5 + 2 * rough * c.d, False),
+            ("Frostbite's Burley diffuse", 0.5 * rough + 2 * rough * c.d**2, usual),
+        ):
+            w_i, w_o = (1 - c.i) ** 5, (1 - c.o) ** 5
+            shape = (1 + (f90 - 1) * w_i) * (1 + (f90 - 1) * w_o)
+            if kind.startswith("Frostbite"):
+                shape = shape * (1 + (1 / 1.51 - 1) * rough)
+            yield f"{kind}, roughness = {text}", shape, fine
+
+
+# Cosines that stand before the product, as powers of N.L and N.V, and what they mean.
+POWERS = ((-1, -1), (0, 0), (0, -1), (-1, 0), (1, 0), (1, -1), (1, 1), (0, 1))
+
+
+def directions(count: int, seed: int) -> tuple[Array, Array, Cosines]:
+    """Pairs of directions up to 85 degrees, half of them near the mirror direction, and their cosines."""
+    from gonio.foreign.function import probe
+
+    wi, wo = probe(count, seed)
+    good = wi[:, 2] > 0.08
+    wi, wo = wi[good], wo[good]
+    h = wi + wo
+    h /= np.linalg.norm(h, axis=1, keepdims=True)
+    return wi, wo, Cosines(wi[:, 2], wo[:, 2], h[:, 2], (wi * h).sum(1), (wi * wo).sum(1))
+
+
+def identify(foreign: Foreign, count: int = 6) -> list[Product]:
+    """The products that are nearest to a function, best first.
+
+    Every scalar parameter is tried as the width, every colour and every other number as F0 or albedo;
+    each pair of directions has its own values of the parameters.
+    """
+    wi, wo, c = directions(2 * PAIRS, 11)
+    rng = np.random.default_rng(12)
+    n = len(wi)
+    values: dict[str, Array] = {}
+    numbers: dict[str, Array] = {}
+    colours: dict[str, Array] = {}
+    for name, p in foreign.parameters.items():
+        low, high = p.low, p.high
+        t = low + (high - low) * rng.uniform(0.15, 0.9, n)
+        if p.width == 3:
+            values[name] = np.repeat(t[:, None], 3, axis=1)
+            colours[name] = t
+        else:
+            values[name] = t
+            numbers[name] = t
+            if high <= 1:
+                colours[name] = t
+    raw = foreign.raw(wi, wo, values)[:, 0]
+    good = np.isfinite(raw) & (raw > FAINT * np.nanmax(np.where(np.isfinite(raw), raw, 0)))
+    if good.sum() < PAIRS // 4:
+        return []
+    log_f = np.log(raw[good])
+    cut = Cosines(c.i[good], c.o[good], c.h[good], c.d[good], c.v[good])
+    numbers = {k: v[good] for k, v in numbers.items()}
+    colours = {k: v[good] for k, v in colours.items()}
+    found: list[Product] = []
+    with np.errstate(all="ignore"):
+        for name in [*numbers, ""]:
+            r = numbers.get(name, np.full(len(log_f), 0.5))
+            others = {k: v for k, v in colours.items() if k != name}
+            fresnel = _choices(_fresnels(cut, others))
+            found += _tried(log_f, cut, [Choice("Lambert", np.zeros_like(r))], fresnel)
+            if not name:
+                continue
+            found += _tried(log_f, cut, _choices(_diffuse(cut, r, name)), fresnel)
+            for mistake, other in _halves(cut):
+                terms = _choices(_fresnels(other, others))
+                found += _tried(log_f, other, list(_speculars(other, r, name, mistake)), terms)
+    found.sort(key=lambda p: (max(p.misfit, 2 * EXACT / 3), len(p.odd), len(p.terms)))
+    return found[:count]
+
+
+def _choices(pairs: Iterator[tuple[str, Array, bool]]) -> list[Choice]:
+    return [Choice(text, np.log(np.maximum(v, TINY)), usual) for text, v, usual in pairs]
+
+
+def _halves(c: Cosines) -> Iterator[tuple[str, Cosines]]:
+    """The cosines of the half vector, and those of one that was not normalised: |L + V| = 2 L.H."""
+    yield "", c
+    h, d = 2 * c.d * c.h, 2 * c.d * c.d
+    yield "half vector not normalised", replace(c, h=np.minimum(h, 1), d=np.minimum(d, 1))
+    yield "half vector not normalised, its cosines not cut at 1", replace(c, h=h, d=d)
+
+
+def _speculars(c: Cosines, r: Array, name: str, mistake: str) -> Iterator[Choice]:
+    """D times G, in all combinations."""
+    for (d_name, D), (scale, turn) in itertools.product(DISTRIBUTIONS.items(), WIDTHS.items()):
+        a = np.maximum(turn(r), 1e-4)
+        usual = scale in ("{}", "{}^2") and not mistake
+        log_d = np.log(np.maximum(D(c.h, a), TINY))
+        for g_name, G, common in _maskings(c, a, r):
+            text = f"{d_name}, alpha = {scale.format(name)}; {g_name}"
+            if mistake:
+                text += f"; {mistake}"
+            yield Choice(text, log_d + np.log(np.maximum(G, TINY)), usual and common)
+
+
+def _tried(log_f: Array, c: Cosines, shapes: list[Choice], fresnel: list[Choice]) -> list[Product]:
+    """The best combinations of shapes, Fresnel terms and powers of cosines."""
+    li, lo = np.log(c.i), np.log(c.o)
+    best: list[tuple[float, int, int, int]] = []
+    second = np.stack([s.log for s in shapes])
+    second = second - second.mean(axis=1, keepdims=True)
+    norms = (second**2).mean(axis=1)
+    for p, (a, b) in enumerate(POWERS):
+        for k, f in enumerate(fresnel):
+            left = log_f - f.log - a * li - b * lo
+            left = left - left.mean()
+            variance = norms + (left**2).mean() - 2 * (second @ left) / len(left)
+            order = np.argsort(variance)[:3]
+            best += [(float(variance[s]), int(s), k, p) for s in order]
+    best.sort()
+    found = []
+    for _, s, k, p in best[:24]:
+        a, b = POWERS[p]
+        ratio = log_f - shapes[s].log - fresnel[k].log - a * li - b * lo
+        shift = float(np.median(ratio))
+        off = ratio - shift
+        terms = [
+            t
+            for t in (shapes[s].text, fresnel[k].text, _power(a, b))
+            if t and t != "no Fresnel term"
+        ]
+        odd = [t.text for t in (shapes[s], fresnel[k]) if not t.usual]
+        found.append(
+            Product(
+                tuple(terms),
+                float(np.exp(shift)),
+                float(off.std()),
+                float(np.expm1(np.abs(off).max())),
+                tuple(odd),
+            )
+        )
+    return found
+
+
+def _power(a: int, b: int) -> str:
+    above = [n for n, p in (("N.L", a), ("N.V", b)) if p > 0]
+    below = [n for n, p in (("N.L", a), ("N.V", b)) if p < 0]
+    if not above and not below:
+        return ""
+    if not below:
+        return "times " + " ".join(above)
+    return f"{' '.join(above) or '1'} / ({' '.join(below)})"

@@ -1,0 +1,363 @@
+"""What is true of a function's values whatever model it is, with float32's rounding told from error.
+
+How large rounding can be is measured where a departure is: the directions are shaken by a few roundings of
+float32, and what that changes is taken off, several times over, before anything is called a departure.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from gonio.check import energy
+from gonio.check.adversarial import special_parts
+from gonio.check.reciprocity import dimensions
+from gonio.check.report import EFFORTS, FAIL, NOTE, PASS, UNSURE, Effort, Finding, Report
+from gonio.check.search import maximise
+from gonio.check.subject import Array
+from gonio.foreign.function import Foreign
+from gonio.foreign.subject import ForeignSubject
+
+# float32 keeps 24 bits; directions are shaken by so many of its roundings, so many times.
+ULP = 2.0**-24
+SHAKEN, TIMES = 2.0, 4
+
+# So many times what shaking changes is allowed: sums in shaders have dozens of roundings.
+ROUNDINGS = 8.0
+
+# Rounding may look small at one place by luck, and a search finds such places. An error is there all around
+# as well: the best so many places are looked at again, at so many neighbours each, shaken more often; the
+# lower quartile of their departures counts.
+BEST, NEIGHBOURS, NEAR, OFTEN = 8, 24, 1e-4, 12
+
+# A departure that is left after that counts from here on, relative to the larger value.
+LIMIT = 1e-3
+
+# Differences count relative to the larger of two values, or to this, in 1/sr.
+FLOOR = 1e-4
+
+# Cosines of the search; below the second one faults are shown but do not count, because pixels hardly have
+# such directions.
+MU_LOW, MU_HARD = 1e-3, 1e-5
+
+# A largest value so small is black: nothing can be judged then.
+BLACK = 1e-8
+
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True)
+class Rounded:
+    """Values, and how far roundings of the directions move them."""
+
+    values: Array
+    rounding: Array
+
+
+def check(
+    foreign: Foreign,
+    effort: str = "quick",
+    only: Iterable[str] = (),
+    progress: Progress | None = None,
+) -> list[Report]:
+    """Run the checks that make sense for values.
+
+    Args:
+        foreign: a function that is running.
+        effort: of EFFORTS in gonio.check.report.
+        only: names of VERDICTS; all if empty.
+        progress: called with what is done and what there is to do.
+    """
+    chosen = list(only) or list(VERDICTS)
+    level = EFFORTS[effort]
+    subject = ForeignSubject(foreign)
+    start = time.perf_counter()
+    found = [_scope(foreign, subject)]
+    if any(f.verdict == UNSURE for f in found[0].findings):
+        return found
+    for done, name in enumerate(chosen):
+        if progress is not None:
+            progress(done, len(chosen))
+        findings = VERDICTS[name](subject, level)
+        seconds = time.perf_counter() - start
+        start = time.perf_counter()
+        if findings:
+            found.append(Report(name, subject.name, tuple(findings), seconds))
+    return found
+
+
+def _scope(foreign: Foreign, subject: ForeignSubject) -> Report:
+    """What was understood, and whether there is anything to judge."""
+    how = "as --returns says" if foreign.returns.told else "measured; --returns says otherwise"
+    findings = [
+        Finding("returns", foreign.returns.factor, NOTE, f"{foreign.returns} ({how})"),
+        Finding("arguments", float(foreign.matched.columns), NOTE, foreign.matched.explained()),
+    ]
+    text = "factors, widths and terms that break no law; 'gonio compare' with a model finds these"
+    findings.append(Finding("not judged", 0.0, NOTE, text))
+    findings += [Finding("assumed", 0.0, NOTE, note) for note in foreign.matched.notes]
+    points = np.random.default_rng(1).random((512, dimensions(subject)))
+    values = np.abs(foreign.brdf(*_places(subject, points)))
+    largest = float(np.nanmax(values)) if np.isfinite(values).any() else float("nan")
+    if not largest > BLACK:
+        what = "black" if largest == largest else "not a number"
+        text = f"{what} at all of 512 random places, so that nothing can be judged; is --map right?"
+        findings.append(Finding("values", largest, UNSURE, text))
+    return Report("scope", subject.name, tuple(findings))
+
+
+def _places(
+    subject: ForeignSubject, points: Array, low: float = MU_LOW
+) -> tuple[Array, Array, Any]:
+    """wi, wo and values of points in [0, 1]^(numbers + 4)."""
+    from gonio.check.reciprocity import pairs
+
+    parameters, wi, wo = pairs(subject, points)
+    return _lifted(wi, low), _lifted(wo, low), subject.values(parameters)
+
+
+def _lifted(w: Array, low: float) -> Array:
+    z = np.maximum(w[:, 2], low)
+    flat = np.maximum(np.hypot(w[:, 0], w[:, 1]), 1e-300)
+    scale = np.sqrt(np.maximum(1 - z * z, 0)) / flat
+    return np.stack([w[:, 0] * scale, w[:, 1] * scale, z], -1)
+
+
+def rounded(
+    foreign: Foreign, wi: Array, wo: Array, values: Any, seed: int = 5, times: int = TIMES
+) -> Rounded:
+    """Values (n, 3), and the largest change that roundings of the directions make."""
+    rng = np.random.default_rng(seed)
+    middle = foreign.brdf(wi, wo, values)
+    spread = np.zeros_like(middle)
+    for _ in range(times):
+        a, b = (
+            w + SHAKEN * ULP * np.maximum(np.abs(w), ULP) * rng.uniform(-1, 1, w.shape)
+            for w in (wi, wo)
+        )
+        with np.errstate(invalid="ignore"):
+            spread = np.fmax(spread, np.abs(foreign.brdf(a, b, values) - middle))
+    return Rounded(middle, spread)
+
+
+def _departure(a: Rounded, b: Rounded) -> Array:
+    """Relative differences beyond rounding, of the worst channel, (n,)."""
+    with np.errstate(invalid="ignore"):
+        beyond = np.abs(a.values - b.values) - ROUNDINGS * (a.rounding + b.rounding)
+        scale = np.maximum(np.maximum(np.abs(a.values), np.abs(b.values)), FLOOR)
+        return np.asarray(np.nan_to_num(np.maximum(beyond, 0) / scale, nan=0.0).max(axis=1))
+
+
+Other = Callable[[Foreign, Array, Array, Any, Array, int], Rounded]
+"""What values should be equal to, for directions, values, further coordinates, and a number of shakes."""
+
+
+def _searched(
+    subject: ForeignSubject, effort: Effort, what: str, other: Other, seed: int, extra: int = 0
+) -> Finding:
+    """The largest departure of a function from what it should be equal to."""
+    foreign = subject.foreign
+    numbers, size = len(subject.parameters), dimensions(subject)
+
+    def departure(points: Array, times: int = TIMES) -> Array:
+        wi, wo, values = _places(subject, points[:, :size])
+        a = rounded(foreign, wi, wo, values, times=times)
+        return _departure(a, other(foreign, wi, wo, values, points[:, size:], times))
+
+    points, _ = maximise(
+        departure,
+        size + extra,
+        population=effort.population // 4,
+        rounds=effort.rounds // 2 + 2,
+        seed=seed,
+        special=special_parts(subject),
+    )
+    rng = np.random.default_rng(seed)
+    near = np.repeat(points[:BEST], NEIGHBOURS, axis=0)
+    near[:, numbers:] += NEAR * rng.uniform(-1, 1, near[:, numbers:].shape)
+    lasting = departure(np.clip(near, 0, 1), OFTEN).reshape(-1, NEIGHBOURS)
+    lasting = np.quantile(lasting, 0.25, axis=1)
+    best = int(np.argmax(lasting))
+    measured = float(lasting[best])
+    wi, wo, given = _places(subject, points[best : best + 1, :size])
+    both = rounded(foreign, wi, wo, given, times=OFTEN)
+    rounding = float((both.rounding / np.maximum(np.abs(both.values), FLOOR)).max())
+    verdict = PASS if measured <= LIMIT else FAIL
+    angles = np.degrees(np.arccos(np.clip([wi[0, 2], wo[0, 2]], 0, 1)))
+    where = (
+        f"; theta_i = {angles[0]:.4g}, theta_o = {angles[1]:.4g} degrees" if verdict == FAIL else ""
+    )
+    text = f"at most {LIMIT:g} beyond rounding, which is {rounding:.1g} there{where}"
+    case = (points[best, :numbers], wi[0], wo[0])
+    return Finding(what, measured, verdict, text, "", subject.replay(*case), case)
+
+
+def _reciprocity(subject: ForeignSubject, effort: Effort) -> list[Finding]:
+    def swapped(f: Foreign, wi: Array, wo: Array, values: Any, _: Array, times: int) -> Rounded:
+        return rounded(f, wo, wi, values, 6, times)
+
+    return [_searched(subject, effort, "relative difference", swapped, 11)]
+
+
+def _isotropy(subject: ForeignSubject, effort: Effort) -> list[Finding]:
+    def turned(f: Foreign, wi: Array, wo: Array, values: Any, t: Array, times: int) -> Rounded:
+        c, s = np.cos(2 * np.pi * t[:, 0]), np.sin(2 * np.pi * t[:, 0])
+        a, b = (
+            np.stack([c * w[:, 0] - s * w[:, 1], s * w[:, 0] + c * w[:, 1], w[:, 2]], -1)
+            for w in (wi, wo)
+        )
+        return rounded(f, a, b, values, 7, times)
+
+    found = _searched(subject, effort, "change by a turn", turned, 13, extra=1)
+    if found.verdict == PASS:
+        return [found]
+    roles = set().union(*(e.names for _, e in subject.foreign.matched.leaves))
+    along = any(
+        r.startswith(("tangent", "bitangent", "cos_tangent", "cos_bitangent")) for r in roles
+    )
+    local = "normal" not in roles and {"wi", "wo"} & roles
+    verdict = NOTE if along or local else FAIL
+    text = "anisotropic" if verdict == NOTE else "anisotropic, though it is given no tangents"
+    return [
+        Finding(
+            found.what,
+            found.measured,
+            verdict,
+            f"{text}; {found.text}",
+            "",
+            found.replay,
+            found.case,
+        )
+    ]
+
+
+def _finite(subject: ForeignSubject, effort: Effort) -> list[Finding]:
+    foreign = subject.foreign
+    size = dimensions(subject)
+    rng = np.random.default_rng(17)
+    count = effort.cases
+    points = rng.random((count, size))
+    at_end = rng.random(points.shape) < 0.25
+    points = np.where(at_end, rng.integers(0, 2, points.shape), points)
+    findings = []
+    for low, what in ((MU_HARD, "not finite"), (0.0, "not finite at the horizon")):
+        wi, wo, values = _places(subject, points, max(low, 1e-30))
+        mu = 10.0 ** rng.uniform(np.log10(max(low, 1e-30)), 0, (count, 2))
+        grazing = rng.random((count, 2)) < (0.3 if low else 0.8)
+        wi = _lowered(wi, np.where(grazing[:, 0], mu[:, 0], wi[:, 2]))
+        wo = _lowered(wo, np.where(grazing[:, 1], mu[:, 1], wo[:, 2]))
+        mirror = rng.random(count) < 0.25
+        wi = np.where(mirror[:, None], wo * np.array([-1.0, -1.0, 1.0]), wi)
+        f = foreign.brdf(wi, wo, values)
+        bad = np.flatnonzero(~np.isfinite(f).all(axis=1))
+        if not len(bad):
+            findings.append(
+                Finding(what, 0.0, PASS, f"at {count} hard cases, cosines from {low or 1e-30:g}")
+            )
+            continue
+        k = bad[int(np.argmax(np.minimum(wi[bad, 2], wo[bad, 2])))]
+        shown = ", ".join(f"{x:g}" for x in f[k])
+        verdict = FAIL if low else NOTE
+        text = f"of {count} hard cases, cosines from {low or 1e-30:g}; one is ({shown})"
+        case = (points[k, : len(subject.parameters)], wi[k], wo[k])
+        findings.append(
+            Finding(what, float(len(bad)), verdict, text, "", subject.replay(*case), case)
+        )
+    lowest, where = maximise_lowest(subject, effort)
+    verdict = PASS if lowest >= -LIMIT * FLOOR else FAIL
+    findings.append(
+        Finding(
+            "below zero, times pi",
+            min(lowest * np.pi, 0.0),
+            verdict,
+            "light is not negative",
+            "",
+            subject.replay(*where),
+            where,
+        )
+    )
+    return findings
+
+
+def _lowered(w: Array, z: Array) -> Array:
+    flat = np.maximum(np.hypot(w[:, 0], w[:, 1]), 1e-300)
+    scale = np.sqrt(np.maximum(1 - z * z, 0)) / flat
+    return np.stack([w[:, 0] * scale, w[:, 1] * scale, z], -1)
+
+
+def maximise_lowest(
+    subject: ForeignSubject, effort: Effort
+) -> tuple[float, tuple[Array, Array, Array]]:
+    """The lowest value, by search, and where."""
+
+    def darkness(points: Array) -> Array:
+        f = subject.foreign.brdf(*_places(subject, points))
+        lowest = np.nan_to_num(f, nan=0.0).min(axis=1)
+        return np.asarray(np.nan_to_num(-lowest, posinf=0.0, neginf=0.0))
+
+    points, values = maximise(
+        darkness,
+        dimensions(subject),
+        population=effort.population // 4,
+        rounds=effort.rounds // 2,
+        seed=19,
+        special=special_parts(subject),
+    )
+    wi, wo, _ = _places(subject, points[:1])
+    return -float(values[0]), (points[0, : len(subject.parameters)], wi[0], wo[0])
+
+
+def _energy(subject: ForeignSubject, effort: Effort) -> list[Finding]:
+    """The largest albedo by search; a gain of less than LIMIT may be roundings of a white surface."""
+    found = energy.check(subject, effort.less()).findings
+    return [
+        replace(f, verdict=PASS, text=f"no more than roundings of float32; {f.text}")
+        if f.verdict == FAIL and f.measured <= 1 + LIMIT
+        else f
+        for f in found
+    ]
+
+
+def _frame(subject: ForeignSubject, effort: Effort) -> list[Finding]:
+    """Directions, normal and tangents turned together: nothing may change."""
+    foreign = subject.foreign
+    roles = set().union(*(e.names for _, e in foreign.matched.leaves))
+    if "normal" not in roles:
+        return []
+    points = np.random.default_rng(23).random((1024, dimensions(subject)))
+    wi, wo, values = _places(subject, points, 0.05)
+    q = np.linalg.qr(np.random.default_rng(24).normal(size=(3, 3)))[0]
+    q *= np.sign(np.linalg.det(q))
+    a = rounded(foreign, wi, wo, values, times=OFTEN)
+    departure = _departure(a, Rounded(foreign.brdf(wi, wo, values, turn=q), a.rounding))
+    # Code that takes the normal as +z is wrong nearly everywhere, roundings are large in sharp lobes only
+    k = int(np.argsort(departure)[int(0.8 * len(departure))])
+    verdict = PASS if departure[k] <= LIMIT else FAIL
+    text = "light, viewer, normal and tangents turned together change nothing"
+    if verdict == FAIL:
+        text = "turning light, viewer, normal and tangents changes the value: it takes the normal as +z"
+    case = (points[k, : len(subject.parameters)], wi[k], wo[k])
+    return [
+        Finding(
+            "change by another frame",
+            float(departure[k]),
+            verdict,
+            text,
+            "",
+            subject.replay(*case),
+            case,
+        )
+    ]
+
+
+VERDICTS: dict[str, Callable[[ForeignSubject, Effort], list[Finding]]] = {
+    "energy": _energy,
+    "reciprocity": _reciprocity,
+    "finite": _finite,
+    "isotropy": _isotropy,
+    "frame": _frame,
+}
