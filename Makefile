@@ -1,7 +1,8 @@
-# Two commands do all set-up on a fresh machine with Python 3.11 or newer:
+# These commands do all set-up on a fresh machine with Python 3.11 or newer:
 #   make demo    makes an environment in .venv, renders the demo strip into demo/
 #   make test    adds what the tests need, then formatting, lint, types and tests
-# Both need the network the first time only.
+#   make docs    builds the site into build/site/html
+# They need the network the first time only.
 
 PYTHON ?= python3
 VENV ?= .venv
@@ -17,10 +18,10 @@ PROVE_PACKAGES := glslangValidator=glslang-tools spirv-opt=spirv-tools libEGL.so
 # The browser in which 'gonio view' is tested, and what builds its script again.
 VIEW_PACKAGES := chromium=chromium node=nodejs npm=npm
 
-.PHONY: help demo test format bench golden layers clean
+.PHONY: help demo test format docs bench golden layers clean
 
 help:
-	@sed -n '2,4s/^# *//p' Makefile
+	@sed -n '2,5s/^# *//p' Makefile
 
 demo: $(VENV)/.installed
 	$(BIN)/gonio demo
@@ -34,6 +35,9 @@ test: $(VENV)/.installed-test
 format: $(VENV)/.installed-test
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
+
+docs: $(VENV)/.installed-docs
+	$(BIN)/python tools/make_site.py
 
 bench: $(VENV)/.installed
 	$(BIN)/gonio bench --output docs/performance.md
@@ -52,6 +56,10 @@ $(VENV)/bin/python:
 
 $(VENV)/.installed: pyproject.toml constraints.txt | $(VENV)/bin/python
 	$(INSTALL) -e .
+	touch $@
+
+$(VENV)/.installed-docs: $(VENV)/.installed
+	$(INSTALL) -e '.[docs]'
 	touch $@
 
 $(VENV)/.installed-test: $(VENV)/.installed

@@ -129,7 +129,7 @@ def description(about: dict[str, Any]) -> Iterator[str]:
         yield from ("", "What is known to be wrong")
         for caveat in about["caveats"]:
             yield from _wrapped(caveat, "    ", "  - ")
-    yield from ("", "Use", *_usage(about))
+    yield from ("", "Use", *(f"  {where:<7}  {line}" for where, line in uses(about).items()))
 
 
 def _sentence(text: str) -> str:
@@ -150,7 +150,8 @@ def _parameter_rows(parameters: list[dict[str, Any]]) -> Iterator[str]:
         yield from _wrapped(row[4], " " * len(lead), lead)
 
 
-def _usage(about: dict[str, Any]) -> list[str]:
+def uses(about: dict[str, Any]) -> dict[str, str]:
+    """One line each on how the model of `describe` is used, by where."""
     floats = [p for p in about["parameters"] if p["type"] == "float"]
     first = (floats or about["parameters"])[:1]
     python = "".join(f"{p['name']}={_literal(p['default'])}" for p in first)
@@ -158,13 +159,13 @@ def _usage(about: dict[str, Any]) -> list[str]:
     tags = "".join(f'<float name="{p["name"]}" value="{p["default"]:g}"/>' for p in floats[:1])
     shell = "".join(f" --param {p['name']}={_literal(p['default'])}" for p in floats[:1])
     plugin = about["mitsuba"]
-    return [
-        f"  Python   gonio.{about['class']}({python}).eval(wi, wo)",
-        f"  Mitsuba  import gonio.mitsuba, then {{'type': '{plugin}'{mitsuba.replace(chr(34), chr(39))}}}",
-        f'  XML      <bsdf type="{plugin}">{tags}</bsdf>',
-        f"  Shell    gonio eval {about['name']} --theta-i 30 --theta-o 60{shell}",
-        f"  Shader   gonio export {about['name']} --to wgsl",
-    ]
+    return {
+        "Python": f"gonio.{about['class']}({python}).eval(wi, wo)",
+        "Mitsuba": f"import gonio.mitsuba, then {{'type': '{plugin}'{mitsuba.replace(chr(34), chr(39))}}}",
+        "XML": f'<bsdf type="{plugin}">{tags}</bsdf>',
+        "Shell": f"gonio eval {about['name']} --theta-i 30 --theta-o 60{shell}",
+        "Shader": f"gonio export {about['name']} --to wgsl",
+    }
 
 
 def _literal(value: Any) -> str:

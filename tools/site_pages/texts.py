@@ -1,0 +1,167 @@
+"""A page for each text: its figures, tables, equations and numbers beside gonio's, and its errata.
+
+Nothing is computed here. What `gonio reproduce` has written into a folder is shown; of what it has not, the
+command stands on the page.
+"""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import json
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+from gonio import citations, reproduce
+from gonio.reproduce.runner import fingerprint
+from gonio.reproduce.table import HEADER, SIGNS, number
+from site_pages import formulas
+from site_pages.markdown import fence, page, plain, sentence, table
+from site_pages.sources import Sources
+
+FOLDER = "texts"
+
+WIDE = 1100  # pixels of a picture on the page
+LONG = 16  # rows of a table that is folded away
+
+CLASSES = {
+    "agrees": "agrees",
+    "text wrong": "text-wrong",
+    "cannot be compared": "not-comparable",
+    "gonio differs": "differs",
+}
+
+
+def write(sources: Sources, results: Path, formulas_page: str) -> None:
+    """All texts, with the results that lie in a folder."""
+    rows = []
+    for name, text in reproduce.texts().items():
+        made = {item.id: _result(results, item.id) for item in text.items}
+        sources.write(f"{FOLDER}/{name}.md", _page(sources, text, made, results, formulas_page))
+        told = _counted(made) or f"{len(text.items)} items"
+        rows.append((f"[{plain(text.title)}]({name}.md)", told))
+    hidden = "\n".join(["```{toctree}", ":hidden:", "", *reproduce.texts(), "```"])
+    head = (
+        "Four texts, each figure, table, equation and number of them beside what gonio computes, and their "
+        "errata, each with its proof. Verdicts are computed from the numbers; they stand nowhere in the "
+        "code. [How they are found](../docs/reproduce.md)."
+    )
+    sources.write(
+        f"{FOLDER}/index.md", page("# The texts", head, table(("text", "verdicts"), rows), hidden)
+    )
+
+
+def _result(folder: Path, item: str) -> dict[str, Any] | None:
+    path = folder / f"{item.replace(':', '-')}.json"
+    if not path.is_file():
+        return None
+    found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return found
+
+
+def _counted(made: dict[str, dict[str, Any] | None]) -> str:
+    verdicts = Counter(result["verdict"] for result in made.values() if result)
+    missing = sum(result is None for result in made.values())
+    told = [f"{verdicts[verdict]} {verdict}" for verdict in CLASSES if verdicts[verdict]]
+    if told and missing:
+        told.append(f"{missing} not made yet")
+    return ", ".join(told)
+
+
+def _publication(text: reproduce.Text) -> tuple[str, citations.Publication]:
+    """What a text's folder says that it is, in words and as an entry of the bibliography."""
+    told = inspect.getdoc(importlib.import_module(f"gonio.reproduce.{text.name}")) or ""
+    return told, citations.named(told)[0]
+
+
+def _page(
+    sources: Sources,
+    text: reproduce.Text,
+    made: dict[str, dict[str, Any] | None],
+    results: Path,
+    formulas_page: str,
+) -> str:
+    told, publication = _publication(text)
+    errata = formulas.errata(formulas_page).get(publication.key, "")
+    counted = _counted(made)
+    stale = any(result and result["fingerprint"] != fingerprint() for result in made.values())
+    blocks: list[str | None] = [
+        f"# {plain(text.title)}",
+        plain(told),
+        f"**{len(text.items)} items{': ' + counted if counted else ''}.**",
+        "A few of these results were made by an earlier state of gonio's code." if stale else None,
+        "Make them all, with pictures, numbers and verdicts:",
+        fence(f"gonio reproduce --text {text.name}", "sh"),
+    ]
+    if errata:
+        blocks += ["[Errata](#errata) are below."]
+    blocks += ["## Figures, tables, equations, numbers"]
+    for item in text.items:
+        result = made[item.id]
+        picture = results / f"{item.id.replace(':', '-')}.png"
+        address = _put(sources, picture) if result and picture.is_file() else ""
+        blocks += _item(item, result, address)
+    if errata:
+        blocks += ["## Errata", errata]
+    blocks += ["## To cite it", fence(publication.bibtex(), "bibtex")]
+    return page(*blocks)
+
+
+def _item(item: reproduce.Item, result: dict[str, Any] | None, picture: str) -> list[str]:
+    blocks = [f"({item.text.name}-{item.name})=\n### {plain(item.source)}"]
+    verdict = ""
+    if result:
+        kind = CLASSES[result["verdict"]]
+        verdict = f'<span class="verdict {kind}">{result["verdict"]}</span> '
+    blocks.append(f"{verdict}{plain(sentence(item.states))}")
+    if result is None:
+        blocks.append(fence(f"gonio reproduce {item.id}", "sh"))
+        return blocks
+    if picture:
+        blocks.append(f"![{plain(item.source)}: gonio's]({picture})")
+    if result["lines"]:
+        rows = [_cells(line) for line in result["lines"]]
+        numbers = table(HEADER, rows)
+        if len(rows) > LONG:
+            blocks.append(f"::::{{dropdown}} {len(rows)} numbers\n\n{numbers}\n::::")
+        else:
+            blocks.append(numbers)
+    reasons = [*result["remarks"]]
+    reasons += [f"{line['what']}: {line['why']}" for line in result["lines"] if line["why"]]
+    if reasons:
+        blocks.append("\n".join(f"- {plain(reason)}" for reason in reasons))
+    blocks.append(f"`gonio reproduce {item.id}`")
+    return blocks
+
+
+def _cells(line: dict[str, Any]) -> list[str]:
+    right = "" if line["right"] is None else f", right is {number(line['right'])}"
+    difference = "" if line["difference"] is None else _difference(line["difference"])
+    ours = "not finite" if line["gonio"] is None else number(line["gonio"])
+    return [
+        plain(line["what"]),
+        plain(f"{SIGNS[line['relation']]}{line['text']}"),
+        ours,
+        difference,
+        plain(line["state"] + right),
+    ]
+
+
+def _difference(number: float) -> str:
+    return f"{number:+.2g}".replace("-", "−") if number else "0"
+
+
+def _put(sources: Sources, picture: Path) -> str:
+    """The picture in a size for the page, without the numbers below it drawn twice as large as need be."""
+    from PIL import Image
+
+    small = sources.folder / FOLDER / "pictures" / f"{picture.stem}.webp"
+    if not small.is_file() or small.stat().st_mtime < picture.stat().st_mtime:
+        small.parent.mkdir(parents=True, exist_ok=True)
+        with Image.open(picture) as full:
+            image = full.convert("RGB")
+            image.thumbnail((WIDE, 10 * WIDE))
+            image.save(small, format="WEBP", quality=88)
+    sources.put.add(small)
+    return f"pictures/{small.name}"
