@@ -37,6 +37,31 @@ def remove_unfinished() -> None:
         _unfinished.discard(temporary)
 
 
+def check_place(path: str | Path) -> Path:
+    """The path, when a file can be written there; before long work, of which nothing would be left.
+
+    Raises:
+        OSError: as `replacing`.
+    """
+    _temporary(Path(path).resolve()).unlink()
+    return Path(path)
+
+
+def _temporary(path: Path) -> Path:
+    """An empty file beside the path, which may take its name."""
+    if not path.parent.is_dir():
+        raise FileNotFoundError(f"there is no folder {path.parent}; create it first.")
+    if path.exists() and not path.is_file():
+        kind = "a folder" if path.is_dir() else "not an ordinary file"
+        raise OSError(errno.EEXIST, f"cannot be written: it is {kind}", str(path))
+    try:
+        handle, name = tempfile.mkstemp(suffix=path.suffix, prefix=".gonio-", dir=path.parent)
+    except OSError as error:
+        raise _refused(path, error) from error
+    os.close(handle)
+    return Path(name)
+
+
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
     """Yield a temporary path beside `path`; it takes the name `path` when the block succeeds.
@@ -49,17 +74,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
         OSError: something other than a file has that name, the place is read-only, or the disk is full.
     """
     path = Path(path).resolve()  # a link stays a link to the file that is replaced
-    if not path.parent.is_dir():
-        raise FileNotFoundError(f"there is no folder {path.parent}; create it first.")
-    if path.exists() and not path.is_file():
-        kind = "a folder" if path.is_dir() else "not an ordinary file"
-        raise OSError(errno.EEXIST, f"cannot be written: it is {kind}", str(path))
-    try:
-        handle, name = tempfile.mkstemp(suffix=path.suffix, prefix=".gonio-", dir=path.parent)
-    except OSError as error:
-        raise _refused(path, error) from error
-    os.close(handle)
-    temporary = Path(name)
+    temporary = _temporary(path)
     _unfinished.add(temporary)
     try:
         try:

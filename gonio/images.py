@@ -121,7 +121,7 @@ def to_srgb_primaries(chromaticities: Sequence[float]) -> Matrix | None:
         change = np.full((3, 3), np.nan)
     if not np.isfinite(change).all():
         raise ImageError(f"its chromaticities are none: {tuple(map(float, chromaticities))}")
-    return change
+    return np.asarray(change, np.float64)
 
 
 def _to_xyz(chromaticities: Sequence[float]) -> Matrix:
@@ -233,7 +233,7 @@ def _tiff_is_inverted(tags: Any) -> bool:
         raise ImageError(
             "its channels lie apart from each other; save them interleaved, or as .png"
         )
-    return bits == 16 and tags.get(_PHOTOMETRIC, 1) == 0
+    return bool(bits == 16 and tags.get(_PHOTOMETRIC, 1) == 0)
 
 
 def _by_profile(picture: Any) -> Pixels | None:
@@ -272,7 +272,7 @@ def _check_size(width: int, height: int) -> None:
         )
 
 
-_BEGINNINGS = {".hdr": b"#?", ".pfm": (b"PF", b"Pf")}
+_BEGINNINGS = {".hdr": (b"#?",), ".pfm": (b"PF", b"Pf")}
 
 
 def _is_utf8(path: Path) -> bool:

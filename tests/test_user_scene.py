@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,7 @@ from PIL import Image
 import gonio
 from gonio.cli import main
 from gonio.materials import load_material
+from gonio.notices import Notice
 from gonio.render.user_scene import render_scene
 
 
@@ -186,3 +189,77 @@ def test_a_checked_bsdf_finds_its_textures_beside_its_file(tmp_path: Path) -> No
     assert MitsubaSubject(str(path)).name == "paint"
     with pytest.raises(ValueError, match=r"cannot load .*c\.png"):
         MitsubaSubject(str(write(tmp_path / "other", "paint.xml", texture)))
+
+
+MATTE = '<bsdf type="twosided" id="both"><bsdf type="diffuse" id="inner"/></bsdf>'
+
+
+@pytest.mark.parametrize(
+    ("wall", "more", "assign", "message"),
+    [
+        ("", MATTE, ["both"], "no shape wears the bsdf 'both'"),
+        ("", MATTE, ["inner"], "no shape wears the bsdf 'inner'"),
+        (MATTE, "", ["inner", "wall"], "only wall wears the bsdf 'inner', and gets another model"),
+        (
+            "",
+            '<shape type="shapegroup" id="many"><shape type="sphere" id="one"/></shape>'
+            '<shape type="instance"><ref id="many"/></shape>',
+            ["many"],
+            "many is a group of shapes, .* in it are one",
+        ),
+    ],
+)
+def test_an_assignment_that_would_change_nothing_is_an_error(
+    tmp_path: Path, wall: str, more: str, assign: list[str], message: str
+) -> None:
+    path = write(tmp_path, "s.xml", scene(wall, more=more))
+    with pytest.raises(ValueError, match=message):
+        render_scene(path, dict.fromkeys(assign, gonio.Lambert()), spp=1)
+
+
+def test_a_shape_and_the_bsdf_that_it_shares_get_different_models(tmp_path: Path) -> None:
+    # In front of the wall, over the left half of the picture; convex from nowhere, so that pixels are
+    # what each reflects of radiance 1 and of the other's light: nearly nothing, side by side.
+    left = """<shape type="rectangle" id="left"><transform name="to_world"><scale value="5"/>
+        <translate x="-5" z="0.01"/></transform><ref id="both"/></shape>"""
+    path = write(tmp_path, "s.xml", scene('<ref id="both"/>', more=MATTE + left))
+    assign = {"both": gonio.Lambert(rho=0.25), "left": gonio.Lambert(rho=0.75)}
+    for order in (assign, dict(reversed(assign.items()))):
+        picture = render_scene(path, order, spp=64)
+        np.testing.assert_allclose(picture[:, 2:6].mean(), 0.75, rtol=0.05)
+        np.testing.assert_allclose(picture[:, 10:14].mean(), 0.25, rtol=0.05)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["-p", "roughness=1"], "--param is for the models of --assign"),
+        (["--assign", "wall=eon", "--assign", "wall=gold"], "--assign gives wall twice"),
+        (["-D", "a=1", "-D", "a=2"], "-D gives a twice"),
+        (["-D", "config=1"], "no parameter of the name config"),
+        (["-o", "no/such/folder.png"], "there is no folder"),
+    ],
+)
+def test_no_option_of_scene_is_ignored_in_silence(tmp_path: Path, arguments, message: str) -> None:
+    path = write(tmp_path, "s.xml", scene())
+    result = CliRunner().invoke(main, ["scene", str(path), "--spp", "1", *arguments])
+    assert result.exit_code
+    assert message in result.output
+
+
+def test_what_a_scene_lacks_or_has_twice_is_said(tmp_path: Path) -> None:
+    whole = scene()
+    path = write(tmp_path, "s.xml", whole.replace('<integrator type="path"/>', ""))
+    with pytest.raises(ValueError, match="has no <integrator>; add one"):
+        render_scene(path, {}, spp=1)
+    sensor = whole[whole.index("<sensor") : whole.index("</sensor>") + len("</sensor>")]
+    path = write(tmp_path, "s.xml", whole.replace(sensor, 2 * sensor))
+    with pytest.warns(Notice, match="2 sensors; what the first one sees"):
+        render_scene(path, {}, spp=1)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names of files are bytes on Linux")
+def test_a_scene_whose_name_mitsuba_cannot_open_is_said_to_be_so(tmp_path: Path) -> None:
+    path = write(tmp_path, os.fsdecode(b"caf\xe9.xml"), scene())
+    with pytest.raises(ValueError, match="opens no files whose names are not UTF-8"):
+        render_scene(path, {}, spp=1)

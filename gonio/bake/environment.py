@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from gonio.arrays.elementwise import elementwise
 from gonio.bake import image_light
-from gonio.files import replacing
+from gonio.files import check_place, replacing
 from gonio.images import write_linear
 from gonio.parts import distribution, fresnel
 
@@ -139,11 +139,11 @@ class Environment:
 
 
 def check_format(path: str | Path) -> Path:
-    """The path, or a ValueError unless its suffix is one that `Environment.write` can write."""
+    """The path, or a ValueError or OSError unless `Environment.write` can write a file of this name."""
     path = Path(path)
     if path.suffix.lower() not in {".exr", ".hdr"}:
         raise ValueError(f"cannot write {path.name!r}; the suffix must be .exr or .hdr.")
-    return path
+    return check_place(path)
 
 
 def load(

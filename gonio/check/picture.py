@@ -11,7 +11,7 @@ import numpy as np
 from gonio.check.energy import precise
 from gonio.check.report import FAIL, KNOWN, Finding, Report
 from gonio.check.subject import Array, Subject, directions, evaluate
-from gonio.files import replacing
+from gonio.files import check_place, replacing
 
 # More panels than this would be too small to see something.
 PANELS = 6
@@ -54,9 +54,10 @@ def plot(
 
 
 def check_format(path: str | Path) -> None:
-    """Raise a ValueError if a picture cannot be written under this name."""
+    """Raise a ValueError or OSError if a picture cannot be written under this name."""
     if Path(path).suffix not in (".png", ".svg", ".pdf"):
         raise ValueError(f"{path} must end in .png, .svg or .pdf.")
+    check_place(path)
 
 
 def drawable(

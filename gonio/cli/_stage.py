@@ -154,6 +154,21 @@ def check_look(target: Path, exposure: float | str | None, tone: str | None) -> 
                 raise click.UsageError(f"{name} is for a .png; an .exr keeps the radiance as it is")
 
 
+def light_of(environment: str | None, furnace: bool, exposure: float | str | None) -> str:
+    """The environment that was given, or the studio.
+
+    Raises:
+        click.UsageError: the furnace, and something that has no effect in it.
+    """
+    if furnace and environment is not None:
+        raise click.UsageError(
+            f"--furnace is radiance 1 from everywhere; drop it, or --env {environment}"
+        )
+    if furnace and exposure == "auto":
+        raise click.UsageError("--furnace has nothing to find an exposure for: white is 1 in it")
+    return environment or "studio"
+
+
 def stops(environment: str, furnace: bool, given: float | str | None, target: Path) -> float:
     """The exposure of a picture; one that was found automatically is said."""
     from gonio.render.light import auto_exposure, is_own

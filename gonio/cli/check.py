@@ -17,7 +17,7 @@ from gonio.check.report import FAIL, Report, junit, summary, table
 from gonio.check.subject import Subject
 from gonio.cli._code import Code, code_options
 from gonio.cli.program import complete, echo_json, json_option, param_option, progress
-from gonio.files import replacing
+from gonio.files import check_place, replacing
 from gonio.foreign import Foreign, ForeignError, is_foreign
 from gonio.foreign import check as check_code
 from gonio.foreign import identify as identify_code
@@ -203,10 +203,8 @@ def lines(reports: Sequence[Report]) -> list[str]:
 
 def _writable(junit_file: str | None, picture_file: str | None) -> None:
     """Raise before the work is done if a result cannot be written."""
-    for path in (junit_file, picture_file):
-        if path is not None and not Path(path).resolve().parent.is_dir():
-            folder = Path(path).resolve().parent
-            raise FileNotFoundError(f"there is no folder {folder}; create it first.")
+    if junit_file is not None:
+        check_place(junit_file)
     if picture_file is not None:
         check_format(picture_file)
 

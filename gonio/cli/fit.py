@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from gonio.cli.program import complete, echo_json, json_option, progress
-from gonio.files import replacing
+from gonio.files import check_place, replacing
 from gonio.fit import METRICS, POINTS, Fit
 from gonio.materials.notation import model_text
 from gonio.materials.toml_file import to_toml
@@ -68,10 +68,8 @@ def command(
 
     if output is not None and Path(output).suffix != ".toml":
         raise click.UsageError(f"--output {output} is a material file: its name ends in .toml")
-    if output is not None and not Path(output).resolve().parent.is_dir():
-        raise FileNotFoundError(
-            f"there is no folder {Path(output).resolve().parent}; create it first."
-        )
+    if output is not None:
+        check_place(output)
     target: Any = measured.load(data) if measured.is_data_file(data) else _model(data)
     candidates = [_model(text) for text in models]
     found: list[Fit] = []

@@ -206,7 +206,6 @@ class Size(click.ParamType[tuple[int, int]]):
 environment_option = click.option(
     "--env",
     "environment",
-    default="studio",
     metavar="NAME|FILE",
     help="Light: studio (default), sun, front, side, white, sunsky, or an .exr or .hdr file.",
 )

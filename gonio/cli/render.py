@@ -10,6 +10,7 @@ import click
 from gonio.cli._stage import (
     check_look,
     exposure_option,
+    light_of,
     stage_options,
     stage_settings,
     stops,
@@ -41,7 +42,7 @@ from gonio.cli.program import (
 @stage_options
 @click.option(
     "--diffusion",
-    type=click.FloatRange(0),
+    type=click.FloatRange(0, 10),
     default=0.0,
     metavar="MM",
     help="For skin: a millimetre in units of the ball's radius, such as 0.01.",
@@ -56,7 +57,7 @@ def command(
     model: str,
     params: tuple[str, ...],
     others: tuple[str, ...],
-    environment: str,
+    environment: str | None,
     furnace: bool,
     diffusion: float,
     spp: int,
@@ -93,14 +94,15 @@ def command(
     first = load(model, params)
     shown = [first, *(load(text) for text in others)]
     labels = [describe(m) for m in shown] if others else []
-    target = Path(output or f"{first.name}.png")
+    target = Path(f"{first.name}.png" if output is None else output)
     check_format(target)
     check_look(target, exposure, tone)
     settings = stage_settings(**stage)
-    brighter = stops(environment, furnace, exposure, target)
+    light = light_of(environment, furnace, exposure)
+    brighter = stops(light, furnace, exposure, target)
     with progress("rendering") as step:
         pixels = sheets.compare(
-            [{"environment": environment, "furnace": furnace, "diffusion": diffusion}],
+            [{"environment": light, "furnace": furnace, "diffusion": diffusion}],
             shown,
             size=size,
             spp=spp,

@@ -71,14 +71,22 @@ def command(
         name, equals, value = text.partition("=")
         if not (name and equals and value):
             raise click.UsageError(f"--assign {text} is not ID=MODEL, such as wall=eon")
+        if name in assigned:
+            raise click.UsageError(f"--assign gives {name} twice; once is enough")
         assigned[name] = load(value, params)
+    if params and not assigned:
+        raise click.UsageError(
+            "--param is for the models of --assign; give --assign ID=MODEL with it"
+        )
     define = {}
     for text in defined:
         name, equals, value = text.partition("=")
         if not (name and equals):
             raise click.UsageError(f"-D {text} is not NAME=VALUE, such as -D spp=64")
+        if name in define:
+            raise click.UsageError(f"-D gives {name} twice; once is enough")
         define[name] = value
-    target = Path(output or f"{Path(scene).stem}.png")
+    target = Path(f"{Path(scene).stem}.png" if output is None else output)
     check_format(target)
     check_look(target, exposure, tone)
     with progress("rendering") as step:

@@ -10,6 +10,7 @@ import click
 from gonio.cli._stage import (
     check_look,
     exposure_option,
+    light_of,
     stage_options,
     stage_settings,
     stops,
@@ -39,7 +40,7 @@ from gonio.cli.program import (
 @click.option("-o", "--output", metavar="FILE", help="A .png or .exr file (default: NAME.png).")
 def command(
     name: str,
-    environment: str,
+    environment: str | None,
     furnace: bool,
     spp: int,
     size: tuple[int, int],
@@ -61,14 +62,15 @@ def command(
     from gonio.render.picture import captions, check_format, write_picture
 
     shown = load_series(name)
-    target = Path(output or f"{name}.png")
+    target = Path(f"{name}.png" if output is None else output)
     check_format(target)
     check_look(target, exposure, tone)
     settings = stage_settings(**stage)
-    brighter = stops(environment, furnace, exposure, target)
+    light = light_of(environment, furnace, exposure)
+    brighter = stops(light, furnace, exposure, target)
     with progress("rendering") as step:
         pixels = sheets.compare(
-            [{"environment": environment, "furnace": furnace}],
+            [{"environment": light, "furnace": furnace}],
             shown,
             size=size,
             spp=spp,

@@ -6,13 +6,14 @@ from pathlib import Path
 
 import click
 
-from gonio.cli._stage import exposure_option, stops, tone_option
+from gonio.cli._stage import exposure_option, light_of, stops, tone_option
 from gonio.cli.program import (
     environment_option,
     progress,
     seed_option,
     spp_option,
 )
+from gonio.files import check_place
 
 
 @click.command("sheet", short_help="Render all ready materials on one sheet.")
@@ -27,7 +28,7 @@ from gonio.cli.program import (
 @tone_option
 @click.option("-o", "--output", default="materials.png", metavar="FILE", help="A .png file.")
 def command(
-    environment: str,
+    environment: str | None,
     furnace: bool,
     size: int,
     spp: int,
@@ -47,7 +48,11 @@ def command(
     from gonio.render.sheets import write_sheet
 
     target = Path(output)
-    brighter = stops(environment, furnace, exposure, target)
+    if target.suffix.lower() != ".png":
+        raise click.UsageError(f"--output {output} is a contact sheet: its name ends in .png")
+    check_place(target)
+    light = light_of(environment, furnace, exposure)
+    brighter = stops(light, furnace, exposure, target)
     with progress("rendering") as step:
         write_sheet(
             target,
@@ -55,7 +60,7 @@ def command(
             cell=size,
             spp=spp,
             seed=seed,
-            environment=environment,
+            environment=light,
             furnace=furnace,
             exposure=brighter,
             tone=tone or "linear",

@@ -42,9 +42,10 @@ def command(models: tuple[str, ...], save: str | None, port: int, no_open: bool)
         path = Path(save)
         if path.suffix.lower() not in (".html", ".htm"):
             raise click.UsageError(f"--save writes a page; name it {path.stem or 'page'}.html.")
-        from gonio.files import replacing
+        from gonio.files import check_place, replacing
         from gonio.view.variants import pool
 
+        check_place(path)
         text = page.saved(names, texts, pool(names, texts, say))
         with replacing(path) as temporary:
             temporary.write_text(text, encoding="utf-8")

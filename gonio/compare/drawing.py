@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from gonio.compare import Comparison, luminance, percent
-from gonio.files import replacing
+from gonio.files import check_place, replacing
 
 # Errors at which the colours of the maps end, and the least radiance at which those of differences do:
 # the noise of two pictures stays pale.
@@ -38,9 +38,10 @@ def write(path: str | Path, comparisons: Sequence[Comparison], *, dpi: int = 75)
 
 
 def check_format(path: str | Path) -> None:
-    """Raise a ValueError unless `write` can write a file of this name."""
+    """Raise a ValueError or OSError unless `write` can write a file of this name."""
     if Path(path).suffix.lower() != ".png":
         raise ValueError(f"cannot write {Path(path).name!r}; the suffix must be .png.")
+    check_place(path)
 
 
 def draw(comparisons: Sequence[Comparison]) -> Any:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from gonio.files import replacing
+from gonio.files import check_place, replacing
 from gonio.plot.style import STYLE
 
 SUFFIXES = (".png", ".svg", ".pdf", ".csv")
@@ -80,4 +80,4 @@ def check_output(output: str | Path) -> Path:
         raise FileNotFoundError(f"cannot write {str(output)!r}: no folder {str(path.parent)!r}.")
     if path.is_dir():
         raise IsADirectoryError(f"cannot write {str(output)!r}: it is a folder.")
-    return path
+    return check_place(path)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gonio.fields import Parameter
-from gonio.files import replacing
+from gonio.files import check_place, replacing
 from gonio.images import write_linear
 from gonio.materials import Material
 from gonio.materials.notation import model_text
@@ -108,9 +108,10 @@ def write_picture(
 
 
 def check_format(path: Path) -> None:
-    """Raise a ValueError unless the suffix is one that `write_picture` can write."""
+    """Raise a ValueError or OSError unless `write_picture` can write a file of this name."""
     if path.suffix.lower() not in FORMATS:
         raise ValueError(f"cannot write {path.name!r}; the suffix must be {' or '.join(FORMATS)}.")
+    check_place(path)
 
 
 BACKGROUND, INK = (24, 24, 24), (235, 235, 235)

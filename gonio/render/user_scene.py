@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from gonio.materials import Material
 from gonio.model import Model
+from gonio.notices import notice
 from gonio.render.growth import add_to, has_triangles, textured
 from gonio.render.passes import Progress, integrate, ready_mitsuba
 from gonio.render.picture import Picture
@@ -52,6 +53,12 @@ def render_scene(
     if not path.is_file():
         raise FileNotFoundError(f"there is no scene file {path}.")
     try:
+        str(path.resolve()).encode()
+    except UnicodeEncodeError:
+        raise ValueError(
+            f"Mitsuba opens no files whose names are not UTF-8; rename {path} and its folders."
+        ) from None
+    try:
         root = ET.parse(path).getroot()
     except ET.ParseError as error:
         raise ValueError(f"{path} is not an XML file: {error}.") from None
@@ -64,6 +71,10 @@ def render_scene(
             raise ValueError(f"{path} does not load: {reason(error)}.") from error
         if not loaded.sensors():
             raise ValueError(f"{path} has no <sensor>; add one to say from where to look.")
+        if loaded.integrator() is None:
+            raise ValueError(f"{path} has no <integrator>; add one, such as path.")
+        if (count := len(loaded.sensors())) > 1:
+            notice(f"{path} has {count} sensors; what the first one sees is shown.")
         if spp is None:
             spp = int(loaded.sensors()[0].sampler().sample_count())
         try:
@@ -83,13 +94,21 @@ class _Scene:
         self.config = mi.parser.ParserConfig(mi.variant())
         # Merged shapes would lose their names, and change their order from run to run.
         self.config.merge_equivalent = self.config.merge_meshes = False
+        if taken := {"config", "filename"} & set(define):
+            raise ValueError(
+                f"Mitsuba takes no parameter of the name {taken.pop()}; choose another."
+            )
         self.state = mi.parser.parse_file(self.config, str(path.resolve()), **define)
         mi.parser.transform_all(self.config, self.state)
 
     def loaded(self, assign: Mapping[str, Model | Material], size: tuple[int, int] | None) -> Any:
         """The scene with its materials and its size replaced."""
         self._find_files()
-        made = {name: self._assign(name, material) for name, material in assign.items()}
+        named = self._named(assign)
+        # Shapes first: what they wore before is no longer looked for in them.
+        shape = self.mi.ObjectType.Shape
+        order = sorted(assign, key=lambda name: named[name].type != shape)
+        made = {name: self._assign(named[name], assign[name]) for name in order}
         if size is not None:
             self._resize(check_size(size))
         found = self.mi.parser.instantiate(self.config, self.state)
@@ -121,20 +140,49 @@ class _Scene:
             if beside.is_file():
                 node.props["filename"] = str(beside.resolve())
 
-    def _assign(self, name: str, material: Model | Material) -> Any:
+    def _named(self, names: Iterable[str]) -> dict[str, Any]:
+        """The shapes and BSDFs with these ids; an error where an assignment would change nothing."""
+        shape = self.mi.ObjectType.Shape
+        found = {n.props.id(): n for n in self._of("Shape", "BSDF") if n.props.id()}
+        names = list(names)
+        for name in names:
+            if name not in found:
+                own = sorted(i for i in found if not i.startswith("_"))
+                known = ", ".join(own) or "none: give the shape an id"
+                raise ValueError(
+                    f"{self.path} has no shape or bsdf with the id {name!r}; ids: {known}."
+                )
+            if found[name].type == shape:
+                continue
+            wearers = [n for n in self._of("Shape") if self._wears(n, name)]
+            if not wearers:
+                raise ValueError(f"{self.path}: no shape wears the bsdf {name!r}.")
+            if all(n.props.id() in names for n in wearers):
+                others = " and ".join(str(n.props.id()) for n in wearers)
+                raise ValueError(
+                    f"{self.path}: only {others} wears the bsdf {name!r}, and gets another model itself."
+                )
+        return {name: found[name] for name in names}
+
+    def _wears(self, node: Any, name: str) -> bool:
+        """Whether the BSDF of this id is anywhere in a node."""
+        bsdf = self.mi.ObjectType.BSDF
+        below = [child for child in self._children(node).values() if child.type == bsdf]
+        return any(child.props.id() == name or self._wears(child, name) for child in below)
+
+    def _assign(self, target: Any, material: Model | Material) -> Any:
         """Put a material in the place of a BSDF, or of the BSDFs of a shape; the material's BSDF."""
         from gonio.mitsuba import node as as_dict
 
-        named = {n.props.id(): n for n in self._of("Shape", "BSDF") if n.props.id()}
-        if name not in named:
-            own = sorted(i for i in named if not i.startswith("_"))
-            known = ", ".join(own) or "none: give the shape an id"
-            raise ValueError(
-                f"{self.path} has no shape or bsdf with the id {name!r}; ids: {known}."
-            )
+        name = target.props.id()
         bsdf = for_both_sides(self.mi.load_dict(as_dict(material)))
-        target = named[name]
         if target.type == self.mi.ObjectType.Shape:
+            if target.props.plugin_name() == "shapegroup":
+                inside = sorted(c.props.id() for c in self._children(target).values())
+                raise ValueError(
+                    f"{self.path}: {name} is a group of shapes, which wears nothing itself; in it are "
+                    f"{', '.join(inside)}."
+                )
             for key, child in self._children(target).items():
                 if child.type == self.mi.ObjectType.BSDF:
                     del target.props[key]
