@@ -166,7 +166,6 @@ def test_json_has_the_numbers_and_writes_nothing(tmp_path: Path, monkeypatch: An
         (["compare", "lambert"], "at least two models"),
         (["compare", "eon", "--truth"], "stands for no layers"),
         (["compare", "weidlich_wilkie", "--truth", "-o", "x.jpg"], "the suffix must be .png"),
-        (["compare", "patina_3", "lambert"], "has textures"),
     ],
 )
 def test_mistakes_are_one_line(args: list[str], message: str) -> None:
@@ -175,6 +174,21 @@ def test_mistakes_are_one_line(args: list[str], message: str) -> None:
     last = result.stderr.strip().splitlines()[-1]
     assert last.startswith("gonio: error: ")
     assert message in last
+
+
+def test_pictures_have_no_one_value_to_compare_and_maps_are_left_out_with_a_word(
+    tmp_path: Path,
+) -> None:
+    from PIL import Image
+
+    Image.new("RGB", (2, 2)).save(tmp_path / "a.png")
+    (tmp_path / "a.toml").write_text('model = "eon"\nrho = "a.png"\n')
+    result = run("compare", str(tmp_path / "a.toml"), "lambert", "--json")
+    assert result.exit_code == 1
+    assert "rho comes from a.png, and here it needs one value" in result.stderr
+    result = run("compare", "patina_3", "lambert", "--json")
+    assert result.exit_code == 0
+    assert "patina_3: growth comes from the mesh; here it is" in result.stderr
 
 
 def test_nothing_half_written_stays_behind(tmp_path: Path) -> None:

@@ -65,7 +65,7 @@ def command(
     """
     from gonio import compare as comparison
     from gonio.compare import drawing
-    from gonio.materials import load
+    from gonio.materials import Material, load
 
     given: dict[str, Any] = {} if walks is None else {"walks": walks}
     if not models:
@@ -86,6 +86,9 @@ def command(
     if target:
         drawing.check_format(target)
     shown = [load(text, params) for text in models]
+    for material in shown:
+        for note in material.plain()[1] if isinstance(material, Material) else ():
+            click.echo(f"note: {note}", err=True)
     with progress("comparing") as step:
         found = comparison.compare(
             shown,
