@@ -123,6 +123,9 @@ def _make_writable(stream: Any) -> None:
         stream.reconfigure(errors="replace")
 
 
+# Noise that looks clean at arm's length, and the samples at which a picture ends, clean or not.
+NOISE, SPP_MOST = 0.02, 512
+
 SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
 
@@ -212,10 +215,32 @@ environment_option = click.option(
 
 
 def spp_option(default: int | None) -> Callable[[Any], Any]:
-    """Samples per pixel; None for those that a scene asks for."""
-    shown = "the scene's" if default is None else default
-    text = f"Samples per pixel (default: {shown})."
+    """Samples per pixel; None for a number that depends on something else."""
+    text = "Samples per pixel" + ("." if default is None else f" (default: {default}).")
     return click.option("--spp", type=click.IntRange(1, 1 << 20), default=default, help=text)
+
+
+noise_option = click.option(
+    "--noise",
+    type=click.FloatRange(0, min_open=True),
+    metavar="PART",
+    help="Stop when the noise is below this part of a pixel's brightness (default: 0.02, without --spp).",
+)
+time_option = click.option(
+    "--time",
+    "seconds",
+    type=click.FloatRange(0, min_open=True),
+    metavar="SECONDS",
+    help="Begin no further pass after that time, for each picture of a strip.",
+)
+
+
+def until(spp: int | None, noise: float | None, seconds: float | None) -> dict[str, Any]:
+    """Arguments of `gonio.render`: a number of samples alone is exact, otherwise it is a limit."""
+    if noise is None and seconds is None and spp is not None:
+        return {"spp": spp}
+    goal = NOISE if noise is None and seconds is None else noise
+    return {"spp": spp or SPP_MOST, "noise": goal, "seconds": seconds}
 
 
 seed_option = click.option(

@@ -20,10 +20,13 @@ from gonio.cli.program import (
     Size,
     complete,
     environment_option,
+    noise_option,
     param_option,
     progress,
     seed_option,
     spp_option,
+    time_option,
+    until,
 )
 
 
@@ -47,7 +50,9 @@ from gonio.cli.program import (
     metavar="MM",
     help="For skin: a millimetre in units of the ball's radius, such as 0.01.",
 )
-@spp_option(36)
+@spp_option(None)
+@noise_option
+@time_option
 @click.option("--size", type=Size(), metavar="N|WxH", default="512", help="Pixels (default: 512).")
 @seed_option
 @exposure_option
@@ -60,7 +65,9 @@ def command(
     environment: str | None,
     furnace: bool,
     diffusion: float,
-    spp: int,
+    spp: int | None,
+    noise: float | None,
+    seconds: float | None,
     size: tuple[int, int],
     seed: int,
     exposure: float | str | None,
@@ -105,9 +112,9 @@ def command(
             [{"environment": light, "furnace": furnace, "diffusion": diffusion}],
             shown,
             size=size,
-            spp=spp,
             seed=seed,
             progress=step,
+            **until(spp, noise, seconds),
             **settings,
         )
     write_picture(target, pixels, exposure=brighter, tone=tone or "linear", labels=labels)

@@ -19,9 +19,12 @@ from gonio.cli._stage import (
 from gonio.cli.program import (
     Size,
     environment_option,
+    noise_option,
     progress,
     seed_option,
     spp_option,
+    time_option,
+    until,
 )
 
 
@@ -30,7 +33,9 @@ from gonio.cli.program import (
 @environment_option
 @click.option("--furnace", is_flag=True, help="Radiance 1 from everywhere: shows lost energy.")
 @stage_options
-@spp_option(36)
+@spp_option(None)
+@noise_option
+@time_option
 @click.option(
     "--size", type=Size(), metavar="N|WxH", default="320", help="Pixels of a step (default: 320)."
 )
@@ -42,7 +47,9 @@ def command(
     name: str,
     environment: str | None,
     furnace: bool,
-    spp: int,
+    spp: int | None,
+    noise: float | None,
+    seconds: float | None,
     size: tuple[int, int],
     seed: int,
     exposure: float | str | None,
@@ -73,9 +80,9 @@ def command(
             [{"environment": light, "furnace": furnace}],
             shown,
             size=size,
-            spp=spp,
             seed=seed,
             progress=step,
+            **until(spp, noise, seconds),
             **settings,
         )
     write_picture(target, pixels, exposure=brighter, tone=tone or "linear", labels=captions(shown))

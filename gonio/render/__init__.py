@@ -35,6 +35,8 @@ def render(
     diffusion: float = 0.0,
     size: tuple[int, int] = (512, 512),
     spp: int = 64,
+    noise: float | None = None,
+    seconds: float | None = None,
     seed: int = 0,
     progress: Progress | None = None,
     **stage: Any,
@@ -50,7 +52,10 @@ def render(
         diffusion: how long a millimetre is in the scene's units, to let the light in skin wander on the
             screen (see `gonio.render.diffusion`); 0 for other materials.
         size: width and height in pixels.
-        spp: samples per pixel.
+        spp: samples per pixel; with `noise` or `seconds` the most that are taken.
+        noise: stop when the picture's noise is at most this, a part of each pixel's brightness: 0.02 looks
+            clean (see `gonio.render.passes.Noise`).
+        seconds: begin no further pass after that time.
         seed: of the random numbers; the same seed gives the same picture.
         progress: called after each pass.
         stage: further arguments of `gonio.render.stage.shader_ball`, such as up="z".
@@ -86,9 +91,10 @@ def render(
         return mi.load_dict(placed, optimize=False)
 
     loaded = built(material)
+    until: dict[str, Any] = {"noise": noise, "seconds": seconds}
     alpha = bool(stage.get("transparent"))
     if not diffusion:
-        return integrate(loaded, spp, seed, progress, alpha=alpha).view(Picture)
+        return integrate(loaded, spp, seed, progress, alpha=alpha, **until).view(Picture)
     without = built(_without_diffuse(material))
 
     def half(first: int) -> Progress:
@@ -98,8 +104,8 @@ def render(
 
         return step
 
-    full = integrate(loaded, spp, seed, half(0), alpha=alpha)
-    glossy = integrate(without, spp, seed, half(1))
+    full = integrate(loaded, spp, seed, half(0), alpha=alpha, **until)
+    glossy = integrate(without, spp, seed, half(1), **until)
     spread = diffuse_on_screen(full[..., :3] - glossy, *_seen(loaded), millimetre=diffusion)
     return np.concatenate([glossy + spread, full[..., 3:]], axis=2, dtype=np.float32).view(Picture)
 

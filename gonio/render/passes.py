@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import itertools
+import math
+import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -29,16 +31,69 @@ XYZ_TO_RGB = np.array(
 )
 
 
+# Samples of a pass whose spread says how noisy a picture is, and how many passes have to be there before
+# their spread means anything.
+NOISE_PASS, NOISE_PASSES = 16, 4
+
+# The noise of a picture is that of all but its worst pixels, each over its own brightness and a little
+# more, as the eye has it: what is below this radiance looks black beside white.
+NOISE_SHARE, NOISE_BLACK = 0.95, 0.05
+
+
+class Noise:
+    """How noisy the mean of equal passes is, from their spread."""
+
+    def __init__(self, shape: tuple[int, ...]) -> None:
+        """For pictures of a shape (height, width)."""
+        self.passes = 0
+        self.sum = np.zeros(shape, np.float64)
+        self.squares = np.zeros(shape, np.float64)
+
+    def add(self, pixels: Pixels) -> None:
+        """Take another pass, shape (height, width, 3)."""
+        luminance = pixels[..., :3].mean(axis=2)
+        self.passes += 1
+        self.sum += luminance
+        self.squares += luminance * luminance
+
+    def value(self) -> float:
+        """Standard error of a pixel over its brightness, of all but the worst pixels; inf at first."""
+        if self.passes < NOISE_PASSES:
+            return math.inf
+        mean = self.sum / self.passes
+        variance = np.maximum(self.squares / self.passes - mean * mean, 0) / (self.passes - 1)
+        # Neighbours know the variance of a pixel better than its few passes do.
+        spread = np.sqrt(_smoothed(variance)) / (np.abs(mean) + NOISE_BLACK)
+        return float(np.quantile(spread, NOISE_SHARE))
+
+
+def _smoothed(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Means over 3 by 3 pixels."""
+    padded = np.pad(values, 1, mode="edge")
+    height, width = values.shape
+    parts = [padded[y : y + height, x : x + width] for y in range(3) for x in range(3)]
+    return np.asarray(np.mean(parts, axis=0))
+
+
 def integrate(
-    loaded: Any, spp: int, seed: int, progress: Progress | None, *, alpha: bool = False
+    loaded: Any,
+    spp: int,
+    seed: int,
+    progress: Progress | None,
+    *,
+    alpha: bool = False,
+    noise: float | None = None,
+    seconds: float | None = None,
 ) -> Pixels:
     """The mean of several passes, so that long work shows progress and can be interrupted.
 
     Args:
         loaded: the scene; its first sensor is rendered.
-        spp: samples per pixel.
+        spp: samples per pixel; with `noise` or `seconds` the most that are taken.
         seed: of the random numbers.
         progress: called after each pass.
+        noise: stop when the picture's noise (see `Noise`) is at most this, such as 0.02.
+        seconds: begin no further pass after that time.
         alpha: keep the film's alpha as a fourth channel.
 
     Returns:
@@ -55,25 +110,39 @@ def integrate(
     width, height = (int(n) for n in sensor.film().crop_size())
     bands = _bands(width, height)
     limit = max(1, PATHS_PER_PASS // max(width * max(rows for _, rows in bands), 1))
-    passes = list(_passes(spp, limit))
+    judged = noise is not None or seconds is not None
+    rounds = [NOISE_PASS] * max(1, -(-spp // NOISE_PASS)) if judged else [spp]
+    found = Noise((height, width)) if judged else None
+    start = time.monotonic()
+    taken = 0
     total: Any = None
     number = done = 0
     with _Cropped(sensor) as cropped:
-        for count in passes:
-            for top, rows in bands:
+        for wanted in rounds:
+            before = None if total is None or found is None else total.copy()
+            for count, (top, rows) in itertools.product(_passes(wanted, limit), bands):
                 if len(bands) > 1:
                     cropped.show(top, rows)
                 # Mitsuba derives a pass's random numbers from its seed; far-apart seeds never overlap.
                 picture = mi.render(loaded, spp=count, seed=seed * 65536 + number)
-                pixels = np.array(picture, dtype=np.float32) * np.float32(count / spp)
+                pixels = np.array(picture, dtype=np.float32) * np.float32(count)
                 if total is None:
                     total = np.zeros((height, width, pixels.shape[2]), np.float32)
                 total[top : top + rows] += pixels
                 number += 1
                 done += count * rows
                 if progress is not None:
-                    progress(done // height, spp)
-        return _colours(total, sensor.film(), alpha)
+                    progress(min(done // height, spp), spp)
+            taken += wanted
+            if found is not None:
+                found.add((total if before is None else total - before) / wanted)
+                if noise is not None and found.value() <= noise:
+                    break
+                if seconds is not None and time.monotonic() - start >= seconds:
+                    break
+        if progress is not None:
+            progress(spp, spp)
+        return _colours(total / np.float32(taken), sensor.film(), alpha)
 
 
 def _bands(width: int, height: int) -> list[tuple[int, int]]:
