@@ -14,7 +14,7 @@ import pytest
 import gonio
 from gonio.files import replacing
 from gonio.materials import load, load_material, load_series
-from gonio.render import render
+from gonio.render import passes, render
 from gonio.render.passes import _passes
 from gonio.render.picture import captions, describe, write_picture
 from gonio.render.sheets import compare, demo
@@ -248,3 +248,48 @@ def test_a_model_file_is_rendered_as_it_is(tmp_path: Path) -> None:
     (tmp_path / "my_clay.py").write_text(text, encoding="utf-8")
     mine = render(load(f"{tmp_path / 'my_clay.py'}:rho=0.5"), **SMALL)
     np.testing.assert_allclose(mine, render(gonio.Lambert(rho=0.5), **SMALL), rtol=1e-5)
+
+
+# --- until the noise is below a goal ---------------------------------------------------------------
+
+
+def test_noise_is_the_error_that_another_picture_shows() -> None:
+    """The spread of passes foretells how far two pictures with other random numbers are apart."""
+    rng = np.random.default_rng(0)
+    found = passes.Noise((64, 64))
+    for _ in range(16):
+        found.add(1 + 0.4 * rng.normal(size=(64, 64, 1)).repeat(3, 2).astype(np.float32))
+    # 0.4 / sqrt(16) over 1 + NOISE_BLACK
+    assert found.value() == pytest.approx(0.1 / 1.05, rel=0.05)
+
+
+def test_a_noisier_material_gets_more_samples_and_both_end_at_the_goal() -> None:
+    taken: dict[str, list[float]] = {"eon": [], "gold": []}
+
+    class Counted(passes.Noise):
+        def value(self) -> float:
+            taken[name].append(super().value())
+            return taken[name][-1]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(passes, "Noise", Counted)
+        for name in taken:
+            render(name, size=(24, 24), spp=512, noise=0.02)
+    assert all(values[-1] <= 0.02 < values[-2] for values in taken.values())
+    assert len(taken["gold"]) > len(taken["eon"])
+
+
+def test_samples_and_time_are_limits() -> None:
+    done: list[tuple[int, int]] = []
+    common = {"size": (16, 16), "progress": lambda n, of: done.append((n, of))}
+    render("gold", spp=32, noise=1e-9, **common)
+    assert done[-1] == (32, 32)
+    whole = len(done)
+    render("gold", spp=512, seconds=1e-9, **common)
+    assert len(done) - whole < 8  # one pass, and the end
+
+
+def test_a_goal_gives_the_mean_of_the_same_passes() -> None:
+    exact = render("eon", size=(16, 16), spp=64)
+    until = render("eon", size=(16, 16), spp=64, noise=1e-9)
+    assert abs(until.mean() / exact.mean() - 1) < 0.02

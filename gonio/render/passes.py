@@ -35,9 +35,9 @@ XYZ_TO_RGB = np.array(
 # their spread means anything.
 NOISE_PASS, NOISE_PASSES = 16, 4
 
-# The noise of a picture is that of all but its worst pixels, each over its own brightness and a little
-# more, as the eye has it: what is below this radiance looks black beside white.
-NOISE_SHARE, NOISE_BLACK = 0.95, 0.05
+# A pixel's noise counts over its own brightness and a little more, as the eye has it: what is below this
+# radiance looks black beside white.
+NOISE_BLACK = 0.05
 
 
 class Noise:
@@ -57,14 +57,14 @@ class Noise:
         self.squares += luminance * luminance
 
     def value(self) -> float:
-        """Standard error of a pixel over its brightness, of all but the worst pixels; inf at first."""
+        """Standard error of a pixel over its brightness, the mean of all pixels; inf at first."""
         if self.passes < NOISE_PASSES:
             return math.inf
         mean = self.sum / self.passes
         variance = np.maximum(self.squares / self.passes - mean * mean, 0) / (self.passes - 1)
         # Neighbours know the variance of a pixel better than its few passes do.
         spread = np.sqrt(_smoothed(variance)) / (np.abs(mean) + NOISE_BLACK)
-        return float(np.quantile(spread, NOISE_SHARE))
+        return float(spread.mean())
 
 
 def _smoothed(values: NDArray[np.float64]) -> NDArray[np.float64]:
