@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from gonio.bake import environment
+from gonio.images import write_linear
 from gonio.notices import Notice
 from gonio.render import light
 from gonio.render.light_picture import (
@@ -186,3 +187,19 @@ def test_ground_takes_the_colour_that_the_camera_sees(
     picture = np.array(mi.render(mi.load_dict(stage), spp=16))
     behind = picture[2, 14:18].mean(axis=0)
     np.testing.assert_allclose(ground_colour(pixels, turn - azimuth), behind, atol=0.02)
+
+
+@pytest.mark.parametrize(
+    ("shape", "value", "message"),
+    [
+        ((1, 2), 1.0, "has 2 x 1 pixels; 4 x 2 are the least"),
+        ((8, 16), 1e-40, "has no light in it"),
+        ((8, 16), 0.0, "has no light in it"),
+    ],
+)
+def test_a_picture_too_small_or_dark_to_light_anything_is_refused(
+    tmp_path: Path, shape: tuple[int, int], value: float, message: str
+) -> None:
+    write_linear(tmp_path / "a.exr", np.full((*shape, 3), value, np.float32))
+    with pytest.raises(ValueError, match=message):
+        read_light(tmp_path / "a.exr")

@@ -16,6 +16,7 @@ from PIL import Image
 
 import gonio
 from gonio.cli import main
+from gonio.cli.program import plain_models
 from gonio.fields import ModelError
 from gonio.materials import Material, MaterialError, library, load, load_model
 from gonio.materials.notation import hex_colour, model_text
@@ -308,3 +309,27 @@ def test_the_page_on_materials_has_every_key_and_its_texts_are_right(folder: Pat
     with pytest.raises(MaterialError) as caught:
         load("oak.toml")
     assert f"gonio: error: {caught.value}" in text
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["render", "eon:roughness=0.5", "--size", "8", "--spp", "1"],
+        ["show", "eon:roughness=0.5"],
+        ["eval", "eon:roughness=0.5", "--theta-i", "30", "--theta-o", "60"],
+        ["plot", "eon:roughness=0.5", "fon:roughness=0.5"],
+        ["export", "matte=eon:roughness=0.5", "--to", "glsl"],
+        ["compare", "eon:roughness=0.5", "fon:roughness=0.5", "--json"],
+    ],
+    ids=lambda command: command[0],
+)
+def test_a_value_is_given_once_beside_a_model_or_in_it(command: list[str]) -> None:
+    result = CliRunner().invoke(main, [*command, "-p", "roughness=0.25"])
+    assert result.exit_code == 2
+    assert "roughness is given twice, by --param and in the model" in result.output
+
+
+def test_a_value_beside_several_models_is_for_those_that_do_not_say_it() -> None:
+    texts = ["eon:roughness=0.5", "eon"]
+    values = [m.roughness for m in plain_models(texts, ["roughness=0.25"])]
+    assert values == [0.5, 0.25]

@@ -7,7 +7,15 @@ from typing import Any
 import click
 
 from gonio.cli._code import Code, code_options
-from gonio.cli.program import complete, echo_json, json_option, param_option, plain_models, progress
+from gonio.cli.program import (
+    check_params,
+    complete,
+    echo_json,
+    json_option,
+    param_option,
+    plain_models,
+    progress,
+)
 from gonio.foreign import is_foreign
 
 
@@ -85,6 +93,7 @@ def command(
     target = output or ("" if as_json else "compare.png")
     if target:
         drawing.check_format(target)
+    check_params(models, params)
     shown = [load(text, params) for text in models]
     for material in shown:
         for note in material.plain()[1] if isinstance(material, Material) else ():

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import click
 
-from gonio.cli.program import complete, param_option, say
+from gonio.cli.program import check_params, complete, param_option, say
 from gonio.export import materialx
 from gonio.export.files import manifests, texts, write
 from gonio.export.targets import TARGETS
@@ -58,6 +58,7 @@ def choose(
         wanted += library()
     if not wanted:
         raise ExportError("nothing to export; name a model, such as eon, or give --all.")
+    check_params([re.sub(r"^[A-Za-z]\w*=", "", text) for text in wanted], params)
     found = Selection()
     for text in wanted:
         renamed = re.fullmatch(r"([A-Za-z]\w*)=(.+)", text)

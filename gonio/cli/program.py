@@ -167,6 +167,17 @@ def say(text: str) -> None:
         click.echo(text, err=True)
 
 
+def check_params(texts: Iterable[str], params: Iterable[str]) -> None:
+    """Raise a UsageError for a --param that has no effect, since each of the models says it itself."""
+    from gonio.materials.notation import split
+
+    said = [{piece.partition("=")[0].strip() for piece in split(text)[1]} for text in texts]
+    for given in params:
+        name = given.partition("=")[0].strip()
+        if said and all(name in names for names in said):
+            raise click.UsageError(f"{name} is given twice, by --param and in the model; drop one")
+
+
 def plain_models(texts: Iterable[str], params: Iterable[str] = ()) -> list[Model]:
     """The models that texts name, for commands without a surface; what a surface would add is noted.
 
@@ -175,7 +186,8 @@ def plain_models(texts: Iterable[str], params: Iterable[str] = ()) -> list[Model
     """
     from gonio.materials import load_model
 
-    given = list(params)
+    texts, given = list(texts), list(params)
+    check_params(texts, given)
     found = []
     for text in texts:
         model, notes = load_model(text, given)

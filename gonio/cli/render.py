@@ -18,6 +18,7 @@ from gonio.cli._stage import (
 )
 from gonio.cli.program import (
     Size,
+    check_params,
     complete,
     environment_option,
     noise_option,
@@ -98,6 +99,7 @@ def command(
     from gonio.render import sheets
     from gonio.render.picture import check_format, describe, write_picture
 
+    check_params([model], params)
     first = load(model, params)
     shown = [first, *(load(text) for text in others)]
     labels = [describe(m) for m in shown] if others else []

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
 from gonio.cli._stage import check_look, scene_exposure_option, tone_option
 from gonio.cli.program import (
     Size,
+    check_params,
     param_option,
     progress,
     seed_option,
@@ -66,7 +68,8 @@ def command(
     from gonio.render.picture import check_format, write_picture
     from gonio.render.user_scene import render_scene
 
-    assigned = {}
+    assigned: dict[str, Any] = {}
+    values: list[str] = []
     for text in assignments:
         name, equals, value = text.partition("=")
         if not (name and equals and value):
@@ -74,6 +77,8 @@ def command(
         if name in assigned:
             raise click.UsageError(f"--assign gives {name} twice; once is enough")
         assigned[name] = load(value, params)
+        values.append(value)
+    check_params(values, params)
     if params and not assigned:
         raise click.UsageError(
             "--param is for the models of --assign; give --assign ID=MODEL with it"

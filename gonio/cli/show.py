@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from gonio import description
-from gonio.cli.program import complete, echo_json, json_option, param_option
+from gonio.cli.program import check_params, complete, echo_json, json_option, param_option
 from gonio.materials import Material, library, load
 from gonio.materials.notation import settings_of, split
 from gonio.materials.toml_file import to_toml
@@ -31,6 +31,7 @@ def command(model: str, params: tuple[str, ...], as_json: bool) -> None:
       gonio show gold:alpha=0.4 > my_gold.toml
       gonio show my_model.py
     """
+    check_params([model], params)
     found = load(model, params)
     if isinstance(found, Material):
         if as_json:

@@ -59,7 +59,9 @@ def _read(file: Path, _time: int, _size: int) -> Pixels:
             "and latitude, twice as wide as high"
         )
     pixels = repaired(pixels, f"environment {file}")
-    if min(height, width) < 2 or not pixels.max() > 0:
+    if min(height, width) < 2:
+        raise ValueError(f"environment {file} has {width} x {height} pixels; 4 x 2 are the least")
+    if not pixels.max() >= np.finfo(np.float32).tiny:  # below it, renderers' sums vanish
         raise ValueError(f"environment {file} has no light in it")
     pixels.setflags(write=False)  # it is shared
     return pixels
