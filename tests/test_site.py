@@ -9,6 +9,7 @@ from pathlib import Path
 from urllib.parse import unquote
 
 import click
+import make_conventions_drawing
 import make_site
 import numpy as np
 import pytest
@@ -190,6 +191,16 @@ def test_sources_keep_what_is_the_same_and_remove_what_is_gone(tmp_path: Path) -
     again.clean()
     assert (tmp_path / "models" / "a.md").stat().st_mtime_ns == before
     assert not (tmp_path / "models" / "b.md").exists()
+
+
+def test_the_drawing_of_the_conventions_is_made_by_its_code() -> None:
+    drawn = make_conventions_drawing.TARGET.read_text(encoding="utf-8")
+    assert drawn == make_conventions_drawing.drawing()
+    # The frame is right-handed as seen: x turns to y against the clock, and the normal points up
+    (x, up), (_, up_y) = map(make_conventions_drawing.place, [(1, 0, 0), (0, 1, 0)])
+    assert up > up_y, "y is further away"
+    assert x > make_conventions_drawing.ORIGIN[0]
+    assert make_conventions_drawing.place((0, 0, 1))[1] < make_conventions_drawing.ORIGIN[1]
 
 
 # --- the guides ------------------------------------------------------------------------------------
