@@ -61,6 +61,7 @@ def describe(cls: type[Model]) -> dict[str, Any]:
             *({"kind": kind, "text": text} for kind, text in dict.fromkeys(cls.claims.lines())),
         ],
         "caveats": list(cls.caveats),
+        "unlike": dict(cls.unlike),
         "mitsuba": f"gonio_{cls.name}",
     }
 
@@ -129,6 +130,10 @@ def description(about: dict[str, Any]) -> Iterator[str]:
         yield from ("", "What is known to be wrong")
         for caveat in about["caveats"]:
             yield from _wrapped(caveat, "    ", "  - ")
+    if about["unlike"]:
+        yield from ("", "Not to be confused with")
+        for other, difference in about["unlike"].items():
+            yield from _wrapped(f"{other}: {difference}", "    ", "  - ")
     yield from ("", "Use", *(f"  {where:<7}  {line}" for where, line in uses(about).items()))
 
 

@@ -111,6 +111,8 @@ class Model:
     """The docstring as the class has it; `__doc__` explains the parameters as well."""
     caveats: ClassVar[tuple[str, ...]] = ()
     """What is known to be wrong with the model, each with its size; for people."""
+    unlike: ClassVar[tuple[tuple[str, str], ...]] = ()
+    """Models that it should not be confused with, by name, and in what they differ."""
     claims: ClassVar[Claims] = Claims()
     """What the model promises, for `gonio check`; strict unless a model says otherwise."""
     albedo_rule: str = ""

@@ -47,6 +47,15 @@ def test_list_as_json_has_names_and_summaries():
 
 
 @pytest.mark.parametrize("name", gonio.models())
+def test_what_a_model_should_not_be_confused_with_is_another_model(name):
+    for other, difference in gonio.models()[name].unlike:
+        assert other in gonio.models()
+        assert other != name
+        assert len(difference.split()) > 3
+        assert f"{other}: " in run("show", name).stdout
+
+
+@pytest.mark.parametrize("name", gonio.models())
 def test_show_tells_all_about_every_model(name):
     about = run_json("show", name)
     cls = gonio.models()[name]

@@ -132,7 +132,9 @@ def drawing() -> str:
     parts.append(text(x + 4, y + 6, "φ_o", VIEWER))
     parts += [
         text(14, HEIGHT - 34, "Both directions are unit vectors that leave the surface."),
-        text(14, HEIGHT - 10, "eval(wi, wo): f in 1/sr, without cos θ_i. Known is wo, sampled is wi."),
+        text(
+            14, HEIGHT - 10, "eval(wi, wo): f in 1/sr, without cos θ_i. Known is wo, sampled is wi."
+        ),
     ]
     body = "\n".join(parts)
     return (

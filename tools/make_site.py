@@ -40,6 +40,7 @@ def assemble(sources: Sources, pictures: Pictures, results: Path) -> None:
     pages = [*DOCS.glob("*.md"), *DOCS.glob("guides/*.md"), *(ROOT / name for name in TOP)]
     places = {path: path.relative_to(ROOT) for path in pages}
     places[DOCS / "site" / "index.md"] = Path("index.md")
+    places[ROOT / "README.md"] = Path("README.md")
     for path, place in places.items():
         sources.copy(path, str(place))
         for target in _linked_files(path, ROOT / place.parent):

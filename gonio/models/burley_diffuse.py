@@ -24,6 +24,7 @@ class BurleyDiffuse(Model):
         "Reflects more than it receives at grazing angles for roughness > 0.4, at most 1.5575 (at 1).",
         "Loses energy when smooth: white of roughness 0 reflects 97.6 % at the normal, 48.8 % grazing.",
     )
+    unlike = (("disney", "is the whole principled model; this is its diffuse lobe."),)
     claims = Claims(energy=at_most(1.5576))
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:

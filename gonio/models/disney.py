@@ -84,6 +84,12 @@ class Disney(Model):
         "the normal.",
         "Wastes the samples that the clearcoat's facets mirror below the horizon, at most 16 %.",
     )
+    unlike = (
+        (
+            "metallic_roughness",
+            "is the part of its parameters that games use, with another highlight's share.",
+        ),
+    )
     claims = Claims(
         energy=(at_most(3, masking="anisotropic"), at_most(3.82)),
         wasted=at_most(0.16),

@@ -88,6 +88,13 @@ class EON(Model):
         "albedo_form='fitted' reflects up to 0.05 % more or less than it should (rho = 1).",
         "sampler='ltc' wastes the samples that fall below the horizon; 'cltc' has rare high weights.",
     )
+    unlike = (
+        ("fon", "is EON without the multiple scattering: it loses light."),
+        (
+            "oren_nayar",
+            "is rough by an angle sigma; this one by r, which is none. `gonio convert` has both.",
+        ),
+    )
     claims = Claims(
         energy=at_most(1.00016, albedo_form="fitted"),
         wasted=at_most(0.0534, sampler="ltc"),

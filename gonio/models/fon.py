@@ -21,6 +21,10 @@ class FON(Model):
     caveats = (
         "Loses energy: at roughness 1 a white surface reflects 77.7 % at the normal and 83.3 % on average.",
     )
+    unlike = (
+        ("eon", "adds the light that this one loses."),
+        ("qon_fujii", "is Fujii's other proposal: by sigma, an angle, in place of r."),
+    )
     claims = Claims(kinks=(kink(Place.SIDE_LIGHT), kink(Place.EQUAL_COSINES)), falls=("roughness",))
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:

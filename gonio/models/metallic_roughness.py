@@ -41,6 +41,10 @@ class MetallicRoughness(Model):
         "Loses what facets reflect more than once: a white metal of roughness 1 reflects 31 % at "
         "the normal.",
     )
+    unlike = (
+        ("ue4", "adds its two lobes; this one takes the highlight's light from the diffuse one."),
+        ("unity_standard", "has Burley's diffuse lobe and a constant share."),
+    )
     claims = Claims(energy=at_most(1.93))
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:

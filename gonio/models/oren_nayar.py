@@ -53,6 +53,12 @@ class OrenNayar(Model):
         "Goes negative for sigma > 0.6 and dark rho when light and viewer graze on opposite sides: at "
         "most -0.27 rho / pi (sigma = pi/2). The published fit is kept as it is.",
     )
+    unlike = (
+        (
+            "qon",
+            "is what most renderers mean by Oren–Nayar: the qualitative form, without interreflection.",
+        ),
+    )
     claims = Claims(
         energy=at_most(1.051),
         negative=at_most(0.0565),

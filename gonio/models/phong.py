@@ -117,6 +117,12 @@ class Phong(Model):
         "form='normalized' adds exactly specular to the albedo at the normal, so rho + specular "
         "above 1 gains energy; at grazing angles little of it is left: 8.8 % for shininess 20.",
     )
+    unlike = (
+        (
+            "triace_blinn_phong",
+            "measures from the half vector; its exponent is about four times as large for the same width.",
+        ),
+    )
     claims = Claims(
         energy=(at_most(7.2832, form="classical"), at_most(2)),
         reciprocity=at_most(1, form="classical"),

@@ -27,6 +27,14 @@ class QON(Model):
         "Reflects more than it receives at grazing angles for 0 < sigma < 0.326, at most 1.0152.",
         "Its slope jumps where cos(phi_i - phi_o) changes sign, a dark ring on a side-lit sphere.",
     )
+    unlike = (
+        (
+            "oren_nayar",
+            "the full model of the same paper; this one drops its C3 and the interreflection.",
+        ),
+        ("qon_fujii", "adds interreflection, in the colour of the surface."),
+        ("qon_footnote", "has 0.57 where this one has 0.33."),
+    )
     claims = Claims(
         energy=at_most(1.0152),
         kinks=(dark_ring(), kink(Place.EQUAL_COSINES)),

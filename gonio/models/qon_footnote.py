@@ -27,6 +27,10 @@ class QONFootnote(Model):
         "Loses energy at larger sigma: at pi/2 a white surface reflects 68 % at the normal.",
         "Its slope jumps where cos(phi_i - phi_o) changes sign, a dark ring on a side-lit sphere.",
     )
+    unlike = (
+        ("qon", "has 0.33 where this one has 0.57, which stands in for interreflection."),
+        ("qon_fujii", "has a term for interreflection instead."),
+    )
     claims = Claims(
         energy=at_most(1.0444),
         kinks=(dark_ring(), kink(Place.EQUAL_COSINES)),

@@ -27,6 +27,10 @@ class QONFujii(Model):
         "at most 1.0287.",
         "Loses energy at larger sigma: at pi/2 a white surface reflects 72 % at the normal.",
     )
+    unlike = (
+        ("fon", "is Fujii's other proposal: by r in place of sigma, and without a dark ring."),
+        ("qon", "leaves out the light that facets send to each other."),
+    )
     claims = Claims(
         energy=at_most(1.0287),
         kinks=(kink(Place.SIDE_LIGHT), kink(Place.EQUAL_COSINES)),

@@ -39,6 +39,12 @@ class TriAceBlinnPhong(Model):
         "1.066 for f0 = 0, at 80 degrees and high shininess.",
         "Has a kink where cos(phi_i - phi_o) changes sign, with diffuse='oren_nayar'.",
     )
+    unlike = (
+        (
+            "phong",
+            "measures from the mirror direction; its exponent is a fourth as large for the same width.",
+        ),
+    )
     claims = Claims(
         energy=at_most(1.066),
         kinks=(kink(Place.EQUAL_COSINES), kink(Place.SIDE_LIGHT, diffuse="oren_nayar")),

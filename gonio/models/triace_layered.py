@@ -95,6 +95,9 @@ class TriAceLayered(Model):
         "absorption='linear' is black beyond the angle where Eq. 3 ends; near it, float32 keeps an "
         "absolute accuracy of 1e-6, not a relative one.",
     )
+    unlike = (
+        ("weidlich_wilkie", "covers any base, and nests; this one is two layers of one kind."),
+    )
     claims = Claims(
         energy=(
             at_most(1.25, top_transmission="off"),

@@ -51,6 +51,9 @@ class TriAceOrenNayar(Model):
         "-98 per steradian at shininess 10 with both cosines 0.001.",
         "eq23 has QON's dark ring where cos(phi_i - phi_o) changes sign.",
     )
+    unlike = (
+        ("oren_nayar", "takes the angle sigma; this one the exponent of a Blinn–Phong highlight."),
+    )
     claims = Claims(
         energy=(at_most(1.0152, variant="eq23"), at_most(1.0109, variant="eq25")),
         negative=at_most(UNBOUNDED, variant="eq24"),

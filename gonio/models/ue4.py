@@ -45,6 +45,12 @@ class UE4(Model):
         "Loses what facets reflect more than once: a white metal of roughness 1 reflects 31 % at "
         "the normal.",
     )
+    unlike = (
+        (
+            "metallic_roughness",
+            "takes the highlight's light from the diffuse lobe; this one adds the two.",
+        ),
+    )
     claims = Claims(energy=(at_most(1.171, light="punctual"), at_most(1.96, light="image")))
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:

@@ -42,6 +42,7 @@ class UnityBRDF2(Model):
         "Has a kink where light and viewer are 143 degrees apart, from Unity's max(0.1, "
         "(wo.H)^2): numeric albedos are good to 1e-3 only.",
     )
+    unlike = (("unity_standard", "is BRDF1, the full quality."),)
     claims = Claims(
         energy=at_most(1.871), numeric_albedo=at_most(1e-3), kinks=kink(Place.ELSEWHERE)
     )

@@ -45,6 +45,13 @@ class UnityStandard(Model):
         "Loses what facets reflect more than once: a white metal of roughness 1 reflects 31 % at "
         "the normal.",
     )
+    unlike = (
+        ("unity_brdf2", "is the cheaper one of mobile devices."),
+        (
+            "metallic_roughness",
+            "takes the highlight's light from the diffuse lobe; here its share is constant.",
+        ),
+    )
     claims = Claims(energy=at_most(1.581))
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:

@@ -98,6 +98,12 @@ class WeidlichWilkie(Model):
         "Nothing scatters inside the coat, and refraction does not blur the base but for the roughness "
         "clamp.",
     )
+    unlike = (
+        (
+            "triace_layered",
+            "is one glossy layer over a glossy and matte one; this one covers any base.",
+        ),
+    )
     claims = Claims(
         energy=(
             at_most(10.13, bounces="diffuse"),

@@ -106,6 +106,7 @@ def _page(
         *_parameters(sources, pictures, cls, about),
         *_options(about),
         *_promises(about),
+        _unlike(about),
         _equations(cls, formulas_page),
         _sources(cls),
         _use(about),
@@ -131,6 +132,11 @@ def _notes(about: dict[str, Any]) -> Iterator[str]:
         if text:
             lead = "" if heading == "remarks" else f"**{heading.capitalize()}.** "
             yield f"{lead}{plain(sentence(text))}"
+
+
+def _unlike(about: dict[str, Any]) -> str | None:
+    rows = [f"- [{o}]({o}.md) {plain(difference)}" for o, difference in about["unlike"].items()]
+    return page("## Not to be confused with", "\n".join(rows)) if rows else None
 
 
 def _plots(sources: Sources, pictures: Pictures, cls: type[Any]) -> str:
