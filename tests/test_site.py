@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from site_pages import docstrings, formulas, markdown
-from site_pages.pictures import steps
+from site_pages.pictures import shared_settings, steps
 from site_pages.sources import Sources
 
 import gonio
@@ -178,7 +178,8 @@ def test_a_strip_shows_the_useful_range_of_a_parameter() -> None:
     assert [gonio.load(t).roughness for t in texts] == [0, 0.25, 0.5, 0.75, 1]
     # f0 is read with Schlick's term only, which the strip chooses
     texts, _ = steps(gonio.model("torrance_sparrow"), "f0")
-    assert all("fresnel=schlick" in text for text in texts)
+    assert shared_settings(texts) == ["fresnel=schlick"]
+    assert shared_settings(["eon:roughness=0.0", "eon"]) == []
 
 
 def test_sources_keep_what_is_the_same_and_remove_what_is_gone(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from gonio.export.targets import TARGETS
 from gonio.fields import shown
 from site_pages import formulas
 from site_pages.markdown import LEXERS, fence, page, plain, sentence, table, tabs
-from site_pages.pictures import Pictures, steps
+from site_pages.pictures import Pictures, shared_settings, steps
 from site_pages.sources import Sources
 
 FOLDER = "models"
@@ -160,7 +160,7 @@ def _parameters(
     for parameter in about["parameters"]:
         name = parameter["name"]
         declared = cls.fields[name]
-        kind = "colour, linear RGB" if declared.width == 3 else "number"
+        kind = "colour" if declared.width == 3 else "number"
         yield f"### {name}"
         default = shown(declared.default)
         yield (
@@ -172,10 +172,8 @@ def _parameters(
             lines = [f"![{name} at {', '.join(labels)}]({address}){{.strip}}", ""]
             columns = "".join(f"<span>{label}</span>" for label in labels)
             yield "\n".join([*lines, f'<div class="strip-labels">{columns}</div>'])
-            first = strip[len(strip) // 2].partition(":")[2].split(",")
-            others = [s for s in first if not s.startswith(f"{name}=")]
-            if others:
-                yield f"Shown with `{', '.join(others)}`, without which it has no effect."
+            if needed := shared_settings(strip):
+                yield f"Shown with `{', '.join(needed)}`, without which it has no effect."
 
 
 def _options(about: dict[str, Any]) -> Iterator[str]:

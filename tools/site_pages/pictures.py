@@ -15,7 +15,7 @@ from gonio.export.manifest import kind, scale, soft_range, used
 from gonio.fields import ModelError, Option, Parameter
 from gonio.files import replacing
 from gonio.materials import Material, load
-from gonio.materials.notation import model_text
+from gonio.materials.notation import model_text, split
 
 PACKAGE = Path(gonio.__file__).parent
 
@@ -136,6 +136,12 @@ def steps(model: Any, name: str) -> tuple[list[str], list[str]]:
         texts.append(model_text(changed))
         labels.append(f"{value:.3g}")
     return texts, labels
+
+
+def shared_settings(texts: Sequence[str]) -> list[str]:
+    """What all models of a strip have set: the choice without which its parameter is not read."""
+    settings = [split(text)[1] for text in texts]
+    return [piece for piece in settings[0] if all(piece in other for other in settings)]
 
 
 def _that_reads(model: Any, name: str) -> Any:
