@@ -331,6 +331,118 @@ def test_planted_mistakes_are_named(tmp_path: Path, name: str) -> None:
     assert words in str(best)
 
 
+# Diffuse formulas, each with the sentence that names it. Sources: Oren and Nayar 1994, Eq. 30; Fujii 2012.
+OREN_NAYAR = """
+vec3 f(vec3 L, vec3 V, vec3 N, vec3 rho, float roughness) {{
+    float sigma = {sigma};
+    float NoL = dot(N, L);
+    float NoV = dot(N, V);
+    float s = {cosine} - NoL * NoV;
+    float s2 = sigma * sigma;
+    float A = 1.0 - 0.5 * s2 / (s2 + 0.33);
+    float B = 0.45 * s2 / (s2 + 0.09);
+    return rho / 3.14159265 * (A + B * {part} / max(NoL, NoV));
+}}
+"""
+FORMULA = {"sigma": "roughness", "cosine": "dot(L, V)", "part": "max(s, 0.0)"}
+PLANTED_DIFFUSE = {
+    "nothing": ({}, "Oren-Nayar, sigma = roughness;"),
+    "sigma in degrees": ({"sigma": "radians(roughness)"}, "sigma = roughness in degrees"),
+    "sigma squared": ({"sigma": "roughness * roughness"}, "sigma = roughness^2"),
+    "s is not cut": ({"part": "s"}, "whose s / t is not cut at 0"),
+}
+
+
+@needs_gl
+@pytest.mark.parametrize("name", PLANTED_DIFFUSE)
+def test_mistakes_in_diffuse_shaders_are_named(tmp_path: Path, name: str) -> None:
+    changed, words = PLANTED_DIFFUSE[name]
+    text = OREN_NAYAR.format(**(FORMULA | changed))
+    ranges = ["roughness=0..90"] if "degrees" in name else []
+    code = foreign.load(write(tmp_path, "a.glsl", text), function="f", returns="f", ranges=ranges)
+    best = terms.identify(code)[0]
+    assert best.exact, (str(best), best.misfit)
+    assert words in str(best)
+    assert bool(best.odd) == (name != "nothing")
+
+
+@needs_gl
+def test_a_cut_angle_between_light_and_viewer_is_named(tmp_path: Path) -> None:
+    # Fujii 2012; the plain model of Oren and Nayar is 0 there already, so that nothing is wrong with it
+    text = """
+vec3 fujii(vec3 L, vec3 V, vec3 N, vec3 rho, float roughness) {
+    float A = 1.0 / (3.14159265 + (3.14159265 / 2.0 - 2.0 / 3.0) * roughness);
+    float s = max(dot(L, V), 0.0) - dot(N, L) * dot(N, V);
+    float t = s > 0.0 ? max(dot(N, L), dot(N, V)) : 1.0;
+    return rho * A * (1.0 + roughness * s / t);
+}
+"""
+    code = foreign.load(write(tmp_path, "a.glsl", text), function="fujii", returns="f")
+    best = terms.identify(code)[0]
+    assert best.exact
+    assert "Fujii's Oren-Nayar with L.V cut at 0" in str(best)
+    found = foreign.compare(code, gonio.model("qon_fujii"), fit_parameters=False)
+    assert found.largest > 0.1
+
+
+@needs_gl
+def test_swapped_tangents_are_found_against_the_model_or_the_code_itself(tmp_path: Path) -> None:
+    # Ward's exponent with the widths of both axes; only their order is wrong in the second
+    text = """
+float ward(vec3 L, vec3 V, vec3 N, vec3 X, vec3 Y, float ax, float ay) {{
+    vec3 H = normalize(L + V);
+    float hx = dot(H, {x}) / ax;
+    float hy = dot(H, {y}) / ay;
+    float NoH = dot(N, H);
+    return exp(-(hx * hx + hy * hy) / (NoH * NoH)) / (4.0 * 3.14159265 * ax * ay);
+}}
+"""
+    ranges = ["ax=0.2..0.8", "ay=0.2..0.8"]
+    right, swapped = (
+        foreign.load(
+            write(tmp_path, f"{x}.glsl", text.format(x=x, y=y)),
+            function="ward",
+            returns="f",
+            ranges=ranges,
+        )
+        for x, y in ("XY", "YX")
+    )
+    assert foreign.compare(right, right).largest == 0
+    assert foreign.compare(right, swapped).largest > 0.5
+    reports = foreign.check(right, only=["isotropy", "frame", "reciprocity"])
+    assert FAIL not in verdicts(reports).values()
+    assert any("anisotropic" in f.text for r in reports for f in r.findings)
+
+
+@needs_gl
+def test_rounding_is_no_error_but_cancellation_in_ggx_is_named(tmp_path: Path) -> None:
+    # Filament's listing: 1 - NoH^2 by a cross product against (NoH^2 (a^2 - 1) + 1), at alpha = 0.01
+    text = """
+float right(vec3 L, vec3 V, vec3 N, float a) {
+    vec3 H = normalize(L + V);
+    vec3 c = cross(N, H);
+    float k = a / (dot(c, c) + dot(N, H) * dot(N, H) * a * a);
+    return k * k / 3.14159265;
+}
+float cancelling(vec3 L, vec3 V, vec3 N, float a) {
+    float NoH = dot(N, normalize(L + V));
+    float f = NoH * NoH * (a * a - 1.0) + 1.0;
+    return a * a / (3.14159265 * f * f);
+}
+"""
+    path = write(tmp_path, "a.glsl", text)
+    given = {"returns": "f", "ranges": ["a=0.005..0.02"]}
+    both = [foreign.load(path, function=name, **given) for name in ("right", "cancelling")]
+    for code in both:
+        found = foreign.check(code, only=["reciprocity", "isotropy"])
+        assert FAIL not in verdicts(found).values(), [str(f) for r in found for f in r.findings]
+    # The slope of log D is at most 4 / alpha or so: 4 / 0.005 times 6e-8 is 5e-5
+    lost = [foreign.check(code, only=["precision"])[-1].findings[0] for code in both]
+    assert lost[0].measured < 5e-4
+    assert lost[1].measured > 5e-3
+    assert "digits are lost" in lost[1].text
+
+
 @needs_gl
 def test_a_right_shader_is_named_without_anything_unusual(tmp_path: Path) -> None:
     code = foreign.load(microfacet(tmp_path), ranges=["roughness=0.1..1"])
@@ -379,6 +491,17 @@ def test_the_registry_finds_model_options_and_scales(tmp_path: Path) -> None:
     assert found[0].exact
     assert found[0].relations == {"rho": "colour", "roughness": "1 - gloss"}
     assert found[1].misfit > 0.01
+
+
+@pytest.mark.skipif(tools.locate("g++") is None, reason="needs g++")
+def test_options_that_are_not_the_defaults_are_found(tmp_path: Path) -> None:
+    from gonio.export import export
+
+    made = export({"ue4": gonio.model("ue4", light="image")}, "cpp")[0]
+    code = foreign.load(write(tmp_path, "a.h", made.source), function="ue4_eval")
+    found = registry.identify(code, ["lambert", "ue4"])[0]
+    assert found.exact
+    assert "ue4 with light=image: base_color = base_color" in str(found)
 
 
 # --- the command line ----------------------------------------------------------------------------

@@ -136,8 +136,11 @@ def _code(
 
     if not models and not identify:
         raise click.UsageError("give a MODEL to compare the code with, or --identify")
-    beside = plain_models(models, params)
     foreign = code.load(text)
+    beside = [
+        code.load(other) if is_foreign(other) else plain_models([other], params)[0]
+        for other in models
+    ]
     with progress("comparing") as step:
         found = [compare(foreign, model, fit_parameters=fit_parameters) for model in beside]
         identity = identified(foreign, progress=step) if identify else None

@@ -41,7 +41,7 @@ class Comparison:
     """How far code is from a model."""
 
     code: str
-    model: Model
+    model: Model | Foreign
     linked: dict[str, str]
     """Parameters of the model that the code has, by the model's name."""
     fitted: dict[str, Any]
@@ -132,14 +132,14 @@ def _text(value: Any) -> str:
     return "/".join(f"{x:.5g}" for x in (numbers[:1] if len(set(numbers)) == 1 else numbers))
 
 
-def links(foreign: Foreign, model: Model) -> dict[str, tuple[Parameter, Parameter]]:
+def links(foreign: Foreign, model: Model | Foreign) -> dict[str, tuple[Parameter, Parameter]]:
     """Parameters that code and model both have, by name: as the code and as the model declares them.
 
     Raises:
         ForeignError: the code has a colour where the model has a number.
     """
     found = {}
-    for path, declared, _ in model.parameters():
+    for path, declared in _declared(model).items():
         own = foreign.parameters.get(path)
         if own is None:
             continue
@@ -150,13 +150,17 @@ def links(foreign: Foreign, model: Model) -> dict[str, tuple[Parameter, Paramete
 
 
 def compare(
-    foreign: Foreign, model: Model, *, fit_parameters: bool = False, effort: str | Effort = "quick"
+    foreign: Foreign,
+    model: Model | Foreign,
+    *,
+    fit_parameters: bool = False,
+    effort: str | Effort = "quick",
 ) -> Comparison:
     """Compare code with a model over all angles, and over the parameters that both have.
 
     Args:
         foreign: a function that is running.
-        model: its parameters that the code does not have keep their values.
+        model: its parameters that the code does not have keep their values. Other code works as well.
         fit_parameters: fit these instead, at the code's defaults.
         effort: of EFFORTS in gonio.check.report.
 
@@ -166,6 +170,8 @@ def compare(
     level = EFFORTS[effort] if isinstance(effort, str) else effort
     linked = links(foreign, model)
     if fit_parameters:
+        if isinstance(model, Foreign):
+            raise ForeignError(f"{model.name} is code; only parameters of models can be fitted.")
         model = _fitted(foreign, model, linked)
     numbers = [
         (
@@ -190,7 +196,11 @@ def compare(
 
     def both(points: Array, times: int = 3) -> tuple[Rounded, Array]:
         wi, wo, values = spread(points)
-        return rounded(foreign, wi, wo, values, times=times), evaluate(model, wi, wo, values)
+        code = rounded(foreign, wi, wo, values, times=times)
+        if isinstance(model, Foreign):
+            other = rounded(model, wi, wo, values, times=times)
+            return Rounded(code.values, code.rounding + other.rounding), other.values
+        return code, evaluate(model, wi, wo, values)
 
     def departure(points: Array, times: int = 3) -> Array:
         code, truth = both(points, times)
@@ -217,7 +227,7 @@ def compare(
         foreign.label or foreign.name,
         model,
         {name: name for name in linked},
-        {p: v for p, _, v in model.parameters() if p not in linked},
+        {p: v for p, v in _values(model).items() if p not in linked},
         float(lasting.max()),
         float(code.rounding[0].max()) / scale,
         float(np.degrees(np.arccos(min(wi[0, 2], 1)))),
@@ -250,8 +260,24 @@ def _pair(t: Array) -> tuple[Array, Array]:
     return wi, wo
 
 
-def evaluate(model: Model, wi: Array, wo: Array, values: Mapping[str, Any]) -> Array:
-    """Values of a model in float64, (n, 3), with arrays for some of its parameters."""
+def _declared(model: Model | Foreign) -> dict[str, Parameter]:
+    """The parameters of a model or of code, by name."""
+    if isinstance(model, Foreign):
+        return model.parameters
+    return {path: declared for path, declared, _ in model.parameters()}
+
+
+def _values(model: Model | Foreign) -> dict[str, Any]:
+    """Their values."""
+    if isinstance(model, Foreign):
+        return model.defaults()
+    return {path: value for path, _, value in model.parameters()}
+
+
+def evaluate(model: Model | Foreign, wi: Array, wo: Array, values: Mapping[str, Any]) -> Array:
+    """Values of a model in float64, or of code, (n, 3), with arrays for some of its parameters."""
+    if isinstance(model, Foreign):
+        return model.brdf(wi, wo, values)
     widths = {path: p.width for path, p, _ in model.parameters()}
     given = {
         n: np.repeat(v[:, None], 3, axis=1) if widths[n] == 3 and np.ndim(v) == 1 else v
@@ -288,7 +314,7 @@ def _bands(departure: Any, count: int) -> list[tuple[float, float, float]]:
     return found
 
 
-def hint(foreign: Foreign, model: Model, spread: Any, count: int) -> str:
+def hint(foreign: Foreign, model: Model | Foreign, spread: Any, count: int) -> str:
     """What the ratio of code and model depends on, if it is simple."""
     rng = np.random.default_rng(35)
     points = rng.random((6000, count + 4))

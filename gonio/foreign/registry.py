@@ -54,6 +54,10 @@ RELATED = 2e-3
 Progress = Callable[[int, int], None]
 
 
+_Ranked = tuple[float, Model, str, Array]
+"""Misfit, fitted model, factor, and its numbers."""
+
+
 @dataclass(frozen=True)
 class Found:
     """A model that was fitted to code."""
@@ -107,6 +111,7 @@ class _Fitter:
 
     def __init__(self, foreign: Foreign) -> None:
         self.foreign = foreign
+        self.values = setting(foreign)
         self.wi, self.wo = probe(PAIRS // 2, 21)
         good = self.wi[:, 2] > 0.05
         self.wi, self.wo = self.wi[good], self.wo[good]
@@ -177,10 +182,13 @@ def identify(
     """
     registered = models()
     chosen = [registered[n] for n in names] if names else list(registered.values())
+    # Those first that have the most names in common with the code, and few others: an exact one ends the
+    # search, and lambert comes before what can be made lambert
+    chosen.sort(key=lambda cls: (-len(_shared(cls, foreign)), len(cls.fields)))
     fitter = _Fitter(foreign)
-    values = setting(foreign)
+    values = fitter.values
     data = fitter.data(values)
-    ranked: list[tuple[float, Model, str, Array]] = []
+    ranked: list[_Ranked] = []
     total = len(chosen) + (len(chosen) if thorough else NEAREST)
 
     def tell(done: int) -> None:
@@ -197,13 +205,25 @@ def identify(
             ranked.append((misfit, fitted, factor, x))
             if misfit < EXACT:
                 break
-    ranked.sort(key=lambda r: _rank(r[0], r[2]))
-    for k, (misfit, model, factor, x) in enumerate(ranked[: len(ranked) if thorough else NEAREST]):
+        if (
+            set(foreign.parameters)
+            and set(foreign.parameters) <= set(cls.fields)
+            and misfit >= EXACT
+        ):
+            # All names are the model's own: some of its options may be another
+            for entry in ranked[-len(FACTORS) :]:
+                ranked.append(_improved(fitter, entry, data))
+                if ranked[-1][0] < EXACT:
+                    break
+        if ranked and ranked[-1][0] < EXACT and not thorough:
+            break
+    ranked.sort(key=_rank)
+    for k in range(len(ranked) if thorough else min(NEAREST, len(ranked))):
         tell(len(chosen) + k)
         if ranked[0][0] < EXACT and not thorough:
             break
-        ranked[k] = (*_options(fitter, model, data / FACTORS[factor], misfit, x)[:2], factor, x)
-    ranked.sort(key=lambda r: _rank(r[0], r[2]))
+        ranked[k] = _improved(fitter, ranked[k], data)
+    ranked.sort(key=_rank)
     tell(total)
     found: list[Found] = []
     seen: set[str] = set()
@@ -218,13 +238,27 @@ def identify(
     return found
 
 
-def _rank(misfit: float, factor: str) -> tuple[float, int]:
-    return max(misfit, EXACT / 2), list(FACTORS).index(factor)
+def _improved(fitter: _Fitter, entry: _Ranked, data: Array) -> _Ranked:
+    """A fit with the best options."""
+    misfit, model, factor, x = entry
+    misfit, model, x = _options(fitter, model, data / FACTORS[factor], misfit, x)
+    return misfit, model, factor, x
 
 
-def _begin(cls: type[Model], values: Mapping[str, Any]) -> Model | None:
+def _shared(cls: type[Model], foreign: Foreign) -> set[str]:
+    return set(cls.fields) & set(foreign.parameters)
+
+
+def _rank(entry: _Ranked) -> tuple[float, int]:
+    """Exact ones first; among the others many numbers to fit count against a model."""
+    misfit, _, factor, x = entry
+    size = EXACT / 2 if misfit < EXACT else misfit * np.sqrt(len(x))
+    return size, list(FACTORS).index(factor)
+
+
+def _begin(cls: type[Model], values: Mapping[str, Any], model: Model | None = None) -> Model | None:
     """A model with the code's values where names are the same; None if it has nothing to fit."""
-    model = cls()
+    model = model or cls()
     given = {}
     for path, p, _ in model.parameters():
         if path in values and np.ndim(values[path]) == (1 if p.width == 3 else 0):
@@ -247,7 +281,12 @@ def _options(
                 other = model.replace(**{name: value})
             except ValueError:  # options that do not go together
                 continue
-            off, fitted, y = fitter.fit(other, data, 2, x)
+            # From where the fit was, and from the code's own values where names are the same
+            own = _begin(type(other), fitter.values, other)
+            tries = [fitter.fit(other, data, 1, x)]
+            if own is not None:
+                tries.append(fitter.fit(own, data, 2))
+            off, fitted, y = min(tries, key=lambda t: t[0])
             if off < 0.98 * misfit:
                 misfit, model, x = off, fitted, y
     return misfit, model, x
@@ -259,6 +298,8 @@ def _relations(
     """How the model's parameters come from the code's; numbers where they do not."""
     foreign = fitter.foreign
     found: dict[str, str] = {}
+    if _same_names(fitter, model, factor):
+        return {name: name for name in foreign.parameters}
     free = columns(model)
     base = {c.name: v for c, v in zip(free, _numbers(model, free), strict=True)}
     for name, p in foreign.parameters.items():
@@ -289,6 +330,30 @@ def _relations(
             shown = numbers[:1] if np.ptp(numbers) == 0 else numbers
             found[path] = "/".join(f"{v:.4g}" for v in shown)
     return found
+
+
+def _same_names(fitter: _Fitter, model: Model, factor: float) -> bool:
+    """Whether the model's parameters are the code's of the same names, and none else is needed.
+
+    Fitted numbers that the values hardly depend on would hide that.
+    """
+    foreign = fitter.foreign
+    declared = {path: p for path, p, _ in model.parameters()}
+    if not set(foreign.parameters) <= set(declared):
+        return False
+    rng = np.random.default_rng(9)
+    for _ in range(3):
+        values: dict[str, Any] = {}
+        for name, p in foreign.parameters.items():
+            low, high = max(p.low, declared[name].low), min(p.high, declared[name].high)
+            t = low + (min(high, low + 100) - low) * rng.uniform(0.1, 0.9, declared[name].width)
+            values[name] = tuple(map(float, t)) if p.width == 3 else float(t[0])
+        code = fitter.data(values) / factor
+        truth = np.asarray(model.replace(**values).eval(fitter.wi, fitter.wo), np.float64)
+        scale = float(np.sqrt(np.mean(code**2)))
+        if not np.sqrt(np.mean((code - truth) ** 2)) <= 5 * EXACT * scale:
+            return False
+    return True
 
 
 def _numbers(model: Model, free: Any) -> list[float]:

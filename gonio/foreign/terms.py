@@ -230,11 +230,6 @@ def _diffuse(c: Cosines, r: Array, name: str) -> Iterator[tuple[str, Array, bool
             ("Oren-Nayar", A + B * np.maximum(s, 0) / over, usual),
             ("Oren-Nayar with 0.57", A57 + B * np.maximum(s, 0) / over, usual),
             ("Oren-Nayar whose s / t is not cut at 0", A + B * s / over, False),
-            (
-                "Oren-Nayar with L.V cut at 0",
-                A + B * np.maximum(np.maximum(c.v, 0) - c.i * c.o, 0) / over,
-                False,
-            ),
         ]
         for kind, shape, fine in kinds:
             yield f"{kind}, sigma = {text}", shape, fine
@@ -295,7 +290,9 @@ def identify(foreign: Foreign, count: int = 6) -> list[Product]:
     colours: dict[str, Array] = {}
     for name, p in foreign.parameters.items():
         low, high = p.low, p.high
-        t = low + (high - low) * rng.uniform(0.15, 0.9, n)
+        t = rng.uniform(0.15, 0.9, n)
+        # Exponents from the first decade on, so that tails have digits
+        t = low + (high - low) * (t if high <= 10 else 0.05 * t)
         if p.width == 3:
             values[name] = np.repeat(t[:, None], 3, axis=1)
             colours[name] = t
@@ -324,7 +321,8 @@ def identify(foreign: Foreign, count: int = 6) -> list[Product]:
             found += _tried(log_f, cut, _choices(_diffuse(cut, r, name)), fresnel)
             for mistake, other in _halves(cut):
                 terms = _choices(_fresnels(other, others))
-                found += _tried(log_f, other, list(_speculars(other, r, name, mistake)), terms)
+                shapes = _speculars if foreign.parameters[name].high <= 1 else _powers
+                found += _tried(log_f, other, list(shapes(other, r, name, mistake)), terms)
     found.sort(key=lambda p: (max(p.misfit, 2 * EXACT / 3), len(p.odd), len(p.terms)))
     return found[:count]
 
@@ -352,6 +350,29 @@ def _speculars(c: Cosines, r: Array, name: str, mistake: str) -> Iterator[Choice
             if mistake:
                 text += f"; {mistake}"
             yield Choice(text, log_d + np.log(np.maximum(G, TINY)), usual and common)
+
+
+NORMALISED: dict[str, Callable[[Array], Array]] = {
+    "not normalised": np.ones_like,
+    "times (n + 2) / (2 pi)": lambda n: (n + 2) / (2 * np.pi),
+    "times (n + 1) / (2 pi)": lambda n: (n + 1) / (2 * np.pi),
+    "times (n + 8) / (8 pi)": lambda n: (n + 8) / (8 * np.pi),
+}
+
+
+def _powers(c: Cosines, n: Array, name: str, mistake: str) -> Iterator[Choice]:
+    """Blinn's and Phong's lobes, whose width is an exponent, with masking or without."""
+    a = np.sqrt(2 / (n + 2))
+    mirror = 2 * c.i * c.o - c.v  # R.V
+    for lobe, cosine in (("Blinn-Phong, (N.H)^n", c.h), ("Phong, (R.V)^n", mirror)):
+        log_power = n * np.log(np.maximum(cosine, TINY))
+        for how, factor in NORMALISED.items():
+            for g_name, G, usual in _maskings(c, a, n):
+                text = "; ".join(
+                    t for t in (f"{lobe} with n = {name}, {how}", g_name, mistake) if t
+                )
+                log = log_power + np.log(factor(n)) + np.log(np.maximum(G, TINY))
+                yield Choice(text, log, usual and not mistake and how != "not normalised")
 
 
 def _tried(log_f: Array, c: Cosines, shapes: list[Choice], fresnel: list[Choice]) -> list[Product]:

@@ -6,6 +6,7 @@ float32, and what that changes is taken off, several times over, before anything
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
@@ -33,6 +34,10 @@ ROUNDINGS = 8.0
 # as well: the best so many places are looked at again, at so many neighbours each, shaken more often; the
 # lower quartile of their departures counts.
 BEST, NEIGHBOURS, NEAR, OFTEN = 8, 24, 1e-4, 12
+
+# More than this of a value lost to roundings is said. At lower cosines half vectors are short, so that
+# their roundings are large whatever is done with them.
+LOST, MU_STEEP = 1e-3, 0.3
 
 # A departure that is left after that counts from here on, relative to the larger value.
 LIMIT = 1e-3
@@ -99,6 +104,11 @@ def _scope(foreign: Foreign, subject: ForeignSubject) -> Report:
     ]
     text = "factors, widths and terms that break no law; 'gonio compare' with a model finds these"
     findings.append(Finding("not judged", 0.0, NOTE, text))
+    if re.search(
+        r"\b(mediump|lowp|half[234]?|min16float[234]?|f16|float16_t)\b", foreign.source.text
+    ):
+        text = "it is declared; what was measured is what this machine has, which may be float32"
+        findings.append(Finding("half precision", 0.0, NOTE, text))
     findings += [Finding("assumed", 0.0, NOTE, note) for note in foreign.matched.notes]
     points = np.random.default_rng(1).random((512, dimensions(subject)))
     values = np.abs(foreign.brdf(*_places(subject, points)))
@@ -311,6 +321,37 @@ def maximise_lowest(
     return -float(values[0]), (points[0, : len(subject.parameters)], wi[0], wo[0])
 
 
+def _precision(subject: ForeignSubject, effort: Effort) -> list[Finding]:
+    """The largest relative change by roundings of the directions: cancellation makes it large."""
+    foreign = subject.foreign
+    size = dimensions(subject)
+
+    def change(points: Array, times: int = TIMES) -> Array:
+        both = rounded(foreign, *_places(subject, points, MU_STEEP), times=times)
+        with np.errstate(invalid="ignore"):
+            scale = np.maximum(np.abs(both.values), FLOOR)
+            return np.asarray(np.nan_to_num(both.rounding / scale, nan=0.0).max(axis=1))
+
+    points, _ = maximise(
+        change,
+        size,
+        population=effort.population // 4,
+        rounds=effort.rounds // 2,
+        seed=29,
+        special=special_parts(subject),
+    )
+    again = change(points[:BEST], OFTEN)
+    best = int(np.argmax(again))
+    measured = float(again[best])
+    wi, wo, _ = _places(subject, points[best : best + 1], MU_STEEP)
+    case = (points[best, : len(subject.parameters)], wi[0], wo[0])
+    verdict, text = PASS, "change by roundings of the directions"
+    if measured > LOST:
+        verdict = NOTE
+        text += ": digits are lost, in 1 - NoH^2 of a narrow lobe for example; a cross product keeps them"
+    return [Finding("rounding", measured, verdict, text, "", subject.replay(*case), case)]
+
+
 def _energy(subject: ForeignSubject, effort: Effort) -> list[Finding]:
     """The largest albedo by search; a gain of less than LIMIT may be roundings of a white surface."""
     found = energy.check(subject, effort.less()).findings
@@ -360,4 +401,5 @@ VERDICTS: dict[str, Callable[[ForeignSubject, Effort], list[Finding]]] = {
     "finite": _finite,
     "isotropy": _isotropy,
     "frame": _frame,
+    "precision": _precision,
 }
