@@ -173,9 +173,12 @@ def log(x: Any) -> Any:
 
 
 def power(x: Any, exponent: Any) -> Any:
-    """`x` to a power, for x greater than zero."""
+    """`x` to a power, for x greater than zero; with a whole number as exponent, for any x."""
+    found = dr.power(x, exponent)
+    if isinstance(exponent, (int, float)) and float(exponent).is_integer():
+        return found  # products, which have a sign
     # Dr.Jit has -inf in double precision where the result is below 2^-1022
-    return dr.maximum(dr.power(x, exponent), 0)
+    return dr.maximum(found, 0)
 
 
 def erf(x: Any) -> Any:

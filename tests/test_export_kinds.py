@@ -88,6 +88,16 @@ SAME: dict[str, tuple[str, str, str]] = {
         "",
         "",
     ),
+    "an underscore that is read after it got another value": (
+        "_ = wi.z\n_, b = wi.x, wi.y\nreturn self.rho * (_ - 3 * b)",
+        "",
+        "",
+    ),
+    "an underscore that is read after a function": (
+        "_ = wi.z\n_, b = f(wi.x)\nreturn self.rho * (_ - 3 * b)",
+        "",
+        "def f(x):\n    first = x * 2\n    second = x + 5\n    return first, second",
+    ),
     "underscores": ("_ = wi.x\n_A = wi.y\nreturn vec3(_, _A, 1)", "", ""),
     "parameters with reserved names": (
         "return self.rho * self.half + self.half_ * self.f",
@@ -420,6 +430,61 @@ REFUSED: dict[str, tuple[str, str, str, str]] = {
     "a generator": ("return self.rho * sum(x for x in (1, 2))", "", "", "a + b + c"),
     "assert": ("assert self.form\nreturn self.rho", "", "", "no exceptions"),
     "deletion": ("x = wi.z\ndel x\nreturn self.rho", "", "", "cost nothing"),
+    "a lambda of the module": ("return self.rho * f(wi.z)", "", "f = lambda x: 2 * x", "'def'"),
+    "a wrapped property": (
+        "return self.rho * self.twice",
+        "@property\n@doubled\ndef twice(self):\n    return self.width",
+        "def doubled(g):\n    @functools.wraps(g)\n    def inner(self):\n        return 2 * g(self)\n"
+        "    return inner",
+        "'def'",
+    ),
+    "a NamedTuple that makes its members anew": (
+        "return self.rho * Turned(wi.z, 2).a",
+        "",
+        "class Pair(NamedTuple):\n    a: Float\n    b: Float\n\n\nclass Turned(Pair):\n"
+        "    def __new__(cls, a, b):\n        return super().__new__(cls, b, a)",
+        "one NamedTuple",
+    ),
+    "a NamedTuple with a property over a member": (
+        "return self.rho * Fixed(wi.z, 2).a",
+        "",
+        "class Pair(NamedTuple):\n    a: Float\n    b: Float\n\n\nclass Fixed(Pair):\n"
+        "    @property\n    def a(self):\n        return 5.0",
+        "one NamedTuple",
+    ),
+    "a method of a NamedTuple": (
+        "return self.rho * Pair(wi.z, 2).total()",
+        "",
+        "class Pair(NamedTuple):\n    a: Float\n    b: Float\n\n    def total(self):\n"
+        "        return self.a + self.b",
+        "a function that takes it",
+    ),
+    "several components at once": (
+        "return self.rho * wi.xyz",
+        "",
+        "",
+        "one by one",
+    ),
+    "a number with operators of its own": (
+        "return self.rho * K",
+        "",
+        "class Odd(float):\n    def __mul__(self, other):\n        return 7 * other\n\n"
+        "    __rmul__ = __mul__\n\n\nK = Odd(2)",
+        "write numbers",
+    ),
+    "300 functions that call each other": (
+        "return self.rho * f300(wi.z)",
+        "",
+        "def f0(x):\n    return x * 2\n\n\n"
+        + "\n\n\n".join(f"def f{i}(x):\n    return f{i - 1}(x) + 1" for i in range(1, 301)),
+        "too deeply",
+    ),
+    "a number of an enumeration": (
+        "return self.rho * E.A",
+        "",
+        "import enum\n\n\nclass E(enum.IntEnum):\n    A = 2",
+        "write numbers",
+    ),
     "recursion by two": (
         "return self.rho * f(wi.z)",
         "",

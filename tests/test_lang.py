@@ -10,6 +10,14 @@ from gonio import backend
 from gonio.lang import power
 
 
+@pytest.mark.parametrize("exponent", [0, 1, 2, 3, 5.0, 17, 64, 101, -1, -3])
+def test_a_whole_power_of_a_negative_number_is_a_product_with_its_sign(exponent: float) -> None:
+    Float64 = backend.array_module().Float64
+    base = np.array([-1.5, -0.5, -0.25, 0.75])
+    np.testing.assert_allclose(power(Float64(base), exponent), base**exponent, rtol=1e-13)
+    assert power(-0.5, exponent) == pytest.approx((-0.5) ** exponent, rel=1e-13)
+
+
 @pytest.mark.parametrize("base", [0.5, 0.3, 1e-20])
 def test_a_power_too_small_for_its_precision_is_nearly_nothing_and_not_minus_infinity(
     base: float,

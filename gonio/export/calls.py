@@ -301,6 +301,12 @@ class Calls(Expressions):
 
     def _record(self, node: ast.Call, cls: Any) -> Expr:
         """A NamedTuple from its members."""
+        if tuple not in cls.__bases__:
+            self.refuse(
+                node,
+                f"{cls.__name__} derives from a NamedTuple and may change what its members are; write one "
+                "NamedTuple with all members.",
+            )
         arguments = self._arguments(node, cls.__new__, 1)
         hints = inspect.get_annotations(cls, eval_str=True)
         if cls is lang.Sample:

@@ -239,7 +239,12 @@ class Expressions(ABC):
     def _expr(self, node: ast.expr, value: Value) -> Expr:
         if isinstance(value, Static):
             if not is_number(value.value):
-                self.refuse(node, f"{shown(value.value)} has no value in a shader.")
+                instead = (
+                    f"write {float(value.value)}, or decide with 'if'"
+                    if isinstance(value.value, bool)
+                    else "write numbers, vectors or masks, and decide with 'if' on an option"
+                )
+                self.refuse(node, f"{shown(value.value)} has no value in a shader; {instead}.")
             return self._number(node, value.value)
         if isinstance(value, Method):
             self.refuse(node, "a method must be called.")
@@ -367,9 +372,17 @@ class Expressions(ABC):
                     return Static(fixed)
             if kind.model is not None:
                 return self._of_model(node, expr, kind.model)
-        elif kind in ("vec2", "vec3") and node.attr in "xyz"[: VECTORS[str(kind)]]:
+        elif kind in ("vec2", "vec3") and node.attr in tuple("xyz")[: VECTORS[str(kind)]]:
             return Access(expr, node.attr, "float")
-        self.refuse(node, f"a {spoken(kind)} has no {node.attr!r}.")
+        if isinstance(kind, Struct):
+            names = ", ".join([m.name for m in kind.members] + [n for n, _ in kind.fixed])
+            self.refuse(
+                node,
+                f"{kind.name} has no {node.attr!r}, only {names}; write a function that takes it.",
+            )
+        has = ", ".join("xyz"[: VECTORS.get(str(kind), 0)])
+        instead = f"; write its components, {has}, one by one" if has else ""
+        self.refuse(node, f"a {spoken(kind)} has no {node.attr!r} in a shader{instead}.")
 
     def _of_model(self, node: ast.Attribute, expr: Expr, model: Model) -> Value:
         """What a model has besides its parameters: options, methods, and what its class defines."""

@@ -162,9 +162,10 @@ class Reader:
         try:
             made = Body(self, function, given, owner, method, guarded).read()
         except RecursionError:
-            raise ExportError(
-                f"{function.__code__.co_filename}:{function.__code__.co_firstlineno}: functions call each "
-                f"other too deeply to be read, down to {function.__name__}; call fewer."
+            file = source(function.__code__.co_filename)
+            raise file.complaint(
+                file.function(function),
+                f"functions call each other too deeply, down to {function.__name__}; call fewer.",
             ) from None
         self._open.pop()
         plain = "eval_above" if method == UNTESTED else method or function.__name__

@@ -93,9 +93,10 @@ class Source:
             near = [n for line, n in self._functions.items() if line > first]
             node = min(near, key=lambda n: n.lineno, default=None)
         if not isinstance(node, ast.FunctionDef) or node.name != function.__name__:
-            raise ExportError(
-                f"{self.path}:{first}: no plain function {function.__name__!r} stands there; write it with "
-                "'def', and start again if the file has changed."
+            raise self.complaint(
+                self._at(first),
+                f"no plain function {function.__name__!r} stands here; write it with 'def', without a "
+                "decorator that replaces it, and start again if the file has changed.",
             )
         known = self._codes.get((first, function.__name__))
         if known is None or _meaning(known) != _meaning(function.__code__):
@@ -119,6 +120,16 @@ class Source:
         before = re.sub(r"\S", " ", text[:column])
         marked = f"{text.rstrip()}\n{before}{'^' * max(width, 1)}"
         return ExportError(f"{self.path}:{line}:{column + 1}: {message}\n{marked}")
+
+    def _at(self, line: int) -> ast.AST:
+        """What begins in a line, or the whole line where nothing does."""
+        for node in ast.walk(self.tree):
+            if isinstance(node, (ast.Lambda, ast.FunctionDef)) and node.lineno == line:
+                return node
+        text = self.lines[line - 1] if line <= len(self.lines) else ""
+        start, end = len(text) - len(text.lstrip()), len(text.rstrip())
+        line = min(line, len(self.lines))
+        return ast.Pass(lineno=line, col_offset=start, end_lineno=line, end_col_offset=end)
 
     def constant_place(self, name: str) -> tuple[int, int]:
         """Line and column of a named number of this file."""

@@ -72,7 +72,9 @@ class Body(Calls):
         self.done = False
         self.pending: tuple[str, ...] = ()  # comments for the next statement
         self.branch_taken = True  # whether the branch that ends right above was taken
-        self.used = {n.id for n in ast.walk(self.node) if isinstance(n, ast.Name)}
+        names = [n for n in ast.walk(self.node) if isinstance(n, ast.Name)]
+        self.used = {n.id for n in names}
+        self.unread = {"_"} - {n.id for n in names if isinstance(n.ctx, ast.Load)}
         # Names whose value no other name has: `x += y` changes it in place
         self.own: set[str] = set()
         self.loops: list[_Loop] = []
@@ -510,7 +512,7 @@ class Body(Calls):
                     self._store(node, label, v)
                     values[i] = Variable(label, v.type)
             for name, v in zip(names, values, strict=True):
-                if name != "_":
+                if name not in self.unread:
                     self._store(node, name, v)
             return
         expr = self._expr(node.value, value)
@@ -527,7 +529,7 @@ class Body(Calls):
         types = {m.name: m.type for m in kind.members}
         fixed = dict(kind.fixed)
         for name, member in zip(names, kind.order or types, strict=True):
-            if name != "_":
+            if name not in self.unread:
                 known = Static(fixed[member]) if member in fixed else None
                 self._store(node, name, known or Access(expr, member, types[member]))
 

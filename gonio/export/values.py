@@ -86,7 +86,8 @@ class Changed(Variable):
 
 def is_number(value: Any) -> bool:
     """Whether it is a number of Python, which has a place in a shader."""
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
+    # Not what derives from them, such as bool, enumerations, and classes with operators of their own
+    return type(value) in (int, float, np.float64)
 
 
 def misfit(value: Any) -> str:
