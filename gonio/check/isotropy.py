@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 
 import numpy as np
 
@@ -17,9 +18,14 @@ from gonio.check.subject import Array, Subject, evaluate
 # by up to 1e12: so many times what one more rounding changes is allowed.
 ROUNDING, ROUNDINGS, EPSILON = 1e-5, 64, 2.0**-52
 
-# A sampler may take its axes from wo's azimuth: nearer to the normal than this there is none, and the edge
-# of a clipped density may lie on either side of a rounding.
-OFF_NORMAL, EDGE = 1e-6, 0.999
+# A sampler may take its axes from wo's azimuth: nearer to the normal than this there is none.
+OFF_NORMAL = 1e-6
+
+# The edge of a clipped density may lie on either side of a rounding: where nearly all of it is gone after a
+# turn, it counts if it is gone at wi moved so far, to either side, as well.
+EDGE, BESIDE = 0.999, 1e-3
+
+Turn = Callable[[Array], Array]
 
 NAMES = ("eval", "pdf", "albedo")
 
@@ -65,14 +71,9 @@ def change(subject: Subject, points: Array) -> Array:
     """
     parameters, wi, wo = pairs(subject, points[:, :-1])
     angle = 2 * np.pi * points[:, -1]
-    c, s = np.cos(angle), np.sin(angle)
-
-    def turned(w: Array) -> Array:
-        return np.stack([c * w[:, 0] - s * w[:, 1], s * w[:, 0] + c * w[:, 1], w[:, 2]], -1)
-
     n = len(points)
     index = np.tile(np.arange(n, dtype=np.uint32), 3)
-    light, viewer = turned(wi), turned(wo)
+    light, viewer = _turned(wi, angle), _turned(wo, angle)
     rng = np.random.default_rng(17)
     shaken = light * (1 + EPSILON * rng.choice([-1.0, 1.0], light.shape))
     wi, wo = np.concatenate([wi, light, shaken]), np.concatenate([wo, viewer, viewer])
@@ -91,5 +92,36 @@ def change(subject: Subject, points: Array) -> Array:
             )
         )
     near_normal = np.hypot(wo[:n, 0], wo[:n, 1]) < OFF_NORMAL
-    found[1] = np.where(near_normal | (found[1] > EDGE), 0, found[1])
+    found[1] = np.where(near_normal, 0, found[1])
+    rows = np.flatnonzero(found[1] > EDGE)
+    if len(rows):
+
+        def same_turn(w: Array) -> Array:
+            return _turned(w, np.tile(angle[rows], len(w) // len(rows)))
+
+        found[1][rows] = _all_around(subject, parameters[rows], wi[rows], wo[rows], same_turn)
     return np.stack(found, -1)
+
+
+def _turned(w: Array, angle: Array) -> Array:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.stack([c * w[:, 0] - s * w[:, 1], s * w[:, 0] + c * w[:, 1], w[:, 2]], -1)
+
+
+def _all_around(subject: Subject, parameters: Array, wi: Array, wo: Array, turn: Turn) -> Array:
+    """The smallest relative change of the density by the turn, of places on four sides of each wi."""
+    n = len(wi)
+    along = np.stack([-wi[:, 1], wi[:, 0], 0 * wi[:, 2]], -1) + np.array([1e-9, 0, 0])
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    across = np.cross(wi, along)
+    beside = [wi + BESIDE * side for side in (along, -along, across, -across)]
+    light = np.concatenate(beside)
+    light[:, 2] = np.abs(light[:, 2])
+    light /= np.linalg.norm(light, axis=1, keepdims=True)
+    viewer = np.tile(wo, (4, 1))
+    index = np.tile(np.arange(n, dtype=np.uint32), 8)
+    both = [np.concatenate([w, turn(w)]) for w in (light, viewer)]
+    _, pdf = evaluate(subject, parameters, index, *both)
+    a, b = np.split(pdf.astype(np.float64), 2)
+    relative = np.abs(a - b) / np.maximum(np.maximum(a, b), FLOOR)
+    return np.asarray(relative.reshape(4, n).min(axis=0))
