@@ -48,7 +48,7 @@ class OrenNayar(Model):
     sigma: Float = param(0.5, 0, PI / 2, "standard deviation of the facet angle, radians")
     caveats = (
         "Reflects more than it receives at grazing angles for 0 < sigma < 0.63 and rho > 0.95, "
-        "at most 1.051.",
+        "at most 1.0511.",
         "Loses energy at larger sigma: at pi/2 a white surface reflects 72 % at the normal.",
         "Goes negative for sigma > 0.6 and dark rho when light and viewer graze on opposite sides: at "
         "most -0.27 rho / pi (sigma = pi/2). The published fit is kept as it is.",
@@ -60,7 +60,7 @@ class OrenNayar(Model):
         ),
     )
     claims = Claims(
-        energy=at_most(1.051),
+        energy=at_most(1.0511),
         negative=at_most(0.0565),
         kinks=(kink(Place.SIDE_LIGHT), kink(Place.EQUAL_COSINES)),
     )
