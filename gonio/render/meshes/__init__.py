@@ -2,8 +2,8 @@
 
 trimesh was measured to lose what pictures need: it cuts concave polygons into fans, drops uvs of OBJ faces
 beside faces without, of glTF parts without a material, sparse accessors and normalised integers, and fails
-on indented OBJ lines, on PLY's corner uvs, and on STL solids with other names than it expects. tinyobjloader
-fails on continued lines and reads OBJ alone.
+on indented OBJ lines, on PLY's corner uvs, and on STL solids with other names than it expects.
+tinyobjloader fails on continued lines and reads OBJ alone.
 """
 
 from __future__ import annotations
