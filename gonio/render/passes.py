@@ -140,8 +140,8 @@ def integrate(
                     break
                 if seconds is not None and time.monotonic() - start >= seconds:
                     break
-        if progress is not None:
-            progress(spp, spp)
+        if progress is not None and judged:
+            progress(spp, spp)  # also where the goal was reached before
         return _colours(total / np.float32(taken), sensor.film(), alpha)
 
 
