@@ -395,10 +395,12 @@ def test_the_probe_has_the_numbers_of_gonio_eval(shown: Shown) -> None:
     shown.run("await gonio.show('weidlich_wilkie:alpha=0.2,base=eon'); gonio.state.probe = '';")
     shown.film(1, 32, env="studio", furnace=False, shape="ball")
     model = gonio.model("weidlich_wilkie", alpha=0.2, base="eon")
-    for _ in range(5):  # a probe that was under way may still answer for what was shown before
+    for _ in range(50):  # a probe that was under way may still answer for what was shown before
         shown.run("gonio.probe(0.45, 0.5)")
         shown.until("gonio.probed?.values.length === 1")
         seen = shown.value("({ ...gonio.probed.found, ...gonio.probed.values[0] })")
+        if "f" not in seen:
+            continue
         wi, wo = np.array(seen["wi"]), np.array(seen["wo"])
         if np.allclose(seen["f"], model.eval(wi, wo), rtol=F_ERROR):
             break
