@@ -22,6 +22,7 @@ from gonio.claims import Claims
 from gonio.fields import ModelError, Option, Parameter, framework, shown
 from gonio.lang import MU_MIN, Color, Float, Sample, Vec2, Vec3, select, vec2, vec3
 from gonio.numeric_albedo import for_quadrature, mean_over_directions
+from gonio.parts.interface import gather, leave, pdf_leave, refract
 from gonio.suggestions import did_you_mean
 
 
@@ -278,6 +279,19 @@ class Model:
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density in 1/sr with which `sample` returns `wi`, shape (...); 0 below the horizon."""
         raise NotImplementedError
+
+    def sample_leaving(self, wo: Vec3, u: Vec2, eta: Float) -> Vec3:
+        """`sample` inside a kernel for a base under layers: the direction in which the light leaves them.
+
+        wo: inside the lowest layer. eta: the product of the layers' indices. Layers that lie over layers
+        override it: each calls the next once, whose light refracts as if there were one layer.
+        """
+        return leave(self.sample(wo, u).wi, eta)
+
+    def pdf_leaving(self, wi: Vec3, wo: Vec3, eta: Float) -> Float:
+        """Density of `sample_leaving` at wi, which is outside all layers, in 1/sr."""
+        wi_t = refract(wi, eta)
+        return pdf_leave(self.pdf(wi_t, wo), self.pdf(gather(wi, eta), wo), wi, wi_t, eta)
 
     def albedo(self, wo: Vec3) -> Color:
         """Directional albedo ∫ f μi dωi, shape (..., 3): closed form if known, else by quadrature."""

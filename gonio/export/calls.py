@@ -10,7 +10,7 @@ from typing import Any, cast
 
 from gonio import lang
 from gonio.export import library
-from gonio.export.expressions import SIGNATURES, UNTESTED, Expressions
+from gonio.export.expressions import OF_ALL, SIGNATURES, UNTESTED, Expressions
 from gonio.export.source import source
 from gonio.export.tree import (
     SELF,
@@ -442,7 +442,7 @@ def method_of(owner: Struct, name: str) -> types.FunctionType:
     function = written(name, found)
     if function is None:
         raise MissingMethodError(f"{type(model).__name__}.{name} is no plain method.")
-    if function is written(name, vars(Model).get(name)):
+    if name not in OF_ALL and function is written(name, vars(Model).get(name)):
         if name == "albedo":
             return cast(types.FunctionType, library.sampled_albedo)
         if name == "mean_albedo":

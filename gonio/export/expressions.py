@@ -61,8 +61,11 @@ SIGNATURES: dict[str, tuple[tuple[tuple[str, Type], ...], Type | None]] = {
     "mean_albedo": ((), "vec3"),
 }
 
+# Methods of `gonio.model.Model` that are exported as they stand there, where a model has none of its own.
+OF_ALL = ("sample_leaving", "pdf_leaving")
+
 # What a shader may ask of `gonio.model.Model` itself.
-OF_EVERY_MODEL = {*SIGNATURES, "at_least_as_rough", "name"}
+OF_EVERY_MODEL = {*SIGNATURES, *OF_ALL, "at_least_as_rough", "name"}
 
 # Terms and brackets of one statement; Python's own stack holds some five times as many.
 DEPTH_MAX = 100

@@ -138,23 +138,42 @@ class WeidlichWilkie(Model):
         """The coat by visible normals or the base below, chosen by what the coat reflects and absorbs."""
         wo_t = refract(wo, self.eta)
         if self.interface == "smooth":
-            wi = leave(self._below().sample(wo_t, u).wi, self.eta)
+            wi = self._below().sample_leaving(wo_t, u, self.eta)
             return Sample(wi, self.pdf(wi, wo))
         on_coat, v = choose(self._shares(wo, wo_t).x, u)
-        w_base = leave(self._below().sample(wo_t, v).wi, self.eta)
+        w_base = self._below().sample_leaving(wo_t, v, self.eta)
         wi = select(on_coat, self._sample_coat(wo, v), w_base)
         return Sample(wi, self.pdf(wi, wo))
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample` in 1/sr."""
-        wi_t, wo_t = refract(wi, self.eta), refract(wo, self.eta)
-        refracted = self._below().pdf(wi_t, wo_t)
-        gathered = self._below().pdf(gather(wi, self.eta), wo_t)
-        below = pdf_leave(refracted, gathered, wi, wi_t, self.eta)
+        wo_t = refract(wo, self.eta)
+        below = self._below().pdf_leaving(wi, wo_t, self.eta)
         if self.interface == "smooth":
             return below
         P = self._shares(wo, wo_t)
         return P.x * self._pdf_coat(wi, wo) + P.y * below
+
+    def sample_leaving(self, wo: Vec3, u: Vec2, eta: Float) -> Vec3:
+        """Of a coat under others. What comes from the base leaves all of them at once, by one index."""
+        wo_t = refract(wo, self.eta)
+        if self.interface == "smooth":
+            return self._below().sample_leaving(wo_t, u, eta * self.eta)
+        on_coat, v = choose(self._shares(wo, wo_t).x, u)
+        w_base = self._below().sample_leaving(wo_t, v, eta * self.eta)
+        return select(on_coat, leave(self._sample_coat(wo, v), eta), w_base)
+
+    def pdf_leaving(self, wi: Vec3, wo: Vec3, eta: Float) -> Float:
+        """Density of `sample_leaving` in 1/sr."""
+        wo_t = refract(wo, self.eta)
+        below = self._below().pdf_leaving(wi, wo_t, eta * self.eta)
+        if self.interface == "smooth":
+            return below
+        P = self._shares(wo, wo_t)
+        wi_here = refract(wi, eta)
+        gathered = self._pdf_coat(gather(wi, eta), wo)
+        coat = pdf_leave(self._pdf_coat(wi_here, wo), gathered, wi, wi_here, eta)
+        return P.x * coat + P.y * below
 
     def facet_terms(self, wi: Vec3, wo: Vec3) -> dict[str, Float]:
         """D and G of the coat at a pair of directions; for plots."""

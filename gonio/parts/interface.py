@@ -134,9 +134,10 @@ def leave(w: Vec3, eta: Float) -> Vec3:
     k = critical_cosine(eta)
     refracted = w.z > k
     spread = minimum(w.z / maximum(k, MU_MIN), 1)
-    cos_refracted = safe_sqrt(1 - eta * eta * (1 - w.z * w.z))
-    z = select(refracted, cos_refracted, spread)
+    # The sine from x and y: under many layers 1 - z^2 has few digits
     sin2 = w.x * w.x + w.y * w.y
+    cos_refracted = safe_sqrt(1 - eta * eta * sin2)
+    z = select(refracted, cos_refracted, spread)
     scale = safe_sqrt(1 - z * z) / sqrt(maximum(sin2, SIN2_MIN))
     # A sample above the horizon stays there, however flat.
     z = select(w.z > 0, maximum(z, LEAVE_MIN), -1)

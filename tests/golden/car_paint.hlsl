@@ -386,9 +386,10 @@ float3 car_paint_leave(float3 w, float eta) {
     float k = car_paint_critical_cosine(eta);
     bool refracted = w.z > k;
     float spread = min(w.z / max(k, mu_min), 1.0);
-    float cos_refracted = sqrt(max(1.0 - eta * eta * (1.0 - w.z * w.z), 0.0));
-    float z = refracted ? cos_refracted : spread;
+    // The sine from x and y: under many layers 1 - z^2 has few digits
     float sin2 = w.x * w.x + w.y * w.y;
+    float cos_refracted = sqrt(max(1.0 - eta * eta * sin2, 0.0));
+    float z = refracted ? cos_refracted : spread;
     float scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
     // A sample above the horizon stays there, however flat.
     z = w.z > 0.0 ? max(z, LEAVE_MIN) : -1.0;

@@ -378,9 +378,10 @@ fn car_paint_leave(w: vec3f, eta: f32) -> vec3f {
     let k = car_paint_critical_cosine(eta);
     let refracted = w.z > k;
     let spread = min(w.z / max(k, mu_min), 1.0);
-    let cos_refracted = sqrt(max(1.0 - eta * eta * (1.0 - w.z * w.z), 0.0));
-    var z = select(spread, cos_refracted, refracted);
+    // The sine from x and y: under many layers 1 - z^2 has few digits
     let sin2 = w.x * w.x + w.y * w.y;
+    let cos_refracted = sqrt(max(1.0 - eta * eta * sin2, 0.0));
+    var z = select(spread, cos_refracted, refracted);
     let scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
     // A sample above the horizon stays there, however flat.
     z = select(-1.0, max(z, LEAVE_MIN), w.z > 0.0);

@@ -503,9 +503,10 @@ inline Vec3 patina_leave(Vec3 w, float eta) {
     float k = patina_critical_cosine(eta);
     bool refracted = w.z > k;
     float spread = fminf(w.z / fmaxf(k, mu_min), 1.0f);
-    float cos_refracted = sqrtf(fmaxf(1.0f - eta * eta * (1.0f - w.z * w.z), 0.0f));
-    float z = refracted ? cos_refracted : spread;
+    // The sine from x and y: under many layers 1 - z^2 has few digits
     float sin2 = w.x * w.x + w.y * w.y;
+    float cos_refracted = sqrtf(fmaxf(1.0f - eta * eta * sin2, 0.0f));
+    float z = refracted ? cos_refracted : spread;
     float scale = sqrtf(fmaxf(1.0f - z * z, 0.0f)) / sqrtf(fmaxf(sin2, SIN2_MIN));
     // A sample above the horizon stays there, however flat.
     z = w.z > 0.0f ? fmaxf(z, LEAVE_MIN) : -1.0f;

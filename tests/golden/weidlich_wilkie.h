@@ -374,13 +374,23 @@ inline Vec3 weidlich_wilkie_leave(Vec3 w, float eta) {
     float k = weidlich_wilkie_critical_cosine(eta);
     bool refracted = w.z > k;
     float spread = fminf(w.z / fmaxf(k, mu_min), 1.0f);
-    float cos_refracted = sqrtf(fmaxf(1.0f - eta * eta * (1.0f - w.z * w.z), 0.0f));
-    float z = refracted ? cos_refracted : spread;
+    // The sine from x and y: under many layers 1 - z^2 has few digits
     float sin2 = w.x * w.x + w.y * w.y;
+    float cos_refracted = sqrtf(fmaxf(1.0f - eta * eta * sin2, 0.0f));
+    float z = refracted ? cos_refracted : spread;
     float scale = sqrtf(fmaxf(1.0f - z * z, 0.0f)) / sqrtf(fmaxf(sin2, SIN2_MIN));
     // A sample above the horizon stays there, however flat.
     z = w.z > 0.0f ? fmaxf(z, LEAVE_MIN) : -1.0f;
     return normalize(Vec3{w.x * scale, w.y * scale, z});
+}
+
+// weidlich_wilkie_base_sample inside a kernel for a base under layers: the direction in which the light
+// leaves them.
+//
+// wo: inside the lowest layer. eta: the product of the layers' indices. Layers that lie over layers
+// override it: each calls the next once, whose light refracts as if there were one layer.
+inline Vec3 weidlich_wilkie_base_sample_leaving(Vec3 wo, Vec2 u, float eta) {
+    return weidlich_wilkie_leave(weidlich_wilkie_base_sample(wo, u).wi, eta);
 }
 
 // A normal with density D_beckmann m.z. Walter et al., Eq. 28 and 29.
@@ -432,6 +442,13 @@ inline float weidlich_wilkie_pdf_leave(float pdf_refracted, float pdf_gathered, 
         + pdf_gathered * weidlich_wilkie_critical_cosine(eta);
 }
 
+// Density of weidlich_wilkie_base_sample_leaving at wi, which is outside all layers, in 1/sr.
+inline float weidlich_wilkie_base_pdf_leaving(Vec3 wi, Vec3 wo, float eta) {
+    Vec3 wi_t = weidlich_wilkie_refract(wi, eta);
+    return weidlich_wilkie_pdf_leave(weidlich_wilkie_base_pdf(wi_t, wo),
+        weidlich_wilkie_base_pdf(weidlich_wilkie_gather(wi, eta), wo), wi, wi_t, eta);
+}
+
 // Density of weidlich_wilkie_mirror in 1/sr, if m has the given density and cos_h = wo . m.
 inline float weidlich_wilkie_pdf_mirror(float density, float cos_h) {
     // Walter et al., Eq. 14
@@ -449,11 +466,8 @@ inline float weidlich_wilkie_pdf(const WeidlichWilkie& params, Vec3 wi, Vec3 wo)
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0f;
     }
-    Vec3 wi_t = weidlich_wilkie_refract(wi, params.eta);
     Vec3 wo_t = weidlich_wilkie_refract(wo, params.eta);
-    float refracted = weidlich_wilkie_base_pdf(wi_t, wo_t);
-    float gathered = weidlich_wilkie_base_pdf(weidlich_wilkie_gather(wi, params.eta), wo_t);
-    float below = weidlich_wilkie_pdf_leave(refracted, gathered, wi, wi_t, params.eta);
+    float below = weidlich_wilkie_base_pdf_leaving(wi, wo_t, params.eta);
     Vec2 P = weidlich_wilkie_shares(params, wo, wo_t);
     return P.x * weidlich_wilkie_pdf_coat(params, wi, wo) + P.y * below;
 }
@@ -469,7 +483,7 @@ inline WeidlichWilkieSample weidlich_wilkie_sample(const WeidlichWilkie& params,
         wo_t).x, u);
     bool on_coat = choose_result.is_first;
     Vec2 v = choose_result.u;
-    Vec3 w_base = weidlich_wilkie_leave(weidlich_wilkie_base_sample(wo_t, v).wi, params.eta);
+    Vec3 w_base = weidlich_wilkie_base_sample_leaving(wo_t, v, params.eta);
     Vec3 wi = on_coat ? weidlich_wilkie_sample_coat(params, wo, v) : w_base;
     return WeidlichWilkieSample{wi, weidlich_wilkie_pdf(params, wi, wo)};
 }

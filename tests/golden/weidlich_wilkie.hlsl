@@ -309,13 +309,23 @@ float3 weidlich_wilkie_leave(float3 w, float eta) {
     float k = weidlich_wilkie_critical_cosine(eta);
     bool refracted = w.z > k;
     float spread = min(w.z / max(k, mu_min), 1.0);
-    float cos_refracted = sqrt(max(1.0 - eta * eta * (1.0 - w.z * w.z), 0.0));
-    float z = refracted ? cos_refracted : spread;
+    // The sine from x and y: under many layers 1 - z^2 has few digits
     float sin2 = w.x * w.x + w.y * w.y;
+    float cos_refracted = sqrt(max(1.0 - eta * eta * sin2, 0.0));
+    float z = refracted ? cos_refracted : spread;
     float scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
     // A sample above the horizon stays there, however flat.
     z = w.z > 0.0 ? max(z, LEAVE_MIN) : -1.0;
     return normalize(float3(w.x * scale, w.y * scale, z));
+}
+
+// weidlich_wilkie_base_sample inside a kernel for a base under layers: the direction in which the light
+// leaves them.
+//
+// wo: inside the lowest layer. eta: the product of the layers' indices. Layers that lie over layers
+// override it: each calls the next once, whose light refracts as if there were one layer.
+float3 weidlich_wilkie_base_sample_leaving(float3 wo, float2 u, float eta) {
+    return weidlich_wilkie_leave(weidlich_wilkie_base_sample(wo, u).wi, eta);
 }
 
 // A normal with density D_beckmann m.z. Walter et al., Eq. 28 and 29.
@@ -372,6 +382,13 @@ float weidlich_wilkie_pdf_leave(float pdf_refracted, float pdf_gathered, float3 
         + pdf_gathered * weidlich_wilkie_critical_cosine(eta);
 }
 
+// Density of weidlich_wilkie_base_sample_leaving at wi, which is outside all layers, in 1/sr.
+float weidlich_wilkie_base_pdf_leaving(float3 wi, float3 wo, float eta) {
+    float3 wi_t = weidlich_wilkie_refract(wi, eta);
+    return weidlich_wilkie_pdf_leave(weidlich_wilkie_base_pdf(wi_t, wo),
+        weidlich_wilkie_base_pdf(weidlich_wilkie_gather(wi, eta), wo), wi, wi_t, eta);
+}
+
 // Density of weidlich_wilkie_mirror in 1/sr, if m has the given density and cos_h = wo . m.
 float weidlich_wilkie_pdf_mirror(float density, float cos_h) {
     // Walter et al., Eq. 14
@@ -390,11 +407,8 @@ float weidlich_wilkie_pdf(WeidlichWilkie params, float3 wi, float3 wo) {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
-    float3 wi_t = weidlich_wilkie_refract(wi, params.eta);
     float3 wo_t = weidlich_wilkie_refract(wo, params.eta);
-    float refracted = weidlich_wilkie_base_pdf(wi_t, wo_t);
-    float gathered = weidlich_wilkie_base_pdf(weidlich_wilkie_gather(wi, params.eta), wo_t);
-    float below = weidlich_wilkie_pdf_leave(refracted, gathered, wi, wi_t, params.eta);
+    float below = weidlich_wilkie_base_pdf_leaving(wi, wo_t, params.eta);
     float2 P = weidlich_wilkie_shares(params, wo, wo_t);
     return P.x * weidlich_wilkie_pdf_coat(params, wi, wo) + P.y * below;
 }
@@ -413,7 +427,7 @@ WeidlichWilkieSample weidlich_wilkie_sample(WeidlichWilkie params, float3 wo, fl
         wo_t).x, u);
     bool on_coat = choose_result.is_first;
     float2 v = choose_result.u;
-    float3 w_base = weidlich_wilkie_leave(weidlich_wilkie_base_sample(wo_t, v).wi, params.eta);
+    float3 w_base = weidlich_wilkie_base_sample_leaving(wo_t, v, params.eta);
     float3 wi = on_coat ? weidlich_wilkie_sample_coat(params, wo, v) : w_base;
     WeidlichWilkieSample result;
     result.wi = wi;

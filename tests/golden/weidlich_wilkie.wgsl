@@ -300,13 +300,23 @@ fn weidlich_wilkie_leave(w: vec3f, eta: f32) -> vec3f {
     let k = weidlich_wilkie_critical_cosine(eta);
     let refracted = w.z > k;
     let spread = min(w.z / max(k, mu_min), 1.0);
-    let cos_refracted = sqrt(max(1.0 - eta * eta * (1.0 - w.z * w.z), 0.0));
-    var z = select(spread, cos_refracted, refracted);
+    // The sine from x and y: under many layers 1 - z^2 has few digits
     let sin2 = w.x * w.x + w.y * w.y;
+    let cos_refracted = sqrt(max(1.0 - eta * eta * sin2, 0.0));
+    var z = select(spread, cos_refracted, refracted);
     let scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
     // A sample above the horizon stays there, however flat.
     z = select(-1.0, max(z, LEAVE_MIN), w.z > 0.0);
     return normalize(vec3f(w.x * scale, w.y * scale, z));
+}
+
+// weidlich_wilkie_base_sample inside a kernel for a base under layers: the direction in which the light
+// leaves them.
+//
+// wo: inside the lowest layer. eta: the product of the layers' indices. Layers that lie over layers
+// override it: each calls the next once, whose light refracts as if there were one layer.
+fn weidlich_wilkie_base_sample_leaving(wo: vec3f, u: vec2f, eta: f32) -> vec3f {
+    return weidlich_wilkie_leave(weidlich_wilkie_base_sample(wo, u).wi, eta);
 }
 
 // A normal with density D_beckmann m.z. Walter et al., Eq. 28 and 29.
@@ -363,6 +373,13 @@ fn weidlich_wilkie_pdf_leave(pdf_refracted: f32, pdf_gathered: f32, w: vec3f, w_
         + pdf_gathered * weidlich_wilkie_critical_cosine(eta);
 }
 
+// Density of weidlich_wilkie_base_sample_leaving at wi, which is outside all layers, in 1/sr.
+fn weidlich_wilkie_base_pdf_leaving(wi: vec3f, wo: vec3f, eta: f32) -> f32 {
+    let wi_t = weidlich_wilkie_refract(wi, eta);
+    return weidlich_wilkie_pdf_leave(weidlich_wilkie_base_pdf(wi_t, wo),
+        weidlich_wilkie_base_pdf(weidlich_wilkie_gather(wi, eta), wo), wi, wi_t, eta);
+}
+
 // Density of weidlich_wilkie_mirror in 1/sr, if m has the given density and cos_h = wo . m.
 fn weidlich_wilkie_pdf_mirror(density: f32, cos_h: f32) -> f32 {
     // Walter et al., Eq. 14
@@ -381,11 +398,8 @@ fn weidlich_wilkie_pdf(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> f32 {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
-    let wi_t = weidlich_wilkie_refract(wi, params.eta);
     let wo_t = weidlich_wilkie_refract(wo, params.eta);
-    let refracted = weidlich_wilkie_base_pdf(wi_t, wo_t);
-    let gathered = weidlich_wilkie_base_pdf(weidlich_wilkie_gather(wi, params.eta), wo_t);
-    let below = weidlich_wilkie_pdf_leave(refracted, gathered, wi, wi_t, params.eta);
+    let below = weidlich_wilkie_base_pdf_leaving(wi, wo_t, params.eta);
     let P = weidlich_wilkie_shares(params, wo, wo_t);
     return P.x * weidlich_wilkie_pdf_coat(params, wi, wo) + P.y * below;
 }
@@ -400,7 +414,7 @@ fn weidlich_wilkie_sample(params: WeidlichWilkie, wo: vec3f, u: vec2f) -> Weidli
     let choose_result = weidlich_wilkie_choose(weidlich_wilkie_shares(params, wo, wo_t).x, u);
     let on_coat = choose_result.is_first;
     let v = choose_result.u;
-    let w_base = weidlich_wilkie_leave(weidlich_wilkie_base_sample(wo_t, v).wi, params.eta);
+    let w_base = weidlich_wilkie_base_sample_leaving(wo_t, v, params.eta);
     let wi = select(w_base, weidlich_wilkie_sample_coat(params, wo, v), on_coat);
     return WeidlichWilkieSample(wi, weidlich_wilkie_pdf(params, wi, wo));
 }
