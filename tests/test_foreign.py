@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 from pathlib import Path
 
@@ -502,6 +503,86 @@ def test_options_that_are_not_the_defaults_are_found(tmp_path: Path) -> None:
     found = registry.identify(code, ["lambert", "ue4"])[0]
     assert found.exact
     assert "ue4 with light=image: base_color = base_color" in str(found)
+
+
+# --- MaterialX ---------------------------------------------------------------------------------
+
+needs_materialx = pytest.mark.skipif(
+    importlib.util.find_spec("MaterialX") is None or tools.locate("moderngl") is None,
+    reason="needs MaterialX and moderngl",
+)
+
+# Fujii's model in MaterialX's words, inside of a node graph's layer, and as a surface
+DOCUMENT = """<?xml version="1.0"?>
+<materialx version="1.39">
+  <oren_nayar_diffuse_bsdf name="clay" type="BSDF">
+    <input name="color" type="color3" value="0.5, 0.25, 0.125" />
+    <input name="roughness" type="float" value="0.6" />
+  </oren_nayar_diffuse_bsdf>
+  <multiply name="half" type="BSDF">
+    <input name="in1" type="BSDF" nodename="clay" /><input name="in2" type="float" value="0.5" />
+  </multiply>
+  <surface name="shader" type="surfaceshader"><input name="bsdf" type="BSDF" nodename="half" /></surface>
+  <surfacematerial name="wall" type="material">
+    <input name="surfaceshader" type="surfaceshader" nodename="shader" />
+  </surfacematerial>
+  <constant name="grey" type="color3"><input name="value" type="color3" value="0.1, 0.1, 0.1" /></constant>
+</materialx>
+"""
+
+
+@needs_materialx
+def test_nodes_and_materials_of_materialx_are_code_in_each_target(tmp_path: Path) -> None:
+    path = write(tmp_path, "clay.mtlx", DOCUMENT)
+    wi, wo = probe(50)
+    wo[:, :2] = np.abs(wo[:, :2])
+    wi[:, :2] = np.abs(wi[:, :2])  # L.V is positive: MaterialX's node cuts it at 0
+    rho = (0.5, 0.25, 0.125)
+    code = foreign.load(path + "#clay", ranges=["roughness=0..1"])
+    assert list(code.parameters) == ["roughness"]
+    assert code.parameters["roughness"].default == pytest.approx(0.6)
+    smooth = code.brdf(wi, wo, {"roughness": 0.0})
+    np.testing.assert_allclose(smooth, np.tile(np.array(rho) / np.pi, (len(wi), 1)), rtol=1e-5)
+    material = foreign.load(path)  # the only one
+    np.testing.assert_allclose(material.brdf(wi, wo), 0.5 * code.brdf(wi, wo), rtol=1e-5)
+    for target in ("essl", "slang"):
+        if target == "slang" and tools.locate("slangc") is None:
+            continue
+        other = foreign.load(f"{path}#clay@{target}")
+        np.testing.assert_allclose(other.brdf(wi, wo), code.brdf(wi, wo), rtol=1e-5)
+
+
+@needs_materialx
+def test_materialx_whose_angle_between_light_and_viewer_is_cut_is_named() -> None:
+    # The library's node cuts L.V at 0, so that what scatters forward is far too bright
+    code = foreign.load(
+        "materialx#oren_nayar_diffuse_bsdf",
+        mapping=["color=rho"],
+        uniforms=["energy_compensation=1"],
+    )
+    found = foreign.compare(code, gonio.model("eon"))
+    assert "L.V cut at 0" in found.hint
+    a = np.radians(80)
+    wi = np.array([[-np.sin(a), 0, np.cos(a)]])
+    wo = wi * [-1, 1, 1]
+    values = {"rho": (0.8, 0.8, 0.8), "roughness": 1.0}
+    wrong, right = code.brdf(wi, wo, values), gonio.model("eon", **values).eval(wi, wo)
+    assert wrong[0, 0] / np.asarray(right)[0, 0] > 15
+
+
+@needs_materialx
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("#nothing", "no node 'nothing' that reflects.*has clay"),
+        ("#grey", "grey is a color3"),
+        ("#clay@mdl", "no target 'mdl'"),
+    ],
+)
+def test_what_materialx_cannot_give_is_one_sentence(tmp_path: Path, name: str, words: str) -> None:
+    path = write(tmp_path, "clay.mtlx", DOCUMENT)
+    with pytest.raises(ForeignError, match=words):
+        foreign.load(path + name)
 
 
 # --- the command line ----------------------------------------------------------------------------

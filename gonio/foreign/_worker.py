@@ -20,6 +20,7 @@ Call = Callable[[Rows], Rows]
 
 OUTPUTS = 3
 GROUP = 64
+GLOBALS = 1 << 20
 SIDE = 128  # pixels in a line of the picture; the shader does not need to know
 
 CORNERS = """{version}
@@ -71,12 +72,15 @@ def native(file: str) -> tuple[str, Call]:
     """A library with the function gonio_run."""
     function = ctypes.CDLL(file).gonio_run
     pointer = ctypes.POINTER(ctypes.c_float)
-    function.argtypes, function.restype = [pointer, pointer, ctypes.c_int], None
+    function.argtypes = [pointer, pointer, ctypes.c_int, ctypes.c_void_p]
+    function.restype = None
+    # slangc's C++ keeps variables of the file, uniforms for example, in a place of the caller's
+    place = ctypes.create_string_buffer(GLOBALS)
 
     def call(rows: Rows) -> Rows:
         made = np.full((len(rows), OUTPUTS), np.nan, np.float32)
         given = np.ascontiguousarray(rows)
-        function(given.ctypes.data_as(pointer), made.ctypes.data_as(pointer), len(rows))
+        function(given.ctypes.data_as(pointer), made.ctypes.data_as(pointer), len(rows), place)
         return made
 
     return "processor", call

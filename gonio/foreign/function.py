@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from gonio.fields import Parameter
 from gonio.foreign.expressions import Array
+from gonio.foreign.materialx import is_materialx
 from gonio.foreign.process import Running
 from gonio.foreign.roles import DIRECTIONS, Matched, environment
 from gonio.foreign.source import ENDINGS, ForeignError, Function, Source
@@ -123,6 +124,8 @@ class Foreign:
     @property
     def name(self) -> str:
         """File and function, such as "ggx.glsl#D"."""
+        if self.source.entry:
+            return self.source.path.name
         return f"{self.source.path.name}#{self.function.name}"
 
     @property
@@ -227,7 +230,7 @@ def split(text: str) -> tuple[str, str | None]:
 
 def is_foreign(text: str) -> bool:
     """Whether a text names foreign code: a file of one of its languages, with #FUNCTION or without."""
-    return Path(split(text)[0]).suffix.lstrip(".").lower() in ENDINGS
+    return Path(split(text)[0]).suffix.lstrip(".").lower() in ENDINGS or is_materialx(text)
 
 
 def probe(count: int, seed: int = 0) -> tuple[Array, Array]:

@@ -14,6 +14,8 @@ from gonio.foreign.function import (
     split,
 )
 from gonio.foreign.harness import text as harness_text
+from gonio.foreign.materialx import is_materialx
+from gonio.foreign.materialx import read as read_materialx
 from gonio.foreign.process import MEMORY, SECONDS, Running
 from gonio.foreign.returned import measure
 from gonio.foreign.roles import match
@@ -51,7 +53,11 @@ def load(
         ForeignError: anything that does not work, in one line.
     """
     file, named = split(text)
-    source = read(file, include)
+    if is_materialx(text):
+        source = read_materialx(text if named or not function else f"{text}#{function}")
+        returns = returns or "f cos"
+    else:
+        source = read(file, include)
     found = source.find(function or named)
     told = parse_returns(returns) if returns else None
     matched = match(source, found, parse_map(mapping), parse_ranges(ranges), parse_map(uniforms))

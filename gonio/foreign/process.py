@@ -248,6 +248,11 @@ def _refused(source: Source, message: str) -> ForeignError:
     """The first complaint of a compiler, at the line of the user's file."""
     lines = [line for line in message.splitlines() if line.strip()]
     errors = [line for line in lines if re.search(r"\berror\b", line, re.I)] or lines
+    if source.entry:
+        said = (
+            re.sub(r"^.*?\berror\b[^:]*:\s*", "", errors[0], flags=re.I) if errors else "no message"
+        )
+        return ForeignError(f"{source.path}: the generated code does not compile: {said.strip()}")
     for line in [*errors, *lines]:
         for pattern in _PLACES:
             if match := pattern.search(line):

@@ -6,7 +6,7 @@ Told by types and names, as programs have them; `--map` says it where that is no
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -185,9 +185,12 @@ def match(
     given = dict(mapping) | dict(constants)
     # Globals of the file that are named
     places = {leaf.place for leaf in leaves}
+    places |= {leaf.variable.shown for leaf in leaves}
     for name in given:
         if not any(name in (p, p.rpartition(".")[2]) for p in places):
-            known = [leaf.place for leaf in leaves]
+            known = [
+                leaf.variable.shown or leaf.place for leaf in leaves if not leaf.variable.fixed
+            ]
             raise ForeignError(
                 f"{source.path}: {function.name} needs no {name!r}; {did_you_mean(name, known)}"
                 f"it needs {', '.join(known)}."
@@ -196,10 +199,11 @@ def match(
     notes: list[str] = []
     for leaf in leaves:
         last = leaf.place.rpartition(".")[2]
+        last = leaf.variable.shown or last
         text = given.get(leaf.place, given.get(last))
         if text is None:
-            text = _guess(source, function, leaf)
-            if leaf.whole:
+            text = _guess(source, leaf, ranges)
+            if leaf.whole and not leaf.variable.fixed:
                 notes.append(f"{leaf.place} is {text}; --uniform {last}=1 for another")
         matched.append((leaf, parse(text)))
     used = set().union(*(e.names for _, e in matched)) if matched else set()
@@ -236,10 +240,18 @@ def _plain(name: str) -> tuple[str, str]:
     return low.replace("_", ""), re.sub(r"^(?:[uvagip]|in|arg|param)_+", "", low).replace("_", "")
 
 
-def _guess(source: Source, function: Function, leaf: Leaf) -> str:
+def _guess(source: Source, leaf: Leaf, ranges: Container[str]) -> str:
     """The role that a name suggests, else a parameter of that name."""
-    last = leaf.place.rpartition(".")[2]
+    last = leaf.variable.shown or leaf.place.rpartition(".")[2]
     plain, bare = _plain(last)
+    default = leaf.variable.default
+    if leaf.variable.fixed and last not in ranges:
+        shown = [f"{x:.9g}" for x in default or (0.0,) * leaf.width]
+        return shown[0] if leaf.width == 1 else f"({', '.join(shown)})"
+    if leaf.variable.shown and leaf.width == 2:
+        return f"({last}, {last})"
+    if leaf.variable.shown and not leaf.whole:
+        return last
     if leaf.whole:
         return f"{leaf.variable.default[0]:g}" if leaf.variable.default else "0"
     if leaf.width == 3:

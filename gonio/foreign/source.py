@@ -56,6 +56,10 @@ class Variable:
     default: tuple[float, ...] = ()
     low: float | None = None
     high: float | None = None
+    shown: str = ""
+    """How users call it, where its own name was made by a generator."""
+    fixed: bool = False
+    """Whether it keeps its default: no parameter."""
 
 
 @dataclass(frozen=True)
@@ -95,6 +99,8 @@ class Source:
     """Values from outside which the code needs: uniforms, and the parameters of a .brdf file."""
     files: tuple[Path, ...]
     """In the order in which their lines are counted."""
+    entry: str = ""
+    """The function of generated text, which is in no file."""
 
     def find(self, name: str | None) -> Function:
         """The function of a name such as "eval", "Eon.eval" or "gonio_eon::eon_eval".
@@ -103,6 +109,8 @@ class Source:
             ForeignError: there is none, or none was named and several might be meant.
         """
         own = [f for f in self.functions if f.name != "main"]
+        if self.entry:
+            return next(f for f in own if f.name == self.entry)
         if name is None:
             candidates = [
                 f
@@ -206,6 +214,16 @@ def read(path: str | Path, include: Sequence[str | Path] = ()) -> Source:
     return Source(
         path, language, text, functions, _structs(seen, language), tuple(uniforms), tuple(files)
     )
+
+
+def of_text(
+    path: Path, language: str, text: str, uniforms: Sequence[Variable], entry: str
+) -> Source:
+    """Generated code as a source; its uniforms are globals already."""
+    bare = blank_comments(text)
+    functions = tuple(_functions(bare, language))
+    structs = _structs(bare, language)
+    return Source(path, language, text, functions, structs, tuple(uniforms), (path,), entry)
 
 
 def _text(path: Path) -> str:

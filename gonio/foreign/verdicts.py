@@ -21,6 +21,7 @@ from gonio.check.report import EFFORTS, FAIL, NOTE, PASS, UNSURE, Effort, Findin
 from gonio.check.search import maximise
 from gonio.check.subject import Array
 from gonio.foreign.function import Foreign
+from gonio.foreign.source import blank_comments
 from gonio.foreign.subject import ForeignSubject
 
 # float32 keeps 24 bits; directions are shaken by so many of its roundings, so many times.
@@ -98,15 +99,16 @@ def check(
 def _scope(foreign: Foreign, subject: ForeignSubject) -> Report:
     """What was understood, and whether there is anything to judge."""
     how = "as --returns says" if foreign.returns.told else "measured; --returns says otherwise"
+    if foreign.source.entry and str(foreign.returns) == "f cos(theta_i)":
+        how = "as MaterialX defines it"
     findings = [
         Finding("returns", foreign.returns.factor, NOTE, f"{foreign.returns} ({how})"),
         Finding("arguments", float(foreign.matched.columns), NOTE, foreign.matched.explained()),
     ]
     text = "factors, widths and terms that break no law; 'gonio compare' with a model finds these"
     findings.append(Finding("not judged", 0.0, NOTE, text))
-    if re.search(
-        r"\b(mediump|lowp|half[234]?|min16float[234]?|f16|float16_t)\b", foreign.source.text
-    ):
+    short = r"\b(mediump|lowp|half[234]?|min16float[234]?|f16|float16_t)\b"
+    if re.search(short, blank_comments(foreign.source.text)):
         text = "it is declared; what was measured is what this machine has, which may be float32"
         findings.append(Finding("half precision", 0.0, NOTE, text))
     findings += [Finding("assumed", 0.0, NOTE, note) for note in foreign.matched.notes]
