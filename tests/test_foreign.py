@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -583,6 +584,128 @@ def test_what_materialx_cannot_give_is_one_sentence(tmp_path: Path, name: str, w
     path = write(tmp_path, "clay.mtlx", DOCUMENT)
     with pytest.raises(ForeignError, match=words):
         foreign.load(path + name)
+
+
+# --- Python and compiled libraries -------------------------------------------------------------
+
+PYTHON = """
+import math
+import numpy as np
+
+def phong(wi, wo, rho=(0.5, 0.4, 0.3), n=20.0):
+    cosine = np.maximum(2 * wi[:, 2] * wo[:, 2] - (wi * wo).sum(1), 0)
+    return rho * ((n + 2) / (2 * np.pi) * cosine**n)[:, None]
+
+def alone(NdotL, NdotV, roughness):
+    return math.exp(-roughness * NdotL) if NdotL > 0.5 else 0.3 * NdotV
+
+def lambert(wi, wo, rho):
+    return rho / np.pi
+
+def lambert_sample(wo, u):
+    r, phi = np.sqrt(u[:, 0]), 2 * np.pi * u[:, 1]
+    return np.stack([r * np.cos(phi), r * np.sin(phi), np.sqrt(1 - r * r)], -1)
+
+def uniform_pdf(wi, wo):
+    return np.full(len(wi), 0.5 / np.pi)
+
+def wrong(wi, wo, rho):
+    x = np.zeros(3)
+
+    return x[len(wi)]
+
+def nosy(wi, wo):
+    open("/etc/hostname").read()
+    return 1.0
+
+def online(wi, wo):
+    import socket
+    socket.create_connection(("127.0.0.1", 9))
+    return 1.0
+"""
+
+
+def test_functions_of_python_take_arrays_or_single_numbers(tmp_path: Path) -> None:
+    path = write(tmp_path, "brdf.py", PYTHON)
+    wi, wo = probe(20)
+    code = foreign.load(path + "#phong", ranges=["n=1..100"], returns="f")
+    assert code.parameters["rho"].default == (0.5, 0.4, 0.3)
+    cosine = np.maximum(2 * wi[:, 2] * wo[:, 2] - (wi * wo).sum(1), 0)
+    expected = 0.5 * 12 / (2 * np.pi) * cosine**10
+    np.testing.assert_allclose(code.brdf(wi, wo, {"n": 10.0})[:, 0], expected, rtol=1e-4, atol=1e-6)
+    alone = foreign.load(path + "#alone", returns="f").brdf(wi, wo, {"roughness": 0.5})
+    expected = np.where(wi[:, 2] > 0.5, np.exp(-0.5 * wi[:, 2]), 0.3 * wo[:, 2])
+    np.testing.assert_allclose(alone[:, 0], expected, rtol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("wrong", r"brdf\.py:\d+: IndexError.* \|  return x\[len\(wi\)\]"),
+        ("nosy", "may not open /etc/hostname"),
+        ("online", "may not use socket"),
+        ("missing", "defines no function 'missing'; .*phong"),
+    ],
+)
+def test_mistakes_and_curiosity_of_python_are_one_sentence(
+    tmp_path: Path, name: str, words: str
+) -> None:
+    path = write(tmp_path, "brdf.py", PYTHON)
+    with pytest.raises(ForeignError, match=words):
+        foreign.load(f"{path}#{name}").raw(*probe(4))
+
+
+def test_a_sampler_that_does_not_follow_its_density_is_found(tmp_path: Path) -> None:
+    path = write(tmp_path, "brdf.py", PYTHON)
+    code = foreign.load(
+        path + "#lambert", sample="lambert_sample", pdf="uniform_pdf", albedo="lambert", returns="f"
+    )
+    found = verdicts(foreign.check(code, only=["sampling", "albedo"]))
+    assert found["chi-square"] == FAIL  # a cosine is drawn, an even density claimed
+    assert found["error of albedo"] == FAIL  # rho / pi is no albedo
+    with pytest.raises(ForeignError, match="--sample and --pdf go together"):
+        foreign.load(path + "#lambert", sample="lambert_sample")
+
+
+@needs_gxx
+def test_functions_of_compiled_libraries_are_called_by_their_signature(tmp_path: Path) -> None:
+    text = """
+typedef struct { float x, y, z; } vec3;
+float eval(const float wi[3], const float wo[3], float rho) { return rho * wi[2]; }
+vec3 by_value(vec3 L, vec3 V, double rho) { vec3 r = {rho, L.x, V.z}; return r; }
+void written(const float* L, const float* V, float* out) { out[0] = L[0]; out[1] = 2; out[2] = V[2]; }
+"""
+    write(tmp_path, "lib.c", text)
+    subprocess.run(
+        ["g++", "-x", "c", "-shared", "-fPIC", "lib.c", "-o", "libbrdf.so"],
+        cwd=tmp_path,
+        check=True,
+    )
+    wi, wo = probe(3)
+    path = f"{tmp_path}/libbrdf.so"
+    cases = {
+        "float eval(const float wi[3], const float wo[3], float rho)": [0.5 * wi[:, 2]] * 3,
+        "vec3 by_value(vec3 L, vec3 V, double rho)": [0.5 + 0 * wi[:, 0], wi[:, 0], wo[:, 2]],
+        "void written(const float* L, const float* V, float* out)": [
+            wi[:, 0],
+            2 + 0 * wi[:, 0],
+            wo[:, 2],
+        ],
+    }
+    for signature, expected in cases.items():
+        code = foreign.load(path, signature=signature, returns="f")
+        found = code.raw(wi, wo, {"rho": 0.5} if code.parameters else {})
+        np.testing.assert_allclose(found, np.stack(expected, -1), rtol=1e-6, err_msg=signature)
+    for given, words in (
+        ({}, "say how its function is called"),
+        (
+            {"signature": "float none(const float wi[3], const float wo[3])"},
+            "has no function 'none'",
+        ),
+        ({"signature": "gibberish"}, "is no declaration in C"),
+    ):
+        with pytest.raises(ForeignError, match=words):
+            foreign.load(path, **given)
 
 
 # --- the command line ----------------------------------------------------------------------------

@@ -23,13 +23,22 @@ class Code:
     defines: tuple[str, ...]
     include: tuple[str, ...]
     returns: str | None
+    signature: str | None
+    sample: str | None
+    pdf: str | None
+    albedo: str | None
     seconds: float
 
     @property
     def given(self) -> bool:
         """Whether any of them was given."""
         lists = (self.mapping, self.ranges, self.uniforms, self.defines, self.include)
-        return any(lists) or self.function is not None or self.returns is not None
+        words = (self.function, self.returns, self.signature, self.sample, self.pdf, self.albedo)
+        return any(lists) or any(word is not None for word in words)
+
+    def named(self, text: str) -> str:
+        """The text with the function of --function, where a file of Python is code because of it."""
+        return f"{text}#{self.function}" if self.function and text.endswith(".py") else text
 
     def load(self, text: str) -> Foreign:
         """The function that a text and the options name, running."""
@@ -42,6 +51,10 @@ class Code:
             defines=self.defines,
             include=self.include,
             returns=self.returns,
+            signature=self.signature,
+            sample=self.sample,
+            pdf=self.pdf,
+            albedo=self.albedo,
             seconds=self.seconds,
         )
 
@@ -70,6 +83,14 @@ OPTIONS = (
         metavar='"f|f cos|pi f|pi f cos"',
         help="What code gives back, if not as measured.",
     ),
+    click.option(
+        "--signature", metavar="C", help="Of a compiled library: how its function is declared in C."
+    ),
+    click.option(
+        "--sample", metavar="NAME", help="Of code: the function that samples, beside the first."
+    ),
+    click.option("--pdf", metavar="NAME", help="Of code: the density of its samples."),
+    click.option("--albedo", metavar="NAME", help="Of code: its directional albedo."),
     click.option(
         "--time-limit",
         "seconds",

@@ -286,7 +286,7 @@ def command(
     """
     if everything and (models or params):
         raise click.UsageError("--all checks every model; it goes with no MODEL and no --param")
-    texts = list(gonio.models()) if everything else list(models)
+    texts = list(gonio.models()) if everything else [code.named(text) for text in models]
     if not texts and not plugins:
         raise click.UsageError("give a MODEL, a FILE.py, --all or --mitsuba NAME")
     planned = plan(

@@ -78,6 +78,7 @@ def command(
     given: dict[str, Any] = {} if walks is None else {"walks": walks}
     if not models:
         raise click.UsageError("give a MODEL; 'gonio list' shows the models")
+    models = tuple(code.named(text) for text in models)
     if is_foreign(models[0]):
         if truth or vary or walks or output:
             raise click.UsageError(

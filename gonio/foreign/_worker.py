@@ -1,9 +1,10 @@
 """Runs foreign code in a process of its own: `python -P _worker.py KIND FILE COLUMNS MEMORY FOLDER`.
 
 It does not import gonio: a driver on the processor brings an LLVM that must not meet Dr.Jit's. KIND is
-native (FILE is a library), opengl (a fragment shader) or webgpu (WGSL). Memory is limited in bytes. Answers
+native (FILE is a library), opengl (a fragment shader), webgpu (WGSL) or python (JSON, which says what
+to import). Memory is limited in bytes. Answers
 go to the pipe: a line "ok DEVICE" or "error NUMBER" with so many bytes of text, then for each request (a
-line with a number of rows, and the float32 rows) the outputs, three for each row.
+line with a number of rows, and the float32 rows) the outputs, four for each row.
 """
 
 import ctypes
@@ -18,7 +19,7 @@ import numpy.typing as npt
 Rows = npt.NDArray[np.float32]
 Call = Callable[[Rows], Rows]
 
-OUTPUTS = 3
+OUTPUTS = 4
 GROUP = 64
 GLOBALS = 1 << 20
 SIDE = 128  # pixels in a line of the picture; the shader does not need to know
@@ -34,7 +35,7 @@ def main(kind: str, file: str, columns: int, memory: int) -> None:
     # What foreign code prints goes where nobody reads it
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-    make = {"native": native, "opengl": opengl, "webgpu": webgpu}[kind]
+    make = {"native": native, "opengl": opengl, "webgpu": webgpu, "python": python}[kind]
     try:
         device, call = make(file)
         limit(memory, kind == "native")
@@ -84,6 +85,177 @@ def native(file: str) -> tuple[str, Call]:
         return made
 
     return "processor", call
+
+
+# How arrays of n directions and n numbers are given to a function of Python; the first that works is kept.
+# Each takes a row's part (n, width) and what it is, and gives the argument.
+LAYOUTS: dict[str, Callable[[Any], Any]] = {
+    "arrays": lambda x: x if x.shape[1] > 1 else x[:, 0],
+    "columns": lambda x: x,
+    "components first": lambda x: x.T if x.shape[1] > 1 else x[:, 0],
+    "torch": lambda x: tensor(x if x.shape[1] > 1 else x[:, 0]),
+    "jax": lambda x: jax_array(x if x.shape[1] > 1 else x[:, 0]),
+    "one by one": lambda x: x[0] if x.shape[1] > 1 else float(x[0, 0]),
+}
+
+
+def tensor(x: Any) -> Any:
+    """The same for PyTorch."""
+    return sys.modules["torch"].as_tensor(np.ascontiguousarray(x))
+
+
+def jax_array(x: Any) -> Any:
+    """The same for JAX."""
+    return sys.modules["jax"].numpy.asarray(x)
+
+
+def python(file: str) -> tuple[str, Call]:
+    """A function of Python; exceptions end the process, with their place."""
+    import importlib
+    import importlib.util
+    import json
+
+    with open(file, encoding="utf-8") as stream:
+        job = json.load(stream)
+    sys.dont_write_bytecode = True
+    sys.path[:0] = [os.path.dirname(job["path"]), job["folder"]]
+    state: dict[str, Any] = {"loaded": False}
+    sys.addaudithook(lambda event, given: guard(event, given, state))
+    try:
+        if job["module"]:
+            module = importlib.import_module(job["module"])
+        else:
+            spec = importlib.util.spec_from_file_location("gonio_foreign_code", job["path"])
+            assert spec is not None
+            assert spec.loader is not None
+            module = importlib.util.module_from_spec(spec)
+            sys.modules["gonio_foreign_code"] = module
+            spec.loader.exec_module(module)
+        function = getattr(module, job["function"])
+    except Exception as error:
+        raise RuntimeError(place(error, job["path"])) from None
+
+    def given(layout: str, rows: npt.NDArray[np.float64]) -> Any:
+        found = {}
+        for name, first, width, whole in job["arguments"]:
+            if whole:
+                found[name] = bool(rows[0, first]) if whole == "bool" else int(rows[0, first])
+            else:
+                found[name] = LAYOUTS[layout](rows[:, first : first + width])
+        try:
+            with np.errstate(all="ignore"):
+                return function(**found)
+        except TypeError as error:
+            if "positional-only" in str(error):
+                return function(*found.values())
+            raise
+
+    def batch(layout: str, rows: npt.NDArray[np.float64]) -> Rows:
+        if layout == "one by one":
+            return np.concatenate([shaped(given(layout, r[None]), 1) for r in rows])
+        return shaped(given(layout, rows), len(rows))
+
+    def call(rows: Rows) -> Rows:
+        double = rows.astype(np.float64)
+        if "layout" not in state:
+            state["layout"], made = chosen(batch, double, job["path"])
+            state["loaded"] = True
+            return made
+        try:
+            return batch(str(state["layout"]), double)
+        except Exception as error:
+            print(place(error, job["path"]), file=sys.stderr)
+            sys.stderr.flush()
+            os._exit(1)
+
+    return "Python", call
+
+
+def chosen(
+    batch: Callable[[str, npt.NDArray[np.float64]], Rows], rows: npt.NDArray[np.float64], path: str
+) -> tuple[str, Rows]:
+    """The first layout with which many rows at once give the same as each alone."""
+    first: Exception | None = None
+    for layout in LAYOUTS:
+        if layout in ("torch", "jax") and layout not in sys.modules:
+            continue
+        try:
+            made = batch(layout, rows)
+            alone = np.concatenate(
+                [batch(layout, rows[k : k + 1]) for k in range(min(3, len(rows)))]
+            )
+        except Exception as error:
+            first = first or error
+            continue
+        if np.allclose(made[: len(alone)], alone, rtol=1e-4, atol=1e-6, equal_nan=True):
+            return layout, made
+    assert first is not None
+    print(place(first, path), file=sys.stderr)
+    sys.stderr.flush()
+    os._exit(1)
+
+
+def shaped(result: Any, count: int) -> Rows:
+    """Numbers (n, 4) of what a function returns: a number, a colour, or a direction and its density."""
+    if isinstance(result, (tuple, list)) and len(result) == 2:
+        w, density = (np.asarray(r, np.float64) for r in result)
+        w = w.T if w.shape == (3, count) and count != 3 else w
+        wide = np.broadcast_to(w, (count, 3))
+        return np.concatenate(
+            [wide, np.broadcast_to(density.reshape(-1, 1), (count, 1))], 1
+        ).astype(np.float32)
+    if isinstance(result, (tuple, list)):
+        result = np.stack(
+            [np.broadcast_to(np.asarray(r, np.float64), (count,)) for r in result], -1
+        )
+    f = np.asarray(result, np.float64)
+    if f.ndim == 2 and f.shape[1] == count and f.shape[0] in (3, 4) and f.shape[0] != count:
+        f = f.T
+    if f.ndim == 1 and f.shape in ((3,), (4,)) and count == 1:
+        f = f[None]
+    f = np.full((count, 1), f) if f.ndim == 0 else f[:, None] if f.ndim == 1 else f
+    if f.ndim > 2 or (
+        f.ndim == 2 and (f.shape[0] not in (1, count) or f.shape[1] not in (1, 3, 4))
+    ):
+        raise ValueError(f"it gives back an array {f.shape} for {count} pairs of directions")
+    made = np.full((count, OUTPUTS), np.nan, np.float32)
+    made[:, :3] = np.broadcast_to(f if f.ndim == 2 and f.shape[1] == 1 else f[..., :3], (count, 3))
+    if f.ndim == 2 and f.shape[1] == 4:
+        made[:, 3] = f[:, 3]
+    return made
+
+
+def place(error: BaseException, path: str) -> str:
+    """An exception with its line in the user's file, in the form of compilers."""
+    import traceback
+
+    frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == path]
+    where = f"{path}:{frames[-1].lineno}: error: " if frames else ""
+    if isinstance(error, SyntaxError):
+        where = f"{error.filename}:{error.lineno}: error: "
+    return f"{where}{type(error).__name__}: {error}".replace("\n", " ")
+
+
+def guard(event: str, given: Any, state: dict[str, Any]) -> None:
+    """No network, process or written file for Python code, and none that is read after it is loaded."""
+    if event.startswith(
+        ("socket.", "subprocess.", "os.system", "os.exec", "os.posix_spawn", "os.fork")
+    ):
+        if event in ("socket.gethostname",):
+            return
+        raise PermissionError(f"foreign code may not use {event}")
+    if event == "open" and given and isinstance(given[0], (str, bytes)):
+        name, mode = os.fsdecode(given[0]), str(given[1] or "")
+        writes = any(c in mode for c in "wax+") or bool((given[2] or 0) & (os.O_WRONLY | os.O_RDWR))
+        if name == os.devnull:
+            return
+        own = name.startswith((sys.prefix, sys.base_prefix)) or name.endswith(
+            (".py", ".pyc", ".so")
+        )
+        if writes or (state["loaded"] and not own):
+            raise PermissionError(f"foreign code may not open {name}")
+    if event in ("os.remove", "os.rename", "os.rmdir", "os.mkdir", "shutil.rmtree"):
+        raise PermissionError(f"foreign code may not use {event}")
 
 
 def opengl(file: str) -> tuple[str, Call]:

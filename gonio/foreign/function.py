@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 
 from gonio.fields import Parameter
 from gonio.foreign.expressions import Array
+from gonio.foreign.library import is_library
 from gonio.foreign.materialx import is_materialx
 from gonio.foreign.process import Running
+from gonio.foreign.python_code import is_python
 from gonio.foreign.roles import DIRECTIONS, Matched, environment
 from gonio.foreign.source import ENDINGS, ForeignError, Function, Source
 
@@ -120,6 +122,11 @@ class Foreign:
     returns: Returns = field(default_factory=Returns)
     label: str = ""
     """How it is called on the command line."""
+    sampler: Foreign | None = None
+    """What draws directions, with the densities that `density` has."""
+    density: Foreign | None = None
+    reflectance: Foreign | None = None
+    """The directional albedo as the code has it."""
 
     @property
     def name(self) -> str:
@@ -138,11 +145,28 @@ class Foreign:
         return {name: p.default for name, p in self.parameters.items()}
 
     def rows(
-        self, wi: Array, wo: Array, values: Mapping[str, Any], turn: Array | None = None
+        self,
+        wi: Array,
+        wo: Array,
+        values: Mapping[str, Any],
+        turn: Array | None = None,
+        random: Array | None = None,
     ) -> NDArray[np.float32]:
-        """The numbers that the code is given, (n, columns); `turn` turns all directions, (3, 3)."""
+        """The numbers that the code is given, (n, columns).
+
+        Args:
+            wi: towards the light, (n, 3).
+            wo: towards the viewer.
+            values: of parameters.
+            turn: turns all directions, (3, 3).
+            random: numbers of samples, (n, 2).
+        """
         n = len(wi)
         given: dict[str, Any] = dict(environment(wi, wo))
+        if random is not None:
+            # A third number that has nothing to do with the two
+            third = np.modf(np.abs(np.sin(random @ [12.9898, 78.233])) * 43758.5453)[0]
+            given |= {"u1": random[:, 0], "u2": random[:, 1], "u3": third}
         if turn is not None:
             given |= {name: given[name] @ turn.T for name in DIRECTIONS}
         for name, parameter in self.parameters.items():
@@ -195,7 +219,16 @@ class Foreign:
         Raises:
             ForeignError: it does not come back, or crashes.
         """
-        return self.running.call(self.rows(wi, wo, values or {}, turn)).astype(np.float64)
+        made = self.running.call(self.rows(wi, wo, values or {}, turn))
+        return made[:, :3].astype(np.float64)
+
+    def samples(
+        self, wo: Array, random: Array, values: Mapping[str, Any] | None = None
+    ) -> tuple[Array, Array]:
+        """Directions (n, 3) and densities (n,) of a function that samples; below 0 if it has none."""
+        up = np.tile([0.0, 0.0, 1.0], (len(wo), 1))
+        made = self.running.call(self.rows(up, wo, values or {}, None, random)).astype(np.float64)
+        return made[:, :3], np.where(np.isnan(made[:, 3]), -1.0, made[:, 3])
 
     def brdf(
         self,
@@ -209,17 +242,22 @@ class Foreign:
         found = np.zeros((len(wi), 3))
         if not above.any():
             return found
-        chosen = {
-            name: np.asarray(v)[above]
-            if np.ndim(v) and len(np.asarray(v)) == len(wi) and np.shape(v) != (3,)
-            else v
-            for name, v in (values or {}).items()
-        }
+        chosen = picked(values or {}, above)
         f = self.raw(wi[above], wo[above], chosen, turn) / self.returns.factor
         if self.returns.cosine:
             f = f / np.maximum(wi[above, 2:], COSINE_MIN)
         found[above] = f
         return found
+
+
+def picked(values: Mapping[str, Any], rows: NDArray[np.bool_]) -> dict[str, Any]:
+    """Values of some rows; numbers and colours that are the same for all stay as they are."""
+    return {
+        name: np.asarray(v)[rows]
+        if np.ndim(v) and len(np.asarray(v)) == len(rows) and np.shape(v) != (3,)
+        else v
+        for name, v in values.items()
+    }
 
 
 def split(text: str) -> tuple[str, str | None]:
@@ -230,7 +268,8 @@ def split(text: str) -> tuple[str, str | None]:
 
 def is_foreign(text: str) -> bool:
     """Whether a text names foreign code: a file of one of its languages, with #FUNCTION or without."""
-    return Path(split(text)[0]).suffix.lstrip(".").lower() in ENDINGS or is_materialx(text)
+    known = Path(split(text)[0]).suffix.lstrip(".").lower() in ENDINGS
+    return known or is_materialx(text) or is_library(text) or is_python(text)
 
 
 def probe(count: int, seed: int = 0) -> tuple[Array, Array]:

@@ -10,10 +10,12 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from gonio.foreign.roles import Leaf, Matched, leaves_of
+from gonio.foreign.python_code import job
+from gonio.foreign.roles import Leaf, Matched, is_role, leaves_of
 from gonio.foreign.source import FILE_LINES, SHADERS, ForeignError, Function, Source, Variable
 
-OUTPUTS = 3
+# Of a value the first three; of a sample its direction and density.
+OUTPUTS = 4
 
 # Lines of the harness itself are counted as those of this file: complaints are about the signature.
 OWN = 999
@@ -42,7 +44,14 @@ SPELLINGS = {
     ),
     "cpp": Spelling("x[{column}]", "y[{row}] = {value};", whole="({type})({value})"),
 }
-_LIKE = {"essl": "glsl", "brdf": "glsl", "hlsl": "slang", "msl": "cpp", "cuda": "cpp"}
+_LIKE = {
+    "essl": "glsl",
+    "brdf": "glsl",
+    "hlsl": "slang",
+    "msl": "cpp",
+    "cuda": "cpp",
+    "library": "cpp",
+}
 
 
 def statements(source: Source, function: Function, matched: Matched) -> list[str]:
@@ -77,21 +86,15 @@ def statements(source: Source, function: Function, matched: Matched) -> list[str
     call = f"{function.name}({given})"
     if function.owner:
         call = f"gonio_self.{call}"
-    result, where = _result(source, function, names)
-    if where:
+    if function.returns == "void":
         lines.append(f"{call};")
     else:
         lines.append(spelling.result.format(type=function.returns, call=call))
-        where = "gonio_result"
-    parts = (
-        [where] * OUTPUTS
-        if result.width == 1
-        else [where + c for c in _components(result)[:OUTPUTS]]
-    )
-    lines += [
-        spelling.write.format(row=k, component="xyz"[k], value=part) for k, part in enumerate(parts)
+    found = _sampled if matched.kind == "sample" else _result
+    return lines + [
+        spelling.write.format(row=k, component="xyzw"[k], value=part)
+        for k, part in enumerate(found(source, function, names))
     ]
-    return lines
 
 
 def _declare(argument: Variable, name: str, spelling: Spelling) -> str:
@@ -120,27 +123,67 @@ def _set(
     return [f"{place} = {leaf.type}({', '.join(numbers)});"]
 
 
-def _result(source: Source, function: Function, names: Mapping[str, str]) -> tuple[Leaf, str]:
-    """What is read after the call, and the variable that it is in if it is not returned."""
-    written = [a for a in function.arguments if a.written]
-    returned = Variable("result", function.returns)
-    where = ""
-    if function.returns == "void" and len(written) == 1:
-        returned, where = written[0], names[written[0].name]
+def _outputs(
+    source: Source, function: Function, names: Mapping[str, str]
+) -> list[tuple[Leaf, str]]:
+    """The numbers that a function gives back, and where they are after the call."""
+    found: list[tuple[Leaf, str]] = []
+    if function.returns != "void":
+        returned = Variable("gonio_result", function.returns)
+        found = [(leaf, leaf.place) for leaf in leaves_of(source, returned)]
+    for argument in function.arguments:
+        if argument.written:
+            for leaf in leaves_of(source, argument):
+                found.append((leaf, names[argument.name] + leaf.place.removeprefix(argument.name)))
+    return found
+
+
+def _parts(leaf: Leaf, where: str) -> list[str]:
+    return [where] if leaf.width == 1 else [where + c for c in _components(leaf)]
+
+
+def _result(source: Source, function: Function, names: Mapping[str, str]) -> list[str]:
+    """The three numbers of a value: what is returned, or written if nothing is."""
     try:
-        found = list(leaves_of(source, returned))
+        found = _outputs(source, function, names)
     except ForeignError:
         found = []
-    if len(found) != 1 or found[0].width == 2:
+    if function.returns != "void":
+        found = [pair for pair in found if pair[1].startswith("gonio_result")]
+    if len(found) != 1 or found[0][0].width == 2:
         raise ForeignError(
             f"{source.path}: {function.signature} gives back {function.returns}, which is neither a number "
             "nor a colour; write a function that returns one of them."
         )
-    return found[0], where
+    parts = _parts(*found[0])
+    return parts * 3 if len(parts) == 1 else parts[:3]
+
+
+def _sampled(source: Source, function: Function, names: Mapping[str, str]) -> list[str]:
+    """The direction of a sample, and its density if it gives one back.
+
+    Raises:
+        ForeignError: it gives back no direction.
+    """
+    found = _outputs(source, function, names)
+    if len(found) == 1 and found[0][0].width == 4:
+        return _parts(*found[0])
+    vectors = [pair for pair in found if pair[0].width == 3]
+    numbers = [pair for pair in found if pair[0].width == 1]
+    named = [p for p in vectors if is_role(p[0].place, "wi")]
+    returned = [p for p in vectors if p[1] == "gonio_result"]
+    chosen = named or (returned if len(vectors) > 1 else []) or vectors
+    if not chosen:
+        raise ForeignError(f"{source.path}: {function.signature} gives back no direction.")
+    densities = [p for p in numbers if re.search(r"pdf|dens|prob", p[0].place, re.I)]
+    densities = densities or (numbers if len(numbers) == 1 else [])
+    return _parts(*chosen[0])[:3] + [p[1] for p in densities[:1]]
 
 
 def text(source: Source, function: Function, matched: Matched, defines: Sequence[str]) -> str:
     """The whole text that is compiled."""
+    if source.language == "python":
+        return job(source, function, matched)
     lines = statements(source, function, matched)
     if source.language in SHADERS:
         return _fragment(source, matched, lines, defines)
@@ -155,8 +198,9 @@ def text(source: Source, function: Function, matched: Matched, defines: Sequence
             f"{_indented(lines, 8)}\n    }}\n}}\n"
         )
     scopes = [s for s in function.scope if s != function.owner]
+    head = f'#include "{source.path.resolve()}"\n'
     return (
-        f'#include "{source.path.resolve()}"\n#line 1 "harness"\n'
+        f'{head if source.language != "library" else ""}#line 1 "harness"\n'
         f"{''.join(f'namespace {s} {{ ' for s in scopes)}\n"
         "static void gonio_call(const float* x, float* y) {\n"
         f"{_indented(lines, 4)}\n}}\n{'}' * len(scopes)}\n"
@@ -196,7 +240,7 @@ def _fragment(
     body = [
         "ivec2 gonio_pixel = ivec2(gl_FragCoord.xy);",
         *fetched,
-        "gonio_made = vec4(1.0);",
+        "gonio_made = vec4(1.0, 1.0, 1.0, -1.0);",
         *lines,
     ]
     return (

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
+from gonio.foreign import library, materialx, python_code
 from gonio.foreign.function import (
     Foreign,
     Returns,
@@ -14,12 +16,10 @@ from gonio.foreign.function import (
     split,
 )
 from gonio.foreign.harness import text as harness_text
-from gonio.foreign.materialx import is_materialx
-from gonio.foreign.materialx import read as read_materialx
 from gonio.foreign.process import MEMORY, SECONDS, Running
 from gonio.foreign.returned import measure
 from gonio.foreign.roles import match
-from gonio.foreign.source import read
+from gonio.foreign.source import ForeignError, Source, read
 
 
 def load(
@@ -32,13 +32,17 @@ def load(
     defines: Sequence[str] = (),
     include: Sequence[str] = (),
     returns: str | None = None,
+    signature: str | None = None,
+    sample: str | None = None,
+    pdf: str | None = None,
+    albedo: str | None = None,
     seconds: float = SECONDS,
     memory: int = MEMORY,
 ) -> Foreign:
     """Read, compile and start a function of foreign code.
 
     Args:
-        text: FILE or FILE#FUNCTION.
+        text: FILE, FILE#FUNCTION, module:function, or FILE.mtlx#NODE@TARGET.
         function: its name, if not in the text. "Struct.method" and "namespace::name" work.
         mapping: each "ARGUMENT=FORMULA ...", where the names do not tell.
         ranges: each "PARAMETER=LOW..HIGH".
@@ -46,32 +50,103 @@ def load(
         defines: macros, NAME or NAME=VALUE.
         include: folders of headers.
         returns: one of RETURNS; None to measure it.
+        signature: of a function in a compiled library, in C.
+        sample: the function that draws directions, of the same file or as FILE#FUNCTION.
+        pdf: that of their density.
+        albedo: that of the directional albedo.
         seconds: after which a call is given up.
         memory: that it may use, in bytes.
 
     Raises:
         ForeignError: anything that does not work, in one line.
     """
+    told = parse_returns(returns) if returns else None
+    if (sample is None) != (pdf is None):
+        raise ForeignError(
+            f"{text}: --sample and --pdf go together; a sampler is judged by its density."
+        )
+    if signature is not None and not library.is_library(text):
+        raise ForeignError(f"{text}: --signature is for compiled libraries; code says it itself.")
     file, named = split(text)
-    if is_materialx(text):
-        source = read_materialx(text if named or not function else f"{text}#{function}")
-        returns = returns or "f cos"
+    start = _Start(
+        dict(parse_map(mapping)),
+        parse_ranges(ranges),
+        parse_map(uniforms),
+        tuple(defines),
+        tuple(include),
+        seconds,
+        memory,
+    )
+    if materialx.is_materialx(text):
+        source = materialx.read(text if named or not function else f"{text}#{function}")
+        told = told or Returns(1.0, 1, True)
+    elif library.is_library(text):
+        source = library.read(text, function or named, signature)
+    elif (parts := python_code.split_python(text)) is not None:
+        source, function = python_code.read(text), parts[1]
     else:
         source = read(file, include)
-    found = source.find(function or named)
-    told = parse_returns(returns) if returns else None
-    matched = match(source, found, parse_map(mapping), parse_ranges(ranges), parse_map(uniforms))
-    running = Running(
-        source,
-        harness_text(source, found, matched, defines),
-        matched.columns,
-        include=include,
-        defines=defines,
-        seconds=seconds,
-        memory=memory,
-    )
-    foreign = Foreign(source, found, matched, running, told or Returns(), text)
+    foreign = start(source, function or named, text, "value")
+    foreign.returns = told or Returns()
     foreign.raw(*probe(8))
     if told is None:
         foreign.returns = measure(foreign)
+    others = {"sample": sample, "pdf": pdf, "albedo": albedo}
+    beside = {kind: start.beside(foreign, name, kind) for kind, name in others.items() if name}
+    foreign.sampler, foreign.density = beside.get("sample"), beside.get("pdf")
+    foreign.reflectance = beside.get("albedo")
     return foreign
+
+
+@dataclass(frozen=True)
+class _Start:
+    """How functions are compiled and started."""
+
+    mapping: dict[str, str]
+    ranges: dict[str, tuple[float, float]]
+    uniforms: dict[str, str]
+    defines: tuple[str, ...]
+    include: tuple[str, ...]
+    seconds: float
+    memory: int
+
+    def __call__(
+        self, source: Source, name: str | None, label: str, kind: str, strict: bool = True
+    ) -> Foreign:
+        """A function that is running.
+
+        Args:
+            source: its file.
+            name: which one.
+            label: for people.
+            kind: of `gonio.foreign.roles.KINDS`.
+            strict: whether all that options name has to be found in this function.
+        """
+        found = source.find(name)
+        matched = match(source, found, self.mapping, self.ranges, self.uniforms, kind, strict)
+        running = Running(
+            source,
+            harness_text(source, found, matched, self.defines),
+            matched.columns,
+            include=self.include,
+            defines=self.defines,
+            seconds=self.seconds,
+            memory=self.memory,
+        )
+        return Foreign(source, found, matched, running, label=label)
+
+    def beside(self, main: Foreign, text: str, kind: str) -> Foreign:
+        """A function beside the main one, of its file if no other is named."""
+        file, name = split(text)
+        if name is None and main.source.language != "library":
+            source, name = main.source, text
+        elif main.source.language == "python" and file.endswith(".py"):
+            source = python_code.read(text)
+        elif main.source.language == "library":
+            raise ForeignError(
+                f"{main.source.path}: functions of a library beside the first need a file of C++ that "
+                f"calls them; give --{kind} FILE.cpp#FUNCTION."
+            )
+        else:
+            source = read(file, self.include)
+        return self(source, name, text, kind, strict=False)

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from gonio.export.prove import tools
 from gonio.export.prove.native import FLAGS, METAL_FLAGS
 from gonio.foreign.harness import OUTPUTS, OWN
+from gonio.foreign.library import wrapper
 from gonio.foreign.source import FILE_LINES, ForeignError, Source
 
 Singles = NDArray[np.float32]
@@ -112,7 +113,7 @@ class Running:
         return self._process.stdout
 
     def call(self, rows: NDArray[np.floating]) -> Singles:
-        """Outputs (n, 3) for inputs (n, columns).
+        """Outputs (n, 4) for inputs (n, columns).
 
         Raises:
             ForeignError: it does not come back in time, or ends its process.
@@ -146,6 +147,8 @@ class Running:
         code = self._process.wait()
         said = self._errors.read_text(errors="replace").strip() or "no message"
         last = said.splitlines()[-1]
+        if self.source.language == "python" and code == 1:
+            return str(_refused(self.source, last))
         if "MemoryError" in last or "bad_alloc" in last or "ENOMEM" in last:
             return f"{path}: the code needs more than {self.memory / 2**30:.3g} GB of memory."
         names = {
@@ -203,6 +206,9 @@ def _compiled(
         tools.program("moderngl", "runs GLSL")
         (folder / "shader.frag").write_text(text, encoding="utf-8")
         return "opengl", folder / "shader.frag"
+    if language == "python":
+        (folder / "job.json").write_text(text, encoding="utf-8")
+        return "python", folder / "job.json"
     if language == "wgsl":
         tools.program("wgpu", "compiles and runs WGSL")
         (folder / "shader.wgsl").write_text(text, encoding="utf-8")
@@ -220,12 +226,34 @@ def _compiled(
         _run([*command, *(f"-D{d}" for d in defines)], folder, source)
         options = []
     else:
+        if language == "library":
+            return "native", _linked(gxx, source, text, folder)
         (folder / "code.cpp").write_text(text, encoding="utf-8")
         more = {"cuda": ["-include", str(CUDA)], "msl": list(METAL_FLAGS)}.get(language, [])
         more = [*more, "-Dmain=gonio_unused_main"]
     command = [gxx, *FLAGS, "-w", *more, *options, "code.cpp", "-o", "library.so"]
     _run(command, folder, source)
     return "native", folder / "library.so"
+
+
+def _linked(gxx: str, source: Source, text: str, folder: Path) -> Path:
+    """A library of calls into the user's compiled library: as C declares the function, or as C++ does."""
+    library = source.path.resolve()
+    options = [str(library), f"-Wl,-rpath,{library.parent}", "-Wl,--no-undefined"]
+    said = ""
+    for head in wrapper(source):
+        (folder / "code.cpp").write_text(head + text, encoding="utf-8")
+        command = [gxx, *FLAGS, "-w", "code.cpp", "-o", "library.so", *options]
+        done = tools.run(command, folder)
+        if done.returncode == 0:
+            return folder / "library.so"
+        said = said or done.stdout + done.stderr
+    if "undefined reference" in said:
+        raise ForeignError(
+            f"{source.path} has no function {source.entry!r}; 'nm -D' shows what it has."
+        )
+    lines = [line for line in said.splitlines() if "error" in line] or ["no message"]
+    raise ForeignError(f"{source.path} cannot be called so: {lines[0].strip()}")
 
 
 def _run(command: Sequence[str], folder: Path, source: Source) -> None:

@@ -42,7 +42,19 @@ COSINES = {
     "cos_tangent_o": "tov tdotv vdotx vdott",
     "cos_bitangent_o": "bov bdotv vdoty vdotb",
 }
-ROLES = (*DIRECTIONS, *COSINES)
+# Random numbers of functions that sample; u3 is one more for those that choose a lobe by it.
+RANDOM = {
+    "u1": "u1 u0 xi1 xi0 r1 r0 rand1 rand0 rnd1 e1 ux rx randx randu randomu u",
+    "u2": "u2 xi2 r2 rand2 rnd2 e2 uy ry randy randv randomv v",
+    "u3": "u3 xi3 r3 rand3 rnd3 e3 uc uz ulobe rlobe lobe choice select randlobe",
+}
+_RANDOM_VECTORS = (
+    "u xi rand rnd random uv e r rands randoms sample u2 xi2 eta uniform samples u3 xi3"
+)
+ROLES = (*DIRECTIONS, *COSINES, *RANDOM)
+
+# What functions are asked for.
+KINDS = ("value", "sample", "pdf", "albedo")
 
 # Kinds of numbers, by the ends of their types' names in all languages.
 _VECTOR = re.compile(
@@ -87,6 +99,8 @@ class Matched:
     parameters: dict[str, Parameter]
     notes: tuple[str, ...]
     """What was assumed, for people."""
+    kind: str = "value"
+    """Of KINDS."""
 
     @property
     def columns(self) -> int:
@@ -160,6 +174,8 @@ def match(
     mapping: Mapping[str, str],
     ranges: Mapping[str, tuple[float, float]],
     constants: Mapping[str, str],
+    kind: str = "value",
+    strict: bool = True,
 ) -> Matched:
     """Find out what each number is that a function needs.
 
@@ -169,6 +185,8 @@ def match(
         mapping: what --map says: formulas by argument, member or uniform.
         ranges: what --range says.
         constants: what --uniform says.
+        kind: of KINDS.
+        strict: whether all that is given has to be found.
 
     Raises:
         ForeignError: something cannot be told, or a name that is given does not exist.
@@ -186,7 +204,7 @@ def match(
     # Globals of the file that are named
     places = {leaf.place for leaf in leaves}
     places |= {leaf.variable.shown for leaf in leaves}
-    for name in given:
+    for name in given if strict else ():
         if not any(name in (p, p.rpartition(".")[2]) for p in places):
             known = [
                 leaf.variable.shown or leaf.place for leaf in leaves if not leaf.variable.fixed
@@ -202,7 +220,8 @@ def match(
         last = leaf.variable.shown or last
         text = given.get(leaf.place, given.get(last))
         if text is None:
-            text = _guess(source, leaf, ranges)
+            text = _random(leaf) if kind == "sample" else ""
+            text = text or _guess(source, leaf, ranges)
             if leaf.whole and not leaf.variable.fixed:
                 notes.append(f"{leaf.place} is {text}; --uniform {last}=1 for another")
         matched.append((leaf, parse(text)))
@@ -211,6 +230,8 @@ def match(
         ("the light", {"wi", "cos_i", "half", "cos_d", "cos_h", "cos_v", "cos_tangent_i"}),
         ("the viewer", {"wo", "cos_o", "half", "cos_d", "cos_h", "cos_v", "cos_tangent_o"}),
     ):
+        if what == "the light" and kind in ("sample", "albedo"):
+            continue
         if not used & enough:
             role = "wi" if what == "the light" else "wo"
             raise ForeignError(
@@ -225,19 +246,42 @@ def match(
                 parameters[name], assumed = _declared(name, min(width, 3), leaf, ranges)
                 if assumed:
                     notes.append(assumed)
-    if unknown := set(ranges) - set(parameters):
+    if (unknown := set(ranges) - set(parameters)) and strict:
         name = sorted(unknown)[0]
         raise ForeignError(
             f"{source.path}: there is no parameter {name!r} for --range; {did_you_mean(name, parameters)}"
             f"there are {', '.join(parameters) or 'none'}."
         )
-    return Matched(tuple(matched), parameters, tuple(notes))
+    if kind == "sample" and not used & set(RANDOM):
+        raise ForeignError(
+            f"{source.path}: {function.signature} has no random numbers; say which they are with "
+            '--map "NAME=(u1, u2)".'
+        )
+    return Matched(tuple(matched), parameters, tuple(notes), kind)
 
 
 def _plain(name: str) -> tuple[str, str]:
     """A name in lower case without underscores, and without a prefix such as u_ as well."""
     low = name.lower()
     return low.replace("_", ""), re.sub(r"^(?:[uvagip]|in|arg|param)_+", "", low).replace("_", "")
+
+
+def is_role(place: str, role: str) -> bool:
+    """Whether a name is one of those of a direction."""
+    return bool(
+        {*_plain(place.rpartition(".")[2])} & {*DIRECTIONS[role].split(), "direction", "dir"}
+    )
+
+
+def _random(leaf: Leaf) -> str:
+    """The random numbers that a name suggests."""
+    plain, bare = _plain(leaf.place.rpartition(".")[2])
+    if leaf.width in (2, 3) and {plain, bare} & set(_RANDOM_VECTORS.split()):
+        return "(u1, u2)" if leaf.width == 2 else "(u1, u2, u3)"
+    for role, names in RANDOM.items():
+        if leaf.width == 1 and {plain, bare} & set(names.split()):
+            return role
+    return ""
 
 
 def _guess(source: Source, leaf: Leaf, ranges: Container[str]) -> str:
@@ -297,9 +341,9 @@ def _declared(
         for pattern, a, b, c in SUGGESTED:
             if width == 1 and re.search(pattern, name.lower()):
                 low, high, default = a, b, c
-    if variable.default and width == 1:
-        default = variable.default[0]
-        low, high = min(low, default), max(high, default)
+    if len(variable.default) == width:
+        default = variable.default if width == 3 else variable.default[0]
+        low, high = min([low, *variable.default]), max([high, *variable.default])
     text = f"{name} is taken from {low:.4g} to {high:.4g}; --range {name}={low:.4g}..{high:.4g} for another"
     return Parameter(default, low, high, name, name, width), text
 

@@ -101,6 +101,8 @@ class Source:
     """In the order in which their lines are counted."""
     entry: str = ""
     """The function of generated text, which is in no file."""
+    module: str = ""
+    """Of Python, if it was named by its module."""
 
     def find(self, name: str | None) -> Function:
         """The function of a name such as "eval", "Eon.eval" or "gonio_eon::eon_eval".

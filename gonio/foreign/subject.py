@@ -11,7 +11,7 @@ import numpy as np
 from gonio.check.subject import Array, FreeNumber, Size, stored
 from gonio.check.variants import value_at
 from gonio.claims import Claims, Kink, WhiteFurnace
-from gonio.foreign.function import Foreign
+from gonio.foreign.function import Foreign, picked
 
 
 class ForeignSubject:
@@ -27,9 +27,14 @@ class ForeignSubject:
     albedos = ""
     mean_closed = False
 
-    def __init__(self, foreign: Foreign) -> None:
-        """Take a function that is running."""
-        self.foreign = foreign
+    def __init__(self, foreign: Foreign, drawn: bool = False) -> None:
+        """Take a function that is running.
+
+        Args:
+            foreign: the function.
+            drawn: sample with the code's own sampler, which is to be judged; else with a cosine.
+        """
+        self.foreign, self.drawn = foreign, drawn
         self.name = foreign.name
         self.parameters: tuple[FreeNumber, ...] = tuple(
             FreeNumber(name, channel, declared, _special(declared.low, declared.high))
@@ -55,7 +60,7 @@ class ForeignSubject:
         """The function with the parameters of the rows that `index` names."""
         rows = index.numpy() if dr.is_array_v(index) else np.asarray(index)
         values = {name: v[rows] for name, v in self.values(parameters).items()}
-        return _Bound(self.foreign, Float, values)
+        return _Bound(self.foreign, Float, values, self.drawn)
 
     def bound(self, values: Mapping[str, Any], Float: Any) -> Any:
         """The function with Dr.Jit values for its parameters."""
@@ -63,7 +68,7 @@ class ForeignSubject:
             name: np.asarray(dr.detach(v).numpy()).T if dr.is_array_v(v) else v
             for name, v in values.items()
         }
-        return _Bound(self.foreign, Float, plain)
+        return _Bound(self.foreign, Float, plain, self.drawn)
 
     def default(self) -> Array:
         """The row of the default parameters."""
@@ -119,10 +124,14 @@ def _special(low: float, high: float) -> tuple[float, ...]:
 
 
 class _Bound:
-    """eval of the code, and a sampler of gonio's own that shows integrals where to look."""
+    """eval of the code, and its sampler or one of gonio's own that shows integrals where to look."""
 
-    def __init__(self, foreign: Foreign, Float: Any, values: Mapping[str, Any]) -> None:
+    def __init__(
+        self, foreign: Foreign, Float: Any, values: Mapping[str, Any], drawn: bool
+    ) -> None:
         self.foreign, self.Float, self.values = foreign, Float, values
+        self.sampler = foreign.sampler if drawn else None
+        self.density = foreign.density if drawn else None
 
     def eval(self, wi: Any, wo: Any) -> Any:
         """BRDF without the cosine."""
@@ -138,13 +147,45 @@ class _Bound:
         return np.asarray(Vec(w).numpy(), np.float64).T
 
     def pdf(self, wi: Any, wo: Any) -> Any:
-        """The cosine's density."""
+        """The code's density, or the cosine's."""
+        if self.density is not None:
+            a, b = self._plain(wi), self._plain(wo)
+            n = max(len(a), len(b))
+            found = self._densities(np.broadcast_to(a, (n, 3)), np.broadcast_to(b, (n, 3)))
+            return stored(self.Float, found)
         return dr.select((wi.z > 0) & (wo.z > 0), wi.z / np.pi, 0)
 
     def sample(self, wo: Any, u: Any) -> tuple[Any, Any]:
-        """Around the normal, by the cosine."""
+        """By the code's sampler, or around the normal by the cosine."""
         Vec = dr.replace_shape_t(self.Float, (3, -1))
+        if self.sampler is not None:
+            return self._drawn(wo, u)
         r, phi = dr.sqrt(self.Float(u.x)), 2 * np.pi * self.Float(u.y)
         z = dr.sqrt(dr.maximum(1 - r * r, 0))
         wi = Vec(r * dr.cos(phi), r * dr.sin(phi), z)
         return wi, dr.select(wo.z > 0, z / np.pi, 0)
+
+    def _drawn(self, wo: Any, u: Any) -> tuple[Any, Any]:
+        assert self.sampler is not None
+        Vec = dr.replace_shape_t(self.Float, (3, -1))
+        b = self._plain(wo)
+        random = np.stack([np.asarray(self.Float(x).numpy(), np.float64) for x in (u.x, u.y)], -1)
+        n = max(len(b), len(random))
+        b = np.ascontiguousarray(np.broadcast_to(b, (n, 3)))
+        w, density = self.sampler.samples(b, np.broadcast_to(random, (n, 2)), self.values)
+        missing = density < 0
+        w = np.where(np.isfinite(w), w, 0.0)
+        if missing.any():
+            density = np.where(missing, self._densities(w, b), density)
+        density = np.where((b[:, 2] > 0) & np.isfinite(density), density, 0.0)
+        return Vec(*(stored(self.Float, c) for c in w.T)), stored(self.Float, density)
+
+    def _densities(self, wi: Array, wo: Array) -> Array:
+        """The code's, 0 below the horizon."""
+        assert self.density is not None
+        above = (wi[:, 2] > 0) & (wo[:, 2] > 0)
+        found = np.zeros(len(wi))
+        if above.any():
+            values = picked(self.values, above)
+            found[above] = self.density.raw(wi[above], wo[above], values)[:, 0]
+        return np.where(np.isfinite(found), found, 0.0)

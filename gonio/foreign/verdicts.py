@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from gonio.check import energy
+from gonio.check import energy, hemisphere, sampling
 from gonio.check.adversarial import special_parts
 from gonio.check.reciprocity import dimensions
 from gonio.check.report import EFFORTS, FAIL, NOTE, PASS, UNSURE, Effort, Finding, Report
@@ -397,6 +397,49 @@ def _frame(subject: ForeignSubject, effort: Effort) -> list[Finding]:
     ]
 
 
+def _sampling(subject: ForeignSubject, effort: Effort) -> list[Finding]:
+    """The code's sampler and its density, as those of models."""
+    if subject.foreign.sampler is None:
+        return []
+    return list(sampling.check(ForeignSubject(subject.foreign, drawn=True), effort).findings)
+
+
+def _albedo(subject: ForeignSubject, effort: Effort) -> list[Finding]:
+    """The albedo that the code has, a fit or a table often, against integrals of its values."""
+    own = subject.foreign.reflectance
+    if own is None:
+        return []
+    count = 4 * effort.confirmed
+    points = np.random.default_rng(37).random((count, energy.dimensions(subject)))
+    points[0, : len(subject.parameters)] = subject.default()
+    parameters, wo = energy.viewer(subject, points)
+    found = hemisphere.integrate(
+        subject,
+        parameters,
+        wo,
+        hemisphere.partition(subject, parameters, wo),
+        1e-5,
+        albedo_only=True,
+    )
+    values = subject.values(parameters)
+    off = np.abs(own.raw(wo, wo, values) - found.total[:, :3]).max(axis=1) - found.error
+    row = int(np.argmax(np.where(np.isnan(off), np.inf, off)))
+    verdict = PASS if off[row] <= LIMIT else FAIL
+    text = f"at most {LIMIT:g}, at {count} places; integrals are good to {found.error.max():.1g}"
+    case = (parameters[row], wo[row], wo[row])
+    return [
+        Finding(
+            "error of albedo",
+            max(float(off[row]), 0.0),
+            verdict,
+            text,
+            "",
+            subject.replay(*case),
+            case,
+        )
+    ]
+
+
 VERDICTS: dict[str, Callable[[ForeignSubject, Effort], list[Finding]]] = {
     "energy": _energy,
     "reciprocity": _reciprocity,
@@ -404,4 +447,6 @@ VERDICTS: dict[str, Callable[[ForeignSubject, Effort], list[Finding]]] = {
     "isotropy": _isotropy,
     "frame": _frame,
     "precision": _precision,
+    "sampling": _sampling,
+    "albedo": _albedo,
 }
