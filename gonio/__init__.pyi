@@ -14,6 +14,7 @@ from gonio import claims as claims
 from gonio import cli as cli
 from gonio import compare as compare
 from gonio import conversions as conversions
+from gonio import cost as cost
 from gonio import description as description
 from gonio import export as export
 from gonio import fields as fields

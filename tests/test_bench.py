@@ -280,7 +280,7 @@ def report():
 
 def test_markdown_says_first_that_it_is_generated():
     lines = report().markdown().splitlines()
-    assert lines[0] == GENERATED
+    assert lines[0] == GENERATED.format(command="gonio bench --output")
     assert "gonio bench" in lines[0]
     assert lines[2] == "# Performance"
     assert "| processor | abacus |" in lines
@@ -339,7 +339,7 @@ def test_bench_measures_what_was_asked_for(monkeypatch, tmp_path):
     assert "eval eon_exact" in told
     assert {"processor", "cores", "vector width", "C++", "Dr.Jit", "date"} <= set(found.machine)
     page = output.read_text(encoding="utf-8")
-    assert page.startswith(GENERATED)
+    assert page.startswith(GENERATED.format(command="gonio bench --output"))
     assert "cosine uniform in (0, 1]" in page
 
 

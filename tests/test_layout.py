@@ -34,6 +34,7 @@ FLOORS = (
     {"render", "check"},
     {"bake", "compare", "view", "foreign"},
     {"bench"},
+    {"cost"},
     {"reproduce"},
     {"cli"},
 )

@@ -334,6 +334,7 @@ _PROVERS = {
     "bpy": "OSL",
     "nvrtc": "CUDA",
     "spirv-opt": "counting instructions",
+    "vulkan": "what shaders cost on AMD's GPUs",
 }
 
 

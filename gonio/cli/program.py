@@ -276,6 +276,7 @@ def main(ctx: click.Context) -> None:
       gonio plot lambert eon:roughness=1          its shape
       gonio render eon --param roughness=1        its looks
       gonio export eon --to wgsl                  its shader
+      gonio cost eon                              what its shader costs on a GPU
       gonio check eon                             whether it is what it claims to be
       gonio reproduce eon:11                      a paper's figure beside gonio's
       gonio doctor                                whether this machine can run them

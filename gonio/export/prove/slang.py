@@ -74,12 +74,13 @@ def loop_text(export: Export) -> str:
 
 
 def compute_text(export: Export) -> str:
-    """The source and a compute shader that calls every function, in HLSL."""
+    """The source and a compute shader that calls every function, in HLSL or Slang."""
+    dialect = HLSL if export.language == "hlsl" else SLANG
     return (
         f"{export.source}\n"
         "StructuredBuffer<float> x : register(t0);\nRWStructuredBuffer<float> y : register(u0);\n\n"
         "[numthreads(64, 1, 1)]\nvoid main(uint3 id : SV_DispatchThreadID)\n{\n"
         f"    uint i = id.x * {input_columns(export.entry)};\n"
         f"    uint o = id.x * {output_columns(export.entry)};\n"
-        f"{indented(statements(export.entry, HLSL))}\n}}\n"
+        f"{indented(statements(export.entry, dialect))}\n}}\n"
     )

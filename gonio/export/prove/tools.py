@@ -10,7 +10,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -46,10 +46,12 @@ INSTALL = {
     "wgpu": "pip install wgpu, and without a GPU also apt-get install mesa-vulkan-drivers",
     "moderngl": "pip install moderngl, and apt-get install libegl1 libgl1",
     "nvrtc": "pip install nvidia-cuda-nvrtc-cu12, or NVIDIA's CUDA toolkit (no GPU needed)",
+    "vulkan": "pip install vulkan",
+    "radv": "apt-get install mesa-vulkan-drivers",
     "bpy": "pip install --no-deps bpy==5.0.1 with Python 3.11 (Blender, GPL-3)",
 }
 
-PACKAGES = frozenset({"wgpu", "moderngl", "bpy"})
+PACKAGES = frozenset({"wgpu", "moderngl", "vulkan", "bpy"})
 
 
 def locate(tool: str) -> str | None:
@@ -97,13 +99,17 @@ def cuda_compiler() -> str | None:
 
 
 def run(
-    command: Sequence[str], folder: Path, seconds: float = SECONDS
+    command: Sequence[str],
+    folder: Path,
+    seconds: float = SECONDS,
+    environment: Mapping[str, str] | None = None,
 ) -> subprocess.CompletedProcess[str]:
-    """Run a program to its end in a folder, with its output as text."""
+    """Run a program to its end in a folder, with its output as text; its environment may be another."""
     try:
         return subprocess.run(
             command,
             cwd=folder,
+            env=environment,
             stdin=subprocess.DEVNULL,
             capture_output=True,
             text=True,

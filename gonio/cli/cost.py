@@ -1,0 +1,126 @@
+"""`gonio cost`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from gonio.cli.program import complete, json_option, param_option, say
+
+ROUNDS = 9
+"""How often --time runs each shader; the median is said."""
+
+
+@click.command("cost", short_help="Show what shaders cost on GPUs.")
+@click.argument("texts", nargs=-1, metavar="[MODEL|FILE#FUNCTION]...", shell_complete=complete)
+@param_option
+@click.option("--all", "everything", is_flag=True, help="All models.")
+@click.option(
+    "--gpu",
+    "gpus",
+    multiple=True,
+    metavar="NAME[,NAME]",
+    help="For which GPUs, none of which need be there: tahiti, polaris10, vega10, navi10, navi21, navi31, "
+    "sm_75, sm_86, sm_89, sm_90, sm_120, or all (default: navi21,sm_86).",
+)
+@click.option(
+    "--only",
+    metavar="NAME[,NAME]",
+    help="Functions: eval, sample, pdf, albedo (default: the first three).",
+)
+@click.option(
+    "--against", metavar="MODEL", help="Compare with this model, in the same run. --against phong"
+)
+@click.option(
+    "--to",
+    "language",
+    type=click.Choice(["glsl", "hlsl", "slang"]),
+    default="glsl",
+    help="Language of the exports that AMD's compiler gets; NVIDIA's always gets CUDA.",
+)
+@click.option(
+    "--map",
+    "mapping",
+    multiple=True,
+    metavar="ARGUMENT=FORMULA",
+    help='For FILE#FUNCTION, what its arguments are, as in gonio check: --map "L=wi V=wo".',
+)
+@click.option(
+    "--time",
+    "timed",
+    is_flag=True,
+    help="Also run eval by OpenGL on the GPU that is there (or llvmpipe on the processor).",
+)
+@click.option("-o", "--output", metavar="FILE", help="Also write a .md or .json file.")
+@json_option
+def command(
+    texts: tuple[str, ...],
+    params: tuple[str, ...],
+    everything: bool,
+    gpus: tuple[str, ...],
+    only: str | None,
+    against: str | None,
+    language: str,
+    mapping: tuple[str, ...],
+    timed: bool,
+    output: str | None,
+    as_json: bool,
+) -> None:
+    """Compile shaders to the machine code of real GPUs, and count instructions, registers and cycles.
+
+    No GPU is needed: Mesa's driver compiles for AMD's GPUs and NVRTC for NVIDIA's. Cycles come from the
+    compiler and compare shaders on one GPU; they are not the time of a frame.
+
+    \b
+    Examples:
+      gonio cost eon phong torrance_sparrow
+      gonio cost --all --against phong --gpu navi21,navi31,sm_89
+      gonio cost eon:albedo_form=fitted --only eval,sample --to hlsl
+      gonio cost eon engine.glsl#diffuse --map "L=wi V=wo"   a hand-written function beside an export
+      gonio cost patina --time --json
+    """
+    from gonio.bench.report import Report
+    from gonio.cli.export import choose
+    from gonio.cost import compilers
+    from gonio.cost.gpus import CostError, chosen
+    from gonio.cost.table import FUNCTIONS, cost
+    from gonio.export.text import FUNCTIONS as ALL
+    from gonio.foreign import is_foreign
+    from gonio.materials import load_model
+
+    wanted = chosen(gpus)
+    functions = [part.strip() for part in (only or ",".join(FUNCTIONS)).split(",") if part.strip()]
+    for name in functions:
+        if name not in ALL:
+            raise CostError(f"--only {name!r}: there are {', '.join(ALL)}.")
+    files = [text for text in texts if is_foreign(text)]
+    named = [text for text in texts if not is_foreign(text)]
+    if mapping and not files:
+        raise CostError("--map says what arguments of FILE#FUNCTION are; none is given.")
+    if files and "eval" not in functions:
+        raise CostError(f"{files[0]} is compared with eval, which --only leaves out.")
+    if timed and "eval" not in functions:
+        raise CostError("--time runs eval, which --only leaves out.")
+    if output is not None and Path(output).suffix not in (".md", ".json"):
+        raise CostError(f"-o {output}: the file's name ends in .md or .json.")
+    models = choose(named, params, everything).models if named or everything else {}
+    if not models and not files:
+        raise CostError("nothing to measure; name a model, such as eon, or give --all.")
+    section = cost(
+        models,
+        files,
+        functions=functions,
+        language=language,
+        gpus=wanted,
+        against=None if against is None else (against, load_model(against)[0]),
+        mapping=mapping,
+        rounds=ROUNDS if timed else 0,
+        progress=say,
+    )
+    report = Report(
+        compilers.describe(wanted), [], [section], "What shaders cost", "gonio cost --output"
+    )
+    if output is not None:
+        report.write(Path(output))
+    click.echo(report.json() if as_json else report.text(), nl=False)

@@ -1,0 +1,190 @@
+"""`gonio cost`: machine code for GPUs that are not there, counted."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+import gonio
+from gonio import cost
+from gonio.bench import shaders
+from gonio.cli import main
+from gonio.cost import amd, nvidia
+from gonio.cost.measured import Measured
+from gonio.cost.program import ROWS, Program, empty, of_model
+from gonio.export.prove import opengl, tools
+from gonio.export.prove.tools import ProofError
+
+# Divisions of whole units, on the compilers' word
+GPUS = ("navi21", "vega10", "sm_75", "sm_90")
+
+
+def missing(gpu: str) -> bool:
+    """Whether the compiler for a GPU is not installed."""
+    if gpu.startswith("sm_"):
+        return tools.locate("nvrtc") is None
+    try:
+        amd.driver()
+    except ProofError:
+        return True
+    return tools.locate("vulkan") is None
+
+
+@pytest.fixture(params=GPUS)
+def gpu(request: pytest.FixtureRequest) -> cost.Gpu:
+    if missing(request.param):
+        pytest.skip(f"no compiler for {request.param}")
+    return cost.GPUS[request.param]
+
+
+def chain(links: int) -> Program:
+    """Products and sums, each of which waits for the one before: as many instructions as links."""
+    steps = [f"a = {name}(a, b, b);" for name in ["fma"] * links]
+    shader = (
+        "#version 450\nlayout(local_size_x = 64) in;\n"
+        "layout(std430, binding = 0) readonly buffer Given { float x[]; };\n"
+        "layout(std430, binding = 1) buffer Made { float y[]; };\n"
+        "void main() {\n    uint i = gl_GlobalInvocationID.x;\n"
+        "    float a = x[2 * i], b = x[2 * i + 1];\n    "
+        + "\n    ".join(steps)
+        + "\n    y[i] = a;\n}\n"
+    )
+    kernel = (
+        'extern "C" __global__ void run(const float* x, float* y, int rows) {\n'
+        "    int i = blockIdx.x * blockDim.x + threadIdx.x;\n"
+        "    float a = x[2 * i], b = x[2 * i + 1];\n    "
+        + "\n    ".join(step.replace("fma", "fmaf") for step in steps)
+        + "\n    y[i] = a;\n}\n"
+    )
+    return Program(f"chain of {links}", shader, cuda=("", kernel))
+
+
+def test_a_longer_chain_of_products_has_that_many_instructions_more(gpu: cost.Gpu) -> None:
+    short, long = cost.measure([chain(20), chain(52)], gpu)
+    assert short is not None
+    assert long is not None
+    assert long.instructions - short.instructions == 52 - 20
+    assert abs(long.registers - short.registers) <= 2  # two numbers, whatever else is left over
+    if gpu.vendor == "amd":
+        # One instruction of 64 threads keeps a unit of 16 lanes busy for four cycles, and one of 32 lanes
+        # for two: AMD's white papers on GCN and RDNA. The first few overlap with reading
+        assert short.cycles is not None
+        assert long.cycles is not None
+        each = 4 if gpu.name == "vega10" else 2
+        assert long.cycles - short.cycles == pytest.approx(32 * each, abs=2 * each)
+
+
+def test_the_harness_is_not_a_models_cost(gpu: cost.Gpu) -> None:
+    nothing, lambert = cost.measure([empty(), of_model("x", gonio.model("lambert"), "eval")], gpu)
+    assert nothing is not None
+    assert lambert is not None
+    assert 0 < (lambert - nothing).instructions < lambert.instructions
+    assert (lambert - nothing).registers == lambert.registers
+
+
+@pytest.mark.skipif(missing("navi21"), reason="no compiler for navi21")
+@pytest.mark.parametrize("name", ["eon", "torrance_sparrow", "disney"])
+def test_an_export_takes_no_more_cycles_than_a_shader_written_by_hand(name: str) -> None:
+    pair = [shaders.exported(name), shaders.handwritten(name)]
+    programs = [Program(name, opengl.compute_text(shader, ROWS)) for shader in pair]
+    ours, by_hand = amd.measure(programs, cost.GPUS["navi21"])
+    assert ours.cycles is not None
+    assert by_hand.cycles is not None
+    # An order of instructions is a few cycles' luck
+    assert ours.cycles <= 1.04 * by_hand.cycles
+
+
+@pytest.mark.skipif(missing("navi21"), reason="no compiler for navi21")
+@pytest.mark.parametrize("language", ["hlsl", "slang"])
+def test_other_languages_come_to_the_same_arithmetic(language: str) -> None:
+    if language == "slang" and tools.locate("slangc") is None:
+        pytest.skip("needs slangc")
+    model = gonio.model("eon")
+    programs = [of_model("eon", model, "eval", to) for to in ("glsl", language)]
+    glsl, other = amd.measure(programs, cost.GPUS["navi21"])
+    # The same formulas by another front end; reading rows differs by some instructions
+    assert other.instructions == pytest.approx(glsl.instructions, rel=0.15)
+
+
+def test_what_is_not_known_stays_unknown() -> None:
+    assert (Measured(5, 4, 9, 90) - Measured(2, 4, 3, 30)) == Measured(3, 4, 6, 60)
+    assert (Measured(5, 4) - Measured(2, 4)).cycles is None
+    assert Measured(5, 4).price == 5
+    assert Measured(5, 4, 9).price == 9
+
+
+def test_a_register_count_is_read_from_either_place() -> None:
+    if missing("sm_75"):
+        pytest.skip("needs nvrtc")
+    for name in ("sm_75", "sm_90"):  # in the section's head, and among the attributes
+        (found,) = nvidia.measure([chain(3)], cost.GPUS[name])
+        assert 4 <= found.registers <= 16
+
+
+def run(*arguments: str) -> tuple[int, str]:
+    result = CliRunner().invoke(main, ["cost", *arguments])
+    return result.exit_code, result.output
+
+
+@pytest.mark.skipif(missing("navi21"), reason="no compiler for navi21")
+def test_the_command_compares_models_with_one_of_them(tmp_path: Path) -> None:
+    page = tmp_path / "cost.json"
+    code, said = run(
+        "lambert", "eon", "--against", "phong", "--only", "eval", "--gpu", "navi21", "-o", str(page)
+    )
+    assert code == 0, said
+    rows = {r["row"]: r for r in json.loads(page.read_text())["sections"]["cost"]["rows"]}
+    assert set(rows) == {"lambert, eval", "eon, eval", "phong, eval"}
+    assert rows["phong, eval"]["navi21_ratio"] == 1
+    for row in rows.values():
+        assert row["navi21_ratio"] == pytest.approx(
+            row["navi21_cycles"] / rows["phong, eval"]["navi21_cycles"]
+        )
+
+
+@pytest.mark.skipif(missing("navi21"), reason="no compiler for navi21")
+def test_a_function_that_others_wrote_stands_beside_an_export(tmp_path: Path) -> None:
+    file = tmp_path / "diffuse.glsl"
+    file.write_text("vec3 diffuse(vec3 L, vec3 V, vec3 rho) { return rho / 3.14159265; }\n")
+    code, said = run(
+        "lambert", f"{file}#diffuse", "--map", "L=wi V=wo", "--only", "eval", "--gpu", "navi21"
+    )
+    assert code == 0, said
+    assert "diffuse.glsl#diffuse" in said
+    file.write_text("\n\nvec3 diffuse(vec3 L, vec3 V, vec3 rho) { return rho / nothing; }\n")
+    code, said = run(f"{file}#diffuse", "--map", "L=wi V=wo", "--only", "eval", "--gpu", "navi21")
+    assert code == 1
+    assert "does not compile" in said
+    assert "line 3: 'nothing'" in said
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (["eon", "--gpu", "navi22"], "did you mean 'navi21'"),
+        (["eon", "--only", "bsdf"], "there are eval, sample, pdf, albedo"),
+        ([], "name a model"),
+        (["eon", "--map", "L=wi"], "--map"),
+        (["eon", "--time", "--only", "pdf"], "--time"),
+        (["eon", "-o", "cost.txt"], ".md or .json"),
+        (["emo"], "did you mean"),
+    ],
+)
+def test_what_cannot_be_measured_is_said_in_one_line(arguments: list[str], word: str) -> None:
+    code, said = run(*arguments)
+    assert code != 0
+    assert word in said
+
+
+def test_a_missing_compiler_is_named_with_the_way_to_get_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(tools, "locate", lambda name: None)
+    with pytest.raises(ProofError, match=r"nvrtc is not installed, .*pip install"):
+        nvidia.measure([chain(1)], cost.GPUS["sm_86"])
+    monkeypatch.setattr(amd, "PLACES", ())
+    with pytest.raises(ProofError, match=r"RADV is not installed, .*apt-get install mesa"):
+        amd.measure([chain(1)], cost.GPUS["navi21"])
