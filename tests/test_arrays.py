@@ -323,16 +323,6 @@ def test_torch_vmap_gives_what_a_loop_gives() -> None:
     torch.testing.assert_close(torch.func.vmap(slope)(wi, wo, roughness), gradients)
 
 
-def test_a_second_derivative_is_refused_with_the_way_round() -> None:
-    import torch
-
-    r = torch.tensor(0.5, dtype=torch.float64, requires_grad=True)
-    wi = torch.tensor([0.6, 0.0, 0.8], dtype=torch.float64)
-    (first,) = torch.autograd.grad(gonio.EON(roughness=r).eval(wi, wi).sum(), r, create_graph=True)
-    with pytest.raises(NotImplementedError, match="take differences of first derivatives"):
-        torch.autograd.grad(first, r)
-
-
 def test_jax_gradients_under_jit_and_vmap() -> None:
     wi, wo = jax.numpy.asarray(WI), jax.numpy.asarray(WO)
 

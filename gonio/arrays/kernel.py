@@ -184,19 +184,17 @@ def pull_back(
     shapes: Sequence[tuple[int, ...]],
     cotangents: Sequence[Any],
     Float: Any,
+    wanted: Sequence[int] | None = None,
 ) -> list[Any]:
-    """Evaluated flat gradients with respect to flat arrays, given those of the flat results."""
-    dr.enable_grad(flats)
+    """Flat gradients by all flat arrays, or the wanted ones, given those of the flat results."""
+    flats = [dr.detach(flat) for flat in flats]  # else what was found before would be added
+    numbers = range(len(flats)) if wanted is None else wanted
+    for number in numbers:
+        dr.enable_grad(flats[number])
     results, _, _ = kernel.evaluate(flats, shapes, Float)
     for result, cotangent in zip(results, cotangents, strict=True):
         dr.set_grad(result, cotangent)
     dr.enqueue(dr.ADMode.Backward, results)
     dr.traverse(dr.ADMode.Backward)
     # Where the results do not depend on an array, its gradient is one zero; give it its full size.
-    gradients = [
-        dr.grad(flat) + dr.zeros(Float, math.prod(shape))
-        for flat, shape in zip(flats, shapes, strict=True)
-    ]
-    gradients = [dr.detach(g) for g in gradients]
-    dr.eval(gradients)
-    return gradients
+    return [dr.detach(dr.grad(flats[n]) + dr.zeros(Float, math.prod(shapes[n]))) for n in numbers]
