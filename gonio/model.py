@@ -280,18 +280,18 @@ class Model:
         """Density in 1/sr with which `sample` returns `wi`, shape (...); 0 below the horizon."""
         raise NotImplementedError
 
-    def sample_leaving(self, wo: Vec3, u: Vec2, eta: Float) -> Vec3:
+    def sample_leaving(self, wo: Vec3, u: Vec2, excess: Float) -> Vec3:
         """`sample` inside a kernel for a base under layers: the direction in which the light leaves them.
 
-        wo: inside the lowest layer. eta: the product of the layers' indices. Layers that lie over layers
+        wo: inside the lowest layer. excess: the product of the layers' indices, minus 1. Layers over layers
         override it: each calls the next once, whose light refracts as if there were one layer.
         """
-        return leave(self.sample(wo, u).wi, eta)
+        return leave(self.sample(wo, u).wi, excess)
 
-    def pdf_leaving(self, wi: Vec3, wo: Vec3, eta: Float) -> Float:
+    def pdf_leaving(self, wi: Vec3, wo: Vec3, excess: Float) -> Float:
         """Density of `sample_leaving` at wi, which is outside all layers, in 1/sr."""
-        wi_t = refract(wi, eta)
-        return pdf_leave(self.pdf(wi_t, wo), self.pdf(gather(wi, eta), wo), wi, wi_t, eta)
+        wi_t = refract(wi, excess)
+        return pdf_leave(self.pdf(wi_t, wo), self.pdf(gather(wi, excess), wo), wi, wi_t, excess)
 
     def albedo(self, wo: Vec3) -> Color:
         """Directional albedo ∫ f μi dωi, shape (..., 3): closed form if known, else by quadrature."""

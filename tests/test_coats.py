@@ -87,8 +87,8 @@ def test_samples_of_nested_coats_have_the_density_that_they_state(
 
 def test_a_density_that_forgets_the_outer_coat_is_found() -> None:
     class Forgetful(WeidlichWilkie, register=False):
-        def sample_leaving(self, wo: Vec3, u: Vec2, eta: Float) -> Vec3:
-            return super().sample_leaving(wo, u, 1.05 * eta)
+        def sample_leaving(self, wo: Vec3, u: Vec2, excess: Float) -> Vec3:
+            return super().sample_leaving(wo, u, 0.05 + 1.05 * excess)
 
     base = Forgetful(base=gonio.model("torrance_sparrow", alpha=0.3), alpha=0.2)
     subject = ModelSubject(WeidlichWilkie(base=base))
@@ -138,7 +138,7 @@ def test_what_lies_below_is_evaluated_without_a_second_test_for_the_horizon() ->
 
 def test_a_model_without_its_own_way_out_is_exported_with_that_of_every_model() -> None:
     text = exported(2)
-    assert "refract(wi, eta)" in body(text, "deep_base_base_pdf_leaving")
+    assert "refract(wi, excess)" in body(text, "deep_base_base_pdf_leaving")
     assert "deep_base_base_pdf_leaving(" in body(text, "deep_base_pdf_leaving")
     assert "deep_base_base_sample_leaving(" in body(text, "deep_base_sample_leaving")
     assert body(text, "deep_base_base_pdf_leaving").count("deep_base_base_pdf(") == 2

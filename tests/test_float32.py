@@ -94,6 +94,37 @@ VALUES: list[tuple[str, dict[str, Any], Any, Any]] = [
         unit(-0.91949, -0.39311, 2e-6),
         unit(0.91941, 0.39331, 2e-6),
     ),  # 5e-4: refracted directions were rounded before they were added
+    (
+        "car_paint",
+        {
+            "eta": 2.98950529,
+            "metal_eta": (3.6, 0.03347242, 0.01),
+            "metal_k": (0.0, 0.0, 3.0),
+            "flake_x": 1.2,
+            "flake_y": 1.95,
+            "distance": 26789.0,
+        },
+        unit(0.06353406, -0.98808956, 0.14015129),
+        unit(6.1e-9, -0.96841049, 0.24936132),
+    ),  # 0.98: eta^2 - 1 + c^2 of a metal with a small index
+    (
+        "car_paint",
+        {
+            "eta": 1.0849413871765137,
+            "alpha": 1e-4,
+            "thickness": 0.0,
+            "flake_x": 1.491382360458374,
+            "flake_y": -0.011128462851047516,
+        },
+        (0.8303165435791016, 0.5416404604911804, 0.13114900887012482),
+        (-0.830316424369812, -0.5416428446769714, 0.13113972544670105),
+    ),  # pdf 3.8: the share of a flake that is seen edge-on jumped
+    (
+        "patina",
+        {"coat_eta": (1.0000001192092896, 1.0, 1.0), "coat_k": (0.1, 3.0, 0.0), "thickness": 0.0},
+        unit(0.65871799, 0.75238997, 1.2654796e-18),
+        unit(1.0, 0.0, 1.2654796e-18),
+    ),  # 1e12: the mean of the channels' indices rounded to 1
     ("ue4", {"base_color": 0.0, "metallic": 0.8, "specular": 0.0, "roughness": 0.0}, "N", "N"),
     ("unity_brdf2", {"base_color": 0.0, "roughness": 6.65e-7}, unit(-0.16, 0.987, 6e-17), "-"),
 ]

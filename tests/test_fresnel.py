@@ -203,6 +203,26 @@ def test_float32_keeps_its_digits() -> None:
         np.testing.assert_allclose(numbers(single), numbers(double), rtol=SINGLE_PROMISED)
 
 
+def test_a_small_index_keeps_its_digits_at_a_facet_near_its_critical_angle() -> None:
+    """Metals inside a coat: of eta^2 - 1 + c^2 nothing is left there, of eta^2 - sin^2 all."""
+    rng = np.random.default_rng(2)
+    eta = rng.uniform(0.003, 0.1, 4000)
+    sin2 = eta**2 * (1 - 10 ** -rng.uniform(0.5, 3, 4000))  # below the critical angle
+    k = np.where(rng.random(4000) < 0.5, 0, rng.uniform(0, 1e-3, 4000))
+    c, s, eta, k = (a.astype(np.float32) for a in (np.sqrt(1 - sin2), sin2, eta, k))
+    expected = complex_fresnel(np.sqrt(1 - s.astype(float)), eta + 1j * k.astype(float))
+    single = [Float(a) for a in (c, s, eta, k)]
+    # A float32 eta near the critical angle, which leaves a thousandth of eta^2
+    sharp = 1e3 * SINGLE
+    found = numbers(fresnel.F_conductor_half(*single))
+    np.testing.assert_allclose(found, expected, rtol=sharp)
+    assert np.max(np.abs(numbers(fresnel.F_conductor(Float(c), *single[2:])) - expected)) > 0.01
+    found = numbers(fresnel.F_dielectric_half(*single[:3]))
+    np.testing.assert_allclose(
+        found, complex_fresnel(np.sqrt(1 - s.astype(float)), eta), rtol=sharp
+    )
+
+
 # --- metals ----------------------------------------------------------------------------------------
 
 

@@ -182,7 +182,7 @@ def test_absorption_of_bouncing_light_is_near_its_integral(depth: float, eta: fl
 
 @pytest.mark.parametrize("eta", [1.0, 1.5, 2.5])
 def test_refraction_obeys_snell_and_keeps_the_azimuth(eta: float) -> None:
-    inside = array(interface.refract(jit(WI), eta))
+    inside = array(interface.refract(jit(WI), eta - 1))
     sine, sine_t = np.hypot(WI[:, 0], WI[:, 1]), np.hypot(inside[:, 0], inside[:, 1])
     np.testing.assert_allclose(sine, eta * sine_t, rtol=DOUBLE)
     np.testing.assert_allclose(np.linalg.norm(inside, axis=1), 1, rtol=DOUBLE)
@@ -213,13 +213,13 @@ def test_transmittance_of_conductors_is_what_they_do_not_reflect() -> None:
 def test_every_inner_direction_leaves_and_comes_back() -> None:
     for eta in (1.0, 1.5, 2.5):
         k = math.sqrt(1 - 1 / eta**2)
-        outside = array(interface.leave(jit(WI), eta))
+        outside = array(interface.leave(jit(WI), eta - 1))
         np.testing.assert_allclose(np.linalg.norm(outside, axis=1), 1, rtol=DOUBLE)
         assert (outside[:, 2] > 0).all()
         steep = WI[:, 2] > k
-        back = array(interface.refract(jit(outside), eta))
+        back = array(interface.refract(jit(outside), eta - 1))
         np.testing.assert_allclose(back[steep], WI[steep], atol=NEAR_THE_CRITICAL_ANGLE)
-        gathered = array(interface.gather(jit(outside), eta))
+        gathered = array(interface.gather(jit(outside), eta - 1))
         np.testing.assert_allclose(gathered[~steep], WI[~steep], atol=NEAR_THE_CRITICAL_ANGLE)
 
 
@@ -490,7 +490,9 @@ class ForgetsTheJacobian(WeidlichWilkie, register=False):
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         eta = vars(self)["eta"]
-        return vars(self)["base"].pdf(interface.refract(wi, eta), interface.refract(wo, eta))
+        return vars(self)["base"].pdf(
+            interface.refract(wi, eta - 1), interface.refract(wo, eta - 1)
+        )
 
 
 def test_a_density_without_the_jacobian_of_refraction_is_caught() -> None:

@@ -10,7 +10,7 @@ of a tilted flake's light through; and a flake counts as much as both light and 
 the model stays reciprocal. Options restore all three. The metal's index is taken relative to the coat.
 """
 
-from gonio.claims import Claims, Place, at_most, jump, kink
+from gonio.claims import UNBOUNDED, Claims, Place, at_most, jump, kink
 from gonio.lang import (
     MU_MIN,
     Color,
@@ -34,7 +34,7 @@ from gonio.parts.coat import (
 )
 from gonio.parts.distribution import ALPHA_MIN, pdf_ggx_visible, sample_ggx_visible
 from gonio.parts.frame import cos_half, half_vector, mirror
-from gonio.parts.fresnel import F_conductor, F_dielectric_entering, transmittance_entering
+from gonio.parts.fresnel import F_conductor_half, F_dielectric_entering, transmittance_entering
 from gonio.parts.interface import (
     LOBE_MIN,
     attenuation,
@@ -42,6 +42,7 @@ from gonio.parts.interface import (
     leave,
     pdf_leave,
     refract,
+    refracted_sin2_half,
     refracted_sum,
 )
 from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, shares
@@ -86,7 +87,6 @@ class CarPaint(Model):
         "reciprocal", "light", doc="a tilted flake counts as it is seen by both, or as lit (Elek)"
     )
     caveats = (
-        "float32 loses digits where steep flakes are sharpest.",
         "Loses what a tilted flake reflects below the horizon; nothing lights its neighbours.",
         "Wastes the samples that a tilted flake mirrors below the horizon, a fifth of them at "
         "moderate tilts and most where it is nearly edge-on.",
@@ -94,7 +94,8 @@ class CarPaint(Model):
         "Elek's original reflects more than it receives with transmission='half_vector', because light "
         "enters at the half vector's angle; more with solid_angle='none', because it leaves into a wider "
         "angle than it came from; most at eta 3 with tilted flakes.",
-        "flake_cosine='light' is not reciprocal, and jumps where the light passes behind a flake.",
+        "flake_cosine='light' is not reciprocal, and jumps where viewer or light passes behind a flake: "
+        "nearly edge-on, float32 may take the other side.",
     )
     claims = Claims(
         energy=(
@@ -104,7 +105,7 @@ class CarPaint(Model):
         ),
         reciprocity=at_most(1, flake_cosine="light"),
         wasted=at_most(0.9),
-        float32=at_most(1e-4),
+        float32=at_most(UNBOUNDED, flake_cosine="light"),
         numeric_albedo=at_most(1e-3),
         kinks=(kink(Place.ELSEWHERE), jump(Place.IN_A_PARAMETER, flake_cosine="light")),
     )
@@ -123,31 +124,39 @@ class CarPaint(Model):
             )
         if self.solid_angle == "compressed":
             through = through / (self.eta * self.eta)
-        wi_t, wo_t = refract(wi, self.eta), refract(wo, self.eta)
+        excess = self.eta - 1
+        wi_t, wo_t = refract(wi, excess), refract(wo, excess)
         kept = attenuation(self._optical_depth(), wi_t, wo_t)
-        flake = self._flake(wi_t, wo_t, refracted_sum(wi, wo, self.eta))
-        return coat + flake * (kept * through)
+        both = refracted_sum(wi, wo, excess)
+        F = F_conductor_half(
+            0.5 * length(both) / self.eta,
+            refracted_sin2_half(wi, wo, excess),
+            self.metal_eta / self.eta,
+            self.metal_k / self.eta,
+        )
+        return coat + F * self._flake(wi_t, wo_t, both) * (kept * through)
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """Visible normals of the coat, or of the flake and then out through the coat."""
-        n, wo_t = self._normal(), refract(wo, self.eta)
+        n, wo_t = self._normal(), refract(wo, self.eta - 1)
         on_coat, v = choose(self._shares(wo, wo_t).x, u)
         w_coat = sample_ggx_lobe(wo, self.alpha, self.alpha, v)
         alpha = self._flake_alpha()
         tilted = self._facing(to_tilted(wo_t, n))
         flake = mirror(tilted, sample_ggx_visible(tilted, alpha, alpha, v))
         # What the flake mirrors behind itself is wasted.
-        w_flake = leave(select(flake.z > 0, from_tilted(flake, n), vec3(0, 0, -1)), self.eta)
+        w_flake = leave(select(flake.z > 0, from_tilted(flake, n), vec3(0, 0, -1)), self.eta - 1)
         wi = select(on_coat, w_coat, w_flake)
         return Sample(wi, self.pdf(wi, wo))
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample` in 1/sr."""
-        wi_t, wo_t = refract(wi, self.eta), refract(wo, self.eta)
-        refracted = self._pdf_flake(wi_t, wo_t, refracted_sum(wi, wo, self.eta))
-        w = gather(wi, self.eta)
+        excess = self.eta - 1
+        wi_t, wo_t = refract(wi, excess), refract(wo, excess)
+        refracted = self._pdf_flake(wi_t, wo_t, refracted_sum(wi, wo, excess))
+        w = gather(wi, excess)
         gathered = self._pdf_flake(w, wo_t, w + wo_t)
-        below = pdf_leave(refracted, gathered, wi, wi_t, self.eta)
+        below = pdf_leave(refracted, gathered, wi, wi_t, excess)
         coat = pdf_ggx_lobe(wi, wo, self.alpha, self.alpha)
         P = self._shares(wo, wo_t)
         return P.x * coat + P.y * below
@@ -165,19 +174,17 @@ class CarPaint(Model):
         """w, or the flake's normal in place of a direction behind it, which is masked elsewhere."""
         return select(w.z > MU_MIN, w, vec3(0, 0, 1))
 
-    def _flake(self, wi_t: Vec3, wo_t: Vec3, both: Vec3) -> Color:
-        """The metal's BRDF in the flake's frame; both: eta times the sum of the directions."""
+    def _flake(self, wi_t: Vec3, wo_t: Vec3, both: Vec3) -> Float:
+        """The flake's facets in its own frame; both: eta times the sum of the directions."""
         n, alpha = self._normal(), self._flake_alpha()
         tilted_i, tilted_o = to_tilted(wi_t, n), to_tilted(wo_t, n)
         wi, wo = self._facing(tilted_i), self._facing(tilted_o)
-        cos_h = 0.5 * length(both) / self.eta
-        F = F_conductor(cos_h, self.metal_eta / self.eta, self.metal_k / self.eta)
         if self.flake_cosine == "light":
             visible = maximum(tilted_i.z, 0) / wi_t.z
         else:
             visible = seen(tilted_i.z, wi_t.z) * seen(tilted_o.z, wo_t.z)
         m = normalize(to_tilted(both, n))
-        return select(tilted_o.z > 0, F * (ggx_facets(m, wi, wo, alpha) * visible), 0)
+        return select(tilted_o.z > 0, ggx_facets(m, wi, wo, alpha) * visible, 0)
 
     def _pdf_flake(self, wi_t: Vec3, wo_t: Vec3, both: Vec3) -> Float:
         """Density inside the coat of the flake's part of `sample`; both: along the half vector."""
@@ -196,6 +203,9 @@ class CarPaint(Model):
             attenuation_least(self._optical_depth(), wo_t)
         )
         tilted = to_tilted(wo_t, self._normal())
-        lit = select(tilted.z > 0, below, 0)
+        if self.flake_cosine == "light":
+            lit = select(tilted.z > 0, below, 0)
+        else:
+            lit = below * seen(tilted.z, wo_t.z)
         coat = maximum(F_dielectric_entering(wo.z, self.eta), COAT_SHARE_MIN * below + LOBE_MIN)
         return shares(coat, lit)

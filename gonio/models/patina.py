@@ -32,8 +32,8 @@ from gonio.parts.coat import (
     usual_cos_half,
 )
 from gonio.parts.distribution import ALPHA_MIN, pdf_ggx_visible, sample_ggx_visible
-from gonio.parts.frame import cos_half, half_vector, mirror
-from gonio.parts.fresnel import F_conductor, transmittance_conductor
+from gonio.parts.frame import cos_half, half_vector, mirror, sin2_half
+from gonio.parts.fresnel import F_conductor, F_conductor_half, transmittance_conductor
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
 from gonio.parts.interface import (
     LOBE_MIN,
@@ -42,6 +42,7 @@ from gonio.parts.interface import (
     leave,
     pdf_leave,
     refract,
+    refracted_sin2_half,
     refracted_sum,
 )
 from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, shares
@@ -82,7 +83,6 @@ class Patina(Model):
     tarnish_tint: Color = param((0.45, 0.2, 0.08), 0, 1, "colour of the metal at tarnish 1")
     solid_angle: str = option("compressed", "none", doc="1 / eta^2 for light that leaves the coat")
     caveats = (
-        "float32 loses digits where the metal is sharpest.",
         "Wastes the samples that the metal below the patina mirrors sideways: about 1 % by default, more "
         "the rougher it is.",
         "The patina's diffuse part is added without being taken from what passes through it, so that a "
@@ -92,29 +92,29 @@ class Patina(Model):
     claims = Claims(
         energy=(at_most(10.1, solid_angle="none"), at_most(2.75)),
         wasted=at_most(0.51),
-        float32=at_most(1e-3),
         numeric_albedo=at_most(1e-3),
     )
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """The bare and the coated metal, mixed: BRDF value in 1/sr, without the cosine."""
         alpha = self._metal_alpha()
-        bare = self._metal_F(cos_half(wi, wo)) * ggx_facets(half_vector(wi, wo), wi, wo, alpha)
+        F = self._metal_F(cos_half(wi, wo), sin2_half(wi, wo))
+        bare = F * ggx_facets(half_vector(wi, wo), wi, wo, alpha)
         return self._bare() * bare + self._grown() * self._coated(wi, wo)
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """One of the bare metal, the patina's surface, its diffuse part, and the metal below."""
         P_bare, P_coat, P_diffuse = self._shares(wo)
-        index = average(self.coat_eta)
+        excess = self._excess()
         alpha, below_alpha = self._metal_alpha(), self._below_alpha()
         on_bare, v = choose(P_bare.x, u)
         on_coat, s = choose(P_coat.x, v)
         on_diffuse, t = choose(P_diffuse.x, s)
         w_bare = sample_ggx_lobe(wo, alpha, alpha, v)
         w_coat = sample_ggx_lobe(wo, self.alpha, self.alpha, s)
-        wo_t = refract(wo, index)
+        wo_t = refract(wo, excess)
         m = sample_ggx_visible(wo_t, below_alpha, below_alpha, t)
-        w_below = leave(mirror(wo_t, m), index)
+        w_below = leave(mirror(wo_t, m), excess)
         w_patina = select(on_coat, w_coat, select(on_diffuse, sample_cosine(t), w_below))
         wi = select(on_bare, w_bare, w_patina)
         return Sample(wi, self.pdf(wi, wo))
@@ -122,14 +122,14 @@ class Patina(Model):
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample` in 1/sr."""
         P_bare, P_coat, P_diffuse = self._shares(wo)
-        index = average(self.coat_eta)
+        excess = self._excess()
         alpha, below_alpha = self._metal_alpha(), self._below_alpha()
-        wi_t, wo_t = refract(wi, index), refract(wo, index)
-        m = normalize(refracted_sum(wi, wo, index))
-        m_gathered = half_vector(gather(wi, index), wo_t)
+        wi_t, wo_t = refract(wi, excess), refract(wo, excess)
+        m = normalize(refracted_sum(wi, wo, excess))
+        m_gathered = half_vector(gather(wi, excess), wo_t)
         refracted = pdf_ggx_visible(wo_t, m, below_alpha, below_alpha)
         gathered = pdf_ggx_visible(wo_t, m_gathered, below_alpha, below_alpha)
-        below = pdf_leave(refracted, gathered, wi, wi_t, index)
+        below = pdf_leave(refracted, gathered, wi, wi_t, excess)
         patina = P_diffuse.x * pdf_cosine(wi) + P_diffuse.y * below
         patina = P_coat.x * pdf_ggx_lobe(wi, wo, self.alpha, self.alpha) + P_coat.y * patina
         return P_bare.x * pdf_ggx_lobe(wi, wo, alpha, alpha) + P_bare.y * patina
@@ -156,16 +156,21 @@ class Patina(Model):
     def _optical_depth(self) -> Color:
         return optical_depth(self.sigma_a, self.thickness)
 
-    def _metal_F(self, cos_h: Float) -> Color:
+    def _excess(self) -> Float:
+        """The patina's index for refraction, the mean of its channels, minus 1."""
+        return average(self.coat_eta - 1)
+
+    def _metal_F(self, cos_h: Float, sin2_h: Float) -> Color:
         """The metal's reflectance: its index turns into the patina's as that grows, and it tarnishes."""
         bare, grown = self._bare(), self._grown()
         eta = bare * self.metal_eta + grown * self.coat_eta
         k = bare * self.metal_k + grown * self.coat_k
-        return F_conductor(cos_h, eta, k) * lerp(1, self.tarnish_tint, self.tarnish)
+        return F_conductor_half(cos_h, sin2_h, eta, k) * lerp(1, self.tarnish_tint, self.tarnish)
 
     def _coated(self, wi: Vec3, wo: Vec3) -> Color:
         """Eq. 2 with a coat that scatters."""
-        cos_h, index = cos_half(wi, wo), average(self.coat_eta)
+        cos_h, excess = cos_half(wi, wo), self._excess()
+        index = 1 + excess
         F = F_conductor(cos_h, self.coat_eta, self.coat_k)
         T = transmittance_conductor(cos_h, self.coat_eta, self.coat_k)
         surface = (
@@ -176,20 +181,20 @@ class Patina(Model):
         through = through_facets(wi, wo, self.alpha, T)
         if self.solid_angle == "compressed":
             through = through / (index * index)
-        wi_t, wo_t = refract(wi, index), refract(wo, index)
+        wi_t, wo_t = refract(wi, excess), refract(wo, excess)
         kept = attenuation(self._optical_depth(), wi_t, wo_t)
-        both = refracted_sum(wi, wo, index)
-        metal = self._metal_F(0.5 * length(both) / index)
+        both = refracted_sum(wi, wo, excess)
+        metal = self._metal_F(0.5 * length(both) / index, refracted_sin2_half(wi, wo, excess))
         metal = metal * ggx_facets(normalize(both), wi_t, wo_t, self._below_alpha())
         return surface + metal * through * kept
 
     def _shares(self, wo: Vec3) -> tuple[Vec2, Vec2, Vec2]:
         """Probabilities: bare metal or patina; of that, surface or not; of the rest, diffuse or below."""
         grown = self._grown()
-        wo_t = refract(wo, average(self.coat_eta))
+        wo_t = refract(wo, self._excess())
         F = F_conductor(wo.z, self.coat_eta, self.coat_k)
         T = transmittance_conductor(usual_cos_half(wo), self.coat_eta, self.coat_k)
-        F_metal = self._metal_F(wo.z)
+        F_metal = self._metal_F(wo.z, (1 - wo.z) * (1 + wo.z))
         bare = self._bare() * average(F_metal)
         coat = grown * average(F)
         diffuse = grown * average((1 - self.sigma_a) * T)

@@ -112,8 +112,6 @@ class TorranceSparrow(Model):
         "Wastes the samples that a facet mirrors below the horizon: at most 52 % of them where it is "
         "isotropic, 74 % where it is stretched.",
         "compensation='turquin' is not reciprocal.",
-        "float32 loses digits of an index near 0.01: all but its square cancels where the facet is met "
-        "head-on.",
         "Reflects more than it receives with maskings that do not belong to the distribution, up to: "
         "schlick_ggx 2.99, schlick_beckmann 1.83, neumann 1.58; with Beckmann's masking for other facets, "
         "blinn_phong 1.78, gaussian 1.08.",
@@ -131,7 +129,6 @@ class TorranceSparrow(Model):
             at_most(1.09, compensation="turquin"),
         ),
         reciprocity=at_most(0.7, compensation="turquin"),
-        float32=at_most(5e-5, fresnel=("conductor", "dielectric")),
         wasted=(
             at_most(0.404, compensation="kulla_conty"),
             at_most(0.664, distribution="beckmann"),
@@ -170,7 +167,7 @@ class TorranceSparrow(Model):
         """BRDF value in 1/sr, without the cosine."""
         m = frame.half_vector(wi, wo)
         cos_h = frame.cos_half(wi, wo)
-        single = self._F(cos_h) * (self._D(m) * self._V(wi, wo, m, cos_h))
+        single = self._F(cos_h, frame.sin2_half(wi, wo)) * (self._D(m) * self._V(wi, wo, m, cos_h))
         if self.compensation == "kulla_conty":
             # Kulla and Conty, pages 8 and 14
             lost = ggx_loss.loss(wi.z, self.alpha) * ggx_loss.loss(wo.z, self.alpha)
@@ -178,7 +175,7 @@ class TorranceSparrow(Model):
         if self.compensation == "turquin":
             # Turquin, Eq. 16
             lost = ggx_loss.loss(wo.z, self.alpha)
-            return single * (1 + self._F(1) * (lost / (1 - lost)))
+            return single * (1 + self._F(1, 0) * (lost / (1 - lost)))
         return single
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
@@ -220,7 +217,7 @@ class TorranceSparrow(Model):
 
     def reflectances(self, cos_theta: Float) -> dict[str, Color]:
         """F at a cosine; for plots."""
-        return {"F": self._F(cos_theta)}
+        return {"F": self._F(cos_theta, (1 - cos_theta) * (1 + cos_theta))}
 
     def single_scattering(self) -> Model:
         """What facets reflect once."""
@@ -275,11 +272,11 @@ class TorranceSparrow(Model):
             return masking.V_smith_beckmann(wi, wo, a.x, a.y)
         return masking.V_smith_beckmann_fitted(wi, wo, a.x, a.y)
 
-    def _F(self, cos_h: Float) -> Color:
+    def _F(self, cos_h: Float, sin2_h: Float) -> Color:
         if self.fresnel == "conductor":
-            return fresnel.F_conductor(cos_h, self.eta, self.k)
+            return fresnel.F_conductor_half(cos_h, sin2_h, self.eta, self.k)
         if self.fresnel == "dielectric":
-            return fresnel.F_dielectric(cos_h, self.eta)
+            return fresnel.F_dielectric_half(cos_h, sin2_h, self.eta)
         if self.fresnel == "schlick":
             return fresnel.F_schlick(cos_h, self.f0, self.f90)
         if self.fresnel == "lazanyi":
@@ -288,7 +285,8 @@ class TorranceSparrow(Model):
 
     def _F_mean(self) -> Color:
         """Mean of F over the hemisphere, by Gauss's rule."""
-        return W_1 * self._F(MU_1) + W_2 * self._F(MU_2) + W_3 * self._F(MU_3)
+        F_1, F_2 = self._F(MU_1, 1 - MU_1 * MU_1), self._F(MU_2, 1 - MU_2 * MU_2)
+        return W_1 * F_1 + W_2 * F_2 + W_3 * self._F(MU_3, 1 - MU_3 * MU_3)
 
     def _colour(self) -> Color:
         """What is left of light after two and more reflections. Kulla and Conty, page 14."""

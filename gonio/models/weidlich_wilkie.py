@@ -122,7 +122,7 @@ class WeidlichWilkie(Model):
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """Eq. 2: BRDF value in 1/sr, without the cosine."""
-        wi_t, wo_t = refract(wi, self.eta), refract(wo, self.eta)
+        wi_t, wo_t = refract(wi, self.eta - 1), refract(wo, self.eta - 1)
         tau = self._optical_depth()
         through = self._transmitted(wi, wo) * self._compression()
         below = self._below().eval_above(wi_t, wo_t) * (attenuation(tau, wi_t, wo_t) * through)
@@ -136,44 +136,48 @@ class WeidlichWilkie(Model):
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """The coat by visible normals or the base below, chosen by what the coat reflects and absorbs."""
-        wo_t = refract(wo, self.eta)
+        wo_t = refract(wo, self.eta - 1)
         if self.interface == "smooth":
-            wi = self._below().sample_leaving(wo_t, u, self.eta)
+            wi = self._below().sample_leaving(wo_t, u, self.eta - 1)
             return Sample(wi, self.pdf(wi, wo))
         on_coat, v = choose(self._shares(wo, wo_t).x, u)
-        w_base = self._below().sample_leaving(wo_t, v, self.eta)
+        w_base = self._below().sample_leaving(wo_t, v, self.eta - 1)
         wi = select(on_coat, self._sample_coat(wo, v), w_base)
         return Sample(wi, self.pdf(wi, wo))
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample` in 1/sr."""
-        wo_t = refract(wo, self.eta)
-        below = self._below().pdf_leaving(wi, wo_t, self.eta)
+        wo_t = refract(wo, self.eta - 1)
+        below = self._below().pdf_leaving(wi, wo_t, self.eta - 1)
         if self.interface == "smooth":
             return below
         P = self._shares(wo, wo_t)
         return P.x * self._pdf_coat(wi, wo) + P.y * below
 
-    def sample_leaving(self, wo: Vec3, u: Vec2, eta: Float) -> Vec3:
+    def sample_leaving(self, wo: Vec3, u: Vec2, excess: Float) -> Vec3:
         """Of a coat under others. What comes from the base leaves all of them at once, by one index."""
-        wo_t = refract(wo, self.eta)
+        wo_t, deeper = refract(wo, self.eta - 1), self._excess_below(excess)
         if self.interface == "smooth":
-            return self._below().sample_leaving(wo_t, u, eta * self.eta)
+            return self._below().sample_leaving(wo_t, u, deeper)
         on_coat, v = choose(self._shares(wo, wo_t).x, u)
-        w_base = self._below().sample_leaving(wo_t, v, eta * self.eta)
-        return select(on_coat, leave(self._sample_coat(wo, v), eta), w_base)
+        w_base = self._below().sample_leaving(wo_t, v, deeper)
+        return select(on_coat, leave(self._sample_coat(wo, v), excess), w_base)
 
-    def pdf_leaving(self, wi: Vec3, wo: Vec3, eta: Float) -> Float:
+    def pdf_leaving(self, wi: Vec3, wo: Vec3, excess: Float) -> Float:
         """Density of `sample_leaving` in 1/sr."""
-        wo_t = refract(wo, self.eta)
-        below = self._below().pdf_leaving(wi, wo_t, eta * self.eta)
+        wo_t = refract(wo, self.eta - 1)
+        below = self._below().pdf_leaving(wi, wo_t, self._excess_below(excess))
         if self.interface == "smooth":
             return below
         P = self._shares(wo, wo_t)
-        wi_here = refract(wi, eta)
-        gathered = self._pdf_coat(gather(wi, eta), wo)
-        coat = pdf_leave(self._pdf_coat(wi_here, wo), gathered, wi, wi_here, eta)
+        wi_here = refract(wi, excess)
+        gathered = self._pdf_coat(gather(wi, excess), wo)
+        coat = pdf_leave(self._pdf_coat(wi_here, wo), gathered, wi, wi_here, excess)
         return P.x * coat + P.y * below
+
+    def _excess_below(self, excess: Float) -> Float:
+        """The product of the indices down to this layer, minus 1; excess: down to the one above it."""
+        return excess + (1 + excess) * (self.eta - 1)
 
     def facet_terms(self, wi: Vec3, wo: Vec3) -> dict[str, Float]:
         """D and G of the coat at a pair of directions; for plots."""

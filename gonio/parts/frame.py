@@ -59,6 +59,12 @@ def cos_half(wi: Vec3, wo: Vec3) -> Float:
     return 0.5 * length(wi + wo)
 
 
+def sin2_half(wi: Vec3, wo: Vec3) -> Float:
+    """1 - cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo."""
+    apart = wi - wo
+    return 0.25 * dot(apart, apart)
+
+
 def mirror(wo: Vec3, m: Vec3) -> Vec3:
     """wo mirrored at a facet with normal m; it may leave below the horizon."""
     return 2 * dot(wo, m) * m - wo

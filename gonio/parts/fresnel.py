@@ -11,18 +11,20 @@ from gonio.lang import (
     Float,
     Vec3,
     absolute,
-    dot,
     fma,
     maximum,
     minimum,
     select,
     sqrt,
 )
-from gonio.parts.frame import cos_half
+from gonio.parts.frame import cos_half, sin2_half
 
 # Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32.
 # It is reached at the edge of total internal reflection, where the true derivative is infinite.
 ROOT_MIN = 1e-16
+
+# Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
+NEAR_NORMAL = 0.75
 
 
 def schlick_weight(cos_theta: Float) -> Float:
@@ -41,16 +43,16 @@ def F_schlick(cos_theta: Float, f0: Color, f90: Color) -> Color:
 def F_dielectric_entering(cos_theta: Float, eta: Color) -> Color:
     """Exact reflectance of a dielectric with eta >= 1, which never reflects all light."""
     # c^2 with its rounding error: at grazing angles little else is left
-    return _F_dielectric(cos_theta, eta, maximum(refracted_cos2(cos_theta, eta), MU_MIN * MU_MIN))
+    g2 = maximum(refracted_cos2(cos_theta, eta), MU_MIN * MU_MIN)
+    return _F_dielectric(cos_theta, 1 - cos_theta * cos_theta, eta, g2)
 
 
-def _F_dielectric(cos_theta: Float, eta: Color, g2: Color) -> Color:
-    """The same from the square of g = eta cos(theta_t)."""
+def _F_dielectric(cos_theta: Float, sin2: Float, eta: Color, g2: Color) -> Color:
+    """The same from the squares of the sine and of g = eta cos(theta_t)."""
     # r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
     # difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2),
     # so that the mean of both squares is a product.
     c = cos_theta
-    sin2 = 1 - c * c
     g = sqrt(g2)
     s, p = c + g, c * g
     r_s = (eta - 1) * (eta + 1) / (s * s)
@@ -60,33 +62,46 @@ def _F_dielectric(cos_theta: Float, eta: Color, g2: Color) -> Color:
 
 def F_dielectric(cos_theta: Float, eta: Color) -> Color:
     """Exact reflectance of a dielectric. Below eta = 1 all light is reflected past the critical angle."""
-    c = cos_theta
+    return F_dielectric_half(cos_theta, _sin2(cos_theta), eta)
+
+
+def F_dielectric_half(cos_h: Float, sin2_h: Float, eta: Color) -> Color:
+    """Exact reflectance of a dielectric at a facet, from both `cos_half` and `sin2_half`."""
     # Of a small index little but eta^2 - sin^2 is left near the normal
-    g2 = select(c > 0.75, eta * eta - fma(-c, c, 1), refracted_cos2(c, eta))
-    return select(g2 > ROOT_MIN, _F_dielectric(c, eta, maximum(g2, ROOT_MIN)), 1)
+    g2 = select(cos_h > NEAR_NORMAL, eta * eta - sin2_h, refracted_cos2(cos_h, eta))
+    return select(g2 > ROOT_MIN, _F_dielectric(cos_h, sin2_h, eta, maximum(g2, ROOT_MIN)), 1)
 
 
 def F_conductor(cos_theta: Float, eta: Color, k: Color) -> Color:
     """Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0."""
+    return F_conductor_half(cos_theta, _sin2(cos_theta), eta, k)
+
+
+def F_conductor_half(cos_h: Float, sin2_h: Float, eta: Color, k: Color) -> Color:
+    """Exact reflectance of a conductor, eta + i k, at a facet, from both `cos_half` and `sin2_half`."""
     # As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
-    c = cos_theta
+    c = cos_h
     # A trace of absorption keeps the roots below from 0
     contrast_re, half_im = (eta - 1) * (eta + 1) - k * k, eta * k + ROOT_MIN
     c2 = c * c
-    sin2 = 1 - c2
-    w_re = contrast_re + c2
+    # The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
+    w_re = select(c > NEAR_NORMAL, (eta - k) * (eta + k) - sin2_h, contrast_re + c2)
     im = 2 * half_im
     w_abs = sqrt(w_re * w_re + im * im)
     # Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     large = sqrt(0.5 * (w_abs + absolute(w_re)))
     g_re = select(w_re > 0, large, half_im / large)
-    # |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
+    # |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2_h|^2 = p -+ cross sin2_h
     cross = 2 * c * g_re
     s_abs2 = c2 + w_abs + cross
-    p = c2 * w_abs + sin2 * sin2
+    p = c2 * w_abs + sin2_h * sin2_h
     # Quotients before their squares: for a matched index in the horizon these would leave a float32
     r_re, r_im = contrast_re / s_abs2, im / s_abs2
-    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2))
+    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2_h))
+
+
+def _sin2(cos_theta: Float) -> Float:
+    return (1 - cos_theta) * (1 + cos_theta)
 
 
 def F_lazanyi(cos_theta: Float, eta: Color, k: Color) -> Color:
@@ -177,7 +192,7 @@ def F_below(cos_theta: Float, n1: Float, n2: Float) -> Float:
     # differences leave n1^2 - n2^2 as a factor, and g from the cosine above has no cancellation.
     g1, g2 = _below(cos_theta, n1), _below(cos_theta, n2)
     a, b = n1 * n1, n2 * n2
-    sin2 = (1 - cos_theta) * (1 + cos_theta)
+    sin2 = _sin2(cos_theta)
     contrast = (n1 - n2) * (n1 + n2)
     s, p = g1 + g2, b * g1 + a * g2
     r_s, r_p = contrast / (s * s), contrast * (a * b - sin2 * (a + b)) / (p * p)
@@ -207,8 +222,7 @@ def schlick_weight_half(wi: Vec3, wo: Vec3) -> Float:
     """(1 - c)^5 at c = wo . m, the half vector's cosine."""
     # 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
     # weight keeps its digits where the two meet and it goes to 0.
-    apart = wi - wo
-    k = 0.25 * dot(apart, apart) / (1 + cos_half(wi, wo))
+    k = sin2_half(wi, wo) / (1 + cos_half(wi, wo))
     k2 = k * k
     return k2 * k2 * k
 

@@ -1,7 +1,9 @@
 """A clear layer's surface: refraction, transmittance, absorption, and light that bounces inside.
 
-eta is the index of the layer over that of the medium above it. Directions leave the surface on the side of
-the normal, inside the layer as well: a refracted direction keeps the azimuth of the one it belongs to.
+eta is the index of the layer over that of the medium above it. Where its distance from 1 counts, functions
+take that instead: the excess eta - 1, whose digits an index near 1 has lost. Directions leave the surface
+on the side of the normal, inside the layer as well: a refracted direction keeps the azimuth of the one it
+belongs to.
 
 Sources: Walsh, "The reflection factor of a polished glass surface for diffused light", 1926, for the
 diffuse reflectance; Weidlich, Wilkie, "Arbitrarily layered micro-facet surfaces", GRAPHITE 2007, for the
@@ -15,7 +17,9 @@ from gonio.lang import (
     Color,
     Float,
     Vec3,
+    dot,
     exp,
+    fma,
     log,
     maximum,
     minimum,
@@ -27,7 +31,6 @@ from gonio.lang import (
     vec3,
 )
 from gonio.parts.frame import SIN2_MIN
-from gonio.parts.fresnel import refracted_cos2
 
 # The analytic part of the diffuse reflectance over x = (eta - 1) / (eta + 1), times (1 + x^2)^3, as a
 # polynomial fitted to 50-digit values for eta in [1, 3]: error 2e-11.
@@ -46,19 +49,39 @@ E3_A, E3_B = 1.0483666697, 1.9225672060
 SLANT_MIN = 0.3
 
 
-def refract(w: Vec3, eta: Float) -> Vec3:
+def refract(w: Vec3, excess: Float) -> Vec3:
     """The direction inside a layer with eta >= 1 that belongs to w outside."""
-    return vec3(w.x, w.y, smooth_sqrt(refracted_cos2(w.z, eta))) / eta
+    return vec3(w.x, w.y, smooth_sqrt(_eta2_cos2(w.z, excess))) / (1 + excess)
 
 
-def refracted_sum(wi: Vec3, wo: Vec3, eta: Float) -> Vec3:
+def refracted_sum(wi: Vec3, wo: Vec3, excess: Float) -> Vec3:
     """eta times the sum of both refracted directions, which has their half vector's direction.
 
     Where the two are nearly mirrored the tangential parts cancel: they are summed before they are rounded
     by refraction, so that a sharp highlight below keeps its place.
     """
-    z_i, z_o = refracted_cos2(wi.z, eta), refracted_cos2(wo.z, eta)
+    z_i, z_o = _eta2_cos2(wi.z, excess), _eta2_cos2(wo.z, excess)
     return vec3(wi.x + wo.x, wi.y + wo.y, smooth_sqrt(z_i) + smooth_sqrt(z_o))
+
+
+def refracted_sin2_half(wi: Vec3, wo: Vec3, excess: Float) -> Float:
+    """`sin2_half` of the refracted directions, from their difference before it is rounded."""
+    z_i, z_o = _eta2_cos2(wi.z, excess), _eta2_cos2(wo.z, excess)
+    # A difference of two roots is that of their squares over their sum
+    z = (wi.z - wo.z) * (wi.z + wo.z) / (smooth_sqrt(z_i) + smooth_sqrt(z_o))
+    apart = vec3(wi.x - wo.x, wi.y - wo.y, z) / (1 + excess)
+    return 0.25 * dot(apart, apart)
+
+
+def _contrast(excess: Float) -> Float:
+    """eta^2 - 1."""
+    return excess * (2 + excess)
+
+
+def _eta2_cos2(mu: Float, excess: Float) -> Float:
+    """eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1."""
+    # mu^2 with its rounding error: at grazing angles little else is left
+    return fma(mu, mu, _contrast(excess))
 
 
 def attenuation(optical_depth: Color, wi: Vec3, wo: Vec3) -> Color:
@@ -124,14 +147,14 @@ LOBE_MIN = 1e-12
 LEAVE_MIN = 1e-12
 
 
-def critical_cosine(eta: Float) -> Float:
+def critical_cosine(excess: Float) -> Float:
     """Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1."""
-    return safe_sqrt((eta - 1) * (eta + 1)) / eta
+    return safe_sqrt(_contrast(excess)) / (1 + excess)
 
 
-def leave(w: Vec3, eta: Float) -> Vec3:
+def leave(w: Vec3, excess: Float) -> Vec3:
     """The outer direction for a direction inside: refracted, or spread out if it cannot leave."""
-    k = critical_cosine(eta)
+    k, eta = critical_cosine(excess), 1 + excess
     refracted = w.z > k
     spread = minimum(w.z / maximum(k, MU_MIN), 1)
     # The sine from x and y: under many layers 1 - z^2 has few digits
@@ -144,9 +167,9 @@ def leave(w: Vec3, eta: Float) -> Vec3:
     return normalize(vec3(w.x * scale, w.y * scale, z))
 
 
-def gather(w: Vec3, eta: Float) -> Vec3:
+def gather(w: Vec3, excess: Float) -> Vec3:
     """The inner direction that `leave` spreads to w; z = 0 for eta <= 1, which has none."""
-    k = critical_cosine(eta)
+    k = critical_cosine(excess)
     z = k * w.z
     sin2 = w.x * w.x + w.y * w.y
     scale = safe_sqrt(1 - z * z) / sqrt(maximum(sin2, SIN2_MIN))
@@ -155,8 +178,11 @@ def gather(w: Vec3, eta: Float) -> Vec3:
     return vec3(x, select(near, 0, w.y * scale), z)
 
 
-def pdf_leave(pdf_refracted: Float, pdf_gathered: Float, w: Vec3, w_t: Vec3, eta: Float) -> Float:
+def pdf_leave(
+    pdf_refracted: Float, pdf_gathered: Float, w: Vec3, w_t: Vec3, excess: Float
+) -> Float:
     """Density of `leave` at w, from the inner density at w_t = refract(w) and at gather(w)."""
     # Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by
     # k^2, and the cosines are k mu and mu.
-    return pdf_refracted * w.z / (eta * eta * w_t.z) + pdf_gathered * critical_cosine(eta)
+    eta = 1 + excess
+    return pdf_refracted * w.z / (eta * eta * w_t.z) + pdf_gathered * critical_cosine(excess)

@@ -33,6 +33,13 @@ struct AshikhminShirleyChoice {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// 1 - ashikhmin_shirley_cos_half^2, the squared sine at which light meets the facet: of half the length of
+// wi - wo.
+float ashikhmin_shirley_sin2_half(vec3 wi, vec3 wo) {
+    vec3 apart = wi - wo;
+    return 0.25 * dot(apart, apart);
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float ashikhmin_shirley_cos_half(vec3 wi, vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
@@ -43,8 +50,7 @@ float ashikhmin_shirley_cos_half(vec3 wi, vec3 wo) {
 float ashikhmin_shirley_schlick_weight_half(vec3 wi, vec3 wo) {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
-    vec3 apart = wi - wo;
-    float k = 0.25 * dot(apart, apart) / (1.0 + ashikhmin_shirley_cos_half(wi, wo));
+    float k = ashikhmin_shirley_sin2_half(wi, wo) / (1.0 + ashikhmin_shirley_cos_half(wi, wo));
     float k2 = k * k;
     return k2 * k2 * k;
 }

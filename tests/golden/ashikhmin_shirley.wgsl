@@ -34,6 +34,13 @@ struct AshikhminShirleyChoice {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// 1 - ashikhmin_shirley_cos_half^2, the squared sine at which light meets the facet: of half the length of
+// wi - wo.
+fn ashikhmin_shirley_sin2_half(wi: vec3f, wo: vec3f) -> f32 {
+    let apart = wi - wo;
+    return 0.25 * dot(apart, apart);
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn ashikhmin_shirley_cos_half(wi: vec3f, wo: vec3f) -> f32 {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
@@ -44,8 +51,7 @@ fn ashikhmin_shirley_cos_half(wi: vec3f, wo: vec3f) -> f32 {
 fn ashikhmin_shirley_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
-    let apart = wi - wo;
-    let k = 0.25 * dot(apart, apart) / (1.0 + ashikhmin_shirley_cos_half(wi, wo));
+    let k = ashikhmin_shirley_sin2_half(wi, wo) / (1.0 + ashikhmin_shirley_cos_half(wi, wo));
     let k2 = k * k;
     return k2 * k2 * k;
 }

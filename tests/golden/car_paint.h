@@ -125,6 +125,8 @@ constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
 // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
 // is reached at the edge of total internal reflection, where the true derivative is infinite.
 constexpr float ROOT_MIN = 1.0e-16f;
+// Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
+constexpr float NEAR_NORMAL = 0.75f;
 // Added to the first lobe's weight, so that two black lobes still leave something to choose and the
 // reciprocal of their sum has a derivative; no albedo that can be seen is that small.
 constexpr float BLACK = 1.0e-12f;
@@ -230,13 +232,12 @@ inline float car_paint_refracted_cos2(float mu, float eta) {
     return fmaf(mu, mu, (eta - 1.0f) * (eta + 1.0f));
 }
 
-// The same from the square of g = eta cos(theta_t).
-inline float car_paint_F_dielectric(float cos_theta, float eta, float g2) {
+// The same from the squares of the sine and of g = eta cos(theta_t).
+inline float car_paint_F_dielectric(float cos_theta, float sin2, float eta, float g2) {
     // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
     // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
     // that the mean of both squares is a product.
     float c = cos_theta;
-    float sin2 = 1.0f - c * c;
     float g = sqrtf(g2);
     float s = c + g;
     float p = c * g;
@@ -248,8 +249,8 @@ inline float car_paint_F_dielectric(float cos_theta, float eta, float g2) {
 // Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
 inline float car_paint_F_dielectric_entering(float cos_theta, float eta) {
     // c^2 with its rounding error: at grazing angles little else is left
-    return car_paint_F_dielectric(cos_theta, eta,
-        fmaxf(car_paint_refracted_cos2(cos_theta, eta), mu_min * mu_min));
+    float g2 = fmaxf(car_paint_refracted_cos2(cos_theta, eta), mu_min * mu_min);
+    return car_paint_F_dielectric(cos_theta, 1.0f - cos_theta * cos_theta, eta, g2);
 }
 
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
@@ -263,9 +264,20 @@ inline float car_paint_transmittance_entering(float mu, float eta) {
     return 2.0f * p * (q * q + eta * eta) / (s * s * (q * q));
 }
 
+// eta^2 - 1.
+inline float car_paint_contrast(float excess) {
+    return excess * (2.0f + excess);
+}
+
+// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1.
+inline float car_paint_eta2_cos2(float mu, float excess) {
+    // mu^2 with its rounding error: at grazing angles little else is left
+    return fmaf(mu, mu, car_paint_contrast(excess));
+}
+
 // The direction inside a layer with eta >= 1 that belongs to w outside.
-inline Vec3 car_paint_refract(Vec3 w, float eta) {
-    return Vec3{w.x, w.y, sqrtf(car_paint_refracted_cos2(w.z, eta))} / eta;
+inline Vec3 car_paint_refract(Vec3 w, float excess) {
+    return Vec3{w.x, w.y, sqrtf(car_paint_eta2_cos2(w.z, excess))} / (1.0f + excess);
 }
 
 // Absorption times thickness, for each channel.
@@ -284,10 +296,45 @@ inline Vec3 car_paint_attenuation(Vec3 optical_depth, Vec3 wi, Vec3 wo) {
 //
 // Where the two are nearly mirrored the tangential parts cancel: they are summed before they are rounded by
 // refraction, so that a sharp highlight below keeps its place.
-inline Vec3 car_paint_refracted_sum(Vec3 wi, Vec3 wo, float eta) {
-    float z_i = car_paint_refracted_cos2(wi.z, eta);
-    float z_o = car_paint_refracted_cos2(wo.z, eta);
+inline Vec3 car_paint_refracted_sum(Vec3 wi, Vec3 wo, float excess) {
+    float z_i = car_paint_eta2_cos2(wi.z, excess);
+    float z_o = car_paint_eta2_cos2(wo.z, excess);
     return Vec3{wi.x + wo.x, wi.y + wo.y, sqrtf(z_i) + sqrtf(z_o)};
+}
+
+// `sin2_half` of the refracted directions, from their difference before it is rounded.
+inline float car_paint_refracted_sin2_half(Vec3 wi, Vec3 wo, float excess) {
+    float z_i = car_paint_eta2_cos2(wi.z, excess);
+    float z_o = car_paint_eta2_cos2(wo.z, excess);
+    // A difference of two roots is that of their squares over their sum
+    float z = (wi.z - wo.z) * (wi.z + wo.z) / (sqrtf(z_i) + sqrtf(z_o));
+    Vec3 apart = Vec3{wi.x - wo.x, wi.y - wo.y, z} / (1.0f + excess);
+    return 0.25f * dot(apart, apart);
+}
+
+// Exact reflectance of a conductor, eta + i k, at a facet, from both car_paint_cos_half and `sin2_half`.
+inline Vec3 car_paint_F_conductor_half(float cos_h, float sin2_h, Vec3 eta, Vec3 k) {
+    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
+    float c = cos_h;
+    // A trace of absorption keeps the roots below from 0
+    Vec3 contrast_re = (eta - 1.0f) * (eta + 1.0f) - k * k;
+    Vec3 half_im = eta * k + ROOT_MIN;
+    float c2 = c * c;
+    // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
+    Vec3 w_re = c > NEAR_NORMAL ? (eta - k) * (eta + k) - sin2_h : contrast_re + c2;
+    Vec3 im = 2.0f * half_im;
+    Vec3 w_abs = sqrt(w_re * w_re + im * im);
+    // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
+    Vec3 large = sqrt(0.5f * (w_abs + absolute(w_re)));
+    Vec3 g_re = select(w_re > splat(0.0f), large, half_im / large);
+    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2_h|^2 = p -+ cross sin2_h
+    Vec3 cross = 2.0f * c * g_re;
+    Vec3 s_abs2 = c2 + w_abs + cross;
+    Vec3 p = c2 * w_abs + sin2_h * sin2_h;
+    // Quotients before their squares: for a matched index in the horizon these would leave a float32
+    Vec3 r_re = contrast_re / s_abs2;
+    Vec3 r_im = im / s_abs2;
+    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2_h));
 }
 
 // normalize(N_flake + max(distance, 1) N) with N_flake = normalize(slope_x, slope_y, 1).
@@ -326,51 +373,22 @@ inline Vec3 car_paint_facing(Vec3 w) {
     return w.z > mu_min ? w : Vec3{0.0f, 0.0f, 1.0f};
 }
 
-// Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
-inline Vec3 car_paint_F_conductor(float cos_theta, Vec3 eta, Vec3 k) {
-    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
-    float c = cos_theta;
-    // A trace of absorption keeps the roots below from 0
-    Vec3 contrast_re = (eta - 1.0f) * (eta + 1.0f) - k * k;
-    Vec3 half_im = eta * k + ROOT_MIN;
-    float c2 = c * c;
-    float sin2 = 1.0f - c2;
-    Vec3 w_re = contrast_re + c2;
-    Vec3 im = 2.0f * half_im;
-    Vec3 w_abs = sqrt(w_re * w_re + im * im);
-    // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    Vec3 large = sqrt(0.5f * (w_abs + absolute(w_re)));
-    Vec3 g_re = select(w_re > splat(0.0f), large, half_im / large);
-    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
-    Vec3 cross = 2.0f * c * g_re;
-    Vec3 s_abs2 = c2 + w_abs + cross;
-    Vec3 p = c2 * w_abs + sin2 * sin2;
-    // Quotients before their squares: for a matched index in the horizon these would leave a float32
-    Vec3 r_re = contrast_re / s_abs2;
-    Vec3 r_im = im / s_abs2;
-    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2));
-}
-
 // How much of a tilted facet a direction sees, at most as much as of the flat surface.
 inline float car_paint_seen(float cos_tilted, float mu) {
     return fminf(fmaxf(cos_tilted, 0.0f) / mu, 1.0f);
 }
 
-// The metal's BRDF in the flake's frame; both: eta times the sum of the directions.
-inline Vec3 car_paint_flake(const CarPaint& params, Vec3 wi_t, Vec3 wo_t, Vec3 both) {
+// The flake's facets in its own frame; both: eta times the sum of the directions.
+inline float car_paint_flake(const CarPaint& params, Vec3 wi_t, Vec3 wo_t, Vec3 both) {
     Vec3 n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
     float alpha = car_paint_flake_alpha(params);
     Vec3 tilted_i = car_paint_to_tilted(wi_t, n);
     Vec3 tilted_o = car_paint_to_tilted(wo_t, n);
     Vec3 wi = car_paint_facing(tilted_i);
     Vec3 wo = car_paint_facing(tilted_o);
-    float cos_h = 0.5f * length(both) / params.eta;
-    Vec3 F = car_paint_F_conductor(cos_h, params.metal_eta / params.eta,
-        params.metal_k / params.eta);
     float visible_ = car_paint_seen(tilted_i.z, wi_t.z) * car_paint_seen(tilted_o.z, wo_t.z);
     Vec3 m = normalize(car_paint_to_tilted(both, n));
-    return tilted_o.z > 0.0f ? F * (car_paint_ggx_facets(m, wi, wo, alpha) * visible_)
-        : splat(0.0f);
+    return tilted_o.z > 0.0f ? car_paint_ggx_facets(m, wi, wo, alpha) * visible_ : 0.0f;
 }
 
 // Eq. 2 with a tilted base: BRDF value in 1/sr, without the cosine.
@@ -385,12 +403,16 @@ inline Vec3 car_paint_eval(const CarPaint& params, Vec3 wi, Vec3 wo) {
     float through = car_paint_transmittance_entering(wi.z, params.eta)
         * car_paint_transmittance_entering(wo.z, params.eta);
     through = through / (params.eta * params.eta);
-    Vec3 wi_t = car_paint_refract(wi, params.eta);
-    Vec3 wo_t = car_paint_refract(wo, params.eta);
+    float excess = params.eta - 1.0f;
+    Vec3 wi_t = car_paint_refract(wi, excess);
+    Vec3 wo_t = car_paint_refract(wo, excess);
     Vec3 kept = car_paint_attenuation(car_paint_coat_optical_depth(params.sigma_a,
         params.thickness), wi_t, wo_t);
-    Vec3 flake = car_paint_flake(params, wi_t, wo_t, car_paint_refracted_sum(wi, wo, params.eta));
-    return coat + flake * (kept * through);
+    Vec3 both = car_paint_refracted_sum(wi, wo, excess);
+    Vec3 F = car_paint_F_conductor_half(0.5f * length(both) / params.eta,
+        car_paint_refracted_sin2_half(wi, wo, excess), params.metal_eta / params.eta,
+            params.metal_k / params.eta);
+    return coat + F * car_paint_flake(params, wi_t, wo_t, both) * (kept * through);
 }
 
 // ---- sampling ------------------------------------------------------------------------------
@@ -428,7 +450,7 @@ inline Vec2 car_paint_shares(const CarPaint& params, Vec3 wo, Vec3 wo_t) {
             params.thickness), wo_t));
     Vec3 tilted = car_paint_to_tilted(wo_t,
         car_paint_flake_normal(params.flake_x, params.flake_y, params.distance));
-    float lit = tilted.z > 0.0f ? below : 0.0f;
+    float lit = below * car_paint_seen(tilted.z, wo_t.z);
     float coat = fmaxf(car_paint_F_dielectric_entering(wo.z, params.eta), COAT_SHARE_MIN * below
         + LOBE_MIN);
     return car_paint_lobes_shares(coat, lit);
@@ -474,13 +496,14 @@ inline Vec3 car_paint_from_tilted(Vec3 w, Vec3 n) {
 }
 
 // Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
-inline float car_paint_critical_cosine(float eta) {
-    return sqrtf(fmaxf((eta - 1.0f) * (eta + 1.0f), 0.0f)) / eta;
+inline float car_paint_critical_cosine(float excess) {
+    return sqrtf(fmaxf(car_paint_contrast(excess), 0.0f)) / (1.0f + excess);
 }
 
 // The outer direction for a direction inside: refracted, or spread out if it cannot leave.
-inline Vec3 car_paint_leave(Vec3 w, float eta) {
-    float k = car_paint_critical_cosine(eta);
+inline Vec3 car_paint_leave(Vec3 w, float excess) {
+    float k = car_paint_critical_cosine(excess);
+    float eta = 1.0f + excess;
     bool refracted = w.z > k;
     float spread = fminf(w.z / fmaxf(k, mu_min), 1.0f);
     // The sine from x and y: under many layers 1 - z^2 has few digits
@@ -511,8 +534,8 @@ inline float car_paint_pdf_flake(const CarPaint& params, Vec3 wi_t, Vec3 wo_t, V
 }
 
 // The inner direction that car_paint_leave spreads to w; z = 0 for eta <= 1, which has none.
-inline Vec3 car_paint_gather(Vec3 w, float eta) {
-    float k = car_paint_critical_cosine(eta);
+inline Vec3 car_paint_gather(Vec3 w, float excess) {
+    float k = car_paint_critical_cosine(excess);
     float z = k * w.z;
     float sin2 = w.x * w.x + w.y * w.y;
     float scale = sqrtf(fmaxf(1.0f - z * z, 0.0f)) / sqrtf(fmaxf(sin2, SIN2_MIN));
@@ -523,11 +546,12 @@ inline Vec3 car_paint_gather(Vec3 w, float eta) {
 
 // Density of car_paint_leave at w, from the inner density at w_t = refract(w) and at gather(w).
 inline float car_paint_pdf_leave(float pdf_refracted, float pdf_gathered, Vec3 w, Vec3 w_t,
-    float eta) {
+    float excess) {
     // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by k^2,
     // and the cosines are k mu and mu.
+    float eta = 1.0f + excess;
     return pdf_refracted * w.z / (eta * eta * w_t.z)
-        + pdf_gathered * car_paint_critical_cosine(eta);
+        + pdf_gathered * car_paint_critical_cosine(excess);
 }
 
 // Density of car_paint_sample_ggx_lobe in 1/sr.
@@ -548,13 +572,14 @@ inline float car_paint_pdf(const CarPaint& params, Vec3 wi, Vec3 wo) {
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0f;
     }
-    Vec3 wi_t = car_paint_refract(wi, params.eta);
-    Vec3 wo_t = car_paint_refract(wo, params.eta);
+    float excess = params.eta - 1.0f;
+    Vec3 wi_t = car_paint_refract(wi, excess);
+    Vec3 wo_t = car_paint_refract(wo, excess);
     float refracted = car_paint_pdf_flake(params, wi_t, wo_t,
-        car_paint_refracted_sum(wi, wo, params.eta));
-    Vec3 w = car_paint_gather(wi, params.eta);
+        car_paint_refracted_sum(wi, wo, excess));
+    Vec3 w = car_paint_gather(wi, excess);
     float gathered = car_paint_pdf_flake(params, w, wo_t, w + wo_t);
-    float below = car_paint_pdf_leave(refracted, gathered, wi, wi_t, params.eta);
+    float below = car_paint_pdf_leave(refracted, gathered, wi, wi_t, excess);
     float coat = car_paint_pdf_ggx_lobe(wi, wo, params.alpha, params.alpha);
     Vec2 P = car_paint_shares(params, wo, wo_t);
     return P.x * coat + P.y * below;
@@ -566,7 +591,7 @@ inline CarPaintSample car_paint_sample(const CarPaint& params, Vec3 wo, Vec2 u) 
         return CarPaintSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
     Vec3 n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
-    Vec3 wo_t = car_paint_refract(wo, params.eta);
+    Vec3 wo_t = car_paint_refract(wo, params.eta - 1.0f);
     CarPaintChoice choose_result = car_paint_choose(car_paint_shares(params, wo, wo_t).x, u);
     bool on_coat = choose_result.is_first;
     Vec2 v = choose_result.u;
@@ -576,7 +601,7 @@ inline CarPaintSample car_paint_sample(const CarPaint& params, Vec3 wo, Vec2 u) 
     Vec3 flake = car_paint_mirror(tilted, car_paint_sample_ggx_visible(tilted, alpha, alpha, v));
     // What the flake mirrors behind itself is wasted.
     Vec3 w_flake = car_paint_leave(flake.z > 0.0f ? car_paint_from_tilted(flake, n)
-        : Vec3{0.0f, 0.0f, -1.0f}, params.eta);
+        : Vec3{0.0f, 0.0f, -1.0f}, params.eta - 1.0f);
     Vec3 wi = on_coat ? w_coat : w_flake;
     return CarPaintSample{wi, car_paint_pdf(params, wi, wo)};
 }

@@ -98,13 +98,12 @@ float car_paint_refracted_cos2(float mu, float eta) {
     return mad(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
-// The same from the square of g = eta cos(theta_t).
-float car_paint_F_dielectric(float cos_theta, float eta, float g2) {
+// The same from the squares of the sine and of g = eta cos(theta_t).
+float car_paint_F_dielectric(float cos_theta, float sin2, float eta, float g2) {
     // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
     // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
     // that the mean of both squares is a product.
     float c = cos_theta;
-    float sin2 = 1.0 - c * c;
     float g = sqrt(g2);
     float s = c + g;
     float p = c * g;
@@ -117,8 +116,8 @@ float car_paint_F_dielectric(float cos_theta, float eta, float g2) {
 float car_paint_F_dielectric_entering(float cos_theta, float eta) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
     // c^2 with its rounding error: at grazing angles little else is left
-    return car_paint_F_dielectric(cos_theta, eta,
-        max(car_paint_refracted_cos2(cos_theta, eta), mu_min * mu_min));
+    float g2 = max(car_paint_refracted_cos2(cos_theta, eta), mu_min * mu_min);
+    return car_paint_F_dielectric(cos_theta, 1.0 - cos_theta * cos_theta, eta, g2);
 }
 
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
@@ -133,9 +132,20 @@ float car_paint_transmittance_entering(float mu, float eta) {
     return 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
 }
 
+// eta^2 - 1.
+float car_paint_contrast(float excess) {
+    return excess * (2.0 + excess);
+}
+
+// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1.
+float car_paint_eta2_cos2(float mu, float excess) {
+    // mu^2 with its rounding error: at grazing angles little else is left
+    return mad(mu, mu, car_paint_contrast(excess));
+}
+
 // The direction inside a layer with eta >= 1 that belongs to w outside.
-float3 car_paint_refract(float3 w, float eta) {
-    return float3(w.x, w.y, sqrt(car_paint_refracted_cos2(w.z, eta))) / eta;
+float3 car_paint_refract(float3 w, float excess) {
+    return float3(w.x, w.y, sqrt(car_paint_eta2_cos2(w.z, excess))) / (1.0 + excess);
 }
 
 // Absorption times thickness, for each channel.
@@ -154,10 +164,50 @@ float3 car_paint_attenuation(float3 optical_depth, float3 wi, float3 wo) {
 //
 // Where the two are nearly mirrored the tangential parts cancel: they are summed before they are rounded by
 // refraction, so that a sharp highlight below keeps its place.
-float3 car_paint_refracted_sum(float3 wi, float3 wo, float eta) {
-    float z_i = car_paint_refracted_cos2(wi.z, eta);
-    float z_o = car_paint_refracted_cos2(wo.z, eta);
+float3 car_paint_refracted_sum(float3 wi, float3 wo, float excess) {
+    float z_i = car_paint_eta2_cos2(wi.z, excess);
+    float z_o = car_paint_eta2_cos2(wo.z, excess);
     return float3(wi.x + wo.x, wi.y + wo.y, sqrt(z_i) + sqrt(z_o));
+}
+
+// `sin2_half` of the refracted directions, from their difference before it is rounded.
+float car_paint_refracted_sin2_half(float3 wi, float3 wo, float excess) {
+    float z_i = car_paint_eta2_cos2(wi.z, excess);
+    float z_o = car_paint_eta2_cos2(wo.z, excess);
+    // A difference of two roots is that of their squares over their sum
+    float z = (wi.z - wo.z) * (wi.z + wo.z) / (sqrt(z_i) + sqrt(z_o));
+    float3 apart = float3(wi.x - wo.x, wi.y - wo.y, z) / (1.0 + excess);
+    return 0.25 * dot(apart, apart);
+}
+
+// Exact reflectance of a conductor, eta + i k, at a facet, from both car_paint_cos_half and `sin2_half`.
+float3 car_paint_F_conductor_half(float cos_h, float sin2_h, float3 eta, float3 k) {
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
+    // is reached at the edge of total internal reflection, where the true derivative is infinite.
+    const float ROOT_MIN = 1.0e-16;
+    // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
+    const float NEAR_NORMAL = 0.75;
+    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
+    float c = cos_h;
+    // A trace of absorption keeps the roots below from 0
+    float3 contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
+    float3 half_im = eta * k + ROOT_MIN;
+    float c2 = c * c;
+    // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
+    float3 w_re = c > NEAR_NORMAL ? (eta - k) * (eta + k) - sin2_h : contrast_re + c2;
+    float3 im = 2.0 * half_im;
+    float3 w_abs = sqrt(w_re * w_re + im * im);
+    // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
+    float3 large = sqrt(0.5 * (w_abs + abs(w_re)));
+    float3 g_re = car_paint_select(w_re > float3(0.0, 0.0, 0.0), large, half_im / large);
+    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2_h|^2 = p -+ cross sin2_h
+    float3 cross = 2.0 * c * g_re;
+    float3 s_abs2 = c2 + w_abs + cross;
+    float3 p = c2 * w_abs + sin2_h * sin2_h;
+    // Quotients before their squares: for a matched index in the horizon these would leave a float32
+    float3 r_re = contrast_re / s_abs2;
+    float3 r_im = im / s_abs2;
+    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2_h));
 }
 
 // normalize(N_flake + max(distance, 1) N) with N_flake = normalize(slope_x, slope_y, 1).
@@ -197,54 +247,22 @@ float3 car_paint_facing(float3 w) {
     return w.z > mu_min ? w : float3(0.0, 0.0, 1.0);
 }
 
-// Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
-float3 car_paint_F_conductor(float cos_theta, float3 eta, float3 k) {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
-    // is reached at the edge of total internal reflection, where the true derivative is infinite.
-    const float ROOT_MIN = 1.0e-16;
-    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
-    float c = cos_theta;
-    // A trace of absorption keeps the roots below from 0
-    float3 contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
-    float3 half_im = eta * k + ROOT_MIN;
-    float c2 = c * c;
-    float sin2 = 1.0 - c2;
-    float3 w_re = contrast_re + c2;
-    float3 im = 2.0 * half_im;
-    float3 w_abs = sqrt(w_re * w_re + im * im);
-    // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    float3 large = sqrt(0.5 * (w_abs + abs(w_re)));
-    float3 g_re = car_paint_select(w_re > float3(0.0, 0.0, 0.0), large, half_im / large);
-    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
-    float3 cross = 2.0 * c * g_re;
-    float3 s_abs2 = c2 + w_abs + cross;
-    float3 p = c2 * w_abs + sin2 * sin2;
-    // Quotients before their squares: for a matched index in the horizon these would leave a float32
-    float3 r_re = contrast_re / s_abs2;
-    float3 r_im = im / s_abs2;
-    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2));
-}
-
 // How much of a tilted facet a direction sees, at most as much as of the flat surface.
 float car_paint_seen(float cos_tilted, float mu) {
     return min(max(cos_tilted, 0.0) / mu, 1.0);
 }
 
-// The metal's BRDF in the flake's frame; both: eta times the sum of the directions.
-float3 car_paint_flake(CarPaint params, float3 wi_t, float3 wo_t, float3 both) {
+// The flake's facets in its own frame; both: eta times the sum of the directions.
+float car_paint_flake(CarPaint params, float3 wi_t, float3 wo_t, float3 both) {
     float3 n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
     float alpha = car_paint_flake_alpha(params);
     float3 tilted_i = car_paint_to_tilted(wi_t, n);
     float3 tilted_o = car_paint_to_tilted(wo_t, n);
     float3 wi = car_paint_facing(tilted_i);
     float3 wo = car_paint_facing(tilted_o);
-    float cos_h = 0.5 * length(both) / params.eta;
-    float3 F = car_paint_F_conductor(cos_h, params.metal_eta / params.eta,
-        params.metal_k / params.eta);
     float visible = car_paint_seen(tilted_i.z, wi_t.z) * car_paint_seen(tilted_o.z, wo_t.z);
     float3 m = normalize(car_paint_to_tilted(both, n));
-    return tilted_o.z > 0.0 ? F * (car_paint_ggx_facets(m, wi, wo, alpha) * visible)
-        : float3(0.0, 0.0, 0.0);
+    return tilted_o.z > 0.0 ? car_paint_ggx_facets(m, wi, wo, alpha) * visible : 0.0;
 }
 
 // Eq. 2 with a tilted base: BRDF value in 1/sr, without the cosine.
@@ -260,12 +278,16 @@ float3 car_paint_eval(CarPaint params, float3 wi, float3 wo) {
     float through = car_paint_transmittance_entering(wi.z, params.eta)
         * car_paint_transmittance_entering(wo.z, params.eta);
     through = through / (params.eta * params.eta);
-    float3 wi_t = car_paint_refract(wi, params.eta);
-    float3 wo_t = car_paint_refract(wo, params.eta);
+    float excess = params.eta - 1.0;
+    float3 wi_t = car_paint_refract(wi, excess);
+    float3 wo_t = car_paint_refract(wo, excess);
     float3 kept = car_paint_attenuation(car_paint_coat_optical_depth(params.sigma_a,
         params.thickness), wi_t, wo_t);
-    float3 flake = car_paint_flake(params, wi_t, wo_t, car_paint_refracted_sum(wi, wo, params.eta));
-    return coat + flake * (kept * through);
+    float3 both = car_paint_refracted_sum(wi, wo, excess);
+    float3 F = car_paint_F_conductor_half(0.5 * length(both) / params.eta,
+        car_paint_refracted_sin2_half(wi, wo, excess), params.metal_eta / params.eta,
+            params.metal_k / params.eta);
+    return coat + F * car_paint_flake(params, wi_t, wo_t, both) * (kept * through);
 }
 
 // ---- sampling ------------------------------------------------------------------------------
@@ -315,7 +337,7 @@ float2 car_paint_shares(CarPaint params, float3 wo, float3 wo_t) {
             params.thickness), wo_t));
     float3 tilted = car_paint_to_tilted(wo_t,
         car_paint_flake_normal(params.flake_x, params.flake_y, params.distance));
-    float lit = tilted.z > 0.0 ? below : 0.0;
+    float lit = below * car_paint_seen(tilted.z, wo_t.z);
     float coat = max(car_paint_F_dielectric_entering(wo.z, params.eta), COAT_SHARE_MIN * below
         + LOBE_MIN);
     return car_paint_lobes_shares(coat, lit);
@@ -371,19 +393,20 @@ float3 car_paint_from_tilted(float3 w, float3 n) {
 }
 
 // Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
-float car_paint_critical_cosine(float eta) {
-    return sqrt(max((eta - 1.0) * (eta + 1.0), 0.0)) / eta;
+float car_paint_critical_cosine(float excess) {
+    return sqrt(max(car_paint_contrast(excess), 0.0)) / (1.0 + excess);
 }
 
 // The outer direction for a direction inside: refracted, or spread out if it cannot leave.
-float3 car_paint_leave(float3 w, float eta) {
+float3 car_paint_leave(float3 w, float excess) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
     // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
     // its reciprocal still fits into a float32.
     const float SIN2_MIN = 1.0e-18;
     // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
     const float LEAVE_MIN = 1.0e-12;
-    float k = car_paint_critical_cosine(eta);
+    float k = car_paint_critical_cosine(excess);
+    float eta = 1.0 + excess;
     bool refracted = w.z > k;
     float spread = min(w.z / max(k, mu_min), 1.0);
     // The sine from x and y: under many layers 1 - z^2 has few digits
@@ -414,9 +437,9 @@ float car_paint_pdf_flake(CarPaint params, float3 wi_t, float3 wo_t, float3 both
 }
 
 // The inner direction that car_paint_leave spreads to w; z = 0 for eta <= 1, which has none.
-float3 car_paint_gather(float3 w, float eta) {
+float3 car_paint_gather(float3 w, float excess) {
     const float SIN2_MIN = 1.0e-18;
-    float k = car_paint_critical_cosine(eta);
+    float k = car_paint_critical_cosine(excess);
     float z = k * w.z;
     float sin2 = w.x * w.x + w.y * w.y;
     float scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
@@ -427,11 +450,12 @@ float3 car_paint_gather(float3 w, float eta) {
 
 // Density of car_paint_leave at w, from the inner density at w_t = refract(w) and at gather(w).
 float car_paint_pdf_leave(float pdf_refracted, float pdf_gathered, float3 w, float3 w_t,
-    float eta) {
+    float excess) {
     // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by k^2,
     // and the cosines are k mu and mu.
+    float eta = 1.0 + excess;
     return pdf_refracted * w.z / (eta * eta * w_t.z)
-        + pdf_gathered * car_paint_critical_cosine(eta);
+        + pdf_gathered * car_paint_critical_cosine(excess);
 }
 
 // Density of car_paint_sample_ggx_lobe in 1/sr.
@@ -454,13 +478,14 @@ float car_paint_pdf(CarPaint params, float3 wi, float3 wo) {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
-    float3 wi_t = car_paint_refract(wi, params.eta);
-    float3 wo_t = car_paint_refract(wo, params.eta);
+    float excess = params.eta - 1.0;
+    float3 wi_t = car_paint_refract(wi, excess);
+    float3 wo_t = car_paint_refract(wo, excess);
     float refracted = car_paint_pdf_flake(params, wi_t, wo_t,
-        car_paint_refracted_sum(wi, wo, params.eta));
-    float3 w = car_paint_gather(wi, params.eta);
+        car_paint_refracted_sum(wi, wo, excess));
+    float3 w = car_paint_gather(wi, excess);
     float gathered = car_paint_pdf_flake(params, w, wo_t, w + wo_t);
-    float below = car_paint_pdf_leave(refracted, gathered, wi, wi_t, params.eta);
+    float below = car_paint_pdf_leave(refracted, gathered, wi, wi_t, excess);
     float coat = car_paint_pdf_ggx_lobe(wi, wo, params.alpha, params.alpha);
     float2 P = car_paint_shares(params, wo, wo_t);
     return P.x * coat + P.y * below;
@@ -476,7 +501,7 @@ CarPaintSample car_paint_sample(CarPaint params, float3 wo, float2 u) {
         return result;
     }
     float3 n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
-    float3 wo_t = car_paint_refract(wo, params.eta);
+    float3 wo_t = car_paint_refract(wo, params.eta - 1.0);
     CarPaintChoice choose_result = car_paint_choose(car_paint_shares(params, wo, wo_t).x, u);
     bool on_coat = choose_result.is_first;
     float2 v = choose_result.u;
@@ -486,7 +511,7 @@ CarPaintSample car_paint_sample(CarPaint params, float3 wo, float2 u) {
     float3 flake = car_paint_mirror(tilted, car_paint_sample_ggx_visible(tilted, alpha, alpha, v));
     // What the flake mirrors behind itself is wasted.
     float3 w_flake = car_paint_leave(flake.z > 0.0 ? car_paint_from_tilted(flake, n)
-        : float3(0.0, 0.0, -1.0), params.eta);
+        : float3(0.0, 0.0, -1.0), params.eta - 1.0);
     float3 wi = on_coat ? w_coat : w_flake;
     CarPaintSample result;
     result.wi = wi;

@@ -94,13 +94,12 @@ fn car_paint_refracted_cos2(mu: f32, eta: f32) -> f32 {
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
-// The same from the square of g = eta cos(theta_t).
-fn car_paint_F_dielectric(cos_theta: f32, eta: f32, g2: f32) -> f32 {
+// The same from the squares of the sine and of g = eta cos(theta_t).
+fn car_paint_F_dielectric(cos_theta: f32, sin2: f32, eta: f32, g2: f32) -> f32 {
     // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
     // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
     // that the mean of both squares is a product.
     let c = cos_theta;
-    let sin2 = 1.0 - c * c;
     let g = sqrt(g2);
     let s = c + g;
     let p = c * g;
@@ -113,8 +112,8 @@ fn car_paint_F_dielectric(cos_theta: f32, eta: f32, g2: f32) -> f32 {
 fn car_paint_F_dielectric_entering(cos_theta: f32, eta: f32) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
     // c^2 with its rounding error: at grazing angles little else is left
-    return car_paint_F_dielectric(cos_theta, eta,
-        max(car_paint_refracted_cos2(cos_theta, eta), mu_min * mu_min));
+    let g2 = max(car_paint_refracted_cos2(cos_theta, eta), mu_min * mu_min);
+    return car_paint_F_dielectric(cos_theta, 1.0 - cos_theta * cos_theta, eta, g2);
 }
 
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
@@ -129,9 +128,20 @@ fn car_paint_transmittance_entering(mu: f32, eta: f32) -> f32 {
     return 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
 }
 
+// eta^2 - 1.
+fn car_paint_contrast(excess: f32) -> f32 {
+    return excess * (2.0 + excess);
+}
+
+// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1.
+fn car_paint_eta2_cos2(mu: f32, excess: f32) -> f32 {
+    // mu^2 with its rounding error: at grazing angles little else is left
+    return fma(mu, mu, car_paint_contrast(excess));
+}
+
 // The direction inside a layer with eta >= 1 that belongs to w outside.
-fn car_paint_refract(w: vec3f, eta: f32) -> vec3f {
-    return vec3f(w.x, w.y, sqrt(car_paint_refracted_cos2(w.z, eta))) / eta;
+fn car_paint_refract(w: vec3f, excess: f32) -> vec3f {
+    return vec3f(w.x, w.y, sqrt(car_paint_eta2_cos2(w.z, excess))) / (1.0 + excess);
 }
 
 // Absorption times thickness, for each channel.
@@ -150,10 +160,50 @@ fn car_paint_attenuation(optical_depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
 //
 // Where the two are nearly mirrored the tangential parts cancel: they are summed before they are rounded by
 // refraction, so that a sharp highlight below keeps its place.
-fn car_paint_refracted_sum(wi: vec3f, wo: vec3f, eta: f32) -> vec3f {
-    let z_i = car_paint_refracted_cos2(wi.z, eta);
-    let z_o = car_paint_refracted_cos2(wo.z, eta);
+fn car_paint_refracted_sum(wi: vec3f, wo: vec3f, excess: f32) -> vec3f {
+    let z_i = car_paint_eta2_cos2(wi.z, excess);
+    let z_o = car_paint_eta2_cos2(wo.z, excess);
     return vec3f(wi.x + wo.x, wi.y + wo.y, sqrt(z_i) + sqrt(z_o));
+}
+
+// `sin2_half` of the refracted directions, from their difference before it is rounded.
+fn car_paint_refracted_sin2_half(wi: vec3f, wo: vec3f, excess: f32) -> f32 {
+    let z_i = car_paint_eta2_cos2(wi.z, excess);
+    let z_o = car_paint_eta2_cos2(wo.z, excess);
+    // A difference of two roots is that of their squares over their sum
+    let z = (wi.z - wo.z) * (wi.z + wo.z) / (sqrt(z_i) + sqrt(z_o));
+    let apart = vec3f(wi.x - wo.x, wi.y - wo.y, z) / (1.0 + excess);
+    return 0.25 * dot(apart, apart);
+}
+
+// Exact reflectance of a conductor, eta + i k, at a facet, from both car_paint_cos_half and `sin2_half`.
+fn car_paint_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3f) -> vec3f {
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
+    // is reached at the edge of total internal reflection, where the true derivative is infinite.
+    const ROOT_MIN = 1.0e-16;
+    // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
+    const NEAR_NORMAL = 0.75;
+    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
+    let c = cos_h;
+    // A trace of absorption keeps the roots below from 0
+    let contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
+    let half_im = eta * k + ROOT_MIN;
+    let c2 = c * c;
+    // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
+    let w_re = select(contrast_re + c2, (eta - k) * (eta + k) - sin2_h, c > NEAR_NORMAL);
+    let im = 2.0 * half_im;
+    let w_abs = sqrt(w_re * w_re + im * im);
+    // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
+    let large = sqrt(0.5 * (w_abs + abs(w_re)));
+    let g_re = select(half_im / large, large, w_re > vec3f(0.0));
+    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2_h|^2 = p -+ cross sin2_h
+    let cross = 2.0 * c * g_re;
+    let s_abs2 = c2 + w_abs + cross;
+    let p = c2 * w_abs + sin2_h * sin2_h;
+    // Quotients before their squares: for a matched index in the horizon these would leave a float32
+    let r_re = contrast_re / s_abs2;
+    let r_im = im / s_abs2;
+    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2_h));
 }
 
 // normalize(N_flake + max(distance, 1) N) with N_flake = normalize(slope_x, slope_y, 1).
@@ -193,54 +243,22 @@ fn car_paint_facing(w: vec3f) -> vec3f {
     return select(vec3f(0.0, 0.0, 1.0), w, w.z > mu_min);
 }
 
-// Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
-fn car_paint_F_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
-    // is reached at the edge of total internal reflection, where the true derivative is infinite.
-    const ROOT_MIN = 1.0e-16;
-    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
-    let c = cos_theta;
-    // A trace of absorption keeps the roots below from 0
-    let contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
-    let half_im = eta * k + ROOT_MIN;
-    let c2 = c * c;
-    let sin2 = 1.0 - c2;
-    let w_re = contrast_re + c2;
-    let im = 2.0 * half_im;
-    let w_abs = sqrt(w_re * w_re + im * im);
-    // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    let large = sqrt(0.5 * (w_abs + abs(w_re)));
-    let g_re = select(half_im / large, large, w_re > vec3f(0.0));
-    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
-    let cross = 2.0 * c * g_re;
-    let s_abs2 = c2 + w_abs + cross;
-    let p = c2 * w_abs + sin2 * sin2;
-    // Quotients before their squares: for a matched index in the horizon these would leave a float32
-    let r_re = contrast_re / s_abs2;
-    let r_im = im / s_abs2;
-    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2));
-}
-
 // How much of a tilted facet a direction sees, at most as much as of the flat surface.
 fn car_paint_seen(cos_tilted: f32, mu: f32) -> f32 {
     return min(max(cos_tilted, 0.0) / mu, 1.0);
 }
 
-// The metal's BRDF in the flake's frame; both: eta times the sum of the directions.
-fn car_paint_flake(params: CarPaint, wi_t: vec3f, wo_t: vec3f, both: vec3f) -> vec3f {
+// The flake's facets in its own frame; both: eta times the sum of the directions.
+fn car_paint_flake(params: CarPaint, wi_t: vec3f, wo_t: vec3f, both: vec3f) -> f32 {
     let n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
     let alpha = car_paint_flake_alpha(params);
     let tilted_i = car_paint_to_tilted(wi_t, n);
     let tilted_o = car_paint_to_tilted(wo_t, n);
     let wi = car_paint_facing(tilted_i);
     let wo = car_paint_facing(tilted_o);
-    let cos_h = 0.5 * length(both) / params.eta;
-    let F = car_paint_F_conductor(cos_h, params.metal_eta / params.eta,
-        params.metal_k / params.eta);
     let visible = car_paint_seen(tilted_i.z, wi_t.z) * car_paint_seen(tilted_o.z, wo_t.z);
     let m = normalize(car_paint_to_tilted(both, n));
-    return select(vec3f(0.0), F * (car_paint_ggx_facets(m, wi, wo, alpha) * visible),
-        tilted_o.z > 0.0);
+    return select(0.0, car_paint_ggx_facets(m, wi, wo, alpha) * visible, tilted_o.z > 0.0);
 }
 
 // Eq. 2 with a tilted base: BRDF value in 1/sr, without the cosine.
@@ -256,12 +274,16 @@ fn car_paint_eval(params: CarPaint, wi: vec3f, wo: vec3f) -> vec3f {
     var through = car_paint_transmittance_entering(wi.z, params.eta)
         * car_paint_transmittance_entering(wo.z, params.eta);
     through = through / (params.eta * params.eta);
-    let wi_t = car_paint_refract(wi, params.eta);
-    let wo_t = car_paint_refract(wo, params.eta);
+    let excess = params.eta - 1.0;
+    let wi_t = car_paint_refract(wi, excess);
+    let wo_t = car_paint_refract(wo, excess);
     let kept = car_paint_attenuation(car_paint_coat_optical_depth(params.sigma_a, params.thickness),
         wi_t, wo_t);
-    let flake = car_paint_flake(params, wi_t, wo_t, car_paint_refracted_sum(wi, wo, params.eta));
-    return coat + flake * (kept * through);
+    let both = car_paint_refracted_sum(wi, wo, excess);
+    let F = car_paint_F_conductor_half(0.5 * length(both) / params.eta,
+        car_paint_refracted_sin2_half(wi, wo, excess), params.metal_eta / params.eta,
+            params.metal_k / params.eta);
+    return coat + F * car_paint_flake(params, wi_t, wo_t, both) * (kept * through);
 }
 
 // ---- sampling ------------------------------------------------------------------------------
@@ -311,7 +333,7 @@ fn car_paint_shares(params: CarPaint, wo: vec3f, wo_t: vec3f) -> vec2f {
             params.thickness), wo_t));
     let tilted = car_paint_to_tilted(wo_t,
         car_paint_flake_normal(params.flake_x, params.flake_y, params.distance));
-    let lit = select(0.0, below, tilted.z > 0.0);
+    let lit = below * car_paint_seen(tilted.z, wo_t.z);
     let coat = max(car_paint_F_dielectric_entering(wo.z, params.eta), COAT_SHARE_MIN * below
         + LOBE_MIN);
     return car_paint_lobes_shares(coat, lit);
@@ -363,19 +385,20 @@ fn car_paint_from_tilted(w: vec3f, n: vec3f) -> vec3f {
 }
 
 // Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
-fn car_paint_critical_cosine(eta: f32) -> f32 {
-    return sqrt(max((eta - 1.0) * (eta + 1.0), 0.0)) / eta;
+fn car_paint_critical_cosine(excess: f32) -> f32 {
+    return sqrt(max(car_paint_contrast(excess), 0.0)) / (1.0 + excess);
 }
 
 // The outer direction for a direction inside: refracted, or spread out if it cannot leave.
-fn car_paint_leave(w: vec3f, eta: f32) -> vec3f {
+fn car_paint_leave(w: vec3f, excess: f32) -> vec3f {
     const mu_min = 1.0e-18;  // cosine of the horizon
     // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
     // its reciprocal still fits into a float32.
     const SIN2_MIN = 1.0e-18;
     // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
     const LEAVE_MIN = 1.0e-12;
-    let k = car_paint_critical_cosine(eta);
+    let k = car_paint_critical_cosine(excess);
+    let eta = 1.0 + excess;
     let refracted = w.z > k;
     let spread = min(w.z / max(k, mu_min), 1.0);
     // The sine from x and y: under many layers 1 - z^2 has few digits
@@ -406,9 +429,9 @@ fn car_paint_pdf_flake(params: CarPaint, wi_t: vec3f, wo_t: vec3f, both: vec3f) 
 }
 
 // The inner direction that car_paint_leave spreads to w; z = 0 for eta <= 1, which has none.
-fn car_paint_gather(w: vec3f, eta: f32) -> vec3f {
+fn car_paint_gather(w: vec3f, excess: f32) -> vec3f {
     const SIN2_MIN = 1.0e-18;
-    let k = car_paint_critical_cosine(eta);
+    let k = car_paint_critical_cosine(excess);
     let z = k * w.z;
     let sin2 = w.x * w.x + w.y * w.y;
     let scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
@@ -419,11 +442,12 @@ fn car_paint_gather(w: vec3f, eta: f32) -> vec3f {
 
 // Density of car_paint_leave at w, from the inner density at w_t = refract(w) and at gather(w).
 fn car_paint_pdf_leave(pdf_refracted: f32, pdf_gathered: f32, w: vec3f, w_t: vec3f,
-    eta: f32) -> f32 {
+    excess: f32) -> f32 {
     // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by k^2,
     // and the cosines are k mu and mu.
+    let eta = 1.0 + excess;
     return pdf_refracted * w.z / (eta * eta * w_t.z)
-        + pdf_gathered * car_paint_critical_cosine(eta);
+        + pdf_gathered * car_paint_critical_cosine(excess);
 }
 
 // Density of car_paint_sample_ggx_lobe in 1/sr.
@@ -446,13 +470,14 @@ fn car_paint_pdf(params: CarPaint, wi: vec3f, wo: vec3f) -> f32 {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
-    let wi_t = car_paint_refract(wi, params.eta);
-    let wo_t = car_paint_refract(wo, params.eta);
+    let excess = params.eta - 1.0;
+    let wi_t = car_paint_refract(wi, excess);
+    let wo_t = car_paint_refract(wo, excess);
     let refracted = car_paint_pdf_flake(params, wi_t, wo_t,
-        car_paint_refracted_sum(wi, wo, params.eta));
-    let w = car_paint_gather(wi, params.eta);
+        car_paint_refracted_sum(wi, wo, excess));
+    let w = car_paint_gather(wi, excess);
     let gathered = car_paint_pdf_flake(params, w, wo_t, w + wo_t);
-    let below = car_paint_pdf_leave(refracted, gathered, wi, wi_t, params.eta);
+    let below = car_paint_pdf_leave(refracted, gathered, wi, wi_t, excess);
     let coat = car_paint_pdf_ggx_lobe(wi, wo, params.alpha, params.alpha);
     let P = car_paint_shares(params, wo, wo_t);
     return P.x * coat + P.y * below;
@@ -465,7 +490,7 @@ fn car_paint_sample(params: CarPaint, wo: vec3f, u: vec2f) -> CarPaintSample {
         return CarPaintSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
     let n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
-    let wo_t = car_paint_refract(wo, params.eta);
+    let wo_t = car_paint_refract(wo, params.eta - 1.0);
     let choose_result = car_paint_choose(car_paint_shares(params, wo, wo_t).x, u);
     let on_coat = choose_result.is_first;
     let v = choose_result.u;
@@ -475,7 +500,7 @@ fn car_paint_sample(params: CarPaint, wo: vec3f, u: vec2f) -> CarPaintSample {
     let flake = car_paint_mirror(tilted, car_paint_sample_ggx_visible(tilted, alpha, alpha, v));
     // What the flake mirrors behind itself is wasted.
     let w_flake = car_paint_leave(select(vec3f(0.0, 0.0, -1.0), car_paint_from_tilted(flake, n),
-        flake.z > 0.0), params.eta);
+        flake.z > 0.0), params.eta - 1.0);
     let wi = select(w_flake, w_coat, on_coat);
     return CarPaintSample(wi, car_paint_pdf(params, wi, wo));
 }

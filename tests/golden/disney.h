@@ -183,6 +183,12 @@ inline Vec3 disney_f0(const Disney& params) {
     return lerp(dielectric, params.base_color, splat(params.metallic));
 }
 
+// 1 - disney_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
+inline float disney_sin2_half(Vec3 wi, Vec3 wo) {
+    Vec3 apart = wi - wo;
+    return 0.25f * dot(apart, apart);
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float disney_cos_half(Vec3 wi, Vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
@@ -193,8 +199,7 @@ inline float disney_cos_half(Vec3 wi, Vec3 wo) {
 inline float disney_schlick_weight_half(Vec3 wi, Vec3 wo) {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
-    Vec3 apart = wi - wo;
-    float k = 0.25f * dot(apart, apart) / (1.0f + disney_cos_half(wi, wo));
+    float k = disney_sin2_half(wi, wo) / (1.0f + disney_cos_half(wi, wo));
     float k2 = k * k;
     return k2 * k2 * k;
 }

@@ -91,41 +91,49 @@ float patina_cos_half(vec3 wi, vec3 wo) {
     return 0.5 * length(wi + wo);
 }
 
-// Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
-vec3 patina_F_conductor(float cos_theta, vec3 eta, vec3 k) {
+// 1 - patina_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
+float patina_sin2_half(vec3 wi, vec3 wo) {
+    vec3 apart = wi - wo;
+    return 0.25 * dot(apart, apart);
+}
+
+// Exact reflectance of a conductor, eta + i k, at a facet, from both patina_cos_half and patina_sin2_half.
+vec3 patina_F_conductor_half(float cos_h, float sin2_h, vec3 eta, vec3 k) {
     // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
     // is reached at the edge of total internal reflection, where the true derivative is infinite.
     const float ROOT_MIN = 1.0e-16;
+    // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
+    const float NEAR_NORMAL = 0.75;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
-    float c = cos_theta;
+    float c = cos_h;
     // A trace of absorption keeps the roots below from 0
     vec3 contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
     vec3 half_im = eta * k + ROOT_MIN;
     float c2 = c * c;
-    float sin2 = 1.0 - c2;
-    vec3 w_re = contrast_re + c2;
+    // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
+    vec3 w_re = mix(contrast_re + c2, (eta - k) * (eta + k) - sin2_h, bvec3(c > NEAR_NORMAL));
     vec3 im = 2.0 * half_im;
     vec3 w_abs = sqrt(w_re * w_re + im * im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     vec3 large = sqrt(0.5 * (w_abs + abs(w_re)));
     vec3 g_re = mix(half_im / large, large, greaterThan(w_re, vec3(0.0)));
-    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
+    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2_h|^2 = p -+ cross sin2_h
     vec3 cross = 2.0 * c * g_re;
     vec3 s_abs2 = c2 + w_abs + cross;
-    vec3 p = c2 * w_abs + sin2 * sin2;
+    vec3 p = c2 * w_abs + sin2_h * sin2_h;
     // Quotients before their squares: for a matched index in the horizon these would leave a float32
     vec3 r_re = contrast_re / s_abs2;
     vec3 r_im = im / s_abs2;
-    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2));
+    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2_h));
 }
 
 // The metal's reflectance: its index turns into the patina's as that grows, and it tarnishes.
-vec3 patina_metal_F(Patina params, float cos_h) {
+vec3 patina_metal_F(Patina params, float cos_h, float sin2_h) {
     float bare = patina_bare(params);
     float grown = patina_grown(params);
     vec3 eta = bare * params.metal_eta + grown * params.coat_eta;
     vec3 k = bare * params.metal_k + grown * params.coat_k;
-    return patina_F_conductor(cos_h, eta, k)
+    return patina_F_conductor_half(cos_h, sin2_h, eta, k)
         * mix(vec3(1.0), params.tarnish_tint, vec3(params.tarnish));
 }
 
@@ -167,6 +175,20 @@ float patina_average(vec3 color) {
     return (color.x + color.y + color.z) / 3.0;
 }
 
+// The patina's index for refraction, the mean of its channels, minus 1.
+float patina_excess(Patina params) {
+    return patina_average(params.coat_eta - 1.0);
+}
+
+float patina_sin2(float cos_theta) {
+    return (1.0 - cos_theta) * (1.0 + cos_theta);
+}
+
+// Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
+vec3 patina_F_conductor(float cos_theta, vec3 eta, vec3 k) {
+    return patina_F_conductor_half(cos_theta, patina_sin2(cos_theta), eta, k);
+}
+
 // 1 - F of a conductor; exact where it nearly vanishes.
 vec3 patina_transmittance_conductor(float cos_theta, vec3 eta, vec3 k) {
     const float ROOT_MIN = 1.0e-16;
@@ -196,16 +218,20 @@ vec3 patina_through_facets(vec3 wi, vec3 wo, float alpha, vec3 T) {
     return T * (1.0 - G + T * G);
 }
 
-// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
-float patina_refracted_cos2(float mu, float eta) {
-    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and at
-    // the critical one, little else is left.
-    return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
+// eta^2 - 1.
+float patina_contrast(float excess) {
+    return excess * (2.0 + excess);
+}
+
+// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1.
+float patina_eta2_cos2(float mu, float excess) {
+    // mu^2 with its rounding error: at grazing angles little else is left
+    return fma(mu, mu, patina_contrast(excess));
 }
 
 // The direction inside a layer with eta >= 1 that belongs to w outside.
-vec3 patina_refract(vec3 w, float eta) {
-    return vec3(w.x, w.y, sqrt(patina_refracted_cos2(w.z, eta))) / eta;
+vec3 patina_refract(vec3 w, float excess) {
+    return vec3(w.x, w.y, sqrt(patina_eta2_cos2(w.z, excess))) / (1.0 + excess);
 }
 
 // Absorption times thickness, for each channel.
@@ -224,10 +250,20 @@ vec3 patina_attenuation(vec3 optical_depth, vec3 wi, vec3 wo) {
 //
 // Where the two are nearly mirrored the tangential parts cancel: they are summed before they are rounded by
 // refraction, so that a sharp highlight below keeps its place.
-vec3 patina_refracted_sum(vec3 wi, vec3 wo, float eta) {
-    float z_i = patina_refracted_cos2(wi.z, eta);
-    float z_o = patina_refracted_cos2(wo.z, eta);
+vec3 patina_refracted_sum(vec3 wi, vec3 wo, float excess) {
+    float z_i = patina_eta2_cos2(wi.z, excess);
+    float z_o = patina_eta2_cos2(wo.z, excess);
     return vec3(wi.x + wo.x, wi.y + wo.y, sqrt(z_i) + sqrt(z_o));
+}
+
+// patina_sin2_half of the refracted directions, from their difference before it is rounded.
+float patina_refracted_sin2_half(vec3 wi, vec3 wo, float excess) {
+    float z_i = patina_eta2_cos2(wi.z, excess);
+    float z_o = patina_eta2_cos2(wo.z, excess);
+    // A difference of two roots is that of their squares over their sum
+    float z = (wi.z - wo.z) * (wi.z + wo.z) / (sqrt(z_i) + sqrt(z_o));
+    vec3 apart = vec3(wi.x - wo.x, wi.y - wo.y, z) / (1.0 + excess);
+    return 0.25 * dot(apart, apart);
 }
 
 // The metal's width under the patina, at least that of the patina itself (Figure 2).
@@ -239,7 +275,8 @@ float patina_below_alpha(Patina params) {
 vec3 patina_coated(Patina params, vec3 wi, vec3 wo) {
     const float inv_pi = 0.31830987;
     float cos_h = patina_cos_half(wi, wo);
-    float index = patina_average(params.coat_eta);
+    float excess = patina_excess(params);
+    float index = 1.0 + excess;
     vec3 F = patina_F_conductor(cos_h, params.coat_eta, params.coat_k);
     vec3 T = patina_transmittance_conductor(cos_h, params.coat_eta, params.coat_k);
     vec3 surface = F * patina_ggx_facets(patina_half_vector(wi, wo), wi, wo, params.alpha)
@@ -247,12 +284,13 @@ vec3 patina_coated(Patina params, vec3 wi, vec3 wo) {
 
     vec3 through = patina_through_facets(wi, wo, params.alpha, T);
     through = through / (index * index);
-    vec3 wi_t = patina_refract(wi, index);
-    vec3 wo_t = patina_refract(wo, index);
+    vec3 wi_t = patina_refract(wi, excess);
+    vec3 wo_t = patina_refract(wo, excess);
     vec3 kept = patina_attenuation(patina_coat_optical_depth(params.sigma_a, params.thickness),
         wi_t, wo_t);
-    vec3 both = patina_refracted_sum(wi, wo, index);
-    vec3 metal = patina_metal_F(params, 0.5 * length(both) / index);
+    vec3 both = patina_refracted_sum(wi, wo, excess);
+    vec3 metal = patina_metal_F(params, 0.5 * length(both) / index,
+        patina_refracted_sin2_half(wi, wo, excess));
     metal = metal * patina_ggx_facets(normalize(both), wi_t, wo_t, patina_below_alpha(params));
     return surface + metal * through * kept;
 }
@@ -264,8 +302,8 @@ vec3 patina_eval(Patina params, vec3 wi, vec3 wo) {
         return vec3(0.0);
     }
     float alpha = patina_metal_alpha(params);
-    vec3 bare = patina_metal_F(params, patina_cos_half(wi, wo))
-        * patina_ggx_facets(patina_half_vector(wi, wo), wi, wo, alpha);
+    vec3 F = patina_metal_F(params, patina_cos_half(wi, wo), patina_sin2_half(wi, wo));
+    vec3 bare = F * patina_ggx_facets(patina_half_vector(wi, wo), wi, wo, alpha);
     return patina_bare(params) * bare + patina_grown(params) * patina_coated(params, wi, wo);
 }
 
@@ -311,11 +349,11 @@ PatinaShares patina_shares(Patina params, vec3 wo) {
     // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
     const float LOBE_MIN = 1.0e-12;
     float grown = patina_grown(params);
-    vec3 wo_t = patina_refract(wo, patina_average(params.coat_eta));
+    vec3 wo_t = patina_refract(wo, patina_excess(params));
     vec3 F = patina_F_conductor(wo.z, params.coat_eta, params.coat_k);
     vec3 T = patina_transmittance_conductor(patina_usual_cos_half(wo), params.coat_eta,
         params.coat_k);
-    vec3 F_metal = patina_metal_F(params, wo.z);
+    vec3 F_metal = patina_metal_F(params, wo.z, (1.0 - wo.z) * (1.0 + wo.z));
     float bare = patina_bare(params) * patina_average(F_metal);
     float coat = grown * patina_average(F);
     float diffuse = grown * patina_average((1.0 - params.sigma_a) * T);
@@ -371,19 +409,20 @@ vec3 patina_sample_ggx_lobe(vec3 wo, float alpha_x, float alpha_y, vec2 u) {
 }
 
 // Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
-float patina_critical_cosine(float eta) {
-    return sqrt(max((eta - 1.0) * (eta + 1.0), 0.0)) / eta;
+float patina_critical_cosine(float excess) {
+    return sqrt(max(patina_contrast(excess), 0.0)) / (1.0 + excess);
 }
 
 // The outer direction for a direction inside: refracted, or spread out if it cannot leave.
-vec3 patina_leave(vec3 w, float eta) {
+vec3 patina_leave(vec3 w, float excess) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
     // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
     // its reciprocal still fits into a float32.
     const float SIN2_MIN = 1.0e-18;
     // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
     const float LEAVE_MIN = 1.0e-12;
-    float k = patina_critical_cosine(eta);
+    float k = patina_critical_cosine(excess);
+    float eta = 1.0 + excess;
     bool refracted = w.z > k;
     float spread = min(w.z / max(k, mu_min), 1.0);
     // The sine from x and y: under many layers 1 - z^2 has few digits
@@ -405,9 +444,9 @@ vec3 patina_sample_cosine(vec2 u) {
 }
 
 // The inner direction that patina_leave spreads to w; z = 0 for eta <= 1, which has none.
-vec3 patina_gather(vec3 w, float eta) {
+vec3 patina_gather(vec3 w, float excess) {
     const float SIN2_MIN = 1.0e-18;
-    float k = patina_critical_cosine(eta);
+    float k = patina_critical_cosine(excess);
     float z = k * w.z;
     float sin2 = w.x * w.x + w.y * w.y;
     float scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
@@ -423,10 +462,13 @@ float patina_pdf_ggx_visible(vec3 wo, vec3 m, float alpha_x, float alpha_y) {
 }
 
 // Density of patina_leave at w, from the inner density at w_t = refract(w) and at gather(w).
-float patina_pdf_leave(float pdf_refracted, float pdf_gathered, vec3 w, vec3 w_t, float eta) {
+float patina_pdf_leave(float pdf_refracted, float pdf_gathered, vec3 w, vec3 w_t,
+    float excess) {
     // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by k^2,
     // and the cosines are k mu and mu.
-    return pdf_refracted * w.z / (eta * eta * w_t.z) + pdf_gathered * patina_critical_cosine(eta);
+    float eta = 1.0 + excess;
+    return pdf_refracted * w.z / (eta * eta * w_t.z)
+        + pdf_gathered * patina_critical_cosine(excess);
 }
 
 // Density of patina_sample_cosine in 1/sr, for w above the horizon.
@@ -458,16 +500,16 @@ float patina_pdf(Patina params, vec3 wi, vec3 wo) {
     vec2 P_bare = shares_result.P_bare;
     vec2 P_coat = shares_result.P_coat;
     vec2 P_diffuse = shares_result.P_diffuse;
-    float index = patina_average(params.coat_eta);
+    float excess = patina_excess(params);
     float alpha = patina_metal_alpha(params);
     float below_alpha = patina_below_alpha(params);
-    vec3 wi_t = patina_refract(wi, index);
-    vec3 wo_t = patina_refract(wo, index);
-    vec3 m = normalize(patina_refracted_sum(wi, wo, index));
-    vec3 m_gathered = patina_half_vector(patina_gather(wi, index), wo_t);
+    vec3 wi_t = patina_refract(wi, excess);
+    vec3 wo_t = patina_refract(wo, excess);
+    vec3 m = normalize(patina_refracted_sum(wi, wo, excess));
+    vec3 m_gathered = patina_half_vector(patina_gather(wi, excess), wo_t);
     float refracted = patina_pdf_ggx_visible(wo_t, m, below_alpha, below_alpha);
     float gathered = patina_pdf_ggx_visible(wo_t, m_gathered, below_alpha, below_alpha);
-    float below = patina_pdf_leave(refracted, gathered, wi, wi_t, index);
+    float below = patina_pdf_leave(refracted, gathered, wi, wi_t, excess);
     float patina = P_diffuse.x * patina_pdf_cosine(wi) + P_diffuse.y * below;
     patina = P_coat.x * patina_pdf_ggx_lobe(wi, wo, params.alpha, params.alpha) + P_coat.y * patina;
     return P_bare.x * patina_pdf_ggx_lobe(wi, wo, alpha, alpha) + P_bare.y * patina;
@@ -483,7 +525,7 @@ PatinaSample patina_sample(Patina params, vec3 wo, vec2 u) {
     vec2 P_bare = shares_result.P_bare;
     vec2 P_coat = shares_result.P_coat;
     vec2 P_diffuse = shares_result.P_diffuse;
-    float index = patina_average(params.coat_eta);
+    float excess = patina_excess(params);
     float alpha = patina_metal_alpha(params);
     float below_alpha = patina_below_alpha(params);
     PatinaChoice choose_result = patina_choose(P_bare.x, u);
@@ -497,9 +539,9 @@ PatinaSample patina_sample(Patina params, vec3 wo, vec2 u) {
     vec2 t = choose_result_3.u;
     vec3 w_bare = patina_sample_ggx_lobe(wo, alpha, alpha, v);
     vec3 w_coat = patina_sample_ggx_lobe(wo, params.alpha, params.alpha, s);
-    vec3 wo_t = patina_refract(wo, index);
+    vec3 wo_t = patina_refract(wo, excess);
     vec3 m = patina_sample_ggx_visible(wo_t, below_alpha, below_alpha, t);
-    vec3 w_below = patina_leave(patina_mirror(wo_t, m), index);
+    vec3 w_below = patina_leave(patina_mirror(wo_t, m), excess);
     vec3 w_patina = mix(mix(w_below, patina_sample_cosine(t), bvec3(on_diffuse)), w_coat,
         bvec3(on_coat));
     vec3 wi = on_bare ? w_bare : w_patina;

@@ -131,6 +131,8 @@ inline Vec3 exp(Vec3 a) {
 // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
 // is reached at the edge of total internal reflection, where the true derivative is infinite.
 constexpr float ROOT_MIN = 1.0e-16f;
+// Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
+constexpr float NEAR_NORMAL = 0.75f;
 constexpr float two_pi = 6.2831855f;
 constexpr float inv_pi = 0.31830987f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
@@ -237,38 +239,44 @@ inline float patina_cos_half(Vec3 wi, Vec3 wo) {
     return 0.5f * length(wi + wo);
 }
 
-// Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
-inline Vec3 patina_F_conductor(float cos_theta, Vec3 eta, Vec3 k) {
+// 1 - patina_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
+inline float patina_sin2_half(Vec3 wi, Vec3 wo) {
+    Vec3 apart = wi - wo;
+    return 0.25f * dot(apart, apart);
+}
+
+// Exact reflectance of a conductor, eta + i k, at a facet, from both patina_cos_half and patina_sin2_half.
+inline Vec3 patina_F_conductor_half(float cos_h, float sin2_h, Vec3 eta, Vec3 k) {
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
-    float c = cos_theta;
+    float c = cos_h;
     // A trace of absorption keeps the roots below from 0
     Vec3 contrast_re = (eta - 1.0f) * (eta + 1.0f) - k * k;
     Vec3 half_im = eta * k + ROOT_MIN;
     float c2 = c * c;
-    float sin2 = 1.0f - c2;
-    Vec3 w_re = contrast_re + c2;
+    // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
+    Vec3 w_re = c > NEAR_NORMAL ? (eta - k) * (eta + k) - sin2_h : contrast_re + c2;
     Vec3 im = 2.0f * half_im;
     Vec3 w_abs = sqrt(w_re * w_re + im * im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     Vec3 large = sqrt(0.5f * (w_abs + absolute(w_re)));
     Vec3 g_re = select(w_re > splat(0.0f), large, half_im / large);
-    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
+    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2_h|^2 = p -+ cross sin2_h
     Vec3 cross = 2.0f * c * g_re;
     Vec3 s_abs2 = c2 + w_abs + cross;
-    Vec3 p = c2 * w_abs + sin2 * sin2;
+    Vec3 p = c2 * w_abs + sin2_h * sin2_h;
     // Quotients before their squares: for a matched index in the horizon these would leave a float32
     Vec3 r_re = contrast_re / s_abs2;
     Vec3 r_im = im / s_abs2;
-    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2));
+    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2_h));
 }
 
 // The metal's reflectance: its index turns into the patina's as that grows, and it tarnishes.
-inline Vec3 patina_metal_F(const Patina& params, float cos_h) {
+inline Vec3 patina_metal_F(const Patina& params, float cos_h, float sin2_h) {
     float bare = patina_bare(params);
     float grown = patina_grown(params);
     Vec3 eta = bare * params.metal_eta + grown * params.coat_eta;
     Vec3 k = bare * params.metal_k + grown * params.coat_k;
-    return patina_F_conductor(cos_h, eta, k)
+    return patina_F_conductor_half(cos_h, sin2_h, eta, k)
         * lerp(splat(1.0f), params.tarnish_tint, splat(params.tarnish));
 }
 
@@ -309,6 +317,20 @@ inline float patina_average(Vec3 color) {
     return (color.x + color.y + color.z) / 3.0f;
 }
 
+// The patina's index for refraction, the mean of its channels, minus 1.
+inline float patina_excess(const Patina& params) {
+    return patina_average(params.coat_eta - 1.0f);
+}
+
+inline float patina_sin2(float cos_theta) {
+    return (1.0f - cos_theta) * (1.0f + cos_theta);
+}
+
+// Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
+inline Vec3 patina_F_conductor(float cos_theta, Vec3 eta, Vec3 k) {
+    return patina_F_conductor_half(cos_theta, patina_sin2(cos_theta), eta, k);
+}
+
 // 1 - F of a conductor; exact where it nearly vanishes.
 inline Vec3 patina_transmittance_conductor(float cos_theta, Vec3 eta, Vec3 k) {
     // With eps = (eta + i k)^2 and g^2 = eps - 1 + c^2: 1 - R_s = 4 c Re(g) / |c + g|^2, and 1 - R_p is 4 c
@@ -337,16 +359,20 @@ inline Vec3 patina_through_facets(Vec3 wi, Vec3 wo, float alpha, Vec3 T) {
     return T * (1.0f - G + T * G);
 }
 
-// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
-inline float patina_refracted_cos2(float mu, float eta) {
-    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and at
-    // the critical one, little else is left.
-    return fmaf(mu, mu, (eta - 1.0f) * (eta + 1.0f));
+// eta^2 - 1.
+inline float patina_contrast(float excess) {
+    return excess * (2.0f + excess);
+}
+
+// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1.
+inline float patina_eta2_cos2(float mu, float excess) {
+    // mu^2 with its rounding error: at grazing angles little else is left
+    return fmaf(mu, mu, patina_contrast(excess));
 }
 
 // The direction inside a layer with eta >= 1 that belongs to w outside.
-inline Vec3 patina_refract(Vec3 w, float eta) {
-    return Vec3{w.x, w.y, sqrtf(patina_refracted_cos2(w.z, eta))} / eta;
+inline Vec3 patina_refract(Vec3 w, float excess) {
+    return Vec3{w.x, w.y, sqrtf(patina_eta2_cos2(w.z, excess))} / (1.0f + excess);
 }
 
 // Absorption times thickness, for each channel.
@@ -365,10 +391,20 @@ inline Vec3 patina_attenuation(Vec3 optical_depth, Vec3 wi, Vec3 wo) {
 //
 // Where the two are nearly mirrored the tangential parts cancel: they are summed before they are rounded by
 // refraction, so that a sharp highlight below keeps its place.
-inline Vec3 patina_refracted_sum(Vec3 wi, Vec3 wo, float eta) {
-    float z_i = patina_refracted_cos2(wi.z, eta);
-    float z_o = patina_refracted_cos2(wo.z, eta);
+inline Vec3 patina_refracted_sum(Vec3 wi, Vec3 wo, float excess) {
+    float z_i = patina_eta2_cos2(wi.z, excess);
+    float z_o = patina_eta2_cos2(wo.z, excess);
     return Vec3{wi.x + wo.x, wi.y + wo.y, sqrtf(z_i) + sqrtf(z_o)};
+}
+
+// patina_sin2_half of the refracted directions, from their difference before it is rounded.
+inline float patina_refracted_sin2_half(Vec3 wi, Vec3 wo, float excess) {
+    float z_i = patina_eta2_cos2(wi.z, excess);
+    float z_o = patina_eta2_cos2(wo.z, excess);
+    // A difference of two roots is that of their squares over their sum
+    float z = (wi.z - wo.z) * (wi.z + wo.z) / (sqrtf(z_i) + sqrtf(z_o));
+    Vec3 apart = Vec3{wi.x - wo.x, wi.y - wo.y, z} / (1.0f + excess);
+    return 0.25f * dot(apart, apart);
 }
 
 // The metal's width under the patina, at least that of the patina itself (Figure 2).
@@ -379,7 +415,8 @@ inline float patina_below_alpha(const Patina& params) {
 // Eq. 2 with a coat that scatters.
 inline Vec3 patina_coated(const Patina& params, Vec3 wi, Vec3 wo) {
     float cos_h = patina_cos_half(wi, wo);
-    float index = patina_average(params.coat_eta);
+    float excess = patina_excess(params);
+    float index = 1.0f + excess;
     Vec3 F = patina_F_conductor(cos_h, params.coat_eta, params.coat_k);
     Vec3 T = patina_transmittance_conductor(cos_h, params.coat_eta, params.coat_k);
     Vec3 surface = F * patina_ggx_facets(patina_half_vector(wi, wo), wi, wo, params.alpha)
@@ -387,12 +424,13 @@ inline Vec3 patina_coated(const Patina& params, Vec3 wi, Vec3 wo) {
 
     Vec3 through = patina_through_facets(wi, wo, params.alpha, T);
     through = through / (index * index);
-    Vec3 wi_t = patina_refract(wi, index);
-    Vec3 wo_t = patina_refract(wo, index);
+    Vec3 wi_t = patina_refract(wi, excess);
+    Vec3 wo_t = patina_refract(wo, excess);
     Vec3 kept = patina_attenuation(patina_coat_optical_depth(params.sigma_a, params.thickness),
         wi_t, wo_t);
-    Vec3 both = patina_refracted_sum(wi, wo, index);
-    Vec3 metal_ = patina_metal_F(params, 0.5f * length(both) / index);
+    Vec3 both = patina_refracted_sum(wi, wo, excess);
+    Vec3 metal_ = patina_metal_F(params, 0.5f * length(both) / index,
+        patina_refracted_sin2_half(wi, wo, excess));
     metal_ = metal_ * patina_ggx_facets(normalize(both), wi_t, wo_t, patina_below_alpha(params));
     return surface + metal_ * through * kept;
 }
@@ -403,8 +441,8 @@ inline Vec3 patina_eval(const Patina& params, Vec3 wi, Vec3 wo) {
         return splat(0.0f);
     }
     float alpha = patina_metal_alpha(params);
-    Vec3 bare = patina_metal_F(params, patina_cos_half(wi, wo))
-        * patina_ggx_facets(patina_half_vector(wi, wo), wi, wo, alpha);
+    Vec3 F = patina_metal_F(params, patina_cos_half(wi, wo), patina_sin2_half(wi, wo));
+    Vec3 bare = F * patina_ggx_facets(patina_half_vector(wi, wo), wi, wo, alpha);
     return patina_bare(params) * bare + patina_grown(params) * patina_coated(params, wi, wo);
 }
 
@@ -441,11 +479,11 @@ inline Vec2 patina_lobes_shares(float first, float second) {
 // Probabilities: bare metal or patina; of that, surface or not; of the rest, diffuse or below.
 inline PatinaShares patina_shares(const Patina& params, Vec3 wo) {
     float grown = patina_grown(params);
-    Vec3 wo_t = patina_refract(wo, patina_average(params.coat_eta));
+    Vec3 wo_t = patina_refract(wo, patina_excess(params));
     Vec3 F = patina_F_conductor(wo.z, params.coat_eta, params.coat_k);
     Vec3 T = patina_transmittance_conductor(patina_usual_cos_half(wo), params.coat_eta,
         params.coat_k);
-    Vec3 F_metal = patina_metal_F(params, wo.z);
+    Vec3 F_metal = patina_metal_F(params, wo.z, (1.0f - wo.z) * (1.0f + wo.z));
     float bare = patina_bare(params) * patina_average(F_metal);
     float coat = grown * patina_average(F);
     float diffuse = grown * patina_average((1.0f - params.sigma_a) * T);
@@ -494,13 +532,14 @@ inline Vec3 patina_sample_ggx_lobe(Vec3 wo, float alpha_x, float alpha_y, Vec2 u
 }
 
 // Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
-inline float patina_critical_cosine(float eta) {
-    return sqrtf(fmaxf((eta - 1.0f) * (eta + 1.0f), 0.0f)) / eta;
+inline float patina_critical_cosine(float excess) {
+    return sqrtf(fmaxf(patina_contrast(excess), 0.0f)) / (1.0f + excess);
 }
 
 // The outer direction for a direction inside: refracted, or spread out if it cannot leave.
-inline Vec3 patina_leave(Vec3 w, float eta) {
-    float k = patina_critical_cosine(eta);
+inline Vec3 patina_leave(Vec3 w, float excess) {
+    float k = patina_critical_cosine(excess);
+    float eta = 1.0f + excess;
     bool refracted = w.z > k;
     float spread = fminf(w.z / fmaxf(k, mu_min), 1.0f);
     // The sine from x and y: under many layers 1 - z^2 has few digits
@@ -521,8 +560,8 @@ inline Vec3 patina_sample_cosine(Vec2 u) {
 }
 
 // The inner direction that patina_leave spreads to w; z = 0 for eta <= 1, which has none.
-inline Vec3 patina_gather(Vec3 w, float eta) {
-    float k = patina_critical_cosine(eta);
+inline Vec3 patina_gather(Vec3 w, float excess) {
+    float k = patina_critical_cosine(excess);
     float z = k * w.z;
     float sin2 = w.x * w.x + w.y * w.y;
     float scale = sqrtf(fmaxf(1.0f - z * z, 0.0f)) / sqrtf(fmaxf(sin2, SIN2_MIN));
@@ -539,10 +578,12 @@ inline float patina_pdf_ggx_visible(Vec3 wo, Vec3 m, float alpha_x, float alpha_
 
 // Density of patina_leave at w, from the inner density at w_t = refract(w) and at gather(w).
 inline float patina_pdf_leave(float pdf_refracted, float pdf_gathered, Vec3 w, Vec3 w_t,
-    float eta) {
+    float excess) {
     // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by k^2,
     // and the cosines are k mu and mu.
-    return pdf_refracted * w.z / (eta * eta * w_t.z) + pdf_gathered * patina_critical_cosine(eta);
+    float eta = 1.0f + excess;
+    return pdf_refracted * w.z / (eta * eta * w_t.z)
+        + pdf_gathered * patina_critical_cosine(excess);
 }
 
 // Density of patina_sample_cosine in 1/sr, for w above the horizon.
@@ -571,16 +612,16 @@ inline float patina_pdf(const Patina& params, Vec3 wi, Vec3 wo) {
     Vec2 P_bare = shares_result.P_bare;
     Vec2 P_coat = shares_result.P_coat;
     Vec2 P_diffuse = shares_result.P_diffuse;
-    float index = patina_average(params.coat_eta);
+    float excess = patina_excess(params);
     float alpha = patina_metal_alpha(params);
     float below_alpha = patina_below_alpha(params);
-    Vec3 wi_t = patina_refract(wi, index);
-    Vec3 wo_t = patina_refract(wo, index);
-    Vec3 m = normalize(patina_refracted_sum(wi, wo, index));
-    Vec3 m_gathered = patina_half_vector(patina_gather(wi, index), wo_t);
+    Vec3 wi_t = patina_refract(wi, excess);
+    Vec3 wo_t = patina_refract(wo, excess);
+    Vec3 m = normalize(patina_refracted_sum(wi, wo, excess));
+    Vec3 m_gathered = patina_half_vector(patina_gather(wi, excess), wo_t);
     float refracted = patina_pdf_ggx_visible(wo_t, m, below_alpha, below_alpha);
     float gathered = patina_pdf_ggx_visible(wo_t, m_gathered, below_alpha, below_alpha);
-    float below = patina_pdf_leave(refracted, gathered, wi, wi_t, index);
+    float below = patina_pdf_leave(refracted, gathered, wi, wi_t, excess);
     float patina = P_diffuse.x * patina_pdf_cosine(wi) + P_diffuse.y * below;
     patina = P_coat.x * patina_pdf_ggx_lobe(wi, wo, params.alpha, params.alpha) + P_coat.y * patina;
     return P_bare.x * patina_pdf_ggx_lobe(wi, wo, alpha, alpha) + P_bare.y * patina;
@@ -595,7 +636,7 @@ inline PatinaSample patina_sample(const Patina& params, Vec3 wo, Vec2 u) {
     Vec2 P_bare = shares_result.P_bare;
     Vec2 P_coat = shares_result.P_coat;
     Vec2 P_diffuse = shares_result.P_diffuse;
-    float index = patina_average(params.coat_eta);
+    float excess = patina_excess(params);
     float alpha = patina_metal_alpha(params);
     float below_alpha = patina_below_alpha(params);
     PatinaChoice choose_result = patina_choose(P_bare.x, u);
@@ -609,9 +650,9 @@ inline PatinaSample patina_sample(const Patina& params, Vec3 wo, Vec2 u) {
     Vec2 t = choose_result_3.u;
     Vec3 w_bare = patina_sample_ggx_lobe(wo, alpha, alpha, v);
     Vec3 w_coat = patina_sample_ggx_lobe(wo, params.alpha, params.alpha, s);
-    Vec3 wo_t = patina_refract(wo, index);
+    Vec3 wo_t = patina_refract(wo, excess);
     Vec3 m = patina_sample_ggx_visible(wo_t, below_alpha, below_alpha, t);
-    Vec3 w_below = patina_leave(patina_mirror(wo_t, m), index);
+    Vec3 w_below = patina_leave(patina_mirror(wo_t, m), excess);
     Vec3 w_patina = on_coat ? w_coat : on_diffuse ? patina_sample_cosine(t) : w_below;
     Vec3 wi = on_bare ? w_bare : w_patina;
     return PatinaSample{wi, patina_pdf(params, wi, wo)};

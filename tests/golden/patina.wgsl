@@ -91,41 +91,49 @@ fn patina_cos_half(wi: vec3f, wo: vec3f) -> f32 {
     return 0.5 * length(wi + wo);
 }
 
-// Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
-fn patina_F_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f {
+// 1 - patina_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
+fn patina_sin2_half(wi: vec3f, wo: vec3f) -> f32 {
+    let apart = wi - wo;
+    return 0.25 * dot(apart, apart);
+}
+
+// Exact reflectance of a conductor, eta + i k, at a facet, from both patina_cos_half and patina_sin2_half.
+fn patina_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3f) -> vec3f {
     // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
     // is reached at the edge of total internal reflection, where the true derivative is infinite.
     const ROOT_MIN = 1.0e-16;
+    // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
+    const NEAR_NORMAL = 0.75;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
-    let c = cos_theta;
+    let c = cos_h;
     // A trace of absorption keeps the roots below from 0
     let contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
     let half_im = eta * k + ROOT_MIN;
     let c2 = c * c;
-    let sin2 = 1.0 - c2;
-    let w_re = contrast_re + c2;
+    // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
+    let w_re = select(contrast_re + c2, (eta - k) * (eta + k) - sin2_h, c > NEAR_NORMAL);
     let im = 2.0 * half_im;
     let w_abs = sqrt(w_re * w_re + im * im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     let large = sqrt(0.5 * (w_abs + abs(w_re)));
     let g_re = select(half_im / large, large, w_re > vec3f(0.0));
-    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
+    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2_h|^2 = p -+ cross sin2_h
     let cross = 2.0 * c * g_re;
     let s_abs2 = c2 + w_abs + cross;
-    let p = c2 * w_abs + sin2 * sin2;
+    let p = c2 * w_abs + sin2_h * sin2_h;
     // Quotients before their squares: for a matched index in the horizon these would leave a float32
     let r_re = contrast_re / s_abs2;
     let r_im = im / s_abs2;
-    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2));
+    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2_h));
 }
 
 // The metal's reflectance: its index turns into the patina's as that grows, and it tarnishes.
-fn patina_metal_F(params: Patina, cos_h: f32) -> vec3f {
+fn patina_metal_F(params: Patina, cos_h: f32, sin2_h: f32) -> vec3f {
     let bare = patina_bare(params);
     let grown = patina_grown(params);
     let eta = bare * params.metal_eta + grown * params.coat_eta;
     let k = bare * params.metal_k + grown * params.coat_k;
-    return patina_F_conductor(cos_h, eta, k)
+    return patina_F_conductor_half(cos_h, sin2_h, eta, k)
         * mix(vec3f(1.0), params.tarnish_tint, vec3f(params.tarnish));
 }
 
@@ -167,6 +175,20 @@ fn patina_average(color: vec3f) -> f32 {
     return (color.x + color.y + color.z) / 3.0;
 }
 
+// The patina's index for refraction, the mean of its channels, minus 1.
+fn patina_excess(params: Patina) -> f32 {
+    return patina_average(params.coat_eta - 1.0);
+}
+
+fn patina_sin2(cos_theta: f32) -> f32 {
+    return (1.0 - cos_theta) * (1.0 + cos_theta);
+}
+
+// Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
+fn patina_F_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f {
+    return patina_F_conductor_half(cos_theta, patina_sin2(cos_theta), eta, k);
+}
+
 // 1 - F of a conductor; exact where it nearly vanishes.
 fn patina_transmittance_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f {
     const ROOT_MIN = 1.0e-16;
@@ -196,16 +218,20 @@ fn patina_through_facets(wi: vec3f, wo: vec3f, alpha: f32, T: vec3f) -> vec3f {
     return T * (1.0 - G + T * G);
 }
 
-// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
-fn patina_refracted_cos2(mu: f32, eta: f32) -> f32 {
-    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and at
-    // the critical one, little else is left.
-    return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
+// eta^2 - 1.
+fn patina_contrast(excess: f32) -> f32 {
+    return excess * (2.0 + excess);
+}
+
+// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1.
+fn patina_eta2_cos2(mu: f32, excess: f32) -> f32 {
+    // mu^2 with its rounding error: at grazing angles little else is left
+    return fma(mu, mu, patina_contrast(excess));
 }
 
 // The direction inside a layer with eta >= 1 that belongs to w outside.
-fn patina_refract(w: vec3f, eta: f32) -> vec3f {
-    return vec3f(w.x, w.y, sqrt(patina_refracted_cos2(w.z, eta))) / eta;
+fn patina_refract(w: vec3f, excess: f32) -> vec3f {
+    return vec3f(w.x, w.y, sqrt(patina_eta2_cos2(w.z, excess))) / (1.0 + excess);
 }
 
 // Absorption times thickness, for each channel.
@@ -224,10 +250,20 @@ fn patina_attenuation(optical_depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
 //
 // Where the two are nearly mirrored the tangential parts cancel: they are summed before they are rounded by
 // refraction, so that a sharp highlight below keeps its place.
-fn patina_refracted_sum(wi: vec3f, wo: vec3f, eta: f32) -> vec3f {
-    let z_i = patina_refracted_cos2(wi.z, eta);
-    let z_o = patina_refracted_cos2(wo.z, eta);
+fn patina_refracted_sum(wi: vec3f, wo: vec3f, excess: f32) -> vec3f {
+    let z_i = patina_eta2_cos2(wi.z, excess);
+    let z_o = patina_eta2_cos2(wo.z, excess);
     return vec3f(wi.x + wo.x, wi.y + wo.y, sqrt(z_i) + sqrt(z_o));
+}
+
+// patina_sin2_half of the refracted directions, from their difference before it is rounded.
+fn patina_refracted_sin2_half(wi: vec3f, wo: vec3f, excess: f32) -> f32 {
+    let z_i = patina_eta2_cos2(wi.z, excess);
+    let z_o = patina_eta2_cos2(wo.z, excess);
+    // A difference of two roots is that of their squares over their sum
+    let z = (wi.z - wo.z) * (wi.z + wo.z) / (sqrt(z_i) + sqrt(z_o));
+    let apart = vec3f(wi.x - wo.x, wi.y - wo.y, z) / (1.0 + excess);
+    return 0.25 * dot(apart, apart);
 }
 
 // The metal's width under the patina, at least that of the patina itself (Figure 2).
@@ -239,7 +275,8 @@ fn patina_below_alpha(params: Patina) -> f32 {
 fn patina_coated(params: Patina, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
     let cos_h = patina_cos_half(wi, wo);
-    let index = patina_average(params.coat_eta);
+    let excess = patina_excess(params);
+    let index = 1.0 + excess;
     let F = patina_F_conductor(cos_h, params.coat_eta, params.coat_k);
     let T = patina_transmittance_conductor(cos_h, params.coat_eta, params.coat_k);
     let surface = F * patina_ggx_facets(patina_half_vector(wi, wo), wi, wo, params.alpha)
@@ -247,12 +284,13 @@ fn patina_coated(params: Patina, wi: vec3f, wo: vec3f) -> vec3f {
 
     var through = patina_through_facets(wi, wo, params.alpha, T);
     through = through / (index * index);
-    let wi_t = patina_refract(wi, index);
-    let wo_t = patina_refract(wo, index);
+    let wi_t = patina_refract(wi, excess);
+    let wo_t = patina_refract(wo, excess);
     let kept = patina_attenuation(patina_coat_optical_depth(params.sigma_a, params.thickness), wi_t,
         wo_t);
-    let both = patina_refracted_sum(wi, wo, index);
-    var metal = patina_metal_F(params, 0.5 * length(both) / index);
+    let both = patina_refracted_sum(wi, wo, excess);
+    var metal = patina_metal_F(params, 0.5 * length(both) / index,
+        patina_refracted_sin2_half(wi, wo, excess));
     metal = metal * patina_ggx_facets(normalize(both), wi_t, wo_t, patina_below_alpha(params));
     return surface + metal * through * kept;
 }
@@ -264,8 +302,8 @@ fn patina_eval(params: Patina, wi: vec3f, wo: vec3f) -> vec3f {
         return vec3f(0.0);
     }
     let alpha = patina_metal_alpha(params);
-    let bare = patina_metal_F(params, patina_cos_half(wi, wo))
-        * patina_ggx_facets(patina_half_vector(wi, wo), wi, wo, alpha);
+    let F = patina_metal_F(params, patina_cos_half(wi, wo), patina_sin2_half(wi, wo));
+    let bare = F * patina_ggx_facets(patina_half_vector(wi, wo), wi, wo, alpha);
     return patina_bare(params) * bare + patina_grown(params) * patina_coated(params, wi, wo);
 }
 
@@ -311,11 +349,11 @@ fn patina_shares(params: Patina, wo: vec3f) -> PatinaShares {
     // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
     const LOBE_MIN = 1.0e-12;
     let grown = patina_grown(params);
-    let wo_t = patina_refract(wo, patina_average(params.coat_eta));
+    let wo_t = patina_refract(wo, patina_excess(params));
     let F = patina_F_conductor(wo.z, params.coat_eta, params.coat_k);
     let T = patina_transmittance_conductor(patina_usual_cos_half(wo), params.coat_eta,
         params.coat_k);
-    let F_metal = patina_metal_F(params, wo.z);
+    let F_metal = patina_metal_F(params, wo.z, (1.0 - wo.z) * (1.0 + wo.z));
     let bare = patina_bare(params) * patina_average(F_metal);
     let coat = grown * patina_average(F);
     let diffuse = grown * patina_average((1.0 - params.sigma_a) * T);
@@ -370,19 +408,20 @@ fn patina_sample_ggx_lobe(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> ve
 }
 
 // Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
-fn patina_critical_cosine(eta: f32) -> f32 {
-    return sqrt(max((eta - 1.0) * (eta + 1.0), 0.0)) / eta;
+fn patina_critical_cosine(excess: f32) -> f32 {
+    return sqrt(max(patina_contrast(excess), 0.0)) / (1.0 + excess);
 }
 
 // The outer direction for a direction inside: refracted, or spread out if it cannot leave.
-fn patina_leave(w: vec3f, eta: f32) -> vec3f {
+fn patina_leave(w: vec3f, excess: f32) -> vec3f {
     const mu_min = 1.0e-18;  // cosine of the horizon
     // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
     // its reciprocal still fits into a float32.
     const SIN2_MIN = 1.0e-18;
     // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
     const LEAVE_MIN = 1.0e-12;
-    let k = patina_critical_cosine(eta);
+    let k = patina_critical_cosine(excess);
+    let eta = 1.0 + excess;
     let refracted = w.z > k;
     let spread = min(w.z / max(k, mu_min), 1.0);
     // The sine from x and y: under many layers 1 - z^2 has few digits
@@ -404,9 +443,9 @@ fn patina_sample_cosine(u: vec2f) -> vec3f {
 }
 
 // The inner direction that patina_leave spreads to w; z = 0 for eta <= 1, which has none.
-fn patina_gather(w: vec3f, eta: f32) -> vec3f {
+fn patina_gather(w: vec3f, excess: f32) -> vec3f {
     const SIN2_MIN = 1.0e-18;
-    let k = patina_critical_cosine(eta);
+    let k = patina_critical_cosine(excess);
     let z = k * w.z;
     let sin2 = w.x * w.x + w.y * w.y;
     let scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
@@ -423,10 +462,12 @@ fn patina_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f3
 
 // Density of patina_leave at w, from the inner density at w_t = refract(w) and at gather(w).
 fn patina_pdf_leave(pdf_refracted: f32, pdf_gathered: f32, w: vec3f, w_t: vec3f,
-    eta: f32) -> f32 {
+    excess: f32) -> f32 {
     // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by k^2,
     // and the cosines are k mu and mu.
-    return pdf_refracted * w.z / (eta * eta * w_t.z) + pdf_gathered * patina_critical_cosine(eta);
+    let eta = 1.0 + excess;
+    return pdf_refracted * w.z / (eta * eta * w_t.z)
+        + pdf_gathered * patina_critical_cosine(excess);
 }
 
 // Density of patina_sample_cosine in 1/sr, for w above the horizon.
@@ -458,16 +499,16 @@ fn patina_pdf(params: Patina, wi: vec3f, wo: vec3f) -> f32 {
     let P_bare = shares_result.P_bare;
     let P_coat = shares_result.P_coat;
     let P_diffuse = shares_result.P_diffuse;
-    let index = patina_average(params.coat_eta);
+    let excess = patina_excess(params);
     let alpha = patina_metal_alpha(params);
     let below_alpha = patina_below_alpha(params);
-    let wi_t = patina_refract(wi, index);
-    let wo_t = patina_refract(wo, index);
-    let m = normalize(patina_refracted_sum(wi, wo, index));
-    let m_gathered = patina_half_vector(patina_gather(wi, index), wo_t);
+    let wi_t = patina_refract(wi, excess);
+    let wo_t = patina_refract(wo, excess);
+    let m = normalize(patina_refracted_sum(wi, wo, excess));
+    let m_gathered = patina_half_vector(patina_gather(wi, excess), wo_t);
     let refracted = patina_pdf_ggx_visible(wo_t, m, below_alpha, below_alpha);
     let gathered = patina_pdf_ggx_visible(wo_t, m_gathered, below_alpha, below_alpha);
-    let below = patina_pdf_leave(refracted, gathered, wi, wi_t, index);
+    let below = patina_pdf_leave(refracted, gathered, wi, wi_t, excess);
     var patina = P_diffuse.x * patina_pdf_cosine(wi) + P_diffuse.y * below;
     patina = P_coat.x * patina_pdf_ggx_lobe(wi, wo, params.alpha, params.alpha) + P_coat.y * patina;
     return P_bare.x * patina_pdf_ggx_lobe(wi, wo, alpha, alpha) + P_bare.y * patina;
@@ -483,7 +524,7 @@ fn patina_sample(params: Patina, wo: vec3f, u: vec2f) -> PatinaSample {
     let P_bare = shares_result.P_bare;
     let P_coat = shares_result.P_coat;
     let P_diffuse = shares_result.P_diffuse;
-    let index = patina_average(params.coat_eta);
+    let excess = patina_excess(params);
     let alpha = patina_metal_alpha(params);
     let below_alpha = patina_below_alpha(params);
     let choose_result = patina_choose(P_bare.x, u);
@@ -497,9 +538,9 @@ fn patina_sample(params: Patina, wo: vec3f, u: vec2f) -> PatinaSample {
     let t = choose_result_3.u;
     let w_bare = patina_sample_ggx_lobe(wo, alpha, alpha, v);
     let w_coat = patina_sample_ggx_lobe(wo, params.alpha, params.alpha, s);
-    let wo_t = patina_refract(wo, index);
+    let wo_t = patina_refract(wo, excess);
     let m = patina_sample_ggx_visible(wo_t, below_alpha, below_alpha, t);
-    let w_below = patina_leave(patina_mirror(wo_t, m), index);
+    let w_below = patina_leave(patina_mirror(wo_t, m), excess);
     let w_patina = select(select(w_below, patina_sample_cosine(t), on_diffuse), w_coat, on_coat);
     let wi = select(w_patina, w_bare, on_bare);
     return PatinaSample(wi, patina_pdf(params, wi, wo));

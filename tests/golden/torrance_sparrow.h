@@ -114,6 +114,8 @@ inline Vec3 sqrt(Vec3 a) {
 // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
 // is reached at the edge of total internal reflection, where the true derivative is infinite.
 constexpr float ROOT_MIN = 1.0e-16f;
+// Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
+constexpr float NEAR_NORMAL = 0.75f;
 constexpr float two_pi = 6.2831855f;
 constexpr float inv_pi = 0.31830987f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
@@ -160,29 +162,37 @@ inline float torrance_sparrow_cos_half(Vec3 wi, Vec3 wo) {
     return 0.5f * length(wi + wo);
 }
 
-// Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
-inline Vec3 torrance_sparrow_F_conductor(float cos_theta, Vec3 eta, Vec3 k) {
+// 1 - torrance_sparrow_cos_half^2, the squared sine at which light meets the facet: of half the length of
+// wi - wo.
+inline float torrance_sparrow_sin2_half(Vec3 wi, Vec3 wo) {
+    Vec3 apart = wi - wo;
+    return 0.25f * dot(apart, apart);
+}
+
+// Exact reflectance of a conductor, eta + i k, at a facet, from both torrance_sparrow_cos_half and
+// torrance_sparrow_sin2_half.
+inline Vec3 torrance_sparrow_F_conductor_half(float cos_h, float sin2_h, Vec3 eta, Vec3 k) {
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
-    float c = cos_theta;
+    float c = cos_h;
     // A trace of absorption keeps the roots below from 0
     Vec3 contrast_re = (eta - 1.0f) * (eta + 1.0f) - k * k;
     Vec3 half_im = eta * k + ROOT_MIN;
     float c2 = c * c;
-    float sin2 = 1.0f - c2;
-    Vec3 w_re = contrast_re + c2;
+    // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
+    Vec3 w_re = c > NEAR_NORMAL ? (eta - k) * (eta + k) - sin2_h : contrast_re + c2;
     Vec3 im = 2.0f * half_im;
     Vec3 w_abs = sqrt(w_re * w_re + im * im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     Vec3 large = sqrt(0.5f * (w_abs + absolute(w_re)));
     Vec3 g_re = select(w_re > splat(0.0f), large, half_im / large);
-    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
+    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2_h|^2 = p -+ cross sin2_h
     Vec3 cross = 2.0f * c * g_re;
     Vec3 s_abs2 = c2 + w_abs + cross;
-    Vec3 p = c2 * w_abs + sin2 * sin2;
+    Vec3 p = c2 * w_abs + sin2_h * sin2_h;
     // Quotients before their squares: for a matched index in the horizon these would leave a float32
     Vec3 r_re = contrast_re / s_abs2;
     Vec3 r_im = im / s_abs2;
-    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2));
+    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2_h));
 }
 
 // Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
@@ -231,8 +241,9 @@ inline Vec3 torrance_sparrow_eval(const TorranceSparrow& params, Vec3 wi, Vec3 w
     }
     Vec3 m = torrance_sparrow_half_vector(wi, wo);
     float cos_h = torrance_sparrow_cos_half(wi, wo);
-    Vec3 single = torrance_sparrow_F_conductor(cos_h, params.eta, params.k)
-        * (torrance_sparrow_D(params, m) * torrance_sparrow_V_smith(params, wi, wo));
+    Vec3 single = torrance_sparrow_F_conductor_half(cos_h, torrance_sparrow_sin2_half(wi, wo),
+        params.eta, params.k)
+            * (torrance_sparrow_D(params, m) * torrance_sparrow_V_smith(params, wi, wo));
     return single;
 }
 

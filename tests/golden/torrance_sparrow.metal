@@ -55,32 +55,43 @@ inline float torrance_sparrow_cos_half(float3 wi, float3 wo) {
     return 0.5 * length(wi + wo);
 }
 
-// Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
-inline float3 torrance_sparrow_F_conductor(float cos_theta, float3 eta, float3 k) {
+// 1 - torrance_sparrow_cos_half^2, the squared sine at which light meets the facet: of half the length of
+// wi - wo.
+inline float torrance_sparrow_sin2_half(float3 wi, float3 wo) {
+    float3 apart = wi - wo;
+    return 0.25 * dot(apart, apart);
+}
+
+// Exact reflectance of a conductor, eta + i k, at a facet, from both torrance_sparrow_cos_half and
+// torrance_sparrow_sin2_half.
+inline float3 torrance_sparrow_F_conductor_half(float cos_h, float sin2_h, float3 eta,
+    float3 k) {
     // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
     // is reached at the edge of total internal reflection, where the true derivative is infinite.
     const float ROOT_MIN = 1.0e-16;
+    // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
+    const float NEAR_NORMAL = 0.75;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
-    float c = cos_theta;
+    float c = cos_h;
     // A trace of absorption keeps the roots below from 0
     float3 contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
     float3 half_im = eta * k + ROOT_MIN;
     float c2 = c * c;
-    float sin2 = 1.0 - c2;
-    float3 w_re = contrast_re + c2;
+    // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
+    float3 w_re = c > NEAR_NORMAL ? (eta - k) * (eta + k) - sin2_h : contrast_re + c2;
     float3 im = 2.0 * half_im;
     float3 w_abs = sqrt(w_re * w_re + im * im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     float3 large = sqrt(0.5 * (w_abs + abs(w_re)));
     float3 g_re = select(half_im / large, large, w_re > float3(0.0));
-    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
+    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2_h|^2 = p -+ cross sin2_h
     float3 cross = 2.0 * c * g_re;
     float3 s_abs2 = c2 + w_abs + cross;
-    float3 p = c2 * w_abs + sin2 * sin2;
+    float3 p = c2 * w_abs + sin2_h * sin2_h;
     // Quotients before their squares: for a matched index in the horizon these would leave a float32
     float3 r_re = contrast_re / s_abs2;
     float3 r_im = im / s_abs2;
-    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2));
+    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2_h));
 }
 
 // Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
@@ -131,8 +142,9 @@ inline float3 torrance_sparrow_eval(TorranceSparrow params, float3 wi, float3 wo
     }
     float3 m = torrance_sparrow_half_vector(wi, wo);
     float cos_h = torrance_sparrow_cos_half(wi, wo);
-    float3 single = torrance_sparrow_F_conductor(cos_h, params.eta, params.k)
-        * (torrance_sparrow_D(params, m) * torrance_sparrow_V_smith(params, wi, wo));
+    float3 single = torrance_sparrow_F_conductor_half(cos_h, torrance_sparrow_sin2_half(wi, wo),
+        params.eta, params.k)
+            * (torrance_sparrow_D(params, m) * torrance_sparrow_V_smith(params, wi, wo));
     return single;
 }
 

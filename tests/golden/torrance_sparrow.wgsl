@@ -51,32 +51,42 @@ fn torrance_sparrow_cos_half(wi: vec3f, wo: vec3f) -> f32 {
     return 0.5 * length(wi + wo);
 }
 
-// Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
-fn torrance_sparrow_F_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f {
+// 1 - torrance_sparrow_cos_half^2, the squared sine at which light meets the facet: of half the length of
+// wi - wo.
+fn torrance_sparrow_sin2_half(wi: vec3f, wo: vec3f) -> f32 {
+    let apart = wi - wo;
+    return 0.25 * dot(apart, apart);
+}
+
+// Exact reflectance of a conductor, eta + i k, at a facet, from both torrance_sparrow_cos_half and
+// torrance_sparrow_sin2_half.
+fn torrance_sparrow_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3f) -> vec3f {
     // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
     // is reached at the edge of total internal reflection, where the true derivative is infinite.
     const ROOT_MIN = 1.0e-16;
+    // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
+    const NEAR_NORMAL = 0.75;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
-    let c = cos_theta;
+    let c = cos_h;
     // A trace of absorption keeps the roots below from 0
     let contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
     let half_im = eta * k + ROOT_MIN;
     let c2 = c * c;
-    let sin2 = 1.0 - c2;
-    let w_re = contrast_re + c2;
+    // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
+    let w_re = select(contrast_re + c2, (eta - k) * (eta + k) - sin2_h, c > NEAR_NORMAL);
     let im = 2.0 * half_im;
     let w_abs = sqrt(w_re * w_re + im * im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     let large = sqrt(0.5 * (w_abs + abs(w_re)));
     let g_re = select(half_im / large, large, w_re > vec3f(0.0));
-    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2|^2 = p -+ cross sin2
+    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2_h|^2 = p -+ cross sin2_h
     let cross = 2.0 * c * g_re;
     let s_abs2 = c2 + w_abs + cross;
-    let p = c2 * w_abs + sin2 * sin2;
+    let p = c2 * w_abs + sin2_h * sin2_h;
     // Quotients before their squares: for a matched index in the horizon these would leave a float32
     let r_re = contrast_re / s_abs2;
     let r_im = im / s_abs2;
-    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2));
+    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2_h));
 }
 
 // Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
@@ -127,8 +137,9 @@ fn torrance_sparrow_eval(params: TorranceSparrow, wi: vec3f, wo: vec3f) -> vec3f
     }
     let m = torrance_sparrow_half_vector(wi, wo);
     let cos_h = torrance_sparrow_cos_half(wi, wo);
-    let single = torrance_sparrow_F_conductor(cos_h, params.eta, params.k)
-        * (torrance_sparrow_D(params, m) * torrance_sparrow_V_smith(params, wi, wo));
+    let single = torrance_sparrow_F_conductor_half(cos_h, torrance_sparrow_sin2_half(wi, wo),
+        params.eta, params.k)
+            * (torrance_sparrow_D(params, m) * torrance_sparrow_V_smith(params, wi, wo));
     return single;
 }
 

@@ -72,12 +72,18 @@ float triace_layered_f0_from_eta(float eta) {
     return r * r;
 }
 
+// 1 - triace_layered_cos_half^2, the squared sine at which light meets the facet: of half the length of wi
+// - wo.
+float triace_layered_sin2_half(vec3 wi, vec3 wo) {
+    vec3 apart = wi - wo;
+    return 0.25 * dot(apart, apart);
+}
+
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 float triace_layered_schlick_weight_half(vec3 wi, vec3 wo) {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
-    vec3 apart = wi - wo;
-    float k = 0.25 * dot(apart, apart) / (1.0 + triace_layered_cos_half(wi, wo));
+    float k = triace_layered_sin2_half(wi, wo) / (1.0 + triace_layered_cos_half(wi, wo));
     float k2 = k * k;
     return k2 * k2 * k;
 }
@@ -133,13 +139,12 @@ float triace_layered_refracted_cos2(float mu, float eta) {
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
-// The same from the square of g = eta cos(theta_t).
-float triace_layered_F_dielectric(float cos_theta, float eta, float g2) {
+// The same from the squares of the sine and of g = eta cos(theta_t).
+float triace_layered_F_dielectric(float cos_theta, float sin2, float eta, float g2) {
     // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
     // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
     // that the mean of both squares is a product.
     float c = cos_theta;
-    float sin2 = 1.0 - c * c;
     float g = sqrt(g2);
     float s = c + g;
     float p = c * g;
@@ -152,8 +157,8 @@ float triace_layered_F_dielectric(float cos_theta, float eta, float g2) {
 float triace_layered_F_dielectric_entering(float cos_theta, float eta) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
     // c^2 with its rounding error: at grazing angles little else is left
-    return triace_layered_F_dielectric(cos_theta, eta,
-        max(triace_layered_refracted_cos2(cos_theta, eta), mu_min * mu_min));
+    float g2 = max(triace_layered_refracted_cos2(cos_theta, eta), mu_min * mu_min);
+    return triace_layered_F_dielectric(cos_theta, 1.0 - cos_theta * cos_theta, eta, g2);
 }
 
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
@@ -174,6 +179,10 @@ float triace_layered_below(float cos_theta, float n) {
     return sqrt(max(triace_layered_refracted_cos2(cos_theta, n), mu_min * mu_min));
 }
 
+float triace_layered_sin2(float cos_theta) {
+    return (1.0 - cos_theta) * (1.0 + cos_theta);
+}
+
 // Exact reflectance of the lower surface, between layers of n1 and n2, at a cosine above the upper one.
 //
 // Both indices are at least 1, relative to where the cosine is: nothing is reflected totally.
@@ -184,7 +193,7 @@ float triace_layered_F_below(float cos_theta, float n1, float n2) {
     float g2 = triace_layered_below(cos_theta, n2);
     float a = n1 * n1;
     float b = n2 * n2;
-    float sin2 = (1.0 - cos_theta) * (1.0 + cos_theta);
+    float sin2 = triace_layered_sin2(cos_theta);
     float contrast = (n1 - n2) * (n1 + n2);
     float s = g1 + g2;
     float p = b * g1 + a * g2;
@@ -222,9 +231,20 @@ vec3 triace_layered_coat_optical_depth(vec3 sigma_a, float thickness) {
     return sigma_a * vec3(thickness, thickness, thickness);
 }
 
+// eta^2 - 1.
+float triace_layered_contrast(float excess) {
+    return excess * (2.0 + excess);
+}
+
+// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1.
+float triace_layered_eta2_cos2(float mu, float excess) {
+    // mu^2 with its rounding error: at grazing angles little else is left
+    return fma(mu, mu, triace_layered_contrast(excess));
+}
+
 // The direction inside a layer with eta >= 1 that belongs to w outside.
-vec3 triace_layered_refract(vec3 w, float eta) {
-    return vec3(w.x, w.y, sqrt(triace_layered_refracted_cos2(w.z, eta))) / eta;
+vec3 triace_layered_refract(vec3 w, float excess) {
+    return vec3(w.x, w.y, sqrt(triace_layered_eta2_cos2(w.z, excess))) / (1.0 + excess);
 }
 
 // exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
@@ -237,8 +257,8 @@ vec3 triace_layered_attenuation(vec3 optical_depth, vec3 wi, vec3 wo) {
 // Eq. 2 or 3.
 vec3 triace_layered_absorption(TriaceLayered params, vec3 wi, vec3 wo) {
     return triace_layered_attenuation(triace_layered_coat_optical_depth(params.sigma_a,
-        params.thickness), triace_layered_refract(wi, params.top_eta),
-            triace_layered_refract(wo, params.top_eta));
+        params.thickness), triace_layered_refract(wi, params.top_eta - 1.0),
+            triace_layered_refract(wo, params.top_eta - 1.0));
 }
 
 // Eq. 1 twice, with Eq. 2 to 5 between: BRDF value in 1/sr, without the cosine.

@@ -176,12 +176,18 @@ inline float triace_layered_f0_from_eta(float eta) {
     return r * r;
 }
 
+// 1 - triace_layered_cos_half^2, the squared sine at which light meets the facet: of half the length of wi
+// - wo.
+inline float triace_layered_sin2_half(Vec3 wi, Vec3 wo) {
+    Vec3 apart = wi - wo;
+    return 0.25f * dot(apart, apart);
+}
+
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 inline float triace_layered_schlick_weight_half(Vec3 wi, Vec3 wo) {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
-    Vec3 apart = wi - wo;
-    float k = 0.25f * dot(apart, apart) / (1.0f + triace_layered_cos_half(wi, wo));
+    float k = triace_layered_sin2_half(wi, wo) / (1.0f + triace_layered_cos_half(wi, wo));
     float k2 = k * k;
     return k2 * k2 * k;
 }
@@ -232,13 +238,12 @@ inline float triace_layered_refracted_cos2(float mu, float eta) {
     return fmaf(mu, mu, (eta - 1.0f) * (eta + 1.0f));
 }
 
-// The same from the square of g = eta cos(theta_t).
-inline float triace_layered_F_dielectric(float cos_theta, float eta, float g2) {
+// The same from the squares of the sine and of g = eta cos(theta_t).
+inline float triace_layered_F_dielectric(float cos_theta, float sin2, float eta, float g2) {
     // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
     // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
     // that the mean of both squares is a product.
     float c = cos_theta;
-    float sin2 = 1.0f - c * c;
     float g = sqrtf(g2);
     float s = c + g;
     float p = c * g;
@@ -250,8 +255,8 @@ inline float triace_layered_F_dielectric(float cos_theta, float eta, float g2) {
 // Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
 inline float triace_layered_F_dielectric_entering(float cos_theta, float eta) {
     // c^2 with its rounding error: at grazing angles little else is left
-    return triace_layered_F_dielectric(cos_theta, eta,
-        fmaxf(triace_layered_refracted_cos2(cos_theta, eta), mu_min * mu_min));
+    float g2 = fmaxf(triace_layered_refracted_cos2(cos_theta, eta), mu_min * mu_min);
+    return triace_layered_F_dielectric(cos_theta, 1.0f - cos_theta * cos_theta, eta, g2);
 }
 
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
@@ -270,6 +275,10 @@ inline float triace_layered_below(float cos_theta, float n) {
     return sqrtf(fmaxf(triace_layered_refracted_cos2(cos_theta, n), mu_min * mu_min));
 }
 
+inline float triace_layered_sin2(float cos_theta) {
+    return (1.0f - cos_theta) * (1.0f + cos_theta);
+}
+
 // Exact reflectance of the lower surface, between layers of n1 and n2, at a cosine above the upper one.
 //
 // Both indices are at least 1, relative to where the cosine is: nothing is reflected totally.
@@ -280,7 +289,7 @@ inline float triace_layered_F_below(float cos_theta, float n1, float n2) {
     float g2 = triace_layered_below(cos_theta, n2);
     float a = n1 * n1;
     float b = n2 * n2;
-    float sin2 = (1.0f - cos_theta) * (1.0f + cos_theta);
+    float sin2 = triace_layered_sin2(cos_theta);
     float contrast = (n1 - n2) * (n1 + n2);
     float s = g1 + g2;
     float p = b * g1 + a * g2;
@@ -319,9 +328,20 @@ inline Vec3 triace_layered_coat_optical_depth(Vec3 sigma_a, float thickness) {
     return sigma_a * Vec3{thickness, thickness, thickness};
 }
 
+// eta^2 - 1.
+inline float triace_layered_contrast(float excess) {
+    return excess * (2.0f + excess);
+}
+
+// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1.
+inline float triace_layered_eta2_cos2(float mu, float excess) {
+    // mu^2 with its rounding error: at grazing angles little else is left
+    return fmaf(mu, mu, triace_layered_contrast(excess));
+}
+
 // The direction inside a layer with eta >= 1 that belongs to w outside.
-inline Vec3 triace_layered_refract(Vec3 w, float eta) {
-    return Vec3{w.x, w.y, sqrtf(triace_layered_refracted_cos2(w.z, eta))} / eta;
+inline Vec3 triace_layered_refract(Vec3 w, float excess) {
+    return Vec3{w.x, w.y, sqrtf(triace_layered_eta2_cos2(w.z, excess))} / (1.0f + excess);
 }
 
 // exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
@@ -334,8 +354,8 @@ inline Vec3 triace_layered_attenuation(Vec3 optical_depth, Vec3 wi, Vec3 wo) {
 // Eq. 2 or 3.
 inline Vec3 triace_layered_absorption(const TriaceLayered& params, Vec3 wi, Vec3 wo) {
     return triace_layered_attenuation(triace_layered_coat_optical_depth(params.sigma_a,
-        params.thickness), triace_layered_refract(wi, params.top_eta),
-            triace_layered_refract(wo, params.top_eta));
+        params.thickness), triace_layered_refract(wi, params.top_eta - 1.0f),
+            triace_layered_refract(wo, params.top_eta - 1.0f));
 }
 
 // Eq. 1 twice, with Eq. 2 to 5 between: BRDF value in 1/sr, without the cosine.

@@ -73,12 +73,18 @@ fn triace_layered_f0_from_eta(eta: f32) -> f32 {
     return r * r;
 }
 
+// 1 - triace_layered_cos_half^2, the squared sine at which light meets the facet: of half the length of wi
+// - wo.
+fn triace_layered_sin2_half(wi: vec3f, wo: vec3f) -> f32 {
+    let apart = wi - wo;
+    return 0.25 * dot(apart, apart);
+}
+
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 fn triace_layered_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
-    let apart = wi - wo;
-    let k = 0.25 * dot(apart, apart) / (1.0 + triace_layered_cos_half(wi, wo));
+    let k = triace_layered_sin2_half(wi, wo) / (1.0 + triace_layered_cos_half(wi, wo));
     let k2 = k * k;
     return k2 * k2 * k;
 }
@@ -134,13 +140,12 @@ fn triace_layered_refracted_cos2(mu: f32, eta: f32) -> f32 {
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
-// The same from the square of g = eta cos(theta_t).
-fn triace_layered_F_dielectric(cos_theta: f32, eta: f32, g2: f32) -> f32 {
+// The same from the squares of the sine and of g = eta cos(theta_t).
+fn triace_layered_F_dielectric(cos_theta: f32, sin2: f32, eta: f32, g2: f32) -> f32 {
     // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
     // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
     // that the mean of both squares is a product.
     let c = cos_theta;
-    let sin2 = 1.0 - c * c;
     let g = sqrt(g2);
     let s = c + g;
     let p = c * g;
@@ -153,8 +158,8 @@ fn triace_layered_F_dielectric(cos_theta: f32, eta: f32, g2: f32) -> f32 {
 fn triace_layered_F_dielectric_entering(cos_theta: f32, eta: f32) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
     // c^2 with its rounding error: at grazing angles little else is left
-    return triace_layered_F_dielectric(cos_theta, eta,
-        max(triace_layered_refracted_cos2(cos_theta, eta), mu_min * mu_min));
+    let g2 = max(triace_layered_refracted_cos2(cos_theta, eta), mu_min * mu_min);
+    return triace_layered_F_dielectric(cos_theta, 1.0 - cos_theta * cos_theta, eta, g2);
 }
 
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
@@ -175,6 +180,10 @@ fn triace_layered_below(cos_theta: f32, n: f32) -> f32 {
     return sqrt(max(triace_layered_refracted_cos2(cos_theta, n), mu_min * mu_min));
 }
 
+fn triace_layered_sin2(cos_theta: f32) -> f32 {
+    return (1.0 - cos_theta) * (1.0 + cos_theta);
+}
+
 // Exact reflectance of the lower surface, between layers of n1 and n2, at a cosine above the upper one.
 //
 // Both indices are at least 1, relative to where the cosine is: nothing is reflected totally.
@@ -185,7 +194,7 @@ fn triace_layered_F_below(cos_theta: f32, n1: f32, n2: f32) -> f32 {
     let g2 = triace_layered_below(cos_theta, n2);
     let a = n1 * n1;
     let b = n2 * n2;
-    let sin2 = (1.0 - cos_theta) * (1.0 + cos_theta);
+    let sin2 = triace_layered_sin2(cos_theta);
     let contrast = (n1 - n2) * (n1 + n2);
     let s = g1 + g2;
     let p = b * g1 + a * g2;
@@ -224,9 +233,20 @@ fn triace_layered_coat_optical_depth(sigma_a: vec3f, thickness: f32) -> vec3f {
     return sigma_a * vec3f(thickness, thickness, thickness);
 }
 
+// eta^2 - 1.
+fn triace_layered_contrast(excess: f32) -> f32 {
+    return excess * (2.0 + excess);
+}
+
+// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1.
+fn triace_layered_eta2_cos2(mu: f32, excess: f32) -> f32 {
+    // mu^2 with its rounding error: at grazing angles little else is left
+    return fma(mu, mu, triace_layered_contrast(excess));
+}
+
 // The direction inside a layer with eta >= 1 that belongs to w outside.
-fn triace_layered_refract(w: vec3f, eta: f32) -> vec3f {
-    return vec3f(w.x, w.y, sqrt(triace_layered_refracted_cos2(w.z, eta))) / eta;
+fn triace_layered_refract(w: vec3f, excess: f32) -> vec3f {
+    return vec3f(w.x, w.y, sqrt(triace_layered_eta2_cos2(w.z, excess))) / (1.0 + excess);
 }
 
 // exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
@@ -239,8 +259,8 @@ fn triace_layered_attenuation(optical_depth: vec3f, wi: vec3f, wo: vec3f) -> vec
 // Eq. 2 or 3.
 fn triace_layered_absorption(params: TriaceLayered, wi: vec3f, wo: vec3f) -> vec3f {
     return triace_layered_attenuation(triace_layered_coat_optical_depth(params.sigma_a,
-        params.thickness), triace_layered_refract(wi, params.top_eta),
-            triace_layered_refract(wo, params.top_eta));
+        params.thickness), triace_layered_refract(wi, params.top_eta - 1.0),
+            triace_layered_refract(wo, params.top_eta - 1.0));
 }
 
 // Eq. 1 twice, with Eq. 2 to 5 between: BRDF value in 1/sr, without the cosine.

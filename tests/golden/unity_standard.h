@@ -155,6 +155,13 @@ inline Vec3 unity_standard_f0(const UnityStandard& params) {
     return lerp(splat(F0_DIELECTRIC), params.base_color, splat(params.metallic));
 }
 
+// 1 - unity_standard_cos_half^2, the squared sine at which light meets the facet: of half the length of wi
+// - wo.
+inline float unity_standard_sin2_half(Vec3 wi, Vec3 wo) {
+    Vec3 apart = wi - wo;
+    return 0.25f * dot(apart, apart);
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float unity_standard_cos_half(Vec3 wi, Vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
@@ -165,8 +172,7 @@ inline float unity_standard_cos_half(Vec3 wi, Vec3 wo) {
 inline float unity_standard_schlick_weight_half(Vec3 wi, Vec3 wo) {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
-    Vec3 apart = wi - wo;
-    float k = 0.25f * dot(apart, apart) / (1.0f + unity_standard_cos_half(wi, wo));
+    float k = unity_standard_sin2_half(wi, wo) / (1.0f + unity_standard_cos_half(wi, wo));
     float k2 = k * k;
     return k2 * k2 * k;
 }

@@ -157,16 +157,20 @@ struct WeidlichWilkieChoice {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
-// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
-inline float weidlich_wilkie_refracted_cos2(float mu, float eta) {
-    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and at
-    // the critical one, little else is left.
-    return fmaf(mu, mu, (eta - 1.0f) * (eta + 1.0f));
+// eta^2 - 1.
+inline float weidlich_wilkie_contrast(float excess) {
+    return excess * (2.0f + excess);
+}
+
+// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1.
+inline float weidlich_wilkie_eta2_cos2(float mu, float excess) {
+    // mu^2 with its rounding error: at grazing angles little else is left
+    return fmaf(mu, mu, weidlich_wilkie_contrast(excess));
 }
 
 // The direction inside a layer with eta >= 1 that belongs to w outside.
-inline Vec3 weidlich_wilkie_refract(Vec3 w, float eta) {
-    return Vec3{w.x, w.y, sqrtf(weidlich_wilkie_refracted_cos2(w.z, eta))} / eta;
+inline Vec3 weidlich_wilkie_refract(Vec3 w, float excess) {
+    return Vec3{w.x, w.y, sqrtf(weidlich_wilkie_eta2_cos2(w.z, excess))} / (1.0f + excess);
 }
 
 // Absorption times thickness, for each channel.
@@ -178,6 +182,13 @@ inline Vec3 weidlich_wilkie_coat_optical_depth(Vec3 sigma_a, float thickness) {
 inline float weidlich_wilkie_cos_half(Vec3 wi, Vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
     return 0.5f * length(wi + wo);
+}
+
+// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
+inline float weidlich_wilkie_refracted_cos2(float mu, float eta) {
+    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and at
+    // the critical one, little else is left.
+    return fmaf(mu, mu, (eta - 1.0f) * (eta + 1.0f));
 }
 
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
@@ -226,13 +237,12 @@ inline Vec3 weidlich_wilkie_attenuation(Vec3 optical_depth, Vec3 wi, Vec3 wo) {
     return exp(-optical_depth * (1.0f / wi.z + 1.0f / wo.z));
 }
 
-// The same from the square of g = eta cos(theta_t).
-inline float weidlich_wilkie_F_dielectric(float cos_theta, float eta, float g2) {
+// The same from the squares of the sine and of g = eta cos(theta_t).
+inline float weidlich_wilkie_F_dielectric(float cos_theta, float sin2, float eta, float g2) {
     // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
     // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
     // that the mean of both squares is a product.
     float c = cos_theta;
-    float sin2 = 1.0f - c * c;
     float g = sqrtf(g2);
     float s = c + g;
     float p = c * g;
@@ -244,8 +254,8 @@ inline float weidlich_wilkie_F_dielectric(float cos_theta, float eta, float g2) 
 // Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
 inline float weidlich_wilkie_F_dielectric_entering(float cos_theta, float eta) {
     // c^2 with its rounding error: at grazing angles little else is left
-    return weidlich_wilkie_F_dielectric(cos_theta, eta,
-        fmaxf(weidlich_wilkie_refracted_cos2(cos_theta, eta), mu_min * mu_min));
+    float g2 = fmaxf(weidlich_wilkie_refracted_cos2(cos_theta, eta), mu_min * mu_min);
+    return weidlich_wilkie_F_dielectric(cos_theta, 1.0f - cos_theta * cos_theta, eta, g2);
 }
 
 // `D_beckmann` for facets of the same width in all directions.
@@ -274,8 +284,8 @@ inline Vec3 weidlich_wilkie_eval(const WeidlichWilkie& params, Vec3 wi, Vec3 wo)
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
-    Vec3 wi_t = weidlich_wilkie_refract(wi, params.eta);
-    Vec3 wo_t = weidlich_wilkie_refract(wo, params.eta);
+    Vec3 wi_t = weidlich_wilkie_refract(wi, params.eta - 1.0f);
+    Vec3 wo_t = weidlich_wilkie_refract(wo, params.eta - 1.0f);
     Vec3 tau = weidlich_wilkie_coat_optical_depth(params.sigma_a, params.thickness);
     float through = weidlich_wilkie_transmitted(params, wi, wo);
     Vec3 below = weidlich_wilkie_base_eval_above(params.base)
@@ -365,13 +375,14 @@ inline WeidlichWilkieSample weidlich_wilkie_base_sample(Vec3 wo, Vec2 u) {
 }
 
 // Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
-inline float weidlich_wilkie_critical_cosine(float eta) {
-    return sqrtf(fmaxf((eta - 1.0f) * (eta + 1.0f), 0.0f)) / eta;
+inline float weidlich_wilkie_critical_cosine(float excess) {
+    return sqrtf(fmaxf(weidlich_wilkie_contrast(excess), 0.0f)) / (1.0f + excess);
 }
 
 // The outer direction for a direction inside: refracted, or spread out if it cannot leave.
-inline Vec3 weidlich_wilkie_leave(Vec3 w, float eta) {
-    float k = weidlich_wilkie_critical_cosine(eta);
+inline Vec3 weidlich_wilkie_leave(Vec3 w, float excess) {
+    float k = weidlich_wilkie_critical_cosine(excess);
+    float eta = 1.0f + excess;
     bool refracted = w.z > k;
     float spread = fminf(w.z / fmaxf(k, mu_min), 1.0f);
     // The sine from x and y: under many layers 1 - z^2 has few digits
@@ -387,10 +398,10 @@ inline Vec3 weidlich_wilkie_leave(Vec3 w, float eta) {
 // weidlich_wilkie_base_sample inside a kernel for a base under layers: the direction in which the light
 // leaves them.
 //
-// wo: inside the lowest layer. eta: the product of the layers' indices. Layers that lie over layers
+// wo: inside the lowest layer. excess: the product of the layers' indices, minus 1. Layers over layers
 // override it: each calls the next once, whose light refracts as if there were one layer.
-inline Vec3 weidlich_wilkie_base_sample_leaving(Vec3 wo, Vec2 u, float eta) {
-    return weidlich_wilkie_leave(weidlich_wilkie_base_sample(wo, u).wi, eta);
+inline Vec3 weidlich_wilkie_base_sample_leaving(Vec3 wo, Vec2 u, float excess) {
+    return weidlich_wilkie_leave(weidlich_wilkie_base_sample(wo, u).wi, excess);
 }
 
 // A normal with density D_beckmann m.z. Walter et al., Eq. 28 and 29.
@@ -423,8 +434,8 @@ inline float weidlich_wilkie_base_pdf(Vec3 wi, Vec3 wo) {
 }
 
 // The inner direction that weidlich_wilkie_leave spreads to w; z = 0 for eta <= 1, which has none.
-inline Vec3 weidlich_wilkie_gather(Vec3 w, float eta) {
-    float k = weidlich_wilkie_critical_cosine(eta);
+inline Vec3 weidlich_wilkie_gather(Vec3 w, float excess) {
+    float k = weidlich_wilkie_critical_cosine(excess);
     float z = k * w.z;
     float sin2 = w.x * w.x + w.y * w.y;
     float scale = sqrtf(fmaxf(1.0f - z * z, 0.0f)) / sqrtf(fmaxf(sin2, SIN2_MIN));
@@ -435,18 +446,19 @@ inline Vec3 weidlich_wilkie_gather(Vec3 w, float eta) {
 
 // Density of weidlich_wilkie_leave at w, from the inner density at w_t = refract(w) and at gather(w).
 inline float weidlich_wilkie_pdf_leave(float pdf_refracted, float pdf_gathered, Vec3 w,
-    Vec3 w_t, float eta) {
+    Vec3 w_t, float excess) {
     // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by k^2,
     // and the cosines are k mu and mu.
+    float eta = 1.0f + excess;
     return pdf_refracted * w.z / (eta * eta * w_t.z)
-        + pdf_gathered * weidlich_wilkie_critical_cosine(eta);
+        + pdf_gathered * weidlich_wilkie_critical_cosine(excess);
 }
 
 // Density of weidlich_wilkie_base_sample_leaving at wi, which is outside all layers, in 1/sr.
-inline float weidlich_wilkie_base_pdf_leaving(Vec3 wi, Vec3 wo, float eta) {
-    Vec3 wi_t = weidlich_wilkie_refract(wi, eta);
+inline float weidlich_wilkie_base_pdf_leaving(Vec3 wi, Vec3 wo, float excess) {
+    Vec3 wi_t = weidlich_wilkie_refract(wi, excess);
     return weidlich_wilkie_pdf_leave(weidlich_wilkie_base_pdf(wi_t, wo),
-        weidlich_wilkie_base_pdf(weidlich_wilkie_gather(wi, eta), wo), wi, wi_t, eta);
+        weidlich_wilkie_base_pdf(weidlich_wilkie_gather(wi, excess), wo), wi, wi_t, excess);
 }
 
 // Density of weidlich_wilkie_mirror in 1/sr, if m has the given density and cos_h = wo . m.
@@ -466,8 +478,8 @@ inline float weidlich_wilkie_pdf(const WeidlichWilkie& params, Vec3 wi, Vec3 wo)
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0f;
     }
-    Vec3 wo_t = weidlich_wilkie_refract(wo, params.eta);
-    float below = weidlich_wilkie_base_pdf_leaving(wi, wo_t, params.eta);
+    Vec3 wo_t = weidlich_wilkie_refract(wo, params.eta - 1.0f);
+    float below = weidlich_wilkie_base_pdf_leaving(wi, wo_t, params.eta - 1.0f);
     Vec2 P = weidlich_wilkie_shares(params, wo, wo_t);
     return P.x * weidlich_wilkie_pdf_coat(params, wi, wo) + P.y * below;
 }
@@ -478,12 +490,12 @@ inline WeidlichWilkieSample weidlich_wilkie_sample(const WeidlichWilkie& params,
     if (wo.z <= mu_min) {  // in the horizon or below
         return WeidlichWilkieSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
-    Vec3 wo_t = weidlich_wilkie_refract(wo, params.eta);
+    Vec3 wo_t = weidlich_wilkie_refract(wo, params.eta - 1.0f);
     WeidlichWilkieChoice choose_result = weidlich_wilkie_choose(weidlich_wilkie_shares(params, wo,
         wo_t).x, u);
     bool on_coat = choose_result.is_first;
     Vec2 v = choose_result.u;
-    Vec3 w_base = weidlich_wilkie_base_sample_leaving(wo_t, v, params.eta);
+    Vec3 w_base = weidlich_wilkie_base_sample_leaving(wo_t, v, params.eta - 1.0f);
     Vec3 wi = on_coat ? weidlich_wilkie_sample_coat(params, wo, v) : w_base;
     return WeidlichWilkieSample{wi, weidlich_wilkie_pdf(params, wi, wo)};
 }

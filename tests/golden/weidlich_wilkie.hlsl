@@ -50,16 +50,20 @@ struct WeidlichWilkieChoice {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
-// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
-float weidlich_wilkie_refracted_cos2(float mu, float eta) {
-    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and at
-    // the critical one, little else is left.
-    return mad(mu, mu, (eta - 1.0) * (eta + 1.0));
+// eta^2 - 1.
+float weidlich_wilkie_contrast(float excess) {
+    return excess * (2.0 + excess);
+}
+
+// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1.
+float weidlich_wilkie_eta2_cos2(float mu, float excess) {
+    // mu^2 with its rounding error: at grazing angles little else is left
+    return mad(mu, mu, weidlich_wilkie_contrast(excess));
 }
 
 // The direction inside a layer with eta >= 1 that belongs to w outside.
-float3 weidlich_wilkie_refract(float3 w, float eta) {
-    return float3(w.x, w.y, sqrt(weidlich_wilkie_refracted_cos2(w.z, eta))) / eta;
+float3 weidlich_wilkie_refract(float3 w, float excess) {
+    return float3(w.x, w.y, sqrt(weidlich_wilkie_eta2_cos2(w.z, excess))) / (1.0 + excess);
 }
 
 // Absorption times thickness, for each channel.
@@ -71,6 +75,13 @@ float3 weidlich_wilkie_coat_optical_depth(float3 sigma_a, float thickness) {
 float weidlich_wilkie_cos_half(float3 wi, float3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
     return 0.5 * length(wi + wo);
+}
+
+// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
+float weidlich_wilkie_refracted_cos2(float mu, float eta) {
+    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and at
+    // the critical one, little else is left.
+    return mad(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
@@ -121,13 +132,12 @@ float3 weidlich_wilkie_attenuation(float3 optical_depth, float3 wi, float3 wo) {
     return exp(-optical_depth * (1.0 / wi.z + 1.0 / wo.z));
 }
 
-// The same from the square of g = eta cos(theta_t).
-float weidlich_wilkie_F_dielectric(float cos_theta, float eta, float g2) {
+// The same from the squares of the sine and of g = eta cos(theta_t).
+float weidlich_wilkie_F_dielectric(float cos_theta, float sin2, float eta, float g2) {
     // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
     // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
     // that the mean of both squares is a product.
     float c = cos_theta;
-    float sin2 = 1.0 - c * c;
     float g = sqrt(g2);
     float s = c + g;
     float p = c * g;
@@ -140,8 +150,8 @@ float weidlich_wilkie_F_dielectric(float cos_theta, float eta, float g2) {
 float weidlich_wilkie_F_dielectric_entering(float cos_theta, float eta) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
     // c^2 with its rounding error: at grazing angles little else is left
-    return weidlich_wilkie_F_dielectric(cos_theta, eta,
-        max(weidlich_wilkie_refracted_cos2(cos_theta, eta), mu_min * mu_min));
+    float g2 = max(weidlich_wilkie_refracted_cos2(cos_theta, eta), mu_min * mu_min);
+    return weidlich_wilkie_F_dielectric(cos_theta, 1.0 - cos_theta * cos_theta, eta, g2);
 }
 
 // `D_beckmann` for facets of the same width in all directions.
@@ -176,8 +186,8 @@ float3 weidlich_wilkie_eval(WeidlichWilkie params, float3 wi, float3 wo) {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return float3(0.0, 0.0, 0.0);
     }
-    float3 wi_t = weidlich_wilkie_refract(wi, params.eta);
-    float3 wo_t = weidlich_wilkie_refract(wo, params.eta);
+    float3 wi_t = weidlich_wilkie_refract(wi, params.eta - 1.0);
+    float3 wo_t = weidlich_wilkie_refract(wo, params.eta - 1.0);
     float3 tau = weidlich_wilkie_coat_optical_depth(params.sigma_a, params.thickness);
     float through = weidlich_wilkie_transmitted(params, wi, wo);
     float3 below = weidlich_wilkie_base_eval_above(params.base)
@@ -294,19 +304,20 @@ WeidlichWilkieSample weidlich_wilkie_base_sample(float3 wo, float2 u) {
 }
 
 // Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
-float weidlich_wilkie_critical_cosine(float eta) {
-    return sqrt(max((eta - 1.0) * (eta + 1.0), 0.0)) / eta;
+float weidlich_wilkie_critical_cosine(float excess) {
+    return sqrt(max(weidlich_wilkie_contrast(excess), 0.0)) / (1.0 + excess);
 }
 
 // The outer direction for a direction inside: refracted, or spread out if it cannot leave.
-float3 weidlich_wilkie_leave(float3 w, float eta) {
+float3 weidlich_wilkie_leave(float3 w, float excess) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
     // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
     // its reciprocal still fits into a float32.
     const float SIN2_MIN = 1.0e-18;
     // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
     const float LEAVE_MIN = 1.0e-12;
-    float k = weidlich_wilkie_critical_cosine(eta);
+    float k = weidlich_wilkie_critical_cosine(excess);
+    float eta = 1.0 + excess;
     bool refracted = w.z > k;
     float spread = min(w.z / max(k, mu_min), 1.0);
     // The sine from x and y: under many layers 1 - z^2 has few digits
@@ -322,10 +333,10 @@ float3 weidlich_wilkie_leave(float3 w, float eta) {
 // weidlich_wilkie_base_sample inside a kernel for a base under layers: the direction in which the light
 // leaves them.
 //
-// wo: inside the lowest layer. eta: the product of the layers' indices. Layers that lie over layers
+// wo: inside the lowest layer. excess: the product of the layers' indices, minus 1. Layers over layers
 // override it: each calls the next once, whose light refracts as if there were one layer.
-float3 weidlich_wilkie_base_sample_leaving(float3 wo, float2 u, float eta) {
-    return weidlich_wilkie_leave(weidlich_wilkie_base_sample(wo, u).wi, eta);
+float3 weidlich_wilkie_base_sample_leaving(float3 wo, float2 u, float excess) {
+    return weidlich_wilkie_leave(weidlich_wilkie_base_sample(wo, u).wi, excess);
 }
 
 // A normal with density D_beckmann m.z. Walter et al., Eq. 28 and 29.
@@ -362,9 +373,9 @@ float weidlich_wilkie_base_pdf(float3 wi, float3 wo) {
 }
 
 // The inner direction that weidlich_wilkie_leave spreads to w; z = 0 for eta <= 1, which has none.
-float3 weidlich_wilkie_gather(float3 w, float eta) {
+float3 weidlich_wilkie_gather(float3 w, float excess) {
     const float SIN2_MIN = 1.0e-18;
-    float k = weidlich_wilkie_critical_cosine(eta);
+    float k = weidlich_wilkie_critical_cosine(excess);
     float z = k * w.z;
     float sin2 = w.x * w.x + w.y * w.y;
     float scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
@@ -375,18 +386,19 @@ float3 weidlich_wilkie_gather(float3 w, float eta) {
 
 // Density of weidlich_wilkie_leave at w, from the inner density at w_t = refract(w) and at gather(w).
 float weidlich_wilkie_pdf_leave(float pdf_refracted, float pdf_gathered, float3 w, float3 w_t,
-    float eta) {
+    float excess) {
     // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by k^2,
     // and the cosines are k mu and mu.
+    float eta = 1.0 + excess;
     return pdf_refracted * w.z / (eta * eta * w_t.z)
-        + pdf_gathered * weidlich_wilkie_critical_cosine(eta);
+        + pdf_gathered * weidlich_wilkie_critical_cosine(excess);
 }
 
 // Density of weidlich_wilkie_base_sample_leaving at wi, which is outside all layers, in 1/sr.
-float weidlich_wilkie_base_pdf_leaving(float3 wi, float3 wo, float eta) {
-    float3 wi_t = weidlich_wilkie_refract(wi, eta);
+float weidlich_wilkie_base_pdf_leaving(float3 wi, float3 wo, float excess) {
+    float3 wi_t = weidlich_wilkie_refract(wi, excess);
     return weidlich_wilkie_pdf_leave(weidlich_wilkie_base_pdf(wi_t, wo),
-        weidlich_wilkie_base_pdf(weidlich_wilkie_gather(wi, eta), wo), wi, wi_t, eta);
+        weidlich_wilkie_base_pdf(weidlich_wilkie_gather(wi, excess), wo), wi, wi_t, excess);
 }
 
 // Density of weidlich_wilkie_mirror in 1/sr, if m has the given density and cos_h = wo . m.
@@ -407,8 +419,8 @@ float weidlich_wilkie_pdf(WeidlichWilkie params, float3 wi, float3 wo) {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
-    float3 wo_t = weidlich_wilkie_refract(wo, params.eta);
-    float below = weidlich_wilkie_base_pdf_leaving(wi, wo_t, params.eta);
+    float3 wo_t = weidlich_wilkie_refract(wo, params.eta - 1.0);
+    float below = weidlich_wilkie_base_pdf_leaving(wi, wo_t, params.eta - 1.0);
     float2 P = weidlich_wilkie_shares(params, wo, wo_t);
     return P.x * weidlich_wilkie_pdf_coat(params, wi, wo) + P.y * below;
 }
@@ -422,12 +434,12 @@ WeidlichWilkieSample weidlich_wilkie_sample(WeidlichWilkie params, float3 wo, fl
         result.pdf = 0.0;
         return result;
     }
-    float3 wo_t = weidlich_wilkie_refract(wo, params.eta);
+    float3 wo_t = weidlich_wilkie_refract(wo, params.eta - 1.0);
     WeidlichWilkieChoice choose_result = weidlich_wilkie_choose(weidlich_wilkie_shares(params, wo,
         wo_t).x, u);
     bool on_coat = choose_result.is_first;
     float2 v = choose_result.u;
-    float3 w_base = weidlich_wilkie_base_sample_leaving(wo_t, v, params.eta);
+    float3 w_base = weidlich_wilkie_base_sample_leaving(wo_t, v, params.eta - 1.0);
     float3 wi = on_coat ? weidlich_wilkie_sample_coat(params, wo, v) : w_base;
     WeidlichWilkieSample result;
     result.wi = wi;

@@ -50,16 +50,20 @@ struct WeidlichWilkieChoice {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
-// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
-fn weidlich_wilkie_refracted_cos2(mu: f32, eta: f32) -> f32 {
-    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and at
-    // the critical one, little else is left.
-    return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
+// eta^2 - 1.
+fn weidlich_wilkie_contrast(excess: f32) -> f32 {
+    return excess * (2.0 + excess);
+}
+
+// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1.
+fn weidlich_wilkie_eta2_cos2(mu: f32, excess: f32) -> f32 {
+    // mu^2 with its rounding error: at grazing angles little else is left
+    return fma(mu, mu, weidlich_wilkie_contrast(excess));
 }
 
 // The direction inside a layer with eta >= 1 that belongs to w outside.
-fn weidlich_wilkie_refract(w: vec3f, eta: f32) -> vec3f {
-    return vec3f(w.x, w.y, sqrt(weidlich_wilkie_refracted_cos2(w.z, eta))) / eta;
+fn weidlich_wilkie_refract(w: vec3f, excess: f32) -> vec3f {
+    return vec3f(w.x, w.y, sqrt(weidlich_wilkie_eta2_cos2(w.z, excess))) / (1.0 + excess);
 }
 
 // Absorption times thickness, for each channel.
@@ -71,6 +75,13 @@ fn weidlich_wilkie_coat_optical_depth(sigma_a: vec3f, thickness: f32) -> vec3f {
 fn weidlich_wilkie_cos_half(wi: vec3f, wo: vec3f) -> f32 {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
     return 0.5 * length(wi + wo);
+}
+
+// eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
+fn weidlich_wilkie_refracted_cos2(mu: f32, eta: f32) -> f32 {
+    // The difference of two squares as a product, and mu^2 with its rounding error: at grazing angles, and at
+    // the critical one, little else is left.
+    return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
@@ -121,13 +132,12 @@ fn weidlich_wilkie_attenuation(optical_depth: vec3f, wi: vec3f, wo: vec3f) -> ve
     return exp(-optical_depth * (1.0 / wi.z + 1.0 / wo.z));
 }
 
-// The same from the square of g = eta cos(theta_t).
-fn weidlich_wilkie_F_dielectric(cos_theta: f32, eta: f32, g2: f32) -> f32 {
+// The same from the squares of the sine and of g = eta cos(theta_t).
+fn weidlich_wilkie_F_dielectric(cos_theta: f32, sin2: f32, eta: f32, g2: f32) -> f32 {
     // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
     // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
     // that the mean of both squares is a product.
     let c = cos_theta;
-    let sin2 = 1.0 - c * c;
     let g = sqrt(g2);
     let s = c + g;
     let p = c * g;
@@ -140,8 +150,8 @@ fn weidlich_wilkie_F_dielectric(cos_theta: f32, eta: f32, g2: f32) -> f32 {
 fn weidlich_wilkie_F_dielectric_entering(cos_theta: f32, eta: f32) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
     // c^2 with its rounding error: at grazing angles little else is left
-    return weidlich_wilkie_F_dielectric(cos_theta, eta,
-        max(weidlich_wilkie_refracted_cos2(cos_theta, eta), mu_min * mu_min));
+    let g2 = max(weidlich_wilkie_refracted_cos2(cos_theta, eta), mu_min * mu_min);
+    return weidlich_wilkie_F_dielectric(cos_theta, 1.0 - cos_theta * cos_theta, eta, g2);
 }
 
 // `D_beckmann` for facets of the same width in all directions.
@@ -176,8 +186,8 @@ fn weidlich_wilkie_eval(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> vec3f {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
-    let wi_t = weidlich_wilkie_refract(wi, params.eta);
-    let wo_t = weidlich_wilkie_refract(wo, params.eta);
+    let wi_t = weidlich_wilkie_refract(wi, params.eta - 1.0);
+    let wo_t = weidlich_wilkie_refract(wo, params.eta - 1.0);
     let tau = weidlich_wilkie_coat_optical_depth(params.sigma_a, params.thickness);
     let through = weidlich_wilkie_transmitted(params, wi, wo);
     let below = weidlich_wilkie_base_eval_above(params.base)
@@ -285,19 +295,20 @@ fn weidlich_wilkie_base_sample(wo: vec3f, u: vec2f) -> WeidlichWilkieSample {
 }
 
 // Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
-fn weidlich_wilkie_critical_cosine(eta: f32) -> f32 {
-    return sqrt(max((eta - 1.0) * (eta + 1.0), 0.0)) / eta;
+fn weidlich_wilkie_critical_cosine(excess: f32) -> f32 {
+    return sqrt(max(weidlich_wilkie_contrast(excess), 0.0)) / (1.0 + excess);
 }
 
 // The outer direction for a direction inside: refracted, or spread out if it cannot leave.
-fn weidlich_wilkie_leave(w: vec3f, eta: f32) -> vec3f {
+fn weidlich_wilkie_leave(w: vec3f, excess: f32) -> vec3f {
     const mu_min = 1.0e-18;  // cosine of the horizon
     // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
     // its reciprocal still fits into a float32.
     const SIN2_MIN = 1.0e-18;
     // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
     const LEAVE_MIN = 1.0e-12;
-    let k = weidlich_wilkie_critical_cosine(eta);
+    let k = weidlich_wilkie_critical_cosine(excess);
+    let eta = 1.0 + excess;
     let refracted = w.z > k;
     let spread = min(w.z / max(k, mu_min), 1.0);
     // The sine from x and y: under many layers 1 - z^2 has few digits
@@ -313,10 +324,10 @@ fn weidlich_wilkie_leave(w: vec3f, eta: f32) -> vec3f {
 // weidlich_wilkie_base_sample inside a kernel for a base under layers: the direction in which the light
 // leaves them.
 //
-// wo: inside the lowest layer. eta: the product of the layers' indices. Layers that lie over layers
+// wo: inside the lowest layer. excess: the product of the layers' indices, minus 1. Layers over layers
 // override it: each calls the next once, whose light refracts as if there were one layer.
-fn weidlich_wilkie_base_sample_leaving(wo: vec3f, u: vec2f, eta: f32) -> vec3f {
-    return weidlich_wilkie_leave(weidlich_wilkie_base_sample(wo, u).wi, eta);
+fn weidlich_wilkie_base_sample_leaving(wo: vec3f, u: vec2f, excess: f32) -> vec3f {
+    return weidlich_wilkie_leave(weidlich_wilkie_base_sample(wo, u).wi, excess);
 }
 
 // A normal with density D_beckmann m.z. Walter et al., Eq. 28 and 29.
@@ -353,9 +364,9 @@ fn weidlich_wilkie_base_pdf(wi: vec3f, wo: vec3f) -> f32 {
 }
 
 // The inner direction that weidlich_wilkie_leave spreads to w; z = 0 for eta <= 1, which has none.
-fn weidlich_wilkie_gather(w: vec3f, eta: f32) -> vec3f {
+fn weidlich_wilkie_gather(w: vec3f, excess: f32) -> vec3f {
     const SIN2_MIN = 1.0e-18;
-    let k = weidlich_wilkie_critical_cosine(eta);
+    let k = weidlich_wilkie_critical_cosine(excess);
     let z = k * w.z;
     let sin2 = w.x * w.x + w.y * w.y;
     let scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
@@ -366,18 +377,19 @@ fn weidlich_wilkie_gather(w: vec3f, eta: f32) -> vec3f {
 
 // Density of weidlich_wilkie_leave at w, from the inner density at w_t = refract(w) and at gather(w).
 fn weidlich_wilkie_pdf_leave(pdf_refracted: f32, pdf_gathered: f32, w: vec3f, w_t: vec3f,
-    eta: f32) -> f32 {
+    excess: f32) -> f32 {
     // Solid angle over cosine-weighted one: 1 / mu. Refraction shrinks the latter by eta^2, gathering by k^2,
     // and the cosines are k mu and mu.
+    let eta = 1.0 + excess;
     return pdf_refracted * w.z / (eta * eta * w_t.z)
-        + pdf_gathered * weidlich_wilkie_critical_cosine(eta);
+        + pdf_gathered * weidlich_wilkie_critical_cosine(excess);
 }
 
 // Density of weidlich_wilkie_base_sample_leaving at wi, which is outside all layers, in 1/sr.
-fn weidlich_wilkie_base_pdf_leaving(wi: vec3f, wo: vec3f, eta: f32) -> f32 {
-    let wi_t = weidlich_wilkie_refract(wi, eta);
+fn weidlich_wilkie_base_pdf_leaving(wi: vec3f, wo: vec3f, excess: f32) -> f32 {
+    let wi_t = weidlich_wilkie_refract(wi, excess);
     return weidlich_wilkie_pdf_leave(weidlich_wilkie_base_pdf(wi_t, wo),
-        weidlich_wilkie_base_pdf(weidlich_wilkie_gather(wi, eta), wo), wi, wi_t, eta);
+        weidlich_wilkie_base_pdf(weidlich_wilkie_gather(wi, excess), wo), wi, wi_t, excess);
 }
 
 // Density of weidlich_wilkie_mirror in 1/sr, if m has the given density and cos_h = wo . m.
@@ -398,8 +410,8 @@ fn weidlich_wilkie_pdf(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> f32 {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
-    let wo_t = weidlich_wilkie_refract(wo, params.eta);
-    let below = weidlich_wilkie_base_pdf_leaving(wi, wo_t, params.eta);
+    let wo_t = weidlich_wilkie_refract(wo, params.eta - 1.0);
+    let below = weidlich_wilkie_base_pdf_leaving(wi, wo_t, params.eta - 1.0);
     let P = weidlich_wilkie_shares(params, wo, wo_t);
     return P.x * weidlich_wilkie_pdf_coat(params, wi, wo) + P.y * below;
 }
@@ -410,11 +422,11 @@ fn weidlich_wilkie_sample(params: WeidlichWilkie, wo: vec3f, u: vec2f) -> Weidli
     if (wo.z <= mu_min) {  // in the horizon or below
         return WeidlichWilkieSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
-    let wo_t = weidlich_wilkie_refract(wo, params.eta);
+    let wo_t = weidlich_wilkie_refract(wo, params.eta - 1.0);
     let choose_result = weidlich_wilkie_choose(weidlich_wilkie_shares(params, wo, wo_t).x, u);
     let on_coat = choose_result.is_first;
     let v = choose_result.u;
-    let w_base = weidlich_wilkie_base_sample_leaving(wo_t, v, params.eta);
+    let w_base = weidlich_wilkie_base_sample_leaving(wo_t, v, params.eta - 1.0);
     let wi = select(w_base, weidlich_wilkie_sample_coat(params, wo, v), on_coat);
     return WeidlichWilkieSample(wi, weidlich_wilkie_pdf(params, wi, wo));
 }

@@ -157,7 +157,7 @@ def refraction(sheet: Sheet) -> None:
     cos = w[2]
     t = -w / 1.5 + np.array([0, 0, cos / 1.5 - math.sqrt(1 - (1 - cos**2) / 1.5**2)])
     printed = -(L / 1.5 * -1 + np.array([0, 0, -cos / 1.5 - math.sqrt(1 - (1 - cos**2) / 1.5**2)]))
-    ours = elementwise(lambda x, y, z: interface.refract(gonio.lang.vec3(x, y, z), 1.5).x, *w)
+    ours = elementwise(lambda x, y, z: interface.refract(gonio.lang.vec3(x, y, z), 0.5).x, *w)
     sheet.refute(
         "x of the refracted direction towards the light, over x outside",
         "=",
