@@ -9,6 +9,7 @@ from pathlib import Path
 
 import drjit as dr
 import pytest
+from support.tolerances import SINGLE
 
 import gonio
 from gonio import backend
@@ -76,7 +77,7 @@ def test_without_llvm_the_scalar_backend_computes_and_llvm_says_what_to_install(
     assert done.returncode == 0
     assert "computing in plain Python, which is slow: DRJIT_LIBLLVM_PATH" in done.stderr
     assert "does not exist" in done.stderr
-    assert float(done.stdout) == pytest.approx(0.8 / 3.14159265, rel=1e-6)
+    assert float(done.stdout) == pytest.approx(0.8 / 3.14159265, rel=SINGLE)
     done = run("import gonio; gonio.use('llvm')", DRJIT_LIBLLVM_PATH=backend.NO_LLVM + "-x")
     assert done.returncode == 1
     last = done.stderr.splitlines()[-1]

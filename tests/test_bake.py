@@ -10,6 +10,7 @@ import mitsuba as mi
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from support.tolerances import SINGLE
 
 from gonio.bake import tables
 from gonio.bake.environment import Environment
@@ -73,7 +74,7 @@ def test_environments_are_blurred_and_projected() -> None:
     assert blurred.std() < 0.3 * pixels.std()
     rows = json.loads(run("bake", "harmonics", "sky.exr", "--json").stdout)
     expected = Environment(pixels.astype(np.float32)).harmonics()
-    np.testing.assert_allclose([row["rgb"] for row in rows], expected, rtol=1e-6)
+    np.testing.assert_allclose([row["rgb"] for row in rows], expected, rtol=SINGLE)
     text = run("bake", "harmonics", "sky.exr").stdout.splitlines()
     assert [line.split()[0] for line in text] == [row["harmonic"] for row in rows]
 

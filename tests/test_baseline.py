@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from support.integrate import half_vector_rule
+from support.tolerances import SINGLE
 
 from gonio.bench import native
 
@@ -335,7 +336,7 @@ def mean_weight(baseline, name, parameters, degrees, density=1.0):
     samples = baseline.sample_pdf_eval(name, wo, u1, u2, parameters, repeat=1, threads=2)
     used = samples.pdf > 0
     assert np.all(samples.wi[2][used] > 0)
-    np.testing.assert_allclose(np.linalg.norm(samples.wi[:, used], axis=0), 1, atol=1e-6)
+    np.testing.assert_allclose(np.linalg.norm(samples.wi[:, used], axis=0), 1, atol=SINGLE)
     np.testing.assert_array_equal(samples.value[:, ~used], 0)
     weight = np.zeros(samples.value.shape)
     weight[:, used] = samples.value[:, used].astype(float) * samples.wi[2, used]

@@ -6,6 +6,7 @@ import statistics
 import drjit as dr
 import numpy as np
 import pytest
+from support.tolerances import SINGLE
 
 import gonio
 from gonio.bench import BenchError, bench, command, kernels, native, pairs, pictures, startup
@@ -366,7 +367,7 @@ def test_random_directions_are_unit_and_above_the_horizon():
     found = pairs.random_pairs(1000)
     for w in (found.wi, found.wo):
         assert min(w[2]) > 0
-        np.testing.assert_allclose(sum(np.float64(c) ** 2 for c in w), 1, atol=1e-6)
+        np.testing.assert_allclose(sum(np.float64(c) ** 2 for c in w), 1, atol=SINGLE)
     assert statistics.mean(found.wo[2]) == pytest.approx(0.5, abs=0.05)  # 5 standard deviations
     assert found.jit_wi.numpy().shape == (3, 1000)
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.tolerances import SINGLE
 
 from gonio.bench import command, shader_times, shaders
 from gonio.bench.shaders import Arc, Length, accuracy, handwritten, length
@@ -186,7 +187,7 @@ def test_arc_functions_of_exported_code_keep_the_digits_of_a_float32():
     # Four roundings of values up to pi
     assert np.abs(cosine - exact).max() < 1e-6
     assert np.abs(off - exact).max() > 1e-6
-    np.testing.assert_allclose(sine, np.arcsin(x.astype(np.float64)), rtol=1e-6)
+    np.testing.assert_allclose(sine, np.arcsin(x.astype(np.float64)), rtol=SINGLE)
 
 
 def test_the_time_of_an_arc_function_is_that_of_one_call():

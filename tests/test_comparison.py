@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from support.directions import polar
+from support.tolerances import SINGLE_LONG
 
 import gonio
 from gonio import compare as comparison
@@ -46,11 +47,11 @@ def test_every_parameter_can_be_varied_over_its_range(name: str) -> None:
 def test_twice_the_albedo_is_a_hundred_percent() -> None:
     (found,) = compare([gonio.Lambert(rho=0.4), gonio.Lambert(rho=0.8)], pictures=False)
     e = found.errors
-    assert (e.mean, e.worst, e.energy) == pytest.approx((1, 1, 1), rel=1e-5)
-    assert (e.albedo, e.truth) == pytest.approx((0.8, 0.4), rel=1e-5)
+    assert (e.mean, e.worst, e.energy) == pytest.approx((1, 1, 1), rel=SINGLE_LONG)
+    assert (e.albedo, e.truth) == pytest.approx((0.8, 0.4), rel=SINGLE_LONG)
     assert e.noise == 0
-    np.testing.assert_allclose(found.in_plane, 1, rtol=1e-5)
-    np.testing.assert_allclose(found.across, 1, rtol=1e-5)
+    np.testing.assert_allclose(found.in_plane, 1, rtol=SINGLE_LONG)
+    np.testing.assert_allclose(found.across, 1, rtol=SINGLE_LONG)
 
 
 def test_five_percent_too_dark_are_five_percent() -> None:
@@ -153,8 +154,8 @@ def test_json_has_the_numbers_and_writes_nothing(tmp_path: Path, monkeypatch: An
     monkeypatch.chdir(tmp_path)
     result = run("compare", "lambert:rho=0.4", "lambert:rho=0.8", "--json")
     (data,) = json.loads(result.stdout)
-    assert data["energy"] == pytest.approx(1, rel=1e-5)
-    assert data["worst"] == pytest.approx(1, rel=1e-5)
+    assert data["energy"] == pytest.approx(1, rel=SINGLE_LONG)
+    assert data["worst"] == pytest.approx(1, rel=SINGLE_LONG)
     assert data["against"] == "lambert rho=0.4"
     assert not list(tmp_path.iterdir())
 

@@ -17,6 +17,7 @@ from click.testing import CliRunner
 from MaterialX import PyMaterialXGenOsl, PyMaterialXGenShader
 from support import materialx as support
 from support.materialx import FIS, PREFILTER, Job, Rows, generate, load, points, written
+from support.tolerances import DOUBLE_DIVIDED, SINGLE, SINGLE_LONG
 
 import gonio
 from gonio.check.variants import value_at
@@ -108,7 +109,7 @@ def test_every_parameter_is_an_input_with_its_default_range_and_meaning(
     # Widths along x and y move together when all parameters do; one of them alone makes the difference.
     along_x = {p: 0.5 * v for p, _, v in model.parameters() if p.endswith("_x")}
     same = all(
-        np.allclose(m.eval(turned @ wi, turned @ wo), m.eval(wi, wo), rtol=1e-9)
+        np.allclose(m.eval(turned @ wi, turned @ wo), m.eval(wi, wo), rtol=DOUBLE_DIVIDED)
         for m in (model, varied(model, 0.3), model.replace(**along_x))
     )
     assert rest == (["normal"] if same else ["normal", "tangent"])
@@ -119,9 +120,9 @@ def test_every_parameter_is_an_input_with_its_default_range_and_meaning(
         def numbers(text: str) -> Any:
             return np.array([float(part) for part in text.split(",")])
 
-        assert np.allclose(numbers(found.getValueString()), value, rtol=1e-6)
-        assert np.allclose(numbers(found.getAttribute("uimin")), declared.low, rtol=1e-6)
-        assert np.allclose(numbers(found.getAttribute("uimax")), declared.high, rtol=1e-6)
+        assert np.allclose(numbers(found.getValueString()), value, rtol=SINGLE)
+        assert np.allclose(numbers(found.getAttribute("uimin")), declared.low, rtol=SINGLE)
+        assert np.allclose(numbers(found.getAttribute("uimax")), declared.high, rtol=SINGLE)
         assert declared.doc.split(";")[0].split("·")[0][:12] in found.getDocString()
         assert (found.getAttribute("uifolder") == "Base") == path.startswith("base.")
 
@@ -527,7 +528,7 @@ def test_a_mesh_without_tangents_is_still_lit(tmp_path: Path) -> None:
     job = Job(shader, VIEW, uniforms(model, name), LIGHT, samples=1)
     usual = support.drawn(tmp_path, given, [job])[0]
     for other in (bare, along):
-        assert np.allclose(support.drawn(tmp_path, other, [job])[0], usual, rtol=1e-3, atol=1e-6)
+        assert np.allclose(support.drawn(tmp_path, other, [job])[0], usual, rtol=1e-3, atol=SINGLE)
 
 
 def own_model(folder: Path, fields: str, body: str) -> Model:
@@ -598,12 +599,12 @@ def test_a_users_model_may_use_words_of_the_other_languages_and_compare_colours(
     shader = generate(document, "gonio_own", language)
     got = support.call(shader, definition, language, rows, tmp_path)
     up = np.array([[0.0, 0.0, 1.0]])
-    assert np.allclose(got / 0.625, model.eval(up, up), rtol=1e-5)
+    assert np.allclose(got / 0.625, model.eval(up, up), rtol=SINGLE_LONG)
     job = Job(generate(document, "gonio_own", "glsl"), (0, 0, 9), light=(0, 0, 1), samples=1)
     upright = given.copy()
     upright[:, 3:6] = 0, 0, 1
     drawn = support.drawn(tmp_path, upright, [job])[0]
-    assert np.allclose(drawn, model.eval(up, up), rtol=1e-5)
+    assert np.allclose(drawn, model.eval(up, up), rtol=SINGLE_LONG)
 
 
 def test_the_examples_of_the_documentation_work(
@@ -654,7 +655,7 @@ def test_the_command_writes_documents_that_materialx_reads(tmp_path: Path) -> No
     lobe = document.getNode("gonio_rough_gold_reflection")
     for path, _, value in gold.parameters():
         text = lobe.getInput(path.replace(".", "_")).getValueString()
-        assert np.allclose([float(part) for part in text.split(",")], value, rtol=1e-6)
+        assert np.allclose([float(part) for part in text.split(",")], value, rtol=SINGLE)
 
 
 def test_every_ready_material_becomes_a_valid_document_that_compiles(tmp_path: Path) -> None:

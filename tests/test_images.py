@@ -14,6 +14,7 @@ import numpy as np
 import OpenEXR
 import pytest
 from PIL import Image
+from support.tolerances import SINGLE, SINGLE_LONG
 
 from gonio.images import ImageError, read_image, write_linear
 
@@ -95,15 +96,17 @@ def test_usual_formats_are_the_same_numbers(tmp_path: Path, suffix: str) -> None
     Image.fromarray(codes).save(tmp_path / f"a{suffix}", **lossless)
     image = read_image(tmp_path / f"a{suffix}")
     assert not image.linear
-    np.testing.assert_allclose(image.pixels, codes / 255, atol=1e-6)
+    np.testing.assert_allclose(image.pixels, codes / 255, atol=SINGLE)
     # IEC 61966-2-1: code 128 is linear 0.21586
-    assert image.linear_rgb()[0, 0, 1] == pytest.approx(0.21586, abs=1e-5)
+    assert image.linear_rgb()[0, 0, 1] == pytest.approx(0.21586, abs=SINGLE_LONG)
 
 
 def test_palettes_grey_alpha_and_sixteen_bits_are_read(tmp_path: Path) -> None:
     colour = Image.new("RGB", (3, 2), (255, 0, 51))
     colour.quantize().save(tmp_path / "p.png")
-    np.testing.assert_allclose(read_image(tmp_path / "p.png").pixels[0, 0], [1, 0, 0.2], atol=1e-6)
+    np.testing.assert_allclose(
+        read_image(tmp_path / "p.png").pixels[0, 0], [1, 0, 0.2], atol=SINGLE
+    )
     Image.new("L", (3, 2), 51).save(tmp_path / "l.png")
     assert read_image(tmp_path / "l.png").pixels.shape == (2, 3, 1)
     Image.new("LA", (3, 2), (51, 102)).save(tmp_path / "la.png")
@@ -364,4 +367,4 @@ def test_names_that_are_not_utf8_are_read_and_written(tmp_path: Path, suffix: st
     else:
         write_linear(path, np.full((2, 4, 3), 0.5, np.float32))
     expected = 0.2 if suffix == ".png" else 0.5
-    np.testing.assert_allclose(read_image(path).pixels, expected, rtol=1e-6)
+    np.testing.assert_allclose(read_image(path).pixels, expected, rtol=SINGLE)

@@ -13,6 +13,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from support.measured_files import EXAMPLES, klems, merl, rgl, tree
+from support.tolerances import DOUBLE, DOUBLE_DIVIDED, SINGLE
 
 import gonio
 from gonio import measured
@@ -51,11 +52,11 @@ def test_half_and_difference_angles_agree_with_vectors() -> None:
     wi, wo = directions(2000), directions(2000)
     theta_h, phi_h, theta_d, phi_d = half_difference(wi, wo)
     h = (wi + wo) / np.linalg.norm(wi + wo, axis=-1, keepdims=True)
-    assert np.allclose(h, spherical(theta_h, phi_h), atol=1e-12)
-    assert np.allclose(np.cos(theta_d), np.sum(wi * h, -1), atol=1e-12)
+    assert np.allclose(h, spherical(theta_h, phi_h), atol=DOUBLE)
+    assert np.allclose(np.cos(theta_d), np.sum(wi * h, -1), atol=DOUBLE)
     back = from_half_difference(theta_h, phi_h, theta_d, phi_d)
-    assert np.allclose(back[0], wi, atol=1e-12)
-    assert np.allclose(back[1], wo, atol=1e-12)
+    assert np.allclose(back[0], wi, atol=DOUBLE)
+    assert np.allclose(back[1], wo, atol=DOUBLE)
     swapped = half_difference(wo, wi)[3]
     assert np.allclose(np.cos(swapped - phi_d), -1)  # half a turn
 
@@ -90,7 +91,7 @@ def test_measurement_has_unit_directions_and_a_place_for_every_value(
 ) -> None:
     for found in measured.load_parts(put(tmp_path, name, EXAMPLES[name])):
         for w in (found.wi, found.wo):
-            assert np.allclose(np.linalg.norm(w[found.valid], axis=-1), 1, atol=1e-6)
+            assert np.allclose(np.linalg.norm(w[found.valid], axis=-1), 1, atol=SINGLE)
         assert found.values.shape == (len(found.wi), len(found.channels))
         assert np.isfinite(found.values).all()
         assert found.valid.any()
@@ -151,22 +152,22 @@ def test_zemax_angles_are_about_the_mirror_direction(tmp_path: Path) -> None:
     wo = found.wo.reshape(2, 3, 2, 3)
     assert values[1, 0, 1] == pytest.approx(0.11)
     # 30° of incidence, 40° towards the normal: 10° on the light's side, where x is positive
-    assert np.allclose(wo[1, 0, 1], spherical(math.radians(10), 0.0), atol=1e-6)
+    assert np.allclose(wo[1, 0, 1], spherical(math.radians(10), 0.0), atol=SINGLE)
     assert found.weights.reshape(2, 3, 2)[1, 2, 1] == 0  # the zero, at 70°
 
 
 @pytest.mark.parametrize("name", ["astm", "pbrt"])
 def test_rows_of_angles_are_directions(name: str, tmp_path: Path) -> None:
     found = measured.load(put(tmp_path, name, EXAMPLES[name]))
-    assert np.allclose(found.wi[0], [math.sin(0.5), 0, math.cos(0.5)], atol=1e-6)
-    assert np.allclose(found.wo[0], [-math.sin(0.5), 0, math.cos(0.5)], atol=1e-6)
+    assert np.allclose(found.wi[0], [math.sin(0.5), 0, math.cos(0.5)], atol=SINGLE)
+    assert np.allclose(found.wo[0], [-math.sin(0.5), 0, math.cos(0.5)], atol=SINGLE)
     assert np.allclose(found.values[1], [0.14, 0.13, 0.12])
 
 
 def test_fred_has_the_mirror_direction_at_azimuth_0(tmp_path: Path) -> None:
     found = measured.load(put(tmp_path, "f", EXAMPLES["fred"]))
     mirror = np.flatnonzero(np.isclose(found.values[:, 0], 0.5))  # 0.25 times the scale
-    assert np.allclose(found.wo[mirror], found.wi[mirror] * [-1, -1, 1], atol=1e-6)
+    assert np.allclose(found.wo[mirror], found.wi[mirror] * [-1, -1, 1], atol=SINGLE)
 
 
 def test_alta_has_errors_as_weights_and_any_byte_order(tmp_path: Path) -> None:
@@ -176,7 +177,7 @@ def test_alta_has_errors_as_weights_and_any_byte_order(tmp_path: Path) -> None:
     assert np.allclose(text.wi, binary.wi)
     assert np.allclose(text.wo, binary.wo)
     assert np.allclose(text.values, binary.values)
-    assert np.allclose(angles(text.wo)[0], [0.5, 0.2], atol=1e-6)  # V, the viewer, comes first
+    assert np.allclose(angles(text.wo)[0], [0.5, 0.2], atol=SINGLE)  # V, the viewer, comes first
 
 
 def _alta_numbers(name: str, V: Any, L: Any) -> list[float]:
@@ -219,15 +220,15 @@ def test_parametrisation_of_alta_gives_back_the_directions(name: str) -> None:
         numbers = _alta_numbers(name, V, L)
         v, el = convert(*(np.array([x]) for x in numbers))
         for w in (v, el):
-            assert np.linalg.norm(w) == pytest.approx(1, abs=1e-9)
+            assert np.linalg.norm(w) == pytest.approx(1, abs=DOUBLE_DIVIDED)
         # Isotropic ones leave the azimuth open: what has to be kept is the angles to N and between them
         pairs = [(v[0], V), (el[0], L)]
         if name.startswith("RUSIN"):  # ALTA turns V where gonio turns L: the same pair, swapped
             pairs = [(el[0], V), (v[0], L)]
             if min(abs(np.array(v[0])[2] - V[2]), 1) < 1e-9:
                 pairs = [(v[0], V), (el[0], L)]
-        assert all(a[2] == pytest.approx(b[2], abs=1e-9) for a, b in pairs)
-        assert v[0] @ el[0] == pytest.approx(V @ L, abs=1e-9)
+        assert all(a[2] == pytest.approx(b[2], abs=DOUBLE_DIVIDED) for a, b in pairs)
+        assert v[0] @ el[0] == pytest.approx(V @ L, abs=DOUBLE_DIVIDED)
 
 
 def test_slices_of_alta_have_the_angles_they_name() -> None:
@@ -236,7 +237,7 @@ def test_slices_of_alta_have_the_angles_they_name() -> None:
         numbers = [np.array([x]) for x in (0.7, 0.5)[:dimensions]]
         V, L = (w[0] for w in convert(*numbers))
         again = _alta_numbers(name, V, L)
-        assert again == pytest.approx([0.7, 0.5][:dimensions], abs=1e-9), name
+        assert again == pytest.approx([0.7, 0.5][:dimensions], abs=DOUBLE_DIVIDED), name
     V, L = (
         w[0]
         for w in alta.PARAMETRISATIONS["RETRO_TL_TVL_PROJ_DPHI"][1](
@@ -279,10 +280,10 @@ def test_csv_takes_radians_vectors_and_wavelengths(tmp_path: Path) -> None:
     found = measured.load(put(tmp_path, "r", text))
     assert found.wavelengths is not None
     assert np.allclose(found.wavelengths, [450, 550, 650])
-    assert np.allclose(found.wi[0], [math.sin(0.5), 0, math.cos(0.5)], atol=1e-6)
+    assert np.allclose(found.wi[0], [math.sin(0.5), 0, math.cos(0.5)], atol=SINGLE)
     text = b"wi_x;wi_y;wi_z;wo_x;wo_y;wo_z;f\n0;0;1;0.6;0;0.8;0.25\n"
     found = measured.load(put(tmp_path, "v", text))
-    assert np.allclose(found.wo[0], [0.6, 0, 0.8], atol=1e-6)
+    assert np.allclose(found.wo[0], [0.6, 0, 0.8], atol=SINGLE)
     assert found.channels == ("value",)
 
 
@@ -418,7 +419,7 @@ def test_written_model_is_read_back(format: str, error: float, tmp_path: Path) -
         wi / np.linalg.norm(wi, axis=-1, keepdims=True),
         wo / np.linalg.norm(wo, axis=-1, keepdims=True),
     )
-    assert np.allclose(found.values[some][high], exact[high], rtol=2e-5, atol=1e-6)
+    assert np.allclose(found.values[some][high], exact[high], rtol=2e-5, atol=SINGLE)
     wi, wo = directions(2000), directions(2000)
     off = np.abs(found.evaluate(wi, wo) - EON.eval(wi, wo)) / EON.eval(wi, wo)
     assert np.percentile(off, 99) < error

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from support.tolerances import SINGLE, SINGLE_LONG
 
 import gonio
 from gonio import backend, measured
@@ -90,7 +91,7 @@ def test_precisions_and_backends_agree(name: str) -> None:
     double = made(name).eval(wi, wo)
     single = made(name).eval(wi.astype(np.float32), wo.astype(np.float32))
     # Angles in single precision, over steps of half a degree at the smallest
-    assert np.allclose(single, double, rtol=2e-3, atol=1e-5)
+    assert np.allclose(single, double, rtol=2e-3, atol=SINGLE_LONG)
     before = backend.current()
     try:
         backend.use("scalar")
@@ -103,7 +104,7 @@ def test_precisions_and_backends_agree(name: str) -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_swapped_directions_have_the_same_value(name: str) -> None:
     wi, wo = directions(2000)
-    assert np.allclose(made(name).eval(wi, wo), made(name).eval(wo, wi), rtol=1e-5)
+    assert np.allclose(made(name).eval(wi, wo), made(name).eval(wo, wi), rtol=SINGLE_LONG)
 
 
 def test_scale_multiplies() -> None:
@@ -133,7 +134,7 @@ def test_samples_have_their_density_and_bounded_weights(name: str) -> None:
         wo = np.broadcast_to(spherical(math.radians(theta), 0.3), (40_000, 3))
         wi, pdf = model.sample(wo, random.random((40_000, 2)))
         good = pdf > 0
-        assert np.allclose(model.pdf(wi[good], wo[good]), pdf[good], rtol=1e-6)
+        assert np.allclose(model.pdf(wi[good], wo[good]), pdf[good], rtol=SINGLE)
         weight = model.eval(wi[good], wo[good]) * wi[good][:, 2:] / pdf[good][:, None]
         # Cosine-weighted samples alone would have weights of 5 to 20 for the glossy ones
         assert weight.max() < 6
@@ -225,7 +226,7 @@ def test_mitsuba_has_the_models_values_and_its_own_plug_in_agrees(tmp_path: Path
         np.array(mi.load_dict(bsdf).eval(mi.BSDFContext(), si, light)).T
         for bsdf in (node(model), {"type": "measured", "filename": str(path)})
     )
-    assert np.allclose(mine, model.eval(wi, wo) * wi[:, 2:], rtol=2e-3, atol=1e-6)
+    assert np.allclose(mine, model.eval(wi, wo) * wi[:, 2:], rtol=2e-3, atol=SINGLE)
     # Both interpolate, one over a warped square and one over half and difference angles
     off = np.abs(mine - theirs) / theirs
     assert np.percentile(off, 90) < 0.02

@@ -9,6 +9,7 @@ import drjit as dr
 import numpy as np
 import pytest
 from support.directions import polar
+from support.tolerances import SINGLE, SINGLE_LONG
 
 import gonio
 from gonio import backend, quadrature
@@ -114,7 +115,7 @@ def test_a_rule_that_does_not_exist_is_refused_when_the_class_is_made() -> None:
 def test_what_is_no_mirror_image_of_itself_is_not_halved() -> None:
     turned = polar(0.9, 2.0)[None]
     # The odd part integrates to 0: 0.2 π.
-    np.testing.assert_allclose(Chiral().albedo(turned)[0], 0.2 * np.pi, rtol=1e-5)
+    np.testing.assert_allclose(Chiral().albedo(turned)[0], 0.2 * np.pi, rtol=SINGLE_LONG)
 
     class ChiralHighlight(Chiral, register=False):
         albedo_rule = "half_vectors"
@@ -130,7 +131,7 @@ def test_half_the_azimuths_give_the_albedo_of_all(name: str, parameters: dict[st
     model = gonio.model(name, **parameters)
     wo = np.stack([polar(t, p) for t, p in ((0, 0), (0.7, 1.0), (1.5, 4.0))])
     full = model.with_albedo_rule(model.albedo_rule)
-    np.testing.assert_allclose(model.albedo(wo), full.albedo(wo), rtol=1e-6)
+    np.testing.assert_allclose(model.albedo(wo), full.albedo(wo), rtol=SINGLE)
 
 
 @pytest.mark.parametrize("name", ["torrance_sparrow", "weidlich_wilkie", "oren_nayar"])

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.tolerances import DOUBLE, DOUBLE_DIVIDED, SINGLE
 
 import gonio
 from gonio import plot as plots
@@ -48,12 +49,12 @@ def test_a_lambert_lobe_is_rho_over_pi_times_the_cosine(tmp_path):
     for colour, rho in (("red", 0.8), ("green", 0.3), ("blue", 0.1)):
         f_cos = numbers(columns, f"f_cos {colour} [1/sr]")
         # 9 digits are written, of a value up to 0.25
-        np.testing.assert_allclose(f_cos, rho / math.pi * cosine, atol=1e-9)
+        np.testing.assert_allclose(f_cos, rho / math.pi * cosine, atol=DOUBLE_DIVIDED)
 
 
 def test_without_the_cosine_a_lambert_lobe_is_constant():
     f = polar([gonio.Lambert()], cosine=False).columns["f red [1/sr]"]
-    np.testing.assert_allclose(f, 0.8 / math.pi, rtol=1e-12)
+    np.testing.assert_allclose(f, 0.8 / math.pi, rtol=DOUBLE)
 
 
 def test_positive_angles_are_the_viewers_side():
@@ -61,15 +62,15 @@ def test_positive_angles_are_the_viewers_side():
     at = dict(zip(columns["theta_i [deg]"], columns["f red [1/sr]"], strict=True))
     A_F = 1 / (1.5 - 2 / (3 * math.pi))
     # s/t = sin^2 / cos for wi = wo, and -sin^2 for the mirror direction (Eq. 10 and 11 of EON)
-    assert at[60] == pytest.approx(0.8 / math.pi * A_F * (1 + 0.75 / 0.5), rel=1e-12)
-    assert at[-60] == pytest.approx(0.8 / math.pi * A_F * (1 - 0.75), rel=1e-12)
+    assert at[60] == pytest.approx(0.8 / math.pi * A_F * (1 + 0.75 / 0.5), rel=DOUBLE)
+    assert at[-60] == pytest.approx(0.8 / math.pi * A_F * (1 - 0.75), rel=DOUBLE)
 
 
 def test_white_eon_has_albedo_1_in_every_row():
     columns = albedo([gonio.EON(rho=1, roughness=r) for r in (0, 0.4, 1)]).columns
     assert {*columns["albedo"]} == {"directional", "mean"}
     for colour in plots.RGB:
-        np.testing.assert_allclose(columns[f"albedo {colour}"], 1, atol=1e-6)
+        np.testing.assert_allclose(columns[f"albedo {colour}"], 1, atol=SINGLE)
 
 
 def test_mean_albedo_is_plotted_against_each_models_own_roughness():
@@ -92,7 +93,7 @@ def test_mean_albedo_of_fon_is_eq_15():
     r, value = np.array(mean).T
     expected = (1 + (2 / 3 - 28 / (15 * math.pi)) * r) / (1 + (0.5 - 2 / (3 * math.pi)) * r)
     assert r[[0, -1]].tolist() == [0, 1]
-    np.testing.assert_allclose(value, expected, rtol=1e-6)
+    np.testing.assert_allclose(value, expected, rtol=SINGLE)
 
 
 def test_a_lambert_surface_is_a_sphere():
@@ -111,7 +112,7 @@ def test_sampling_weights_average_to_the_albedo():
     eon = np.char.startswith(name, "eon")
     # five times the error of a mean of 20,000 weights of variance 0.029, the largest there is
     np.testing.assert_allclose(mean[eon], 1, atol=5 * math.sqrt(0.029 / 20_000))
-    np.testing.assert_allclose(mean[~eon], 0.8, rtol=1e-6)
+    np.testing.assert_allclose(mean[~eon], 0.8, rtol=SINGLE)
     # cosine sampling is exact for Lambert
     assert variance[~eon].max() < 1e-10
     np.testing.assert_allclose(np.array(columns["maximum of weight, luminance"])[~eon], 0.8, 1e-5)
@@ -142,7 +143,9 @@ def test_more_batches_have_the_same_statistics(monkeypatch):
     white, at = gonio.EON(rho=1, roughness=1), np.array([60.0])
     whole = numbers.sample_weights(white, at, "red", 30_000)
     monkeypatch.setattr(numbers, "BATCH", 7_000)
-    np.testing.assert_allclose(numbers.sample_weights(white, at, "red", 30_000), whole, rtol=1e-9)
+    np.testing.assert_allclose(
+        numbers.sample_weights(white, at, "red", 30_000), whole, rtol=DOUBLE_DIVIDED
+    )
 
 
 def test_sampling_along_a_parameter_needs_one():
@@ -159,19 +162,19 @@ def test_a_cartesian_slice_is_the_polar_one_turned_and_any_plane_can_be_had():
     rows = zip(*(columns[n] for n in ("phi [deg]", "theta_i [deg]", "f red [1/sr]")), strict=True)
     at = {(phi, theta): f for phi, theta, f in rows}
     # s/t = sin^2 / cos for wi = wo, and 0 across (Eq. 10 and 11 of EON)
-    assert at[0, 60] == pytest.approx(0.8 / math.pi * A_F * 2.5, rel=1e-12)
-    assert at[90, 60] == pytest.approx(0.8 / math.pi * A_F, rel=1e-12)
+    assert at[0, 60] == pytest.approx(0.8 / math.pi * A_F * 2.5, rel=DOUBLE)
+    assert at[90, 60] == pytest.approx(0.8 / math.pi * A_F, rel=DOUBLE)
     polar_columns = polar([model], theta_o=60, phi=90, cosine=False).columns
     across = [f for (phi, _), f in at.items() if phi == 90]
-    np.testing.assert_allclose(polar_columns["f red [1/sr]"], across, rtol=1e-12)
+    np.testing.assert_allclose(polar_columns["f red [1/sr]"], across, rtol=DOUBLE)
 
 
 def test_a_light_that_turns_passes_viewer_and_mirror_direction():
     columns = cartesian([gonio.FON(roughness=1)], theta_o=60, theta_i=60, cosine=False).columns
     at = dict(zip(columns["phi_i - phi_o [deg]"], columns["f red [1/sr]"], strict=True))
     A_F = 1 / (1.5 - 2 / (3 * math.pi))
-    assert at[0] == pytest.approx(0.8 / math.pi * A_F * 2.5, rel=1e-9)
-    assert at[180] == pytest.approx(0.8 / math.pi * A_F * 0.25, rel=1e-9)
+    assert at[0] == pytest.approx(0.8 / math.pi * A_F * 2.5, rel=DOUBLE_DIVIDED)
+    assert at[180] == pytest.approx(0.8 / math.pi * A_F * 0.25, rel=DOUBLE_DIVIDED)
 
 
 def test_multiple_scattering_is_what_eon_adds_to_fon():
@@ -191,7 +194,7 @@ def test_multiple_scattering_is_what_eon_adds_to_fon():
         return (1 + G / math.pi) / (1 + C1)
 
     expected = (1 - E(0)) * (1 - E(math.pi / 3)) / (1 - mean) / math.pi
-    assert multiple[at] == pytest.approx(expected, rel=1e-9)
+    assert multiple[at] == pytest.approx(expected, rel=DOUBLE_DIVIDED)
     with pytest.raises(ValueError, match="lambert does not tell single scattering from multiple"):
         scattering([gonio.Lambert()])
 
@@ -219,12 +222,16 @@ def test_distributions_have_their_peaks_and_tails():
     columns = distribution([ggx, beckmann], log=True).columns
     theta = np.array(columns["theta_m [deg]"]).reshape(2, -1)[0]
     D = np.array(columns["D [1/sr]"]).reshape(2, -1)
-    np.testing.assert_allclose(D[:, 0], 1 / (math.pi * 0.09), rtol=1e-12)
+    np.testing.assert_allclose(D[:, 0], 1 / (math.pi * 0.09), rtol=DOUBLE)
     at = int(np.argmin(abs(theta - 45)))
     t = math.radians(theta[at])
     tan2, cos4 = math.tan(t) ** 2, math.cos(t) ** 4
-    assert D[0, at] == pytest.approx(0.09 / (math.pi * cos4 * (0.09 + tan2) ** 2), rel=1e-9)
-    assert D[1, at] == pytest.approx(math.exp(-tan2 / 0.09) / (math.pi * 0.09 * cos4), rel=1e-9)
+    assert D[0, at] == pytest.approx(
+        0.09 / (math.pi * cos4 * (0.09 + tan2) ** 2), rel=DOUBLE_DIVIDED
+    )
+    assert D[1, at] == pytest.approx(
+        math.exp(-tan2 / 0.09) / (math.pi * 0.09 * cos4), rel=DOUBLE_DIVIDED
+    )
 
 
 def test_a_logarithmic_axis_ends_at_the_peak_however_low_the_tails_are():
@@ -243,7 +250,7 @@ def test_masking_of_v_cavities_is_theirs():
     wo = np.array([math.sin(math.radians(angle)), 0, math.cos(math.radians(angle))])
     h = (wi + wo) / np.linalg.norm(wi + wo)
     expected = min(1, 2 * h[2] * min(wi[2], wo[2]) / (wo @ h))
-    assert at[angle] == pytest.approx(expected, rel=1e-6)
+    assert at[angle] == pytest.approx(expected, rel=SINGLE)
 
 
 def test_fresnel_terms_of_layers_are_told_apart():
@@ -252,10 +259,10 @@ def test_fresnel_terms_of_layers_are_told_apart():
     term = np.array(columns["term"])
     values = np.array(columns["reflectance red"])
     f0 = (0.33333 / 2.33333) ** 2
-    assert values[term == "F, upper layer"][0] == pytest.approx(f0, rel=1e-9)
+    assert values[term == "F, upper layer"][0] == pytest.approx(f0, rel=DOUBLE_DIVIDED)
     # Eq. 5 of the course: F0(n2/n1) (1 - F0(1/n1))
     bottom = ((1.5 - 1.33333) / (1.5 + 1.33333)) ** 2 * (1 - f0)
-    np.testing.assert_allclose(values[term == "lower layer"], bottom, rtol=1e-9)
+    np.testing.assert_allclose(values[term == "lower layer"], bottom, rtol=DOUBLE_DIVIDED)
 
 
 MODELS = [

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.directions import RANDOM, adversarial_pairs
+from support.tolerances import SINGLE
 
 import gonio
 from gonio.export import Entry, Export, Member, export
@@ -186,7 +187,7 @@ def test_any_number_of_rows_can_be_run(language, count):
     (outputs,) = RUNNERS[language]([by_hand(language)], [rows]).outputs
     assert outputs.shape == (count, 11)
     (native,) = RUNNERS["cpp"]([by_hand("cpp")], [rows]).outputs
-    np.testing.assert_allclose(outputs, native, rtol=1e-4, atol=1e-6)
+    np.testing.assert_allclose(outputs, native, rtol=1e-4, atol=SINGLE)
 
 
 # ------------------------------------------------------------------------------------------- the rows

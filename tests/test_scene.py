@@ -7,6 +7,7 @@ import mitsuba as mi
 import numpy as np
 import pytest
 import trimesh
+from support.tolerances import DOUBLE, SINGLE, SINGLE_LONG
 
 from gonio.render import ball, light, stage, user_mesh
 
@@ -63,7 +64,7 @@ def test_no_triangle_is_degenerate(part):
 @pytest.mark.parametrize("part", PARTS)
 def test_normals_are_unit_and_agree_with_the_triangles(part):
     mesh = PARTS[part]()
-    np.testing.assert_allclose(np.linalg.norm(mesh.normals, axis=1), 1, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(mesh.normals, axis=1), 1, atol=DOUBLE)
     a, b, c = (mesh.positions[mesh.faces[:, k]] for k in range(3))
     flat = np.cross(b - a, c - a)
     flat /= np.linalg.norm(flat, axis=1, keepdims=True)
@@ -115,15 +116,15 @@ def test_user_mesh_is_scaled_centred_and_put_on_the_ground(torus_file):
         user_mesh.on_stage(user_mesh.load_mesh(torus_file), up="z", turn=30)
     )
     low, high = mesh.positions.min(axis=0), mesh.positions.max(axis=0)
-    assert low[1] == pytest.approx(0, abs=1e-6)
+    assert low[1] == pytest.approx(0, abs=SINGLE)
     np.testing.assert_allclose((low + high)[[0, 2]], 0, atol=1e-4)
     middle = (low + high) / 2
     radius = np.linalg.norm(mesh.positions - middle, axis=1).max()
-    assert radius == pytest.approx(user_mesh.MESH_RADIUS, rel=1e-5)
+    assert radius == pytest.approx(user_mesh.MESH_RADIUS, rel=SINGLE_LONG)
     # A torus lying flat: its height is 0.4 / 1.4 of its width.
     assert high[1] == pytest.approx(2 * user_mesh.MESH_RADIUS * 0.4 / 1.4, rel=0.01)
     assert mesh.volume() > 0
-    np.testing.assert_allclose(np.linalg.norm(mesh.normals, axis=1), 1, atol=1e-6)
+    np.testing.assert_allclose(np.linalg.norm(mesh.normals, axis=1), 1, atol=SINGLE)
 
 
 def test_user_mesh_is_in_the_picture(torus_file):
@@ -148,14 +149,16 @@ def test_glb_keeps_every_geometry_with_its_transform_and_uv(tmp_path):
     np.testing.assert_allclose(mesh.positions.max(axis=0), [1, 5.5, 0.5])
     assert mesh.volume() == pytest.approx(3)  # 1 + 2; the mirrored one not inside out
     # glTF has v = 0 at the top of a picture, as Mitsuba has; trimesh turned it over twice.
-    np.testing.assert_allclose(mesh.uvs[:8], box.visual.uv * [1, -1] + [0, 1], atol=1e-6)
+    np.testing.assert_allclose(mesh.uvs[:8], box.visual.uv * [1, -1] + [0, 1], atol=SINGLE)
 
 
 def test_normals_of_the_file_are_kept_and_missing_ones_are_smooth_unless_edges_are_meant(tmp_path):
     tilted = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0.6 0.8\nf 1//1 2//1 3//1\n"
     (tmp_path / "tilted.obj").write_text(tilted)
     mesh = user_mesh.load_mesh(tmp_path / "tilted.obj")
-    np.testing.assert_allclose(user_mesh.with_normals(mesh).normals, [[0, 0.6, 0.8]] * 3, atol=1e-6)
+    np.testing.assert_allclose(
+        user_mesh.with_normals(mesh).normals, [[0, 0.6, 0.8]] * 3, atol=SINGLE
+    )
 
     ball = trimesh.creation.icosphere(subdivisions=2)
     (tmp_path / "ball.ply").write_bytes(ply(ball.vertices, ball.faces))
@@ -168,14 +171,16 @@ def test_normals_of_the_file_are_kept_and_missing_ones_are_smooth_unless_edges_a
     cube = user_mesh.with_normals(user_mesh.load_mesh(tmp_path / "box.ply"))
     a, b, c = (cube.positions[cube.faces[:, k]] for k in range(3))
     flat = np.cross(b - a, c - a)  # of length 1: every triangle is half of a unit square
-    np.testing.assert_allclose(cube.normals[cube.faces], flat[:, None].repeat(3, axis=1), atol=1e-6)
+    np.testing.assert_allclose(
+        cube.normals[cube.faces], flat[:, None].repeat(3, axis=1), atol=SINGLE
+    )
 
 
 def test_normals_missing_at_some_vertices_are_filled_in(tmp_path):
     text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\nf 2 4 3\n"
     (tmp_path / "some.obj").write_text(text)
     mesh = user_mesh.with_normals(user_mesh.load_mesh(tmp_path / "some.obj"))
-    np.testing.assert_allclose(mesh.normals, [[0, 0, 1]] * len(mesh.normals), atol=1e-6)
+    np.testing.assert_allclose(mesh.normals, [[0, 0, 1]] * len(mesh.normals), atol=SINGLE)
 
 
 def test_quads_and_relative_indices_are_read(tmp_path):
@@ -341,7 +346,7 @@ def test_white_furnace_hides_a_white_ball():
 
 def test_furnace_shows_a_material_that_loses_light():
     picture = render(stage.shader_ball(ORANGE, furnace=True, size=(64, 64)))
-    np.testing.assert_allclose(picture[0, 0], 1, atol=1e-5)
+    np.testing.assert_allclose(picture[0, 0], 1, atol=SINGLE_LONG)
     np.testing.assert_allclose(picture[32, 46], [0.8, 0.3, 0.1], atol=1e-3)  # convex: one bounce
 
 

@@ -12,6 +12,7 @@ from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
+from support.tolerances import DOUBLE_DIVIDED, SINGLE_LONG
 
 import gonio
 from gonio.cli import main
@@ -55,7 +56,7 @@ def test_a_mesh_of_any_proportions_fills_the_frame(
         np.array([extreme((seen @ axis) / depth) for axis in (right, up)]) / edge
         for extreme in (np.min, np.max)
     )
-    np.testing.assert_allclose(np.maximum(-low, high).max(), 1, rtol=1e-9)
+    np.testing.assert_allclose(np.maximum(-low, high).max(), 1, rtol=DOUBLE_DIVIDED)
     touching = int(np.argmax(np.maximum(-low, high)))
     assert low[touching] == pytest.approx(-1)  # both sides of that direction, so it is centred
     assert high[touching] == pytest.approx(1)
@@ -87,7 +88,7 @@ def test_a_transparent_background_has_alpha_and_straight_colours(tmp_path: Path)
     picture = render(gonio.Lambert(rho=0.5), transparent=True, size=(48, 48), spp=16)
     assert picture.shape == (48, 48, 4)
     np.testing.assert_array_equal(picture[0, 0], 0)
-    assert picture[20, 30, 3] == pytest.approx(1, abs=1e-5)
+    assert picture[20, 30, 3] == pytest.approx(1, abs=SINGLE_LONG)
     write_picture(tmp_path / "a.png", picture)
     shown = np.asarray(Image.open(tmp_path / "a.png"))
     assert shown.shape == (48, 48, 4)
@@ -146,7 +147,7 @@ def test_curves_keep_middle_grey_and_never_turn_back() -> None:
         assert curve.min() >= 0
         assert 0.95 < shown(100.0, tone) <= 1
     # Narkowicz's formula at 1, by hand: 2.54 / 3.16
-    assert shown(1 / 0.7232, "filmic") == pytest.approx(2.54 / 3.16, rel=1e-5)
+    assert shown(1 / 0.7232, "filmic") == pytest.approx(2.54 / 3.16, rel=SINGLE_LONG)
 
 
 def test_agx_turns_bright_saturated_light_towards_white() -> None:

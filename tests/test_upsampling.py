@@ -8,6 +8,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
+from support.tolerances import DOUBLE
 
 import gonio
 import gonio.mitsuba
@@ -74,7 +75,7 @@ def test_the_three_spectra_are_reflectances_that_add_up_and_look_like_the_primar
     spectra = primaries()
     assert spectra.min() >= 0
     assert spectra.max() <= 1
-    np.testing.assert_allclose(spectra.sum(axis=0), 1, atol=1e-12)
+    np.testing.assert_allclose(spectra.sum(axis=0), 1, atol=DOUBLE)
     for spectrum, primary in zip(spectra, np.eye(3), strict=True):
         shown = as_rgb(np.interp(NANOMETRES, wavelengths(), spectrum))
         np.testing.assert_allclose(shown, primary, atol=2e-3)  # the matrix has four digits

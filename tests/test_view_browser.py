@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 from playwright.sync_api import Browser, ConsoleMessage, Page, sync_playwright
+from support.tolerances import SINGLE_LONG
 
 import gonio
 from gonio.materials import Material, library, load
@@ -665,9 +666,9 @@ def test_a_dropped_glb_is_turned_and_scaled_as_its_node_says(shown: Shown) -> No
     take(shown, "flag.glb", triangle)
     own = "gonio.renderer.own"
     # Its height is four times its width, and the largest side becomes 2
-    assert shown.value(f"{own}.height") == pytest.approx(2, abs=1e-5)
+    assert shown.value(f"{own}.height") == pytest.approx(2, abs=SINGLE_LONG)
     places = np.array(shown.value(f"[...{own}.mesh.positions]")).reshape(-1, 3)
-    assert np.ptp(places, axis=0) == pytest.approx([0.5, 2, 0], abs=1e-5)
+    assert np.ptp(places, axis=0) == pytest.approx([0.5, 2, 0], abs=SINGLE_LONG)
     assert np.isfinite(shown.film(1, 16, furnace=False, shape="own")).all()
     shown.run("gonio.set({ shape: 'ball' })")
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
+from support.tolerances import DOUBLE
 
 from gonio import conversions
 from gonio.conversions import (
@@ -64,8 +65,8 @@ def test_the_dark_have_two_descriptions_and_the_least_metallic_one_comes_back() 
     second = specular_from_metallic((0.02, 0.02, 0.02), 0.75, 0)
     assert distance(first, second) < 1e-15
     back = metallic_from_specular(*second)
-    np.testing.assert_allclose(back.base_color, 0.01, rtol=1e-12)
-    np.testing.assert_allclose(back.metallic, 0.5, rtol=1e-12)
+    np.testing.assert_allclose(back.base_color, 0.01, rtol=DOUBLE)
+    np.testing.assert_allclose(back.metallic, 0.5, rtol=DOUBLE)
 
 
 def test_known_materials() -> None:

@@ -10,6 +10,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 from support.plugins import EACH, SUN, ball, between
+from support.tolerances import SINGLE
 
 from gonio.model import Model
 
@@ -46,7 +47,7 @@ def test_changed_values_need_no_new_kernel(cls: type[Model]) -> None:
         updated = mi.render(scene, spp=1).numpy()
     assert not kernels
     assert np.abs(fresh - before).max() > 0.01
-    np.testing.assert_allclose(updated, fresh, rtol=1e-6)
+    np.testing.assert_allclose(updated, fresh, rtol=SINGLE)
 
 
 def test_a_new_kernel_is_noticed() -> None:
@@ -69,4 +70,4 @@ def test_a_frozen_function_follows_the_parameters() -> None:
         parameters["ball.bsdf.roughness.value"] = mi.Float(roughness)
         parameters.update()
         expected = mi.render(scene, spp=1, seed=1).numpy()
-        np.testing.assert_allclose(frozen(scene).numpy(), expected, rtol=1e-6)
+        np.testing.assert_allclose(frozen(scene).numpy(), expected, rtol=SINGLE)

@@ -24,6 +24,7 @@ from support.plugins import (
     load,
     vector,
 )
+from support.tolerances import SINGLE
 
 from gonio.lang import Color, Vec3
 from gonio.model import Model
@@ -37,7 +38,7 @@ def test_objects_outlive_a_change_of_variant() -> None:
         mi.set_variant(other)
         mi.load_dict({"type": "gonio_eon"})
         value, _ = before.eval_pdf(ctx, si, wi)
-        np.testing.assert_allclose(value.numpy(), expected, rtol=1e-6)
+        np.testing.assert_allclose(value.numpy(), expected, rtol=SINGLE)
         before.sample(ctx, si, 0.5, si.uv)
         assert before.eval_diffuse_reflectance(si).x[0] > 0
     mi.set_variant("llvm_ad_rgb")
@@ -85,7 +86,7 @@ def test_a_redefined_model_replaces_the_old_one() -> None:
         return Notebook
 
     first, second = grey_value(load(define(1.0))), grey_value(load(define(0.5)))
-    np.testing.assert_allclose(second, 0.5 * first, rtol=1e-6)
+    np.testing.assert_allclose(second, 0.5 * first, rtol=SINGLE)
 
 
 def run(code: str, *flags: str, **environment: str) -> subprocess.CompletedProcess[str]:

@@ -9,6 +9,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
+from support.tolerances import SINGLE, SINGLE_LONG
 
 import gonio
 import gonio.mitsuba
@@ -41,13 +42,13 @@ def test_a_metal_is_its_index_and_extinction(symbol: str) -> None:
     named = xml("gonio_torrance_sparrow", METAL.format(symbol))
     indices = {k: {"type": "rgb", "value": list(v)} for k, v in metal(symbol).items()}
     given = mi.load_dict({"type": "gonio_torrance_sparrow", **indices})
-    np.testing.assert_allclose(value(named), value(given), rtol=1e-5)
+    np.testing.assert_allclose(value(named), value(given), rtol=SINGLE_LONG)
     neutral = xml(
         "gonio_torrance_sparrow", METAL.format(symbol) + '<boolean name="neutral" value="true"/>'
     )
     indices = {k: {"type": "rgb", "value": list(v)} for k, v in metal(symbol, neutral=True).items()}
     given = mi.load_dict({"type": "gonio_torrance_sparrow", **indices})
-    np.testing.assert_allclose(value(neutral), value(given), rtol=1e-5)
+    np.testing.assert_allclose(value(neutral), value(given), rtol=SINGLE_LONG)
 
 
 def test_a_metal_stands_below_a_coat_and_in_a_paint() -> None:
@@ -56,11 +57,11 @@ def test_a_metal_stands_below_a_coat_and_in_a_paint() -> None:
         f'<bsdf type="gonio_torrance_sparrow" name="base">{METAL.format("Cu")}</bsdf>',
     )
     plain = gonio.model("weidlich_wilkie", base=gonio.model("torrance_sparrow", **metal("Cu")))
-    np.testing.assert_allclose(value(coated), value(mi.load_dict(node(plain))), rtol=1e-5)
+    np.testing.assert_allclose(value(coated), value(mi.load_dict(node(plain))), rtol=SINGLE_LONG)
     paint = xml("gonio_car_paint", METAL.format("Al"))
     values = {f"metal_{name}": v for name, v in metal("Al").items()}
     plain = gonio.model("car_paint", **values)
-    np.testing.assert_allclose(value(paint), value(mi.load_dict(node(plain))), rtol=1e-5)
+    np.testing.assert_allclose(value(paint), value(mi.load_dict(node(plain))), rtol=SINGLE_LONG)
 
 
 @pytest.mark.parametrize(
@@ -92,7 +93,7 @@ def test_a_wrong_name_is_an_error_that_says_so(kind: str, inside: str, message: 
 def test_a_ready_material_is_a_plug_in_by_its_name() -> None:
     for text in ("lacquered_walnut", "gold:alpha=0.3", "eon:roughness=1"):
         named = xml("gonio_material", f'<string name="name" value="{text}"/>')
-        np.testing.assert_allclose(value(named), value(mi.load_dict(node(load(text)))), rtol=1e-6)
+        np.testing.assert_allclose(value(named), value(mi.load_dict(node(load(text)))), rtol=SINGLE)
 
 
 def test_a_material_file_lies_beside_the_scene(

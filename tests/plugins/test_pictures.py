@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from support.directions import polar
 from support.plugins import EACH, IN_EACH_VARIANT, ball
+from support.tolerances import SINGLE_LONG
 
 import gonio.mitsuba
 from gonio.lang import Color, Vec3
@@ -125,7 +126,7 @@ def test_lambert_renders_like_mitsubas_diffuse() -> None:
         mi.render(mi.load_dict(ball(m, lights, size=32)), spp=4, seed=1).numpy()
         for m in (ours, theirs)
     )
-    np.testing.assert_allclose(a, b, rtol=1e-5)
+    np.testing.assert_allclose(a, b, rtol=SINGLE_LONG)
     a, b = (
         mi.render(mi.load_dict(room(m, 8)), spp=1024, seed=seed).numpy()
         for m, seed in ((ours, 1), (theirs, 2))

@@ -29,6 +29,7 @@ from support.plugins import (
     vector,
     wiring,
 )
+from support.tolerances import SINGLE, SINGLE_LONG
 
 import gonio.mitsuba
 from gonio import backend
@@ -105,12 +106,12 @@ def test_directions_are_swapped_exactly_once(variant: str) -> None:
     """By hand: light (0.6, 0, 0.8), viewer (0, 0.28, 0.96)."""
     light, viewer = np.array([[0.6, 0, 0.8]]), np.array([[0, 0.28, 0.96]])
     found = wiring(load(OneWay, rho=0.5), light, viewer, np.array([[0.5, 0.5]]))
-    np.testing.assert_allclose(found["value"], 0.5 * 0.8**2 * 2 * 0.8, rtol=1e-6)
-    np.testing.assert_allclose(found["pdf"], 5 + 0.6 + 3 * 0.28, rtol=1e-6)
-    np.testing.assert_allclose(found["sample"], [[-0.28, 0, 0.96]], rtol=1e-6)
-    np.testing.assert_allclose(found["sample_pdf"], 5 - 0.28 + 3 * 0.28, rtol=1e-6)
+    np.testing.assert_allclose(found["value"], 0.5 * 0.8**2 * 2 * 0.8, rtol=SINGLE)
+    np.testing.assert_allclose(found["pdf"], 5 + 0.6 + 3 * 0.28, rtol=SINGLE)
+    np.testing.assert_allclose(found["sample"], [[-0.28, 0, 0.96]], rtol=SINGLE)
+    np.testing.assert_allclose(found["sample_pdf"], 5 - 0.28 + 3 * 0.28, rtol=SINGLE)
     expected = 0.5 * 0.96**2 * 2 * 0.96 / (5 - 0.28 + 3 * 0.28)
-    np.testing.assert_allclose(found["weight"], expected, rtol=1e-6)
+    np.testing.assert_allclose(found["weight"], expected, rtol=SINGLE)
 
 
 class Swapped(OneWay, register=False):
@@ -179,9 +180,11 @@ def test_lambert_is_mitsubas_diffuse(variant: str) -> None:
     u = np.full((8, 2), 0.25)
     found, expected = wiring(ours, wi, wo, u), wiring(theirs, wi, wo, u)
     for name in ("value", "pdf", "weight"):
-        np.testing.assert_allclose(found[name], expected[name], rtol=1e-5, atol=1e-7)
+        np.testing.assert_allclose(found[name], expected[name], rtol=SINGLE_LONG, atol=1e-7)
     above = wo[wo[:, 2] > 0]  # theirs has the same albedo on its black side
-    np.testing.assert_allclose(reflectance(ours, above), reflectance(theirs, above), rtol=1e-5)
+    np.testing.assert_allclose(
+        reflectance(ours, above), reflectance(theirs, above), rtol=SINGLE_LONG
+    )
 
 
 @pytest.mark.parametrize("variant", [v for v in RUNNABLE if "polarized" in v], indirect=True)

@@ -8,6 +8,7 @@ import mitsuba as mi
 import numpy as np
 from support.directions import Array
 from support.plugins import WI, WO, bitmap, reflectance, wiring
+from support.tolerances import SINGLE, SINGLE_LONG
 
 ROUGH = {"type": "gonio_eon", "roughness": 1.0, "rho": {"type": "rgb", "value": [0.9, 0.4, 0.1]}}
 U = np.random.default_rng(1).random((64, 2), np.float32)
@@ -22,9 +23,11 @@ def test_blendbsdf_is_the_weighted_mean() -> None:
     wrapper = {"type": "blendbsdf", "weight": 0.3, "first": ROUGH, "second": smooth}
     blend, first, second = results(wrapper), results(ROUGH), results(smooth)
     for name in ("value", "pdf"):
-        np.testing.assert_allclose(blend[name], 0.7 * first[name] + 0.3 * second[name], rtol=1e-5)
+        np.testing.assert_allclose(
+            blend[name], 0.7 * first[name] + 0.3 * second[name], rtol=SINGLE_LONG
+        )
     albedos = [reflectance(mi.load_dict(bsdf), WO) for bsdf in (wrapper, ROUGH, smooth)]
-    np.testing.assert_allclose(albedos[0], 0.7 * albedos[1] + 0.3 * albedos[2], rtol=1e-5)
+    np.testing.assert_allclose(albedos[0], 0.7 * albedos[1] + 0.3 * albedos[2], rtol=SINGLE_LONG)
 
 
 def test_twosided_is_the_mirror_image_below() -> None:
@@ -32,11 +35,11 @@ def test_twosided_is_the_mirror_image_below() -> None:
     plain, wrapped = results(ROUGH), {"type": "twosided", "bsdf": ROUGH}
     upper, lower = results(wrapped), results(wrapped, WI * below, WO * below)
     for name in ("value", "pdf", "sample_pdf", "weight"):
-        np.testing.assert_allclose(upper[name], plain[name], rtol=1e-6)
-        np.testing.assert_allclose(lower[name], plain[name], rtol=1e-6)
-    np.testing.assert_allclose(lower["sample"], plain["sample"] * below, rtol=1e-6)
+        np.testing.assert_allclose(upper[name], plain[name], rtol=SINGLE)
+        np.testing.assert_allclose(lower[name], plain[name], rtol=SINGLE)
+    np.testing.assert_allclose(lower["sample"], plain["sample"] * below, rtol=SINGLE)
     seen = [reflectance(mi.load_dict(wrapped), wo) for wo in (WO, WO * below)]
-    np.testing.assert_allclose(seen[1], seen[0], rtol=1e-6)
+    np.testing.assert_allclose(seen[1], seen[0], rtol=SINGLE)
     for value in ("value", "pdf"):  # light does not pass through
         assert (results(wrapped, WI * below, WO)[value] == 0).all()
 
@@ -54,7 +57,7 @@ def test_a_flat_normal_map_and_a_flat_bump_map_change_nothing() -> None:
     bump = {"type": "bumpmap", "arbitrary": bitmap(0.5), "bsdf": ROUGH}
     for wrapped in (normal_map([0, 0, 1]), bump):
         for name, value in results(wrapped).items():
-            np.testing.assert_allclose(value, plain[name], rtol=2e-5, atol=1e-6, err_msg=name)
+            np.testing.assert_allclose(value, plain[name], rtol=2e-5, atol=SINGLE, err_msg=name)
 
 
 def test_a_tilted_normal_map_tilts_the_directions() -> None:
@@ -64,5 +67,7 @@ def test_a_tilted_normal_map_tilts_the_directions() -> None:
     tilted = results(normal_map([np.sin(a), 0, np.cos(a)]))
     plain = results(ROUGH, WI @ tilt.T, WO @ tilt.T)
     for name in ("value", "pdf"):
-        np.testing.assert_allclose(tilted[name][steep], plain[name][steep], rtol=2e-4, atol=1e-5)
+        np.testing.assert_allclose(
+            tilted[name][steep], plain[name][steep], rtol=2e-4, atol=SINGLE_LONG
+        )
     assert np.abs(tilted["value"] - results(ROUGH)["value"]).max() > 0.01

@@ -11,6 +11,9 @@ DOUBLE_DIVIDED = 1e-9
 SINGLE = 1e-6
 """A dozen roundings of single precision, 6e-8 each."""
 
+SINGLE_LONG = 1e-5
+"""Some hundred roundings of single precision: a picture, or a sum of many values."""
+
 SINGLE_PROMISED = 1e-5
 """What docs/conventions.md promises of single against double precision, for every model."""
 
