@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from support.tolerances import SINGLE
+from support.tolerances import SINGLE, decimals
 
 import gonio
 from gonio import cli
@@ -242,6 +242,33 @@ def test_vary_plots_every_value_of_every_model(tmp_path):
     assert run("plot", "eon", "fon:rho=0.5", *args).exit_code == 0
     models = {row.partition('",')[0] for row in path.read_text().splitlines()[1:]}
     assert len(models) == 4
+
+
+def test_named_substances_are_listed_with_what_they_reflect():
+    rows = {row["name"]: row for row in run_json("list", "--f0")}
+    # ((n - 1) / (n + 1))^2
+    assert rows["water"]["f0"] == pytest.approx([(0.333 / 2.333) ** 2] * 3)
+    assert rows["diamond"]["f0"][0] == pytest.approx(0.172, abs=decimals(3))
+    assert rows["vacuum"]["f0"] == [0, 0, 0]
+    r, g, b = rows["Au"]["f0"]  # yellow
+    assert r > 0.9 > g > 0.7 > 0.5 > b
+    assert run("list", "--f0", "--parts").exit_code == 2
+
+
+def test_an_index_may_be_a_word():
+    assert "eta = 1.333" in run("show", "torrance_sparrow:fresnel=dielectric,eta=water").stdout
+    wrong = run("show", "torrance_sparrow:fresnel=dielectric,eta=watr")
+    assert wrong.exit_code == 1
+    assert "did you mean 'water'" in wrong.stderr
+    # A colour or a roughness is no index
+    assert run("show", "lambert:rho=water").exit_code == 1
+
+
+def test_convert_takes_angles_as_people_write_them():
+    assert run("convert", "pi/4", "--from", "sigma", "--to", "r").stdout == (
+        run("convert", math.pi / 4, "--from", "sigma", "--to", "r").stdout
+    )
+    assert "'x' is not a number" in run("convert", "x", "--from", "sigma", "--to", "r").stderr
 
 
 def test_convert_prints_the_value_and_how():

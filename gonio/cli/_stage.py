@@ -95,6 +95,12 @@ _STAGE = (
         help="Where to look from, in degrees: right of the front, and up (default: 0,13).",
     ),
     click.option("--zoom", type=float, help="A longer lens (default: 1)."),
+    click.option(
+        "--max-depth",
+        type=click.IntRange(1, 1 << 16),
+        metavar="N",
+        help="Segments of the longest path: 2 is one reflection (default: 12; with --furnace 256).",
+    ),
     click.option("--no-ground", is_flag=True, help="Leave the ground out."),
     click.option(
         "--transparent", is_flag=True, help="The object alone, before a transparent background."
@@ -118,6 +124,7 @@ def stage_settings(
     env_turn: float | None,
     camera: tuple[float, float] | None,
     zoom: float | None,
+    max_depth: int | None,
     no_ground: bool,
     transparent: bool,
 ) -> dict[str, Any]:
@@ -140,6 +147,7 @@ def stage_settings(
         "environment_turn": env_turn,
         "camera": camera,
         "zoom": zoom,
+        "max_depth": max_depth,
         "ground": False if no_ground else None,
         "transparent": transparent or None,
     }

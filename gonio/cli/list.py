@@ -15,6 +15,8 @@ from itertools import groupby
 from pathlib import Path
 
 import click
+import numpy as np
+from numpy.typing import NDArray
 
 import gonio
 from gonio.cli.program import echo_json, json_option
@@ -79,11 +81,70 @@ def _functions(module: str, tree: ast.Module) -> Iterator[Part]:
             yield Part(item.name, module, summary, notes["title"], notes.get("source", ""))
 
 
+@dataclass(frozen=True)
+class Substance:
+    """A named metal or dielectric, and what it reflects at normal incidence."""
+
+    name: str
+    """As it is written: metal=NAME, or eta=NAME."""
+    kind: str
+    eta: tuple[float, ...]
+    """Linear RGB of metals; at the sodium line of dielectrics."""
+    k: tuple[float, ...]
+    f0: tuple[float, float, float]
+    """Linear RGB."""
+    srgb: str
+    """The same as a colour picker shows it."""
+    words: str
+
+
+def substances() -> list[Substance]:
+    """All that have a name: metals by symbol, then dielectrics by index."""
+    from gonio.arrays.elementwise import elementwise
+    from gonio.parts import fresnel, metals
+    from gonio.parts.dielectrics import INDICES
+
+    found = []
+    for symbol, words in metals.metals().items():
+        part = metals.metal(symbol)
+        f0 = elementwise(fresnel.f0_from_conductor, part["eta"], part["k"])
+        found.append(_substance(symbol, "metal", part["eta"], part["k"], f0, words))
+    for name, eta in INDICES.items():
+        grey = np.repeat(elementwise(fresnel.f0_from_eta, eta), 3)
+        found.append(_substance(name, "dielectric", (eta,), (), grey, name.replace("_", " ")))
+    return found
+
+
+def _substance(
+    name: str,
+    kind: str,
+    eta: tuple[float, ...],
+    k: tuple[float, ...],
+    f0: NDArray[np.float64],
+    words: str,
+) -> Substance:
+    from gonio.render.tone import to_srgb
+
+    r, g, b = (float(c) for c in f0)
+    coded = to_srgb(np.array([[[r, g, b]]], np.float32))[0, 0]
+    return Substance(name, kind, eta, k, (r, g, b), "#" + "".join(f"{c:02x}" for c in coded), words)
+
+
+def table(found: Iterable[Substance]) -> Iterator[str]:
+    """Substances as text."""
+    yield f"{'name':<14}  {'index':<20}  {'extinction':<20}  {'F0, linear RGB':<20}  {'sRGB':<8}"
+    for s in found:
+        numbers = (" ".join(f"{c:.4g}" for c in part) for part in (s.eta, s.k, s.f0))
+        eta, k, f0 = numbers
+        yield f"{s.name:<14}  {eta:<20}  {k:<20}  {f0:<20}  {s.srgb:<8}  {s.words}"
+
+
 @click.command("list", short_help="List all models, materials, or parts of models.")
 @click.option("--materials", is_flag=True, help="The ready materials instead of the models.")
 @click.option("--parts", is_flag=True, help="The functions that models are made of, and tools.")
+@click.option("--f0", is_flag=True, help="Named metals and dielectrics: index, and F0 as colour.")
 @json_option
-def command(materials: bool, parts: bool, as_json: bool) -> None:
+def command(materials: bool, parts: bool, f0: bool, as_json: bool) -> None:
     """List all models with a line on each; with --materials, the ready materials.
 
     With --parts, every distribution, masking, Fresnel term, interface and table, with its source.
@@ -93,12 +154,19 @@ def command(materials: bool, parts: bool, as_json: bool) -> None:
       gonio list
       gonio list --materials
       gonio list --parts
+      gonio list --f0                          what metal=Au and eta=water stand for
       gonio list --json | jq -r '.[].name'
     """
     from gonio.materials import library, load_material
 
-    if materials and parts:
-        raise click.UsageError("--materials and --parts are two lists; choose one")
+    if materials + parts + f0 > 1:
+        raise click.UsageError("--materials, --parts and --f0 are three lists; choose one")
+    if f0:
+        if as_json:
+            echo_json([dataclasses.asdict(substance) for substance in substances()])
+        else:
+            click.echo("\n".join(table(substances())))
+        return
     if parts:
         if as_json:
             echo_json([dataclasses.asdict(part) for part in found_parts()])

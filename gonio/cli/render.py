@@ -51,6 +51,12 @@ from gonio.cli.program import (
     metavar="MM",
     help="For skin: a millimetre in units of the ball's radius, such as 0.01.",
 )
+@click.option(
+    "--sampler",
+    type=click.Choice(["own", "cosine", "uniform"]),
+    default="own",
+    help="How paths go on: by MODEL's own sampler (default), or by one that knows nothing of it.",
+)
 @spp_option(None)
 @noise_option
 @time_option
@@ -66,6 +72,7 @@ def command(
     environment: str | None,
     furnace: bool,
     diffusion: float,
+    sampler: str,
     spp: int | None,
     noise: float | None,
     seconds: float | None,
@@ -91,6 +98,7 @@ def command(
       gonio render gold --transparent -o gold.png
       gonio render lambert --compare qon:sigma=1.57 --compare eon:roughness=1 --env side
       gonio render eon:rho=1,roughness=1 --furnace
+      gonio render eon:rho=1,roughness=1 --furnace --sampler cosine --spp 50 --max-depth 51
       gonio render lacquered_walnut --compare gold --env sunsky
       gonio render skin --diffusion 0.01
       gonio render clay.toml --size 1024x768 --spp 256 -o clay.exr
@@ -111,7 +119,14 @@ def command(
     brighter = stops(light, furnace, exposure, target)
     with progress("rendering") as step:
         pixels = sheets.compare(
-            [{"environment": light, "furnace": furnace, "diffusion": diffusion}],
+            [
+                {
+                    "environment": light,
+                    "furnace": furnace,
+                    "diffusion": diffusion,
+                    "sampler": sampler,
+                }
+            ],
             shown,
             size=size,
             seed=seed,

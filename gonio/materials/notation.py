@@ -11,6 +11,7 @@ from typing import Any
 from gonio.fields import ModelError, Parameter
 from gonio.materials.material import Material, inside
 from gonio.model import Child, Model
+from gonio.parts.dielectrics import dielectric
 from gonio.parts.metals import metal
 
 Resolve = Callable[[str], Model | Material]
@@ -49,7 +50,7 @@ def assign(
         start: with its defaults, or as it was read.
         assignments: each "name=value". A colour is 0.8/0.3/0.1, 0.8,0.3,0.1 or #c08040 (sRGB), an angle
             may be pi/2. A model inside is named, its parameters have their path: base=lambert,
-            base.rho=0.5. metal=Cu stands for eta and k.
+            base.rho=0.5. metal=Cu stands for eta and k, and eta=water for the index of water.
         resolve: finds the inner models that are named.
 
     Raises:
@@ -183,6 +184,8 @@ def parse_number(model: str, declared: Parameter, text: str) -> float | tuple[fl
     """
     if declared.width == 3 and (colour := hex_colour(text)) is not None:
         return colour
+    if (index := named_index(model, declared, text)) is not None:
+        return index
     try:
         if declared.width == 1 and MULTIPLE_OF_PI.fullmatch(text.strip().lower()):
             return parse_angle(text)
@@ -198,6 +201,23 @@ def parse_number(model: str, declared: Parameter, text: str) -> float | tuple[fl
             f"{model}: {declared.name}={text} is not {wish}; allowed is {declared.range_text()}."
         ) from None
     return numbers[0] if len(numbers) == 1 else numbers
+
+
+def named_index(model: str, declared: Parameter, text: str) -> float | None:
+    """The index of refraction that a word stands for, such as water; None for what is no word for one.
+
+    Raises:
+        ModelError: a word that is no dielectric's name, for a parameter that is an index.
+    """
+    index = declared.kind == "index" or declared.name.rpartition("_")[2] in ("eta", "ior")
+    if not index or re.fullmatch(r"[A-Za-z][A-Za-z _-]*", text.strip()) is None:
+        return None
+    if text.strip().lower() in ("nan", "inf", "infinity"):
+        return None
+    try:
+        return dielectric(text)
+    except ValueError as error:
+        raise ModelError(f"{model}: {declared.name}={text}: {error}") from None
 
 
 def hex_colour(text: str) -> tuple[float, float, float] | None:

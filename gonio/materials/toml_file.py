@@ -35,7 +35,7 @@ from gonio.materials.material import (
     MaterialError,
     inside,
 )
-from gonio.materials.notation import hex_colour, metal_parameters, settings_of
+from gonio.materials.notation import hex_colour, metal_parameters, named_index, settings_of
 from gonio.materials.texture_file import split_channel, stored_values, texture_values
 from gonio.model import Child, Model, models
 from gonio.notices import notice
@@ -209,12 +209,12 @@ class _Reader:
         for key, value in table.items():
             declared = cls.fields.get(key)
             if isinstance(declared, Parameter) and isinstance(value, str):
-                colour = hex_colour(value) if declared.width == 3 else None
-                if colour is None:
+                number = self._word(cls.name, declared, value, section)
+                if number is None:
                     textures[key], channel = self._texture(declared, value, section)
                     channels |= {key: channel} if channel else {}
                     continue
-                value = colour
+                value = number
             elif isinstance(declared, Child):
                 children[key] = self._child(key, value, section)
                 given[key] = children[key].model
@@ -273,6 +273,17 @@ class _Reader:
             f"{key} is a model: write its name, a file, or a table [{section}{key}], not {value!r}.",
             section,
         )
+
+    def _word(
+        self, model: str, declared: Parameter, value: str, section: str
+    ) -> float | tuple[float, float, float] | None:
+        """A colour such as "#c08040" or an index such as "water"; None for the name of a picture."""
+        if declared.width == 3 and (colour := hex_colour(value)) is not None:
+            return colour
+        try:
+            return named_index(model, declared, value)
+        except ModelError as error:
+            raise self.error(declared.name, str(error), section) from None
 
     def _texture(self, declared: Parameter, value: str, section: str) -> tuple[Path, str | None]:
         """The picture that drives a parameter, after reading it, and the channel that is named."""

@@ -12,18 +12,21 @@ import drjit as dr
 import mitsuba as mi
 
 from gonio.fields import ModelError, Parameter
-from gonio.lang import vec2, vec3
+from gonio.lang import MU_MIN, Sample, vec2, vec3
 from gonio.mitsuba.properties import (
     METAL,
     PREFIX,
+    SAMPLING,
     metal_of,
     parameter_texture,
     plain,
     reject_unknown,
+    sampling_of,
     say_slow,
 )
 from gonio.mitsuba.upsampling import holds_rgb, spread
 from gonio.model import Child, Model
+from gonio.parts.hemisphere import pdf_cosine, pdf_uniform, sample_cosine, sample_uniform
 
 
 def derive(cls: type[Model]) -> Any:
@@ -56,7 +59,8 @@ def derive(cls: type[Model]) -> Any:
             if scalar:
                 say_slow()
             metal = metal_of(cls, properties)
-            reject_unknown(cls.name, [*cls.fields, *(METAL if metal else ())], properties)
+            reject_unknown(cls.name, [*cls.fields, SAMPLING, *(METAL if metal else ())], properties)
+            self.sampling = sampling_of(cls.name, properties)
             self.spread: Any = spread() if spectral else None
             self.parts: dict[str, Any] = {}  # texture or inner BSDF of each field
             self.textures: dict[str, Any] = {}  # those of inner BSDFs as well, by path
@@ -95,7 +99,7 @@ def derive(cls: type[Model]) -> Any:
             # does not depend on the sampling; but samplers choose between lobes, and a derivative
             # that follows the samples misses those that change over from one lobe to the other.
             with dr.suspend_grad():
-                wi, pdf = models[0].sample(wo, vec2(sample2.x, sample2.y))
+                wi, pdf = self._sampled(models[0], wo, vec2(sample2.x, sample2.y))
             active = active & (pdf > 0) & ctx.is_enabled(lobe)
             factor = wi.z / dr.select(active, pdf, 1)
             weight = spectrum(
@@ -123,12 +127,25 @@ def derive(cls: type[Model]) -> Any:
                 [model.eval(wi, wo) * wi.z for model in models], self.spread, si, active
             )
             with dr.suspend_grad():  # as in sample, so that weights of MIS still add up to 1
-                pdf = models[0].pdf(wi, wo)
+                pdf = self._density(models[0], wi, wo)
             return dr.select(active, value, 0), dr.select(active, pdf, 0)
 
         def eval_diffuse_reflectance(self, si: Any, active: Any = True) -> Any:
             albedos = [model.albedo(plain(si.wi)) for model in self._bound(si, active)]
             return dr.select(active, spectrum(albedos, self.spread, si, active), 0)
+
+        def _sampled(self, model: Model, wo: Any, u: Any) -> Sample:
+            """A direction towards the light and its density, by the sampler that was chosen."""
+            if self.sampling == "own":
+                return model.sample(wo, u)
+            wi = sample_cosine(u) if self.sampling == "cosine" else sample_uniform(u)
+            return Sample(wi, self._density(model, wi, wo))
+
+        def _density(self, model: Model, wi: Any, wo: Any) -> Any:
+            if self.sampling == "own":
+                return model.pdf(wi, wo)
+            pdf = pdf_cosine(wi) if self.sampling == "cosine" else pdf_uniform() + 0 * wi.z
+            return dr.select((wi.z > MU_MIN) & (wo.z > MU_MIN), pdf, 0)
 
         def _bound(self, si: Any, active: Any, by_wavelength: bool = False) -> list[Model]:
             """The model with what the textures hold at si, once for every three channels.

@@ -13,27 +13,43 @@ from gonio.materials import Material
 from gonio.materials.material import GROWTH_PARAMETER
 from gonio.materials.texture_file import stored_values, texture_values
 from gonio.materials.toml_file import FLAKE_SETTINGS
-from gonio.mitsuba.properties import PLUGIN, PREFIX
+from gonio.mitsuba.properties import PLUGIN, PREFIX, SAMPLING
 from gonio.mitsuba.register import is_registered, register
 from gonio.mitsuba.textures import flake_map, flake_texture, growth_texture
 from gonio.model import Model
 from gonio.reference import Stack
 
 
-@functools.singledispatch
-def node(shown: Any) -> dict[str, Any]:
+def node(shown: Any, sampling: str = "own") -> dict[str, Any]:
     """A model, a material or a stack of layers as a dict for `mitsuba.load_dict`.
 
     A stack is one `gonio_layered_reference` in another.
 
+    Args:
+        shown: the model, material or stack.
+        sampling: how paths are continued: by the model's "own" sampler, or "cosine" or "uniform", to
+            see what that does to the noise.
+
     Raises:
         ModelError: a parameter is an array; pictures take numbers, colours and Mitsuba's textures.
+        ValueError: another sampling than its own for a stack, whose walks are its sampler.
         TypeError: something else.
     """
+    made = _dict_of(shown)
+    if sampling != "own":
+        if isinstance(shown, Stack):
+            raise ValueError(f"a stack of layers has a sampler of its own only, not {sampling!r}.")
+        inner = made["bsdf"] if made["type"] == "normalmap" else made
+        inner[SAMPLING] = sampling
+    return made
+
+
+@functools.singledispatch
+def _dict_of(shown: Any) -> dict[str, Any]:
     raise TypeError(f"a picture shows a model, a material or a stack of layers, not {shown!r}.")
 
 
-@node.register
+@_dict_of.register
 def _(model: Model) -> dict[str, Any]:
     if not is_registered(type(model)):
         register(type(model))  # from a user's file, which gonio's registry does not hold
@@ -46,13 +62,13 @@ def _(model: Model) -> dict[str, Any]:
             )
         if isinstance(value, tuple):
             value = {"type": "rgb", "value": list(value)}
-        made[name] = node(value) if isinstance(value, Model) else value
+        made[name] = _dict_of(value) if isinstance(value, Model) else value
     return made
 
 
-@node.register
+@_dict_of.register
 def _(material: Material) -> dict[str, Any]:
-    made = node(material.model)
+    made = _dict_of(material.model)
     widths = {path: declared.width for path, declared, _ in material.model.parameters()}
     for path, picture in material.textures.items():
         outer, _, name = path.rpartition(".")
@@ -85,9 +101,9 @@ def _bitmap(values: Pixels, scale: tuple[float, float]) -> dict[str, Any]:
     return {"type": "bitmap", "bitmap": mi.Bitmap(values), "raw": True, "to_uv": repeated}
 
 
-@node.register
+@_dict_of.register
 def _(stack: Stack) -> dict[str, Any]:
-    made = node(stack.base)
+    made = _dict_of(stack.base)
     for layer in reversed(stack.layers):
         sigma = layer.sigma_a if isinstance(layer.sigma_a, tuple) else (layer.sigma_a,) * 3
         made = {

@@ -56,6 +56,27 @@ def metal_of(cls: type[Model], properties: Any) -> dict[str, Any]:
     return found
 
 
+SAMPLING = "sampling"
+"""Property that says how a plug-in continues paths."""
+
+SAMPLINGS = ("own", "cosine", "uniform")
+"""Its values: the model's own sampler, or one that knows nothing of the model."""
+
+
+def sampling_of(name: str, properties: Any) -> str:
+    """How a plug-in continues paths; its model's own way where nothing is said.
+
+    Raises:
+        ModelError: something that is not one of SAMPLINGS.
+    """
+    found = str(properties.get(SAMPLING, SAMPLINGS[0]))
+    if found not in SAMPLINGS:
+        raise ModelError(
+            f"{PREFIX}{name}: {SAMPLING} is {found!r}; allowed are {', '.join(SAMPLINGS)}."
+        )
+    return found
+
+
 _slow: set[str] = set()
 
 

@@ -33,6 +33,7 @@ def render(
     mesh: str | Path | None = None,
     furnace: bool = False,
     diffusion: float = 0.0,
+    sampler: str = "own",
     size: tuple[int, int] = (512, 512),
     spp: int = 64,
     noise: float | None = None,
@@ -51,6 +52,8 @@ def render(
         furnace: put the object into radiance 1 from everywhere; what loses no energy disappears.
         diffusion: how long a millimetre is in the scene's units, to let the light in skin wander on the
             screen (see `gonio.render.diffusion`); 0 for other materials.
+        sampler: how paths are continued: by the model's "own" sampler, or "cosine" or "uniform" to see
+            the difference in noise. Options of models, such as EON's sampler, choose among their own.
         size: width and height in pixels.
         spp: samples per pixel; with `noise` or `seconds` the most that are taken.
         noise: stop when the picture's noise is at most this, a part of each pixel's brightness: 0.02 looks
@@ -74,7 +77,7 @@ def render(
 
     def built(shown: Shown) -> Any:
         placed = shader_ball(
-            node(shown),
+            node(shown, sampler),
             textured=textured(shown),
             environment=environment,
             mesh=mesh,

@@ -21,6 +21,7 @@ MAX_PIXELS = 16384  # per side; more is a slip of the keyboard and would take al
 TESTED = ("shell", "core", "mesh")  # the shapes that wear the material under test
 
 
+DEPTH = 12  # a twelfth reflection adds less than noise hides
 FURNACE_DEPTH = 256  # at 64 a white cavity still keeps a tenth of its light
 FIELD_OF_VIEW = 20.0  # degrees, of the shorter side: a long lens, so that the ball stays round
 
@@ -116,7 +117,7 @@ def shader_ball(
     size: tuple[int, int] = (512, 512),
     furnace: bool = False,
     spp: int = 64,
-    max_depth: int = 12,
+    max_depth: int | None = None,
     up: str = "y",
     turn: float = 0.0,
     uv: str | None = None,
@@ -136,6 +137,8 @@ def shader_ball(
     textured: what on the material needs texture coordinates, for the error where there are none.
     environment: a name in ENVIRONMENTS or an .exr or .hdr file, turned by `environment_turn`
     degrees. size: (width, height) in pixels. spp: samples per pixel the scene asks for.
+    max_depth: length of the longest path in segments: 2 is one reflection, 12 the default; in the
+    furnace 256.
     camera: azimuth (to the right of the front) and elevation in degrees. zoom: a longer lens.
     ground: False to leave it out. transparent: leave out the ground and what is behind, and give
     the picture an alpha channel.
@@ -150,6 +153,8 @@ def shader_ball(
     if mi.variant() is None:
         raise ValueError("no Mitsuba variant is set; call mitsuba.set_variant('llvm_ad_rgb') first")
     size = check_size(size)
+    if max_depth is None:
+        max_depth = FURNACE_DEPTH if furnace else DEPTH
     if spp < 1 or max_depth < 1:
         raise ValueError(f"spp and max_depth must be at least 1, not {spp} and {max_depth}")
     if furnace and (transparent or not ground or environment_turn):
@@ -184,7 +189,7 @@ def shader_ball(
         target = place - direction(*camera)
     if furnace:
         # Russian roulette would only add noise: nothing is lost, so no path is worth cutting.
-        integrator = {"type": "path", "max_depth": FURNACE_DEPTH, "rr_depth": FURNACE_DEPTH}
+        integrator = {"type": "path", "max_depth": max_depth, "rr_depth": max_depth}
         # Shadow rays would add noise too. All go to a lamp that is off, and every path finds the
         # surround by the material's own sampling: exact when that samples without loss.
         scene["surround"] = surround(1.0, share=0)

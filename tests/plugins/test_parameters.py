@@ -153,7 +153,10 @@ def test_numbers_out_of_range_are_refused(cls: type[Model]) -> None:
 
 MISTAKES = [
     ({"roughnes": 0.5}, "gonio_eon has no property 'roughnes'; did you mean 'roughness'?"),
-    ({"reflectance": 0.5}, "known are rho, roughness, albedo_form, color_shift, sampler."),
+    (
+        {"reflectance": 0.5},
+        "known are rho, roughness, albedo_form, color_shift, sampler, sampling.",
+    ),
     (
         {"sampler": "cosin"},
         "sampler='cosin' is not known; allowed are cltc_matched, cltc_uniform, cltc, ltc,",
@@ -189,7 +192,7 @@ def test_mistakes_say_what_is_right(given: dict[str, Any], message: str) -> None
 def test_every_model_refuses_unknown_properties(cls: type[Model]) -> None:
     with pytest.raises(RuntimeError) as raised:
         load(cls, nonsense=1.0)
-    assert f"known are {', '.join(cls.fields)}." in str(raised.value)
+    assert f"known are {', '.join([*cls.fields, 'sampling'])}." in str(raised.value)
 
 
 @EACH

@@ -8,8 +8,9 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
-from support.directions import polar
-from support.plugins import EACH, Lambertian, between, interaction
+from support.directions import polar, random_directions
+from support.plugins import EACH, Lambertian, between, interaction, load, wiring
+from support.tolerances import SINGLE
 
 import gonio.mitsuba
 from gonio.check.variants import options
@@ -140,3 +141,27 @@ def test_chi2_rejects_broken_samplers(cls: type[Model]) -> None:
 def test_chi2_accepts_what_the_broken_samplers_derive_from() -> None:
     assert chi2(Lambertian, 60)[0]
     assert chi2(gonio.EON, 60, roughness=1.0)[0]
+
+
+@pytest.mark.parametrize("sampling", ["cosine", "uniform"])
+def test_samples_that_know_nothing_of_the_model_follow_their_density(sampling: str) -> None:
+    accepted, message = chi2(gonio.EON, 60.0, roughness=1.0, sampling=sampling)
+    assert accepted, message
+    bsdf = load(gonio.EON, sampling=sampling)
+    wi, wo = random_directions(16, 1), random_directions(16, 2)
+    wi[:4] *= -1  # below the horizon
+    found = wiring(bsdf, wi, wo, np.random.default_rng(3).random((16, 2), np.float32))
+    above = np.maximum(wi[:, 2], 0)
+    expected = above / np.pi if sampling == "cosine" else (above > 0) / (2 * np.pi)
+    np.testing.assert_allclose(found["pdf"], expected, rtol=SINGLE)
+
+
+def test_a_sampling_that_does_not_exist_is_refused() -> None:
+    with pytest.raises(
+        RuntimeError, match="sampling is 'mirror'; allowed are own, cosine, uniform"
+    ):
+        load(gonio.EON, sampling="mirror")
+
+
+def test_no_model_has_a_field_that_means_something_else() -> None:
+    assert not [name for name, cls in gonio.models().items() if "sampling" in cls.fields]
