@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 import gonio
-from gonio import foreign
+from gonio import fit, foreign
 from gonio.check.report import FAIL, UNSURE, Report
 from gonio.cli.program import main
 from gonio.export.prove import tools
@@ -708,6 +708,48 @@ void written(const float* L, const float* V, float* out) { out[0] = L[0]; out[1]
             foreign.load(path, **given)
 
 
+# --- as a model -----------------------------------------------------------------------------------
+
+
+@needs_gxx
+def test_code_is_a_model_wherever_values_are_enough() -> None:
+    code = foreign.load(f"{GOLDEN}/eon.h#gonio_eon::eon_eval")
+    model, eon = foreign.as_model(code), gonio.model("eon", rho=(0.2, 0.5, 0.7), roughness=0.3)
+    same = model.replace(rho=(0.2, 0.5, 0.7), roughness=0.3)
+    wi, wo = probe(30)
+    np.testing.assert_allclose(same.eval(wi, wo), eon.eval(wi, wo), rtol=1e-5)
+    # Its rule of directions is good to 1e-3
+    np.testing.assert_allclose(same.albedo(wo), eon.albedo(wo), atol=1e-3)
+    np.testing.assert_allclose(same.mean_albedo(), eon.mean_albedo(), atol=1e-3)
+    assert model.isotropic
+    # Derivatives are differences of the code's values; the fit finds what made the data
+    found = fit.fit(model, eon, starts=1, points=300).model
+    assert found.roughness == pytest.approx(0.3, abs=1e-4)
+    assert found.rho == pytest.approx((0.2, 0.5, 0.7), abs=1e-4)
+
+
+@needs_gxx
+def test_plots_fits_and_values_of_code_on_the_command_line(tmp_path: Path) -> None:
+    runner = CliRunner()
+    code = f"{GOLDEN}/eon.h#gonio_eon::eon_eval"
+    target = str(tmp_path / "a.csv")
+    done = runner.invoke(main, ["plot", code, "--vary", "roughness=0.2,0.5", "-o", target])
+    assert done.exit_code == 0, done.output
+    assert Path(target).stat().st_size > 0
+    done = runner.invoke(
+        main, ["eval", f"{code}:roughness=0,rho=0.5", "--theta-o", "30", "--theta-i", "0", "--json"]
+    )
+    assert json.loads(done.output)["eval"] == pytest.approx([0.5 / np.pi] * 3)
+    for arguments in (
+        ["plot", "eon", "--map", "a=b"],
+        ["view", code],
+        ["fit", "eon", code, "-o", "a.toml"],
+    ):
+        done = runner.invoke(main, arguments)
+        assert done.exit_code != 0
+        assert "code" in done.output
+
+
 # --- the command line ----------------------------------------------------------------------------
 
 
@@ -736,6 +778,28 @@ def test_commands_judge_and_compare_code(tmp_path: Path) -> None:
     )
     assert done.exit_code == 1
     assert "is not fon" in done.output
+
+
+@needs_gxx
+def test_a_baseline_lets_old_faults_pass_and_tells_new_ones(tmp_path: Path) -> None:
+    text = "struct V {{ float x, y, z; }};\nfloat f(V wi, V wo, float rho) {{ return {}; }}"
+    runner, picture = CliRunner(), str(tmp_path / "map.png")
+    base = str(tmp_path / "base.json")
+    path = write(tmp_path, "a.cpp", text.format("1.01f * rho * 0.318309886f"))
+    check = ["check", path + "#f", "--only", "reciprocity", "--returns", "f"]
+    compare = ["compare", path + "#f", "lambert", "--returns", "f"]
+    for command in (check, compare):
+        write(tmp_path, "a.cpp", text.format("1.01f * rho * 0.318309886f"))
+        Path(base).write_text(runner.invoke(main, [*command, "--json"]).stdout, encoding="utf-8")
+        assert runner.invoke(main, [*command, "--baseline", base]).exit_code == 0
+        write(tmp_path, "a.cpp", text.format("rho * wi.z"))
+        done = runner.invoke(main, [*command, "--baseline", base])
+        assert (done.exit_code, "worse: " in done.output) == (1, True), done.output
+    done = runner.invoke(main, [*compare, "-o", picture])
+    assert done.exit_code == 0, done.output
+    assert Path(picture).stat().st_size > 10_000
+    done = runner.invoke(main, [*check, "--baseline", str(tmp_path / "none.json")])
+    assert "--json >" in done.output
 
 
 def test_options_of_code_are_not_ignored_in_silence() -> None:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
 import click
 
-from gonio.foreign import Foreign, load
+from gonio.cli.program import plain_models
+from gonio.foreign import Foreign, ForeignError, as_model, is_foreign, load
+from gonio.materials import notation
+from gonio.model import Model
 
 
 @dataclass(frozen=True)
@@ -40,6 +43,35 @@ class Code:
         """The text with the function of --function, where a file of Python is code because of it."""
         return f"{text}#{self.function}" if self.function and text.endswith(".py") else text
 
+    def models(self, texts: Iterable[str], params: Iterable[str] = ()) -> list[Model]:
+        """The models that texts name, and code as a model: x.glsl#ggx:roughness=0.3.
+
+        Raises:
+            ValueError: as `plain_models`, or options of code without any code.
+        """
+        texts = [self.named(text) for text in texts]
+        code = [_code_in(text) for text in texts]
+        if self.given and not any(code):
+            raise ForeignError(
+                "--function, --map and the like belong to a FILE of code, such as x.glsl#eval."
+            )
+        found: list[Model] = []
+        loaded: dict[str, Model] = {}
+        for text, name in zip(texts, code, strict=True):
+            if name is None:
+                found += plain_models([text], params)
+                continue
+            if name not in loaded:
+                loaded[name] = as_model(self.load(name))
+            rest = text.removeprefix(name).removeprefix(":")
+            pieces = rest.split(",") if rest else []
+            named = {piece.partition("=")[0].strip() for piece in pieces}
+            given = [p for p in params if p.partition("=")[0].strip() not in named]
+            changed = notation.assign(loaded[name], [*given, *pieces], _no_inner)
+            assert isinstance(changed, Model)
+            found.append(changed)
+        return found
+
     def load(self, text: str) -> Foreign:
         """The function that a text and the options name, running."""
         return load(
@@ -57,6 +89,18 @@ class Code:
             albedo=self.albedo,
             seconds=self.seconds,
         )
+
+
+def _code_in(text: str) -> str | None:
+    """The name of code in a text that may have parameters behind it."""
+    name, pieces = notation.split(text)
+    if pieces and "=" in pieces[0]:
+        return name if is_foreign(name) else None
+    return text if is_foreign(text) else None
+
+
+def _no_inner(text: str) -> Model:
+    raise ForeignError(f"{text!r}: code has no model inside.")
 
 
 OPTIONS = (

@@ -15,6 +15,7 @@ from gonio.check.measured_data import DATA_CHECKS, check_file
 from gonio.check.picture import check_format, drawable, plot
 from gonio.check.report import FAIL, Report, junit, summary, table
 from gonio.check.subject import Subject
+from gonio.cli import _baseline as baselines
 from gonio.cli._code import Code, code_options
 from gonio.cli.program import complete, echo_json, json_option, param_option, progress
 from gonio.files import check_place, replacing
@@ -242,6 +243,11 @@ def _fuzz(planned: Plan, count: str, state: str | None, record: str | None) -> l
 )
 @click.option("--resume", metavar="FILE.json", help="With --fuzz: the state, read and written.")
 @click.option("--record", metavar="FILE.md", help="With --fuzz: write a table of all states.")
+@click.option(
+    "--baseline",
+    metavar="FILE.json",
+    help="What an earlier run wrote with --json: only what got worse since counts.",
+)
 @click.option("--junit", metavar="FILE", help="Also write a JUnit report for other programs.")
 @click.option("--plot", "picture", metavar="FILE", help="Also draw the worst cases.")
 @click.option("--identify", is_flag=True, help="Of code: also say which model it is.")
@@ -257,6 +263,7 @@ def command(
     fuzz: str | None,
     resume: str | None,
     record: str | None,
+    baseline: str | None,
     junit: str | None,
     picture: str | None,
     identify: bool,
@@ -300,21 +307,27 @@ def command(
         identify=identify,
     )
     if fuzz is not None:
-        if only or effort or picture:
+        if only or effort or picture or baseline:
             raise click.UsageError(
-                "--fuzz is a search of its own; it goes with no effort or --only"
+                "--fuzz is a search of its own; it goes with no effort, --only or --baseline"
             )
         reports = _fuzz(planned, fuzz, resume, record)
         click.echo("\n".join(lines(reports)))
         return 1 if failed(reports) else 0
+    before = None if baseline is None else baselines.load(baseline, list)
     if resume or record:
         raise click.UsageError("--resume and --record belong to --fuzz N")
     with progress("checking") as step:
         result = planned.run(effort or "normal", step)
+    worse = [] if before is None else baselines.worse_checks(before, data(result.reports))
     if as_json:
         echo_json(data(result.reports))
+        for line in worse:
+            click.echo(line, err=True)
     else:
-        click.echo("\n".join(lines(result.reports)))
+        click.echo("\n".join([*lines(result.reports), *worse]))
+        if before is not None and not worse:
+            click.echo(f"nothing is worse than in {baseline}")
         for path in result.written:
             click.echo(path)
-    return 1 if failed(result.reports) else 0
+    return 1 if (worse if before is not None else failed(result.reports)) else 0

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import click
 
+from gonio.cli import _baseline as baselines
 from gonio.cli._code import Code, code_options
 from gonio.cli.program import (
     check_params,
@@ -36,6 +38,11 @@ from gonio.foreign import is_foreign
 @click.option("-o", "--output", metavar="FILE", help="A .png file (default: compare.png).")
 @click.option("--fit-parameters", is_flag=True, help="Of code: fit what only the model has.")
 @click.option("--tolerance", type=float, metavar="X", help="Of code: differ by more, exit with 1.")
+@click.option(
+    "--baseline",
+    metavar="FILE.json",
+    help="Of code: what an earlier run wrote with --json; only larger differences end with 1.",
+)
 @click.option("--identify", is_flag=True, help="Of code: say which model it is.")
 @code_options
 @json_option
@@ -52,6 +59,7 @@ def command(
     output: str | None,
     fit_parameters: bool,
     tolerance: float | None,
+    baseline: str | None,
     identify: bool,
     code: Code,
     as_json: bool,
@@ -68,6 +76,7 @@ def command(
       gonio compare weidlich_wilkie triace_layered --truth -o layers.png
       gonio compare weidlich_wilkie:alpha=0.3,bounces=diffuse --truth --vary eta --json
       gonio compare my.glsl#diffuse eon --map "rough=roughness" --tolerance 1e-4
+      gonio compare my.glsl#specular ue4 -o difference.png
       gonio compare my.glsl#specular --identify
       gonio compare eon:roughness=1 oren_nayar:sigma=1.2 qon:sigma=1.2
     """
@@ -80,14 +89,14 @@ def command(
         raise click.UsageError("give a MODEL; 'gonio list' shows the models")
     models = tuple(code.named(text) for text in models)
     if is_foreign(models[0]):
-        if truth or vary or walks or output:
+        if truth or vary or walks or no_pictures:
             raise click.UsageError(
-                "code is compared in numbers; it goes with no --truth, --vary, --walks or -o"
+                "code is compared with models as they are; it goes with no --truth, --vary, --walks or "
+                "--no-pictures"
             )
-        return _code(
-            models[0], models[1:], params, code, fit_parameters, tolerance, identify, as_json
-        )
-    if code.given or fit_parameters or tolerance is not None or identify:
+        wanted = _Wanted(fit_parameters, tolerance, baseline, identify, output, as_json)
+        return _code(models[0], models[1:], params, code, wanted)
+    if code.given or fit_parameters or tolerance is not None or identify or baseline:
         raise click.UsageError(
             "--map, --tolerance and the like take FILE.glsl#FUNCTION before the models"
         )
@@ -121,34 +130,59 @@ def command(
     return 0
 
 
+@dataclass(frozen=True)
+class _Wanted:
+    """What a comparison of code is to give."""
+
+    fit_parameters: bool
+    tolerance: float | None
+    baseline: str | None
+    identify: bool
+    picture: str | None
+    as_json: bool
+
+
 def _code(
-    text: str,
-    models: tuple[str, ...],
-    params: tuple[str, ...],
-    code: Code,
-    fit_parameters: bool,
-    tolerance: float | None,
-    identify: bool,
-    as_json: bool,
+    text: str, models: tuple[str, ...], params: tuple[str, ...], code: Code, wanted: _Wanted
 ) -> int:
     """Compare code with models, or say which model it is."""
-    from gonio.foreign import compare
+    from gonio.foreign import compare, maps
     from gonio.foreign import identify as identified
+    from gonio.foreign.compared import EQUAL
 
-    if not models and not identify:
+    if not models and not wanted.identify:
         raise click.UsageError("give a MODEL to compare the code with, or --identify")
+    if wanted.picture is not None:
+        if not models:
+            raise click.UsageError("-o draws the difference from a MODEL; name one")
+        maps.check_format(wanted.picture)
+    before = None if wanted.baseline is None else baselines.load(wanted.baseline, dict)
     foreign = code.load(text)
     beside = [
         code.load(other) if is_foreign(other) else plain_models([other], params)[0]
         for other in models
     ]
     with progress("comparing") as step:
-        found = [compare(foreign, model, fit_parameters=fit_parameters) for model in beside]
-        identity = identified(foreign, progress=step) if identify else None
-    if as_json:
-        more = {} if identity is None else {"identity": identity.data()}
-        echo_json({"comparisons": [c.data() for c in found], **more})
+        found = [compare(foreign, m, fit_parameters=wanted.fit_parameters) for m in beside]
+        identity = identified(foreign, progress=step) if wanted.identify else None
+    if wanted.picture is not None:
+        maps.write(wanted.picture, foreign, list(zip(beside, found, strict=True)))
+    data: dict[str, Any] = {"comparisons": [c.data() for c in found]}
+    if identity is not None:
+        data["identity"] = identity.data()
+    equal = EQUAL if wanted.tolerance is None else wanted.tolerance
+    worse = [] if before is None else baselines.worse_comparisons(before, data, equal)
+    if wanted.as_json:
+        echo_json(data)
+        for line in worse:
+            click.echo(line, err=True)
     else:
         lines = [line for c in found for line in c.lines()]
-        click.echo("\n".join([*lines, *([] if identity is None else identity.lines())]))
-    return int(tolerance is not None and any(not c.largest <= tolerance for c in found))
+        lines += [] if identity is None else identity.lines()
+        lines += worse
+        lines += [wanted.picture] if wanted.picture is not None else []
+        click.echo("\n".join(lines))
+    if before is not None:
+        return int(bool(worse))
+    limit = wanted.tolerance
+    return int(limit is not None and any(not c.largest <= limit for c in found))

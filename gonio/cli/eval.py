@@ -12,7 +12,8 @@ import click
 import numpy as np
 import numpy.typing as npt
 
-from gonio.cli.program import complete, echo_json, json_option, param_option, plain_models
+from gonio.cli._code import Code, code_options
+from gonio.cli.program import complete, echo_json, json_option, param_option
 from gonio.lang import MU_MIN
 from gonio.model import Model
 
@@ -225,6 +226,7 @@ def _readable(value: Any) -> Any:
 @param_option
 @click.option("--normalize", is_flag=True, help="Scale the vectors to length 1 first.")
 @click.option("--double/--float32", help="Compute in double precision (default: float32).")
+@code_options
 @json_option
 def command(
     model: str,
@@ -237,6 +239,7 @@ def command(
     params: tuple[str, ...],
     normalize: bool,
     double: bool,
+    code: Code,
     as_json: bool,
 ) -> None:
     """Evaluate MODEL for one pair of directions: BRDF, pdf, albedos, Monte Carlo weight.
@@ -250,7 +253,7 @@ def command(
       gonio eval eon --theta-o 60 --u 0.3 0.7
       gonio eval eon:sampler=cosine --wi 1 0 1 --wo 0 1 1 --normalize -p rho=0.8,0.3,0.1 --json
     """
-    (material,) = plain_models([model], params)
+    (material,) = code.models([model], params)
     if u is not None:
         if wi is not None or theta_i is not None or phi is not None:
             raise click.UsageError("--u makes wi; it goes with --wo or --theta-o alone")

@@ -8,9 +8,11 @@ from typing import Any
 
 import click
 
+from gonio.cli._code import Code, code_options
 from gonio.cli.program import complete, echo_json, json_option, progress
 from gonio.files import check_place, replacing
 from gonio.fit import METRICS, POINTS, Fit
+from gonio.foreign.model import ForeignModel
 from gonio.materials.notation import model_text
 from gonio.materials.toml_file import to_toml
 
@@ -40,6 +42,7 @@ from gonio.materials.toml_file import to_toml
     "--seed", type=click.IntRange(0, 65535), default=0, help="Of the draw and the starts."
 )
 @click.option("-o", "--output", metavar="TOML", help="Write the best one as a material file.")
+@code_options
 @json_option
 def command(
     data: str,
@@ -50,6 +53,7 @@ def command(
     points: int,
     seed: int,
     output: str | None,
+    code: Code,
     as_json: bool,
 ) -> None:
     """Find the parameters of each MODEL that come nearest to DATA, a measured file or a model.
@@ -63,6 +67,7 @@ def command(
       gonio fit paint.binary disney torrance_sparrow
       gonio fit paint.binary disney:metallic=1 --fix metallic -o paint.toml
       gonio fit oren_nayar:sigma=0.5 eon
+      gonio fit paint.binary shading.glsl#specular --range roughness=0.05..1
     """
     from gonio import fit, materials, measured
 
@@ -70,8 +75,13 @@ def command(
         raise click.UsageError(f"--output {output} is a material file: its name ends in .toml")
     if output is not None:
         check_place(output)
-    target: Any = measured.load(data) if measured.is_data_file(data) else _model(data)
-    candidates = [_model(text) for text in models]
+    if measured.is_data_file(data):
+        target: Any = measured.load(data)
+        candidates = code.models(models)
+    else:
+        target, *candidates = code.models([data, *models])
+    if output is not None and any(isinstance(model, ForeignModel) for model in candidates):
+        raise click.UsageError("-o writes a material of gonio's own models; code has no such file")
     found: list[Fit] = []
     with progress("fitting") as step:
         for number, model in enumerate(candidates):
@@ -105,12 +115,6 @@ def command(
         click.echo(line)
     if output is not None:
         click.echo(output)
-
-
-def _model(text: str) -> Any:
-    from gonio import materials
-
-    return materials.load_model(text)[0]
 
 
 def lines(found: list[Fit]) -> Iterator[str]:

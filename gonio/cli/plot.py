@@ -8,7 +8,8 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
-from gonio.cli.program import complete, param_option, plain_models
+from gonio.cli._code import Code, code_options
+from gonio.cli.program import complete, param_option
 
 KINDS_HELP = (
     "polar and cartesian slices of lobes, surface for lobes in space, scattering for single and "
@@ -86,6 +87,7 @@ class Kind(click.ParamType[str]):
 )
 @click.option("--title", metavar="TEXT", help="Another title.")
 @click.option("--dpi", type=click.IntRange(20, 1200), default=200, show_default=True)
+@code_options
 def command(
     models: tuple[str, ...],
     kind: str,
@@ -104,10 +106,12 @@ def command(
     channel: str | None,
     title: str | None,
     dpi: int,
+    code: Code,
 ) -> None:
     """Plot one or more models into a picture, or the numbers into a CSV file.
 
-    A MODEL may carry parameters: eon:roughness=1,rho=0.8/0.3/0.1 (colours with slashes).
+    A MODEL may carry parameters: eon:roughness=1,rho=0.8/0.3/0.1 (colours with slashes). It may also be
+    code that others wrote, as in 'gonio check': shading.glsl#specular.
 
     \b
     Examples:
@@ -122,10 +126,11 @@ def command(
       gonio plot eon --kind sampling --vary sampler=cltc_uniform,cltc,cosine -p rho=1
       gonio plot eon --kind sampling --along roughness --theta-o 0,85
       gonio plot eon -o eon.csv
+      gonio plot shading.glsl#specular ue4 --vary roughness=0.2,0.5 --map "rough=roughness"
     """
     from gonio import plot as plots
 
-    materials = plain_models(_variations(models, vary), params)
+    materials = code.models(_variations([code.named(text) for text in models], vary), params)
     settings: dict[str, Any] = {
         "along": along,
         "channel": channel,
@@ -154,7 +159,7 @@ def _variations(models: Iterable[str], vary: str | None) -> list[str]:
     if not (name and equals and values):
         raise ValueError(f"--vary {vary} is not NAME=A,B,..., such as roughness=0,0.5,1.")
     return [
-        f"{text}{',' if ':' in text else ':'}{name}={value}"
+        f"{text}{',' if '=' in text else ':'}{name}={value}"
         for text in models
         for value in values.split(",")
     ]

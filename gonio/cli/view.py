@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from gonio.cli.program import complete, say
+from gonio.foreign import is_foreign
 from gonio.materials.notation import split
 
 
@@ -32,6 +33,12 @@ def command(models: tuple[str, ...], save: str | None, port: int, no_open: bool)
     from gonio.view import page, server
 
     texts = list(models) or ["eon"]
+    for text in texts:
+        if is_foreign(text):
+            raise click.UsageError(
+                f"{text} is code that others wrote, which the page cannot run; 'gonio plot' draws it, and "
+                "'gonio compare FILE#FUNCTION MODEL -o difference.png' shows where it differs from a model."
+            )
     if len(texts) > 2 and save is None:
         raise click.UsageError("the page shows two models, A and B; name at most two.")
     files = list(dict.fromkeys(name for name in map(_file_of, texts) if name))

@@ -6,6 +6,7 @@
     foreign.check(code)                                   # energy, reciprocity, finite values ...
     foreign.compare(code, gonio.model("ue4")).lines()     # the largest difference, and where
     foreign.identify(code).lines()                        # which model it is
+    foreign.as_model(code)                                # a model for plots and fits
 
 The code is compiled by its own compiler and runs in a process of its own, with limits of time and memory.
 """
@@ -14,6 +15,7 @@ from gonio.foreign.compared import Comparison, compare
 from gonio.foreign.function import Foreign, Returns, is_foreign
 from gonio.foreign.identity import Identity, identify
 from gonio.foreign.loading import load
+from gonio.foreign.model import as_model
 from gonio.foreign.source import ForeignError
 from gonio.foreign.verdicts import check
 
@@ -23,6 +25,7 @@ __all__ = [
     "ForeignError",
     "Identity",
     "Returns",
+    "as_model",
     "check",
     "compare",
     "identify",

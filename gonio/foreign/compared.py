@@ -93,10 +93,12 @@ class Comparison:
         elif same and len(same) < len(self.bands) and self.bands.index(same[-1]) == len(same) - 1:
             first = (
                 f"{self.code} is {name} up to {same[-1][1]:g} degrees (equal to "
-                f"{max(b[2] for b in same):.1g}), but not beyond"
+                f"{max(b[2] for b in same):.1g}), but not beyond, where it is up to {_times(self)}"
             )
         else:
-            first = f"{self.code} is not {name}"
+            first = f"{self.code} is not {name}: up to {_times(self)}"
+        if self.hint and self.largest > EQUAL:
+            first += f"; {self.hint}"
         times = self.code_value / self.model_value if self.model_value else np.inf
         found = [
             first,
@@ -107,16 +109,31 @@ class Comparison:
             f"{self.azimuth:.4g} degrees"
             + "".join(f", {k} = {_text(v)}" for k, v in self.values.items()),
             "  by the larger angle: "
-            + ", ".join(f"{a:g}-{b:g} degrees {d:.2g}" for a, b, d in self.bands),
+            + ", ".join(
+                f"{a:g}-{b:g} degrees {d:.2g}"
+                + (f" ({1 / (1 - d):.3g} times)" if 0.1 < d < 1 else "")
+                for a, b, d in self.bands
+            ),
         ]
         if self.linked:
             found.append("  same parameters: " + ", ".join(self.linked))
         if self.fitted:
             shown = ", ".join(f"{k} = {_text(v)}" for k, v in self.fitted.items())
             found.append(f"  parameters of {name} alone: {shown}")
-        if self.hint:
-            found.append(f"  {self.hint}")
         return found
+
+
+def _times(found: Comparison) -> str:
+    """How much too bright or dark the code is at the worst."""
+    code, model = found.code_value, found.model_value
+    if not np.isfinite(code):
+        return "not a number"
+    if code <= 0 or model <= 0:
+        return f"{code:.4g} instead of {model:.4g}"
+    ratio = code / model
+    if abs(ratio - 1) < 0.1:
+        return f"{abs(ratio - 1):.2g} too {'bright' if ratio > 1 else 'dark'} (of {model:.4g})"
+    return f"{ratio:.4g} times too bright" if ratio > 1 else f"{1 / ratio:.4g} times too dark"
 
 
 def _plain(value: Any) -> Any:
