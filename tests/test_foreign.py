@@ -193,6 +193,7 @@ CASES = [
     ("slang", "Eon.eval", "slangc"),
     ("metal", "eon_eval", "g++"),
     ("h", "gonio_eon::eon_eval", "g++"),
+    ("osl", "eon_eval", "g++"),
 ]
 
 

@@ -35,6 +35,7 @@ ROWS = 1 << 18
 START = 120.0
 
 CUDA = Path(__file__).with_name("cuda_words.h")
+OSL = Path(__file__).with_name("osl_words.h")
 
 
 class Running:
@@ -229,7 +230,12 @@ def _compiled(
         if language == "library":
             return "native", _linked(gxx, source, text, folder)
         (folder / "code.cpp").write_text(text, encoding="utf-8")
-        more = {"cuda": ["-include", str(CUDA)], "msl": list(METAL_FLAGS)}.get(language, [])
+        kinds = {
+            "cuda": ["-include", str(CUDA)],
+            "msl": list(METAL_FLAGS),
+            "osl": ["-include", str(OSL), "-fsingle-precision-constant"],
+        }
+        more = kinds.get(language, [])
         more = [*more, "-Dmain=gonio_unused_main"]
     command = [gxx, *FLAGS, "-w", *more, *options, "code.cpp", "-o", "library.so"]
     _run(command, folder, source)

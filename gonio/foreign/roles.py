@@ -65,7 +65,9 @@ _NUMBER = re.compile(
     r"(?:^|::)(?:float|half|double|real|f32|f16|min16float|Float|Real|scalar|float_t|half_t)$"
 )
 _WHOLE = re.compile(r"(?:^|::)(?:int|uint|bool|i32|u32|unsigned|size_t|uint32_t|int32_t|char)$")
-_COLOURS = re.compile(r"(?:^|::)(?:Spectrum|Color|Colour|RGB|Vector|Normal|Vec|color|vector)$")
+_COLOURS = re.compile(
+    r"(?:^|::)(?:Spectrum|Color|Colour|RGB|Vector|Normal|Vec|color|vector|point|normal)$"
+)
 
 # Ranges that names suggest where gonio's own models do not have the name.
 SUGGESTED = (

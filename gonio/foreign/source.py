@@ -29,6 +29,7 @@ LANGUAGES = {
     "slang": ("slang",),
     "cpp": ("cpp", "cc", "cxx", "c", "h", "hh", "hpp", "inl"),
     "cuda": ("cu", "cuh"),
+    "osl": ("osl",),
 }
 
 ENDINGS = {ending: language for language, endings in LANGUAGES.items() for ending in endings}
@@ -169,11 +170,8 @@ def language_of(path: Path, text: str) -> str:
     ending = path.suffix.lstrip(".").lower()
     if ending not in ENDINGS:
         known = ", ".join(f".{e}" for e in ENDINGS)
-        hint = (
-            " (OSL runs inside a renderer only; give it as C++ or GLSL)" if ending == "osl" else ""
-        )
         raise ForeignError(
-            f"{path}: no language has the ending {path.suffix!r}{hint}; known are {known}."
+            f"{path}: no language has the ending {path.suffix!r}; known are {known}."
         )
     language = ENDINGS[ending]
     if language == "glsl" and re.search(r"^\s*#\s*version\s+(100|3[0-9]0\s+es)", text, re.M):
@@ -201,6 +199,9 @@ def read(path: str | Path, include: Sequence[str | Path] = ()) -> Source:
     if language in (*SHADERS, "wgsl"):
         text = _included(text, path, [Path(p) for p in include], files, language)
     bare = blank_comments(text)
+    if language == "osl":
+        text = _osl(bare)
+        bare = text
     if language in SHADERS:
         bare, text = _without_main(bare, text)
     if language in (*SHADERS, "hlsl"):
@@ -279,6 +280,26 @@ def _brdf(path: Path, text: str) -> tuple[str, list[Variable]]:
     if not any(kept):
         raise ForeignError(f"{path} has no '::begin shader'.")
     return "\n".join(kept), found
+
+
+def _osl(bare: str) -> str:
+    """OSL as C++: metadata and headers of its own left out, outputs as references, shaders as functions."""
+
+    def blank(match: re.Match[str]) -> str:
+        return re.sub(r"[^\n]", " ", match[0])
+
+    text = re.sub(r"\[\[.*?\]\]", blank, bare, flags=re.S)
+    text = re.sub(r"^[ \t]*#[ \t]*include[^\n]*", blank, text, flags=re.M)
+    # Defaults of shaders' parameters are metadata for renderers: all are given here
+    position = 0
+    while match := re.compile(r"\b(?:shader|surface|displacement|volume)(?=\s+\w+\s*\()").search(
+        text, position
+    ):
+        close = _closing(text, text.index("(", match.end()), "(", ")")
+        inside = re.sub(r"=\s*(?:\w+\s*\([^()]*\)|[^,()]*)", blank, text[match.end() : close])
+        text = f"{text[: match.start()]}void{inside}{text[close:]}"
+        position = match.end()
+    return re.sub(r"\boutput\s+(\w+)\s+(?=\w)", r"\1& ", text)
 
 
 def _included(text: str, path: Path, folders: list[Path], files: list[Path], language: str) -> str:
