@@ -201,7 +201,8 @@ def text(source: Source, function: Function, matched: Matched, defines: Sequence
     scopes = [s for s in function.scope if s != function.owner]
     head = f'#include "{source.path.resolve()}"\n'
     if source.language == "osl":
-        head = f'namespace osl {{\n#line 1 "{source.path.resolve()}"\n{source.text}\n}}\nusing namespace osl;\n'
+        place = f'#line 1 "{source.path.resolve()}"'
+        head = f"namespace osl {{\n{place}\n{source.text}\n}}\nusing namespace osl;\n"
     return (
         f'{head if source.language != "library" else ""}#line 1 "harness"\n'
         f"{''.join(f'namespace {s} {{ ' for s in scopes)}\n"
