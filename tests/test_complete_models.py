@@ -18,7 +18,7 @@ from gonio.check.variants import options, random_parameters, sweep
 from gonio.lang import Color, Float, Sample, Vec2, Vec3
 from gonio.model import Model
 from gonio.parts import lobes
-from gonio.parts.distribution import pdf_ggx_visible, sample_ggx_visible
+from gonio.parts.distribution import RoundGGX, pdf_visible
 from gonio.parts.frame import mirror
 from gonio.parts.fresnel import schlick_complement
 
@@ -564,6 +564,10 @@ def test_no_sample_is_wasted_but_the_clearcoats(name: str) -> None:
     assert max(wasted.values()) < (0.1 if name == "disney" else 1e-12)
 
 
+# What is mirrored up again ends at a jump, which the grid blurs by a step.
+FOLD_EDGE = 1e-3
+
+
 class FoldedGGX(Model, register=False):
     """The GGX lobe of the mixtures by itself."""
 
@@ -574,21 +578,20 @@ class FoldedGGX(Model, register=False):
         return 0 * wi.z
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
-        wi = lobes.sample_ggx_lobe(wo, self.alpha, self.alpha, u)
+        wi = lobes.sample_ggx_lobe(RoundGGX(self.alpha), wo, u)
         return Sample(wi, self.pdf(wi, wo))
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
-        return lobes.pdf_ggx_lobe(wi, wo, self.alpha, self.alpha)
+        return lobes.pdf_ggx_lobe(RoundGGX(self.alpha), wi, wo)
 
 
 class PlainGGX(FoldedGGX, register=False):
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
-        wi = mirror(wo, sample_ggx_visible(wo, self.alpha, self.alpha, u))
+        wi = mirror(wo, RoundGGX(self.alpha).sample_visible(wo, u))
         return Sample(wi, self.pdf(wi, wo))
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
-        m = lobes.half_vector(wi, wo)
-        return pdf_ggx_visible(wo, m, self.alpha, self.alpha)
+        return pdf_visible(RoundGGX(self.alpha), wo, lobes.half_vector(wi, wo))
 
 
 def missing_density(model: Model, theta: float) -> float:
@@ -599,7 +602,7 @@ def missing_density(model: Model, theta: float) -> float:
 @pytest.mark.parametrize("alpha", [1e-4, 0.01, 0.3, 1.0])
 def test_the_folded_lobe_wastes_nothing(alpha: float) -> None:
     for theta in (0.0, 0.7, 1.4, 1.57):
-        assert abs(missing_density(FoldedGGX(alpha=alpha), theta)) < GRID
+        assert abs(missing_density(FoldedGGX(alpha=alpha), theta)) < FOLD_EDGE
     # Without the fold a third of a rough lobe lies below the horizon.
     if alpha == 1:
         assert missing_density(PlainGGX(alpha=alpha), 0.7) > 0.3

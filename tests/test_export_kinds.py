@@ -154,6 +154,17 @@ SAME: dict[str, tuple[str, str, str]] = {
         "class Facets(NamedTuple):\n    alpha: Float\n    form: str\n\n\ndef f(facets):\n"
         "    if facets.form == 'round':\n        return 2 * facets.alpha\n    return facets.alpha",
     ),
+    "methods of NamedTuples": (
+        "one, other = Pair(wi.z, 2), Other(wo.z)\n"
+        "        return self.rho * one.total(wo.z) * other.total(wi.z) * mean(one) * mean(other)",
+        "",
+        "class Pair(NamedTuple):\n    a: Float\n    b: Float\n\n    def total(self, pair, weight=2.0):\n"
+        "        return self.half() + weight * self.b * pair\n\n    def half(self):\n"
+        "        return 0.5 * self.a\n\n\n"
+        "class Other(NamedTuple):\n    a: Float\n\n    def total(self, x):\n"
+        "        return Pair(self.a, x).total(x) + x\n\n    def half(self):\n        return self.a\n\n\n"
+        "def mean(values):\n    return values.half() + values.a",
+    ),
     "a NamedTuple in another one": (
         "pair = Outer(Inner(wi.x, wi.y), wo.x)\npair = Outer(Inner(pair.inner.b, pair.inner.a), pair.c)\n"
         "return vec3(pair.inner.a, pair.inner.b, pair.c)",
@@ -452,12 +463,11 @@ REFUSED: dict[str, tuple[str, str, str, str]] = {
         "    @property\n    def a(self):\n        return 5.0",
         "one NamedTuple",
     ),
-    "a method of a NamedTuple": (
-        "return self.rho * Pair(wi.z, 2).total()",
+    "what a NamedTuple can do in Python only": (
+        "return self.rho * Pair(wi.z, 2)._replace(a=1).a",
         "",
-        "class Pair(NamedTuple):\n    a: Float\n    b: Float\n\n    def total(self):\n"
-        "        return self.a + self.b",
-        "a function that takes it",
+        "class Pair(NamedTuple):\n    a: Float\n    b: Float",
+        "no plain method",
     ),
     "several components at once": (
         "return self.rho * wi.xyz",

@@ -39,10 +39,10 @@ ALPHA_LOW = 0.003
 EXPONENT = 8
 
 DISTRIBUTIONS: dict[str, Callable[..., Any]] = {
-    "beckmann": lambda m, alpha: distribution.D_beckmann(m, alpha, alpha),
-    "ggx": lambda m, alpha: distribution.D_ggx(m, alpha, alpha),
-    "blinn_phong": distribution.D_blinn_phong,
-    "gaussian": distribution.D_gaussian,
+    "beckmann": lambda m, alpha: distribution.RoundBeckmann(alpha).D(m),
+    "ggx": lambda m, alpha: distribution.RoundGGX(alpha).D(m),
+    "blinn_phong": lambda m, alpha: distribution.BlinnPhong(alpha).D(m),
+    "gaussian": lambda m, alpha: distribution.Gaussian(alpha).D(m),
 }
 
 # Where errors are measured: so many places between two entries.

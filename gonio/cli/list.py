@@ -28,10 +28,10 @@ ROOT = Path(gonio.__file__).parent
 
 @dataclass(frozen=True)
 class Part:
-    """A public function that is not a method of a model."""
+    """A public function that is not a method of a model, or a value with methods."""
 
     name: str
-    """Such as "D_ggx"."""
+    """Such as "V_smith", or "GGX.D" of a method."""
     module: str
     """Where it is imported from, such as "gonio.parts.distribution"."""
     summary: str
@@ -75,10 +75,23 @@ def _modules() -> Iterator[tuple[str, ast.Module]]:
 
 def _functions(module: str, tree: ast.Module) -> Iterator[Part]:
     notes = module_notes(ast.get_docstring(tree) or "")
+    for name, item in _public(tree):
+        summary = (ast.get_docstring(item) or "").partition("\n\n")[0].replace("\n", " ")
+        yield Part(name, module, summary, notes["title"], notes.get("source", ""))
+
+
+def _public(tree: ast.Module) -> Iterator[tuple[str, ast.FunctionDef | ast.ClassDef]]:
+    """Functions, and values with methods, such as a distribution with its widths."""
     for item in tree.body:
         if isinstance(item, ast.FunctionDef) and not item.name.startswith("_"):
-            summary = (ast.get_docstring(item) or "").partition("\n\n")[0].replace("\n", " ")
-            yield Part(item.name, module, summary, notes["title"], notes.get("source", ""))
+            yield item.name, item
+        elif isinstance(item, ast.ClassDef) and any(
+            isinstance(base, ast.Name) and base.id == "NamedTuple" for base in item.bases
+        ):
+            methods = [part for part in item.body if isinstance(part, ast.FunctionDef)]
+            if methods:
+                yield item.name, item
+            yield from ((f"{item.name}.{method.name}", method) for method in methods)
 
 
 @dataclass(frozen=True)

@@ -137,6 +137,8 @@ class Calls(Expressions):
     def _method_call(self, node: ast.Call, method: Method) -> Value:
         owner = method.model.type
         assert isinstance(owner, Struct)
+        if owner.model is None:
+            return self._record_method(node, method)
         if method.name == "at_least_as_rough":
             return self._rougher(node, method.model, owner)
         name = "eval" if method.name == UNTESTED else method.name
@@ -149,6 +151,16 @@ class Calls(Expressions):
         else:
             made = self._made(node, function, kinds, owner, "", True, passed)
         return Call(made, (method.model, *passed), made.result)
+
+    def _record_method(self, node: ast.Call, method: Method) -> Expr:
+        """A method of a NamedTuple: a function that takes its struct first."""
+        if not self._is_ours(method.function) or hasattr(method.function, "__wrapped__"):
+            self.refuse(node, f"{method.name!r} is no plain method; write one, or a function.")
+        passed, kinds = self._typed(self._arguments(node, method.function, 1))
+        given = (method.model, *passed)
+        kinds = [method.model.type, *kinds]
+        made = self._made(node, method.function, kinds, None, "", True, given)
+        return Call(made, given, made.result)
 
     def _check_signature(self, node: ast.Call, name: str, passed: Sequence[Expr]) -> None:
         expected = SIGNATURES[name][0]

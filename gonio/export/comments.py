@@ -76,6 +76,8 @@ def named(text: str, names: Mapping[str, str]) -> str:
 
     def change(match: re.Match[str]) -> str:
         quoted, plain = match[1], match[2]
+        if quoted in names:
+            return names[quoted]
         name = (quoted or plain).rpartition(".")[2]
         if name not in names or not (quoted or "_" in name.strip("_")):
             return match[0]

@@ -195,7 +195,8 @@ class Expressions(ABC):
         self.python = function
         self.source: Source = source(function.__code__.co_filename)
         self.owner = owner
-        self.self_name = ""  # what the method calls its model
+        self.self_name = ""  # what the method calls its model or NamedTuple
+        self.self_variable = SELF  # what that is called in the shader
         self.scope: dict[str, Type | Static] = {}
         self.arguments: frozenset[str] = frozenset()  # names of the function's own
         # Arguments that are directions above the horizon, and of these or in it
@@ -317,7 +318,8 @@ class Expressions(ABC):
             known = self.scope[node.id]
             if isinstance(known, Static):
                 return known
-            return Variable(SELF if node.id == self.self_name else node.id, known)
+            own = node.id == self.self_name
+            return Variable(self.self_variable if own else node.id, known)
         code = self.python.__code__
         if node.id in code.co_freevars:
             self.refuse(
@@ -375,6 +377,9 @@ class Expressions(ABC):
                     return Static(fixed)
             if kind.model is not None:
                 return self._of_model(node, expr, kind.model)
+            found = vars(kind.python).get(node.attr) if kind.python is not None else None
+            if isinstance(found, types.FunctionType):
+                return Method(expr, node.attr, found)
         elif kind in ("vec2", "vec3") and node.attr in tuple("xyz")[: VECTORS[str(kind)]]:
             return Access(expr, node.attr, "float")
         if isinstance(kind, Struct):

@@ -29,6 +29,11 @@ def legal(name: str, reserved: frozenset[str] | set[str] = frozenset()) -> str:
     return name
 
 
+def snake(name: str) -> str:
+    """A name that a function may begin with, made of a class's: round_ggx of RoundGGX."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
+
+
 class Names:
     """Gives every thing of one scope its name."""
 

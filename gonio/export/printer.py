@@ -15,7 +15,7 @@ import numpy as np
 
 from gonio import lang
 from gonio.export.comments import comment, named, plain_text
-from gonio.export.names import Names, legal
+from gonio.export.names import Names, legal, snake
 from gonio.export.targets import Target
 from gonio.export.tree import (
     METHODS,
@@ -494,7 +494,7 @@ class Printer:
                     expr = Access(variable(expr.value, f"{base}_value"), expr.name, expr.type)
             if isinstance(expr, (Call, Construction)):
                 arguments = tuple(
-                    variable(a, "made") if self._is_made(a) else a for a in expr.arguments
+                    variable(a, _made_name(a)) if self._is_made(a) else a for a in expr.arguments
                 )
                 expr = replace(expr, arguments=arguments)
             return expr
@@ -556,6 +556,12 @@ class Printer:
         for method in methods:
             lines += ["", *(INDENT + line if line else "" for line in self.function(method))]
         return [*lines, self.target.struct_end]
+
+
+def _made_name(value: Expr) -> str:
+    """What a struct that is made aside is called."""
+    python = value.type.python if isinstance(value.type, Struct) else None
+    return "made" if python is None else snake(python.__name__)
 
 
 def _is_plain(expr: Expr) -> bool:

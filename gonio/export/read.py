@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import ast
 import inspect
-import re
 import types
 from collections.abc import Iterable
 from typing import Any, cast
@@ -18,8 +17,9 @@ from typing import Any, cast
 from gonio.export import library
 from gonio.export.calls import PRODUCT_MAX, method_of, written
 from gonio.export.expressions import SIGNATURES, UNTESTED
+from gonio.export.names import snake
 from gonio.export.source import source
-from gonio.export.statements import Body
+from gonio.export.statements import Body, record_of
 from gonio.export.tree import (
     Assign,
     Builtin,
@@ -39,11 +39,6 @@ from gonio.export.tree import (
 from gonio.export.values import Static
 from gonio.fields import Option, Parameter
 from gonio.model import Child, Model
-
-
-def snake(name: str) -> str:
-    """A name that a function may begin with, made of a class's or a material's."""
-    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
 
 
 def camel(name: str) -> str:
@@ -169,6 +164,8 @@ class Reader:
             ) from None
         self._open.pop()
         plain = "eval_above" if method == UNTESTED else method or function.__name__
+        if owner is None and (record := record_of(function, given)) is not None:
+            plain = f"{snake(record.__name__)}_{plain.strip('_')}"
         inherited = False
         if owner is not None and function is not library.sampled_albedo:
             name = "eval" if method == UNTESTED else plain
@@ -193,8 +190,11 @@ class Reader:
         plain = plain.strip("_")
         start = owner.prefix if owner is not None else self.prefix
         file = function.__module__.rpartition(".")[2]
-        # The same function for other types: of a colour, or of a number
+        # The same function for other types: of a NamedTuple, of a colour, or of a number
+        records = [k.python for k in given if isinstance(k, Struct) and k.python is not None]
         other = "rgb" if "vec3" in given else "scalar"
+        if records:
+            other = snake(records[0].__name__)
         candidates = [f"{start}_{plain}", f"{start}_{file}_{plain}"]
         if inherited:  # the model's own method has the plain name
             candidates = candidates[1:]
@@ -240,6 +240,7 @@ class Reader:
                     doc,
                     fixed=tuple(fixed),
                     order=names,
+                    python=cls,
                 )
             )
         return self._results[key]

@@ -15,6 +15,7 @@ from gonio import lang
 from gonio.export.aliases import aliases, same
 from gonio.export.calls import Calls
 from gonio.export.expressions import SIGNATURES, UNTESTED, Collector
+from gonio.export.names import snake
 from gonio.export.source import source
 from gonio.export.tree import (
     SELF,
@@ -92,6 +93,13 @@ class Body(Calls):
             self.scope[names[0]] = self.owner
             self.self_name = names[0]
             names = names[1:]
+        elif (record := record_of(self.python, given)) is not None:
+            self.self_name, self.self_variable = names[0], self._fresh(snake(record.__name__))
+            kind, given = given[0], given[1:]
+            assert isinstance(kind, Struct)
+            self.parameters.append((self.self_variable, kind))
+            self.scope[names[0]] = kind
+            names = names[1:]
         if self.method in SIGNATURES and len(names) != len(given):
             expected = ", ".join(["self", *(n for n, _ in SIGNATURES[self.method][0])])
             self.refuse(self.node, f"{self.node.name} takes {expected} and nothing else.")
@@ -146,7 +154,7 @@ class Body(Calls):
             _without_unused(tuple(self.statements)),
             self.owner,
             self.method or self.node.name,
-            self.node.name,
+            self.node.name if self.self_variable == SELF else self.python.__qualname__,
             frozenset(
                 i
                 for i, (name, _) in enumerate(self.parameters[self.owner is not None :])
@@ -599,6 +607,14 @@ class _Loop:
     """Names that come to have the value of another one in it."""
     changed: dict[str, ast.AugAssign] = field(default_factory=dict)
     """Names from outside that are changed in place."""
+
+
+def record_of(function: types.FunctionType, given: Sequence[Type | Static]) -> type | None:
+    """The NamedTuple that a function is a method of, if the first of its arguments is one."""
+    first = given[0] if given else None
+    if not isinstance(first, Struct) or first.python is None:
+        return None
+    return first.python if function in vars(first.python).values() else None
 
 
 _SIGNS: dict[type, str] = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}

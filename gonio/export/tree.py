@@ -35,6 +35,8 @@ class Struct:
     """Members that are known when the shader is made, and stand in no struct of it."""
     order: tuple[str, ...] = ()
     """All members as Python unpacks them; empty: as they stand here."""
+    python: type | None = None
+    """The NamedTuple that it stands for."""
 
 
 Type = Literal["float", "vec2", "vec3", "bool", "bool3"] | Struct
@@ -232,7 +234,7 @@ class Function:
     method: str = ""
     """Its name as a method, such as "eval"."""
     plain: str = ""
-    """Its name in Python."""
+    """Its name in Python; of a NamedTuple's method with the class, such as "GGX.D"."""
     exponents: frozenset[int] = frozenset()
     """Which arguments are exponents of `power`."""
     kept: tuple[bool, ...] = ()

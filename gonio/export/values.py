@@ -54,7 +54,7 @@ class Static:
 
 @dataclass(frozen=True)
 class Method:
-    """A method of a model that is not called yet."""
+    """A method of a model or a NamedTuple that is not called yet."""
 
     model: Expr
     name: str

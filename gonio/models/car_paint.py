@@ -32,7 +32,7 @@ from gonio.parts.coat import (
     through_facets,
     usual_cos_half,
 )
-from gonio.parts.distribution import ALPHA_MIN, pdf_ggx_visible, sample_ggx_visible
+from gonio.parts.distribution import ALPHA_MIN, RoundGGX, ggx_bound, pdf_visible
 from gonio.parts.frame import cos_half, half_vector, mirror
 from gonio.parts.fresnel import F_conductor_half, F_dielectric_entering, transmittance_entering
 from gonio.parts.interface import (
@@ -140,10 +140,10 @@ class CarPaint(Model):
         """Visible normals of the coat, or of the flake and then out through the coat."""
         n, wo_t = self._normal(), refract(wo, self.eta - 1)
         on_coat, v = choose(self._shares(wo, wo_t).x, u)
-        w_coat = sample_ggx_lobe(wo, self.alpha, self.alpha, v)
-        alpha = self._flake_alpha()
+        w_coat = sample_ggx_lobe(RoundGGX(self.alpha), wo, v)
+        facets = RoundGGX(self._flake_alpha())
         tilted = self._facing(to_tilted(wo_t, n))
-        flake = mirror(tilted, sample_ggx_visible(tilted, alpha, alpha, v))
+        flake = mirror(tilted, facets.sample_visible(tilted, v, ggx_bound(facets.alpha, tilted)))
         # What the flake mirrors behind itself is wasted.
         w_flake = leave(select(flake.z > 0, from_tilted(flake, n), vec3(0, 0, -1)), self.eta - 1)
         wi = select(on_coat, w_coat, w_flake)
@@ -157,7 +157,7 @@ class CarPaint(Model):
         w = gather(wi, excess)
         gathered = self._pdf_flake(w, wo_t, w + wo_t)
         below = pdf_leave(refracted, gathered, wi, wi_t, excess)
-        coat = pdf_ggx_lobe(wi, wo, self.alpha, self.alpha)
+        coat = pdf_ggx_lobe(RoundGGX(self.alpha), wi, wo)
         P = self._shares(wo, wo_t)
         return P.x * coat + P.y * below
 
@@ -188,10 +188,11 @@ class CarPaint(Model):
 
     def _pdf_flake(self, wi_t: Vec3, wo_t: Vec3, both: Vec3) -> Float:
         """Density inside the coat of the flake's part of `sample`; both: along the half vector."""
-        n, alpha = self._normal(), self._flake_alpha()
+        n = self._normal()
         tilted_i, tilted_o = to_tilted(wi_t, n), to_tilted(wo_t, n)
+        facets, tilted = RoundGGX(self._flake_alpha()), self._facing(tilted_o)
         m = normalize(to_tilted(both, n))
-        density = pdf_ggx_visible(self._facing(tilted_o), m, alpha, alpha)
+        density = pdf_visible(facets, tilted, m, ggx_bound(facets.alpha, tilted))
         return select((tilted_i.z > 0) & (wi_t.z > 0), density, 0)
 
     def _shares(self, wo: Vec3, wo_t: Vec3) -> Vec2:

@@ -24,12 +24,12 @@ from gonio.lang import (
     vec3,
 )
 from gonio.model import Model, option, param
-from gonio.parts.distribution import D_ggx, D_gtr1_narrow, sample_gtr1
+from gonio.parts.distribution import GGX, GTR1, RoundGGX
 from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
 from gonio.parts.fresnel import schlick_complement, schlick_weight, schlick_weight_half
 from gonio.parts.hemisphere import pdf_cosine, pdf_uniform, sample_cosine, sample_uniform
 from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, shares
-from gonio.parts.masking import V_smith_ggx, V_smith_ggx_round
+from gonio.parts.masking import V_smith
 from gonio.parts.roughness import at_least_perceptual
 
 # The reference code's numbers: smallest width of the highlight, F0 at specular 1, and for the clearcoat
@@ -98,8 +98,7 @@ class Disney(Model):
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """BRDF value in 1/sr, without the cosine."""
-        widths = self._widths()
-        D = D_ggx(half_vector(wi, wo), widths.x, widths.y)
+        D = self._facets().D(half_vector(wi, wo))
         F = lerp(self._f0(), 1, schlick_weight_half(wi, wo))
         return self.eval_round(wi, wo) + F * (D * self._V(wi, wo))
 
@@ -118,52 +117,51 @@ class Disney(Model):
         F_H = schlick_weight_half(wi, wo)
         base = (1 - self.metallic) * (diffuse + F_H * self._sheen())
 
-        D_c = D_gtr1_narrow(half_vector(wi, wo), self._coat_alpha())
-        V_c = V_smith_ggx_round(wi, wo, COAT_ALPHA_MASKING)
+        D_c = self._coat().D_narrow(half_vector(wi, wo))
+        V_c = V_smith(RoundGGX(COAT_ALPHA_MASKING), wi, wo)
         F_c = self.clearcoat * lerp(COAT_STRENGTH * COAT_F0, COAT_STRENGTH, F_H)
         return base + F_c * (D_c * V_c)
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """Cosine-weighted, a visible GGX normal or a clearcoat normal, by the estimated albedos."""
-        widths = self._widths()
         diffuse, v = choose(self._diffuse_shares(wo).x, u)
         highlight, w = choose(self._specular_shares(wo).x, v)
-        coat = mirror(wo, sample_gtr1(self._coat_alpha(), w))
-        specular = select(highlight, sample_ggx_lobe(wo, widths.x, widths.y, w), coat)
+        coat = mirror(wo, self._coat().sample(w))
+        specular = select(highlight, sample_ggx_lobe(self._facets(), wo, w), coat)
         uniform, t = choose(self._uniform_share(), v)
         wi = select(diffuse, select(uniform, sample_uniform(t), sample_cosine(t)), specular)
         return Sample(wi, self.pdf(wi, wo))
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample` in 1/sr."""
-        widths = self._widths()
         P, Q = self._diffuse_shares(wo), self._specular_shares(wo)
         m = half_vector(wi, wo)
-        coat = pdf_mirror(D_gtr1_narrow(m, self._coat_alpha()) * m.z, cos_half(wi, wo))
-        specular = Q.x * pdf_ggx_lobe(wi, wo, widths.x, widths.y) + Q.y * coat
+        coat = pdf_mirror(self._coat().D_narrow(m) * m.z, cos_half(wi, wo))
+        specular = Q.x * pdf_ggx_lobe(self._facets(), wi, wo) + Q.y * coat
         diffuse = lerp(pdf_cosine(wi), pdf_uniform(), self._uniform_share())
         return P.x * diffuse + P.y * specular
 
     def slope_widths(self) -> Vec2:
         """As the highlight's."""
-        return self._widths()
+        facets = self._facets()
+        return vec2(facets.alpha_x, facets.alpha_y)
 
-    def _widths(self) -> Vec2:
-        """alpha along x and y."""
+    def _facets(self) -> GGX:
+        """Those of the highlight."""
         alpha = self.roughness * self.roughness
         aspect = sqrt(1 - 0.9 * self.anisotropic)
-        return vec2(maximum(alpha / aspect, ALPHA_DISNEY), maximum(alpha * aspect, ALPHA_DISNEY))
+        return GGX(maximum(alpha / aspect, ALPHA_DISNEY), maximum(alpha * aspect, ALPHA_DISNEY))
 
     def _V(self, wi: Vec3, wo: Vec3) -> Float:
         """Masking of the highlight, G / (4 mu_i mu_o)."""
         if self.masking == "anisotropic":
-            widths = self._widths()
-            return V_smith_ggx(wi, wo, widths.x, widths.y)
+            return V_smith(self._facets(), wi, wo)
         alpha_g = (0.5 + 0.5 * self.roughness) * (0.5 + 0.5 * self.roughness)
-        return V_smith_ggx_round(wi, wo, alpha_g)
+        return V_smith(RoundGGX(alpha_g), wi, wo)
 
-    def _coat_alpha(self) -> Float:
-        return lerp(COAT_ALPHA_SATIN, COAT_ALPHA_GLOSS, self.clearcoat_gloss)
+    def _coat(self) -> GTR1:
+        """The clearcoat's facets."""
+        return GTR1(lerp(COAT_ALPHA_SATIN, COAT_ALPHA_GLOSS, self.clearcoat_gloss))
 
     def _tint(self) -> Color:
         """The base colour's hue and saturation, with a luminance of 1."""

@@ -9,11 +9,11 @@ Deviation: alpha = roughness^2 is at least ALPHA_MIN, where the highlight still 
 from gonio.claims import Claims, at_most
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, lerp, maximum
 from gonio.model import Model, option, param
-from gonio.parts.distribution import ALPHA_MIN, D_ggx
+from gonio.parts.distribution import ALPHA_MIN, RoundGGX
 from gonio.parts.frame import cos_half, half_vector
 from gonio.parts.fresnel import schlick_complement, schlick_weight, schlick_weight_half
 from gonio.parts.lobes import average, shares
-from gonio.parts.masking import V_smith_correlated_ggx, V_smith_ggx
+from gonio.parts.masking import V_smith, V_smith_correlated
 from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
 from gonio.parts.roughness import at_least_perceptual
 
@@ -49,16 +49,16 @@ class MetallicRoughness(Model):
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """BRDF value in 1/sr, without the cosine."""
-        alpha = self._alpha()
+        facets = RoundGGX(self._alpha())
         f0 = self._f0()
         F = lerp(f0, 1, schlick_weight_half(wi, wo))
         # 1 - F without its cancellation
         k_d = (1 - f0) * schlick_complement(cos_half(wi, wo))
         diffuse = INV_PI * (1 - self.metallic) * self.base_color * k_d
-        D = D_ggx(half_vector(wi, wo), alpha, alpha)
+        D = facets.D(half_vector(wi, wo))
         if self.masking == "smith":
-            return diffuse + F * (D * V_smith_ggx(wi, wo, alpha, alpha))
-        return diffuse + F * (D * V_smith_correlated_ggx(wi, wo, alpha, alpha))
+            return diffuse + F * (D * V_smith(facets, wi, wo))
+        return diffuse + F * (D * V_smith_correlated(facets, wi, wo))
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """Cosine-weighted or a visible GGX normal, by the estimated albedos."""

@@ -28,7 +28,16 @@ from gonio.lang import (
 )
 from gonio.model import Model, option, param
 from gonio.parts import distribution, frame, fresnel, ggx_loss, masking
-from gonio.parts.distribution import ALPHA_MIN
+from gonio.parts.distribution import (
+    ALPHA_MIN,
+    GGX,
+    Beckmann,
+    BlinnPhong,
+    Gaussian,
+    RoundBeckmann,
+    RoundGGX,
+    pdf_visible,
+)
 from gonio.parts.hemisphere import pdf_grazing, sample_grazing
 from gonio.parts.lobes import pdf_ggx_lobe, sample_ggx_lobe
 from gonio.parts.metals import metal
@@ -49,6 +58,10 @@ LOST_WIDTH = 1.5
 
 # Smallest share of the samples that the compensation gets, so that no weight grows without bound.
 SHARE_MIN = 0.05
+
+
+# Cook and Torrance's V-shaped grooves, and Kelemen's short form: they show facets that Smith's hide.
+GROOVES = ("cook_torrance", "kelemen")
 
 
 class TorranceSparrow(Model):
@@ -109,8 +122,8 @@ class TorranceSparrow(Model):
     caveats = (
         "Loses what facets reflect more than once: white GGX of alpha 1 reflects 31 % at the normal. "
         "compensation='kulla_conty' or 'turquin' puts it back to 0.4 %.",
-        "Wastes the samples that a facet mirrors below the horizon: at most 52 % of them where it is "
-        "isotropic, 74 % where it is stretched.",
+        "Wastes the samples that a facet mirrors below the horizon, with the maskings of grooves and with "
+        "all facets but GGX's and Blinn-Phong's: at most 52 % of them, 74 % of stretched ones.",
         "compensation='turquin' is not reciprocal.",
         "Reflects more than it receives with maskings that do not belong to the distribution, up to: "
         "schlick_ggx 2.99, schlick_beckmann 1.83, neumann 1.58; with Beckmann's masking for other facets, "
@@ -130,11 +143,10 @@ class TorranceSparrow(Model):
         ),
         reciprocity=at_most(0.7, compensation="turquin"),
         wasted=(
-            at_most(0.404, compensation="kulla_conty"),
             at_most(0.664, distribution="beckmann"),
-            at_most(0.5, distribution="blinn_phong", masking=("cook_torrance", "kelemen")),
+            at_most(0.5, distribution="blinn_phong", masking=GROOVES),
             at_most(0.509, distribution="gaussian"),
-            at_most(0.74, distribution="ggx"),
+            at_most(0.74, distribution="ggx", masking=GROOVES),
         ),
         numeric_albedo=(
             at_most(0.03, fresnel="dielectric"),
@@ -167,7 +179,9 @@ class TorranceSparrow(Model):
         """BRDF value in 1/sr, without the cosine."""
         m = frame.half_vector(wi, wo)
         cos_h = frame.cos_half(wi, wo)
-        single = self._F(cos_h, frame.sin2_half(wi, wo)) * (self._D(m) * self._V(wi, wo, m, cos_h))
+        single = self._F(cos_h, frame.sin2_half(wi, wo)) * (
+            self._facets().D(m) * self._V(wi, wo, m, cos_h)
+        )
         if self.compensation == "kulla_conty":
             # Kulla and Conty, pages 8 and 14
             lost = ggx_loss.loss(wi.z, self.alpha) * ggx_loss.loss(wo.z, self.alpha)
@@ -184,26 +198,16 @@ class TorranceSparrow(Model):
             share = self._diffuse_share(wo)
             diffuse = u.x < share
             u1 = select(diffuse, u.x / share, (u.x - share) / (1 - share))
-            facet = frame.mirror(wo, self._sample_m(wo, vec2(u1, u.y)))
+            facet = self._sample_facets(wo, vec2(u1, u.y))
             lost = sample_grazing(LOST_WIDTH * self.alpha, vec2(u1, u.y))
             wi = select(diffuse, lost, facet)
-        elif self.distribution == "blinn_phong" and self.masking not in (
-            "cook_torrance",
-            "kelemen",
-        ):
-            # GGX's longer tail: Blinn-Phong's own normals have weights without bound in the horizon
-            wi = sample_ggx_lobe(wo, self.alpha, self.alpha, u)
         else:
-            wi = frame.mirror(wo, self._sample_m(wo, u))
+            wi = self._sample_facets(wo, u)
         return Sample(wi, self.pdf(wi, wo))
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample` in 1/sr."""
-        if self.distribution == "blinn_phong" and self.masking not in ("cook_torrance", "kelemen"):
-            return pdf_ggx_lobe(wi, wo, self.alpha, self.alpha)
-        m = frame.half_vector(wi, wo)
-        cos_h = frame.cos_half(wi, wo)
-        specular = self._pdf_m(wo, m, cos_h)
+        specular = self._pdf_facets(wi, wo)
         if self.compensation == "kulla_conty":
             share = self._diffuse_share(wo)
             lost = pdf_grazing(wi, LOST_WIDTH * self.alpha)
@@ -213,7 +217,7 @@ class TorranceSparrow(Model):
     def facet_terms(self, wi: Vec3, wo: Vec3) -> dict[str, Float]:
         """D and G of a pair of directions; for plots."""
         m, cos_h = frame.half_vector(wi, wo), frame.cos_half(wi, wo)
-        return {"D": self._D(m), "G": 4 * wi.z * wo.z * self._V(wi, wo, m, cos_h)}
+        return {"D": self._facets().D(m), "G": 4 * wi.z * wo.z * self._V(wi, wo, m, cos_h)}
 
     def reflectances(self, cos_theta: Float) -> dict[str, Color]:
         """F at a cosine; for plots."""
@@ -227,20 +231,24 @@ class TorranceSparrow(Model):
         """As the facets' slopes."""
         if self.distribution in ("blinn_phong", "gaussian"):
             return vec2(self.alpha, self.alpha)
-        return self._widths()
-
-    def _widths(self) -> Vec2:
         return distribution.anisotropic_alpha(self.alpha, self.anisotropy)
 
-    def _D(self, m: Vec3) -> Float:
+    def _facets(self) -> Any:
+        """D and its widths."""
         if self.distribution == "blinn_phong":
-            return distribution.D_blinn_phong(m, self.alpha)
+            return BlinnPhong(self.alpha)
         if self.distribution == "gaussian":
-            return distribution.D_gaussian(m, self.alpha)
-        a = self._widths()
+            return Gaussian(self.alpha)
+        a = self.slope_widths()
         if self.distribution == "beckmann":
-            return distribution.D_beckmann(m, a.x, a.y)
-        return distribution.D_ggx(m, a.x, a.y)
+            return Beckmann(a.x, a.y)
+        return GGX(a.x, a.y)
+
+    def _masked(self) -> Any:
+        """Facets whose Smith masking it is: those that have none take that of Beckmann's, as wide."""
+        if self.distribution in ("blinn_phong", "gaussian"):
+            return RoundBeckmann(self.alpha)
+        return self._facets()
 
     def _V(self, wi: Vec3, wo: Vec3, m: Vec3, cos_h: Float) -> Float:
         """G / (4 mu_i mu_o)."""
@@ -256,21 +264,11 @@ class TorranceSparrow(Model):
             return masking.V_schlick(wi, wo, masking.schlick_k_ggx(self.alpha))
         if self.masking == "schlick_beckmann":
             return masking.V_schlick(wi, wo, masking.schlick_k_beckmann(self.alpha))
-        return self._V_smith(wi, wo)
-
-    def _V_smith(self, wi: Vec3, wo: Vec3) -> Float:
-        if self.distribution == "ggx":
-            a = self._widths()
-            if self.masking == "smith_correlated":
-                return masking.V_smith_correlated_ggx(wi, wo, a.x, a.y)
-            return masking.V_smith_ggx(wi, wo, a.x, a.y)
-        # The others have no masking of their own, and take that of Beckmann facets of the same width.
-        a = self.slope_widths()
         if self.masking == "smith_correlated":
-            return masking.V_smith_correlated_beckmann(wi, wo, a.x, a.y)
-        if self.masking == "smith":
-            return masking.V_smith_beckmann(wi, wo, a.x, a.y)
-        return masking.V_smith_beckmann_fitted(wi, wo, a.x, a.y)
+            return masking.V_smith_correlated(self._masked(), wi, wo)
+        if self.masking == "smith_walter" and self.distribution != "ggx":
+            return masking.V_smith_walter(self._masked(), wi, wo)
+        return masking.V_smith(self._masked(), wi, wo)
 
     def _F(self, cos_h: Float, sin2_h: Float) -> Color:
         if self.fresnel == "conductor":
@@ -298,31 +296,28 @@ class TorranceSparrow(Model):
         """How many samples the compensation gets: as much as it reflects of white."""
         return clamp(ggx_loss.loss(wo.z, self.alpha), SHARE_MIN, 1 - SHARE_MIN)
 
-    def _sample_m(self, wo: Vec3, u: Vec2) -> Vec3:
-        """Visible normals need Smith's G1, and a G that is no larger than it.
+    def _sample_facets(self, wo: Vec3, u: Vec2) -> Vec3:
+        """wo mirrored at a visible normal, or at any.
 
-        With Cook-Torrance's or Kelemen's G their weights grow like alpha / mu_o in the horizon, but those
-        of all normals are at most 2.
+        Visible normals need Smith's G1, and a G that is no larger than it. With the G of grooves their
+        weights grow like alpha / mu_o in the horizon, but those of all normals are at most 2.
         """
+        if self.masking in GROOVES or self.distribution == "gaussian":
+            return frame.mirror(wo, self._facets().sample(u))
+        if self.distribution == "beckmann":
+            return frame.mirror(wo, self._facets().sample_visible(wo, u))
         if self.distribution == "blinn_phong":
-            return distribution.sample_blinn_phong(self.alpha, u)
-        if self.distribution == "gaussian":
-            return distribution.sample_gaussian(self.alpha, u)
-        a = self._widths()
-        if self.distribution == "beckmann":
-            if self.masking in ("cook_torrance", "kelemen"):
-                return distribution.sample_beckmann(a.x, a.y, u)
-            return distribution.sample_beckmann_visible(wo, a.x, a.y, u)
-        if self.masking in ("cook_torrance", "kelemen"):
-            return distribution.sample_ggx(a.x, a.y, u)
-        return distribution.sample_ggx_visible(wo, a.x, a.y, u)
+            # GGX's longer tail: Blinn-Phong's own normals have weights without bound in the horizon
+            return sample_ggx_lobe(RoundGGX(self.alpha), wo, u)
+        return sample_ggx_lobe(self._facets(), wo, u)
 
-    def _pdf_m(self, wo: Vec3, m: Vec3, cos_h: Float) -> Float:
-        if self.distribution == "gaussian":
-            return frame.pdf_mirror(distribution.density_gaussian(m, self.alpha), cos_h)
-        if self.distribution == "blinn_phong" or self.masking in ("cook_torrance", "kelemen"):
-            return frame.pdf_mirror(self._D(m) * m.z, cos_h)
-        a = self._widths()
+    def _pdf_facets(self, wi: Vec3, wo: Vec3) -> Float:
+        """Density of `_sample_facets`."""
+        m = frame.half_vector(wi, wo)
+        if self.masking in GROOVES or self.distribution == "gaussian":
+            return frame.pdf_mirror(self._facets().density(m), frame.cos_half(wi, wo))
         if self.distribution == "beckmann":
-            return distribution.pdf_beckmann_visible(wo, m, a.x, a.y)
-        return distribution.pdf_ggx_visible(wo, m, a.x, a.y)
+            return pdf_visible(self._facets(), wo, m)
+        if self.distribution == "blinn_phong":
+            return pdf_ggx_lobe(RoundGGX(self.alpha), wi, wo)
+        return pdf_ggx_lobe(self._facets(), wi, wo)

@@ -11,7 +11,7 @@ from gonio.claims import Claims, Place, at_most, kink
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, lerp, select
 from gonio.model import Model, option, param
 from gonio.parts import cltc
-from gonio.parts.distribution import blinn_phong_alpha
+from gonio.parts.distribution import RoundGGX, blinn_phong_alpha
 from gonio.parts.frame import tangential_dot
 from gonio.parts.fresnel import schlick_weight, schlick_weight_half
 from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, shares
@@ -69,7 +69,7 @@ class TriAceBlinnPhong(Model):
         else:
             matte, v = choose(self._shares(wo).x, u)
             rough = cltc.sample_cltc_uniform(wo, self._roughness(), v)
-            wi = select(matte, rough, sample_ggx_lobe(wo, alpha, alpha, v))
+            wi = select(matte, rough, sample_ggx_lobe(RoundGGX(alpha), wo, v))
         return Sample(wi, self.pdf(wi, wo))
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
@@ -78,7 +78,7 @@ class TriAceBlinnPhong(Model):
         if self.diffuse == "lambert":
             return pdf_matte_gloss(wi, wo, alpha, P)
         rough = cltc.pdf_cltc_uniform(wi, wo, self._roughness())
-        return P.x * rough + P.y * pdf_ggx_lobe(wi, wo, alpha, alpha)
+        return P.x * rough + P.y * pdf_ggx_lobe(RoundGGX(alpha), wi, wo)
 
     def _roughness(self) -> Float:
         """EON's roughness with the same weight of s/t: B / A'."""

@@ -27,7 +27,7 @@ from gonio.lang import (
 from gonio.model import Model, option, param
 from gonio.parts import cltc
 from gonio.parts.coat import optical_depth, usual_cos_half
-from gonio.parts.distribution import blinn_phong_alpha
+from gonio.parts.distribution import RoundGGX, blinn_phong_alpha
 from gonio.parts.frame import cos_half, tangential_dot
 from gonio.parts.fresnel import (
     F_below,
@@ -128,9 +128,8 @@ class TriAceLayered(Model):
         P_top, P_bottom = self._shares(wo)
         on_top, v = choose(P_top.x, u)
         on_bottom, t = choose(P_bottom.x, v)
-        alpha_1, alpha_2 = self._alphas()
-        w_top = sample_ggx_lobe(wo, alpha_1, alpha_1, v)
-        w_bottom = sample_ggx_lobe(wo, alpha_2, alpha_2, t)
+        w_top = sample_ggx_lobe(self._top(), wo, v)
+        w_bottom = sample_ggx_lobe(self._bottom(), wo, t)
         if self.diffuse == "lambert":
             w_matte = sample_cosine(t)
         else:
@@ -141,9 +140,8 @@ class TriAceLayered(Model):
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample` in 1/sr."""
         P_top, P_bottom = self._shares(wo)
-        alpha_1, alpha_2 = self._alphas()
-        top = pdf_ggx_lobe(wi, wo, alpha_1, alpha_1)
-        bottom = pdf_ggx_lobe(wi, wo, alpha_2, alpha_2)
+        top = pdf_ggx_lobe(self._top(), wi, wo)
+        bottom = pdf_ggx_lobe(self._bottom(), wi, wo)
         if self.diffuse == "lambert":
             matte = pdf_cosine(wi)
         else:
@@ -156,12 +154,13 @@ class TriAceLayered(Model):
         glossy, _ = self._bottom_fresnel(cos_theta)
         return {"F, upper layer": F_top, "lower layer": glossy}
 
-    def _alphas(self) -> tuple[Float, Float]:
-        top, bottom = (
-            blinn_phong_alpha(self.top_shininess),
-            blinn_phong_alpha(self.bottom_shininess),
-        )
-        return top, bottom
+    def _top(self) -> RoundGGX:
+        """Facets that the upper highlight is sampled by: as wide, with a longer tail."""
+        return RoundGGX(blinn_phong_alpha(self.top_shininess))
+
+    def _bottom(self) -> RoundGGX:
+        """The same for the lower highlight."""
+        return RoundGGX(blinn_phong_alpha(self.bottom_shininess))
 
     def _bottom_fresnel(self, cos_h: Float) -> BottomFresnel:
         """Factors of the lower layer's glossy and matte reflection (Eq. 4 or 5, and Eq. 9)."""

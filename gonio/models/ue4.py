@@ -11,7 +11,7 @@ Deviations: the Fresnel term is Schlick's power, which the engine replaces by
 from gonio.claims import Claims, at_most
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, lerp, maximum
 from gonio.model import Model, option, param
-from gonio.parts.distribution import ALPHA_MIN, D_ggx
+from gonio.parts.distribution import ALPHA_MIN, RoundGGX
 from gonio.parts.frame import half_vector
 from gonio.parts.fresnel import schlick_weight, schlick_weight_half
 from gonio.parts.lobes import average, shares
@@ -57,7 +57,7 @@ class UE4(Model):
         """BRDF value in 1/sr, without the cosine."""
         alpha = self._alpha()
         F = lerp(self._f0(), 1, schlick_weight_half(wi, wo))
-        D = D_ggx(half_vector(wi, wo), alpha, alpha)
+        D = RoundGGX(alpha).D(half_vector(wi, wo))
         diffuse = INV_PI * (1 - self.metallic) * self.base_color
         return diffuse + F * (D * V_schlick(wi, wo, self._k()))
 

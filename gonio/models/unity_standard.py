@@ -14,7 +14,7 @@ The second dims its highlights: the peak by 4 % at roughness 0.2, 28 % at 0.15 a
 from gonio.claims import Claims, at_most
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, dot, lerp, maximum
 from gonio.model import Model, param
-from gonio.parts.distribution import D_ggx
+from gonio.parts.distribution import RoundGGX
 from gonio.parts.frame import half_vector
 from gonio.parts.fresnel import schlick_weight, schlick_weight_half
 from gonio.parts.lobes import average, shares
@@ -63,7 +63,7 @@ class UnityStandard(Model):
         lambda_v = wi.z * lerp(alpha, 1, wo.z)
         lambda_l = wo.z * lerp(alpha, 1, wi.z)
         V = 0.5 / (lambda_v + lambda_l)
-        D = D_ggx(half_vector(wi, wo), alpha, alpha)
+        D = RoundGGX(alpha).D(half_vector(wi, wo))
         F = lerp(self._f0(), 1, schlick_weight_half(wi, wo))
         return INV_PI * burley * self._diffuse() + F * (D * V)
 

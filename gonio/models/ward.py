@@ -9,7 +9,7 @@ Ngan, Durand, Matusik, "Experimental analysis of BRDF models", EGSR 2005, fitted
 from gonio.claims import UNBOUNDED, Claims, at_most
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, minimum, select, sqrt, vec2
 from gonio.model import Model, option, param
-from gonio.parts.distribution import D_beckmann, sample_beckmann
+from gonio.parts.distribution import Beckmann
 from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
 from gonio.parts.lobes import average, choose, shares
@@ -57,7 +57,7 @@ class Ward(Model):
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """BRDF value in 1/sr, without the cosine."""
         m = half_vector(wi, wo)
-        D = D_beckmann(m, self.alpha_x, self.alpha_y)
+        D = self._facets().D(m)
         z2 = m.z * m.z
         if self.form == "balanced":
             c = cos_half(wi, wo)
@@ -75,19 +75,22 @@ class Ward(Model):
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """Cosine-weighted, or wo mirrored at a normal of the Gaussian."""
         matte, v = choose(self._shares().x, u)
-        facet = mirror(wo, sample_beckmann(self.alpha_x, self.alpha_y, v))
+        facet = mirror(wo, self._facets().sample(v))
         wi = select(matte, sample_cosine(v), facet)
         return Sample(wi, self.pdf(wi, wo))
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample` in 1/sr."""
         P, m = self._shares(), half_vector(wi, wo)
-        facets = D_beckmann(m, self.alpha_x, self.alpha_y) * m.z
+        facets = self._facets().density(m)
         return P.x * pdf_cosine(wi) + P.y * pdf_mirror(facets, cos_half(wi, wo))
 
     def slope_widths(self) -> Vec2:
         """As the highlight's."""
         return vec2(self.alpha_x, self.alpha_y)
+
+    def _facets(self) -> Beckmann:
+        return Beckmann(self.alpha_x, self.alpha_y)
 
     def _shares(self) -> Vec2:
         """Probabilities of the diffuse part and of the highlight."""

@@ -12,7 +12,7 @@ from gonio.claims import Claims, Place, at_most, kink
 from gonio.lang import Color, Float, Sample, Vec2, Vec3, maximum, select
 from gonio.model import Model, child, option, param
 from gonio.parts.coat import attenuation_least, optical_depth, usual_cos_half
-from gonio.parts.distribution import ALPHA_MIN, D_beckmann_round, D_ggx, sample_beckmann, sample_ggx
+from gonio.parts.distribution import ALPHA_MIN, RoundBeckmann, RoundGGX
 from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
 from gonio.parts.fresnel import (
     F_dielectric_entering,
@@ -33,10 +33,8 @@ from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, sh
 from gonio.parts.masking import (
     G_cook_torrance,
     V_cook_torrance,
-    V_smith_beckmann,
-    V_smith_correlated_beckmann,
-    V_smith_correlated_ggx,
-    V_smith_ggx,
+    V_smith,
+    V_smith_correlated,
 )
 from gonio.parts.roughness import at_least_alpha
 
@@ -131,7 +129,7 @@ class WeidlichWilkie(Model):
         if self.interface == "smooth":
             return below
         cos_h = cos_half(wi, wo)
-        coat = self._F(cos_h) * self._D(half_vector(wi, wo)) * self._V(wi, wo)
+        coat = self._F(cos_h) * self._facets().D(half_vector(wi, wo)) * self._V(wi, wo)
         return below + coat
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
@@ -181,7 +179,7 @@ class WeidlichWilkie(Model):
 
     def facet_terms(self, wi: Vec3, wo: Vec3) -> dict[str, Float]:
         """D and G of the coat at a pair of directions; for plots."""
-        return {"D": self._D(half_vector(wi, wo)), "G": self._G(wi, wo)}
+        return {"D": self._facets().D(half_vector(wi, wo)), "G": self._G(wi, wo)}
 
     def reflectances(self, cos_theta: Float) -> dict[str, Float]:
         """F of the coat at a cosine outside, and what both crossings let through; for plots."""
@@ -195,16 +193,14 @@ class WeidlichWilkie(Model):
         grow like alpha / mu_o in the horizon. Those of all normals are at most 2.
         """
         if self.masking != "cook_torrance":
-            return sample_ggx_lobe(wo, self.alpha, self.alpha, u)
-        if self.distribution == "beckmann":
-            return mirror(wo, sample_beckmann(self.alpha, self.alpha, u))
-        return mirror(wo, sample_ggx(self.alpha, self.alpha, u))
+            return sample_ggx_lobe(RoundGGX(self.alpha), wo, u)
+        return mirror(wo, self._facets().sample(u))
 
     def _pdf_coat(self, wi: Vec3, wo: Vec3) -> Float:
         if self.masking != "cook_torrance":
-            return pdf_ggx_lobe(wi, wo, self.alpha, self.alpha)
-        m = half_vector(wi, wo)
-        return pdf_mirror(self._D(m) * m.z, cos_half(wi, wo))
+            return pdf_ggx_lobe(RoundGGX(self.alpha), wi, wo)
+        density = self._facets().density(half_vector(wi, wo))
+        return pdf_mirror(density, cos_half(wi, wo))
 
     def _optical_depth(self) -> Color:
         """Optical depth of the coat along its normal (Eq. 3)."""
@@ -227,10 +223,10 @@ class WeidlichWilkie(Model):
             return transmittance_entering(cos_theta, self.eta)
         return transmittance_lazanyi(cos_theta, self.eta)
 
-    def _D(self, m: Vec3) -> Float:
+    def _facets(self) -> RoundBeckmann | RoundGGX:
         if self.distribution == "beckmann":
-            return D_beckmann_round(m, self.alpha)
-        return D_ggx(m, self.alpha, self.alpha)
+            return RoundBeckmann(self.alpha)
+        return RoundGGX(self.alpha)
 
     def _G(self, wi: Vec3, wo: Vec3) -> Float:
         if self.masking == "cook_torrance":
@@ -239,16 +235,11 @@ class WeidlichWilkie(Model):
 
     def _V(self, wi: Vec3, wo: Vec3) -> Float:
         """G / (4 mu_i mu_o)."""
-        alpha = self.alpha
         if self.masking == "cook_torrance":
             return V_cook_torrance(wi, wo, half_vector(wi, wo).z, cos_half(wi, wo))
-        if self.masking == "smith_correlated" and self.distribution == "beckmann":
-            return V_smith_correlated_beckmann(wi, wo, alpha, alpha)
         if self.masking == "smith_correlated":
-            return V_smith_correlated_ggx(wi, wo, alpha, alpha)
-        if self.distribution == "beckmann":
-            return V_smith_beckmann(wi, wo, alpha, alpha)
-        return V_smith_ggx(wi, wo, alpha, alpha)
+            return V_smith_correlated(self._facets(), wi, wo)
+        return V_smith(self._facets(), wi, wo)
 
     def _transmitted(self, wi: Vec3, wo: Vec3) -> Float:
         """T12 t: what the surface lets in and out again."""

@@ -4,20 +4,20 @@ Source: Elek, "Layered materials in real-time rendering", CESCG 2010, Eq. 2 to 4
 """
 
 from gonio.lang import Color, Float, Vec3, vec3
-from gonio.parts.distribution import D_ggx
+from gonio.parts.distribution import RoundGGX
 from gonio.parts.interface import attenuation
-from gonio.parts.masking import V_smith_correlated_ggx
+from gonio.parts.masking import V_smith_correlated
 
 
 def ggx_facets(m: Vec3, wi: Vec3, wo: Vec3, alpha: Float) -> Float:
     """D G / (4 mu_i mu_o) of GGX with height-correlated Smith at the half vector m; F is missing."""
-    D = D_ggx(m, alpha, alpha)
-    return D * V_smith_correlated_ggx(wi, wo, alpha, alpha)
+    facets = RoundGGX(alpha)
+    return facets.D(m) * V_smith_correlated(facets, wi, wo)
 
 
 def through_facets(wi: Vec3, wo: Vec3, alpha: Float, T: Color) -> Color:
     """T12 t of Eq. 2 and 4 with t = (1 - G) + T21 G, T21 = T12 = T at the half vector, and GGX's G."""
-    G = 4 * wi.z * wo.z * V_smith_correlated_ggx(wi, wo, alpha, alpha)
+    G = 4 * wi.z * wo.z * V_smith_correlated(RoundGGX(alpha), wi, wo)
     return T * ((1 - G) + T * G)
 
 

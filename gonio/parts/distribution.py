@@ -1,9 +1,15 @@
-"""Distributions of microfacet normals: density D, and sampling of normals and of visible normals.
+"""Distributions of microfacet normals. One is a value: its kind and its widths, with functions of it.
 
-A facet's normal m is a unit vector in the local frame. Every D is per steradian and normalised such that
-the integral of D(m) m.z over the hemisphere is 1. alpha is the width of the distribution of slopes, from
-ALPHA_MIN to 1: Disney's and Unity's "roughness" r is perceptual, alpha = r^2. Anisotropic ones take a
-width along x and one along y.
+`GGX(alpha_x, alpha_y).D(m)` is the density of facets with the normal m, a unit vector in the local frame.
+Every D is per steradian and normalised such that the integral of D(m) m.z over the hemisphere is 1.
+`sample` gives normals with the density `density`, in most cases D m.z; `sample_visible` those that a
+direction sees. What Smith's masking needs of a distribution is `area`: all of the facets, whichever way
+they face, as large as w sees them, the integral of |w . m| D(m). It is mu (1 + 2 Lambda), and
+gonio.parts.masking makes Lambda, G1 and G of it.
+
+alpha is the width of the distribution of slopes, from ALPHA_MIN to 1: Disney's and Unity's "roughness" r is
+perceptual, alpha = r^2. Anisotropic ones have a width along x and one along y; the round ones are the same
+with one width, by fewer operations.
 
 Everything is written with m.z and the tangential part x^2 + y^2, whose digits survive near the normal;
 1 - m.z^2 loses them, and with them a sharp highlight.
@@ -13,8 +19,13 @@ Walter et al., "Microfacet models for refraction through rough surfaces", EGSR 2
 Burley, "Physically-based shading at Disney", SIGGRAPH 2012 course, appendix B: GTR1, anisotropic GGX;
 Cook, Torrance, "A reflectance model for computer graphics", 1982: Gaussian (its c is left open);
 Dupuy, Benyoub, "Sampling visible GGX normals with spherical caps", HPG 2023;
+Eto, Tokuyoshi, "Bounded VNDF sampling for Smith-GGX reflections", SIGGRAPH Asia 2023 technical
+communications: normals that mirror a direction below the horizon are left out, as far as a cap can;
+Heitz, "Understanding the masking-shadowing function in microfacet-based BRDFs", JCGT 2014: Lambda;
 Jakob, "An improved visible normal sampling routine for the Beckmann distribution", 2014.
 """
+
+from typing import NamedTuple, Protocol
 
 from gonio.lang import (
     INV_PI,
@@ -72,7 +83,14 @@ BEYOND_6, BEYOND_7, BEYOND_8 = 4.6655247915e-5, -5.33585946608e-6, 4.00455147614
 # fmt: on
 
 
-# --- half vectors ---------------------------------------------------------------------------------
+class Facets(Protocol):
+    """What a masking asks of a distribution."""
+
+    def D(self, m: Vec3) -> Float:
+        """Density of facets with the normal m, in 1/sr."""
+
+    def area(self, w: Vec3) -> Float:
+        """mu (1 + 2 Lambda): the integral of |w . m| D(m), all facets as large as w sees them."""
 
 
 def anisotropic_alpha(alpha: Float, anisotropy: Float) -> Vec2:
@@ -84,10 +102,9 @@ def anisotropic_alpha(alpha: Float, anisotropy: Float) -> Vec2:
     return vec2(alpha / aspect, alpha * aspect)
 
 
-def _slope2(m: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
-    """Square of the slope in units of the widths, times m.z^2."""
-    x, y = m.x / alpha_x, m.y / alpha_y
-    return x * x + y * y
+def pdf_visible(facets: Facets, wo: Vec3, m: Vec3, bound: Float = 1) -> Float:
+    """Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound."""
+    return 0.5 * facets.D(m) / (bound * wo.z + facets.area(wo))
 
 
 def _polar(tan_theta: Float, u: Float) -> Vec3:
@@ -99,85 +116,211 @@ def _polar(tan_theta: Float, u: Float) -> Vec3:
 # --- GGX -------------------------------------------------------------------------------------------
 
 
-def D_ggx(m: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
-    """GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic)."""
-    # (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    v = vec3(m.x / alpha_x, m.y / alpha_y, m.z)
-    s = dot(v, v)
-    return INV_PI / (alpha_x * alpha_y * s * s)
+class GGX(NamedTuple):
+    """Facets of GGX, also called Trowbridge-Reitz."""
+
+    alpha_x: Float
+    """width of the slopes along x"""
+    alpha_y: Float
+    """width of the slopes along y"""
+
+    def D(self, m: Vec3) -> Float:
+        """Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic)."""
+        # (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+        s = self.spread(m)
+        return INV_PI / (self.alpha_x * self.alpha_y * s * s)
+
+    def spread(self, m: Vec3) -> Float:
+        """Square of m in units of the widths: D falls with its square."""
+        v = vec3(m.x / self.alpha_x, m.y / self.alpha_y, m.z)
+        return dot(v, v)
+
+    def area(self, w: Vec3) -> Float:
+        """mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made."""
+        return length(vec3(self.alpha_x * w.x, self.alpha_y * w.y, w.z))
+
+    def least(self) -> Float:
+        """The smaller width."""
+        return minimum(self.alpha_x, self.alpha_y)
+
+    def sample(self, u: Vec2) -> Vec3:
+        """A normal with density D m.z. Walter et al., Eq. 35 and 36."""
+        r = safe_sqrt(u.x)
+        phi = TWO_PI * u.y
+        x, y = self.alpha_x * r * cos(phi), self.alpha_y * r * sin(phi)
+        return normalize(vec3(x, y, safe_sqrt(1 - u.x) + MU_MIN))
+
+    def density(self, m: Vec3) -> Float:
+        """Density of `sample` in 1/sr."""
+        return self.D(m) * m.z
+
+    def sample_visible(self, wo: Vec3, u: Vec2, bound: Float = 1) -> Vec3:
+        """A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+
+        With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
+        """
+        w = normalize(vec3(self.alpha_x * wo.x, self.alpha_y * wo.y, wo.z))
+        # u = 1 would be the facet opposite to w, whose half vector has no direction
+        u1 = minimum(u.x, 1 - RANDOM_MARGIN)
+        # A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
+        height = 1 + bound * w.z
+        drop = u1 * height
+        r = safe_sqrt(drop * (2 - drop))
+        phi = TWO_PI * u.y
+        # z + w.z as a sum of positive terms
+        z = (1 - u1) * height + (1 - bound) * w.z
+        h = vec3(r * cos(phi) + w.x, r * sin(phi) + w.y, z)
+        return normalize(vec3(self.alpha_x * h.x, self.alpha_y * h.y, h.z))
 
 
-def sample_ggx(alpha_x: Float, alpha_y: Float, u: Vec2) -> Vec3:
-    """A normal with density D_ggx m.z. Walter et al., Eq. 35 and 36."""
-    r = safe_sqrt(u.x)
-    phi = TWO_PI * u.y
-    return normalize(
-        vec3(alpha_x * r * cos(phi), alpha_y * r * sin(phi), safe_sqrt(1 - u.x) + MU_MIN)
-    )
+class RoundGGX(NamedTuple):
+    """`GGX` facets of the same width in all directions."""
+
+    alpha: Float
+    """width of the slopes"""
+
+    def D(self, m: Vec3) -> Float:
+        """Density of facets, in 1/sr. Walter et al., Eq. 33."""
+        v = vec3(m.x, m.y, self.alpha * m.z)
+        s = dot(v, v)
+        return INV_PI * self.alpha * self.alpha / (s * s)
+
+    def spread(self, m: Vec3) -> Float:
+        """Square of m in units of the width."""
+        v = vec3(m.x, m.y, self.alpha * m.z)
+        return dot(v, v) / (self.alpha * self.alpha)
+
+    def area(self, w: Vec3) -> Float:
+        """mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made."""
+        a2 = self.alpha * self.alpha
+        return sqrt(a2 + (1 - a2) * (w.z * w.z))
+
+    def least(self) -> Float:
+        """The width."""
+        return self.alpha
+
+    def sample(self, u: Vec2) -> Vec3:
+        """A normal with density D m.z."""
+        return GGX(self.alpha, self.alpha).sample(u)
+
+    def density(self, m: Vec3) -> Float:
+        """Density of `sample` in 1/sr."""
+        return self.D(m) * m.z
+
+    def sample_visible(self, wo: Vec3, u: Vec2, bound: Float = 1) -> Vec3:
+        """A normal that wo sees, in proportion to max(wo . m, 0) D(m); see `GGX.sample_visible`."""
+        return GGX(self.alpha, self.alpha).sample_visible(wo, u, bound)
 
 
-def stretched_sine(w: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
-    """alpha sin(theta), with the width of the facets along w; at least MU_MIN."""
-    x, y = alpha_x * w.x, alpha_y * w.y
-    return sqrt(maximum(x * x + y * y, MU_MIN * MU_MIN))
+def ggx_bound(least: Float, wo: Vec3) -> Float:
+    """How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
 
-
-def ggx_length(w: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
-    """mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made."""
-    return length(vec3(alpha_x * w.x, alpha_y * w.y, w.z))
-
-
-def sample_ggx_visible(wo: Vec3, alpha_x: Float, alpha_y: Float, u: Vec2) -> Vec3:
-    """A normal with density G1(wo) max(wo . m, 0) D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3."""
-    w = normalize(vec3(alpha_x * wo.x, alpha_y * wo.y, wo.z))
-    # A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
-    # u = 1 would be the facet opposite to w, whose half vector has no direction
-    u1 = minimum(u.x, 1 - RANDOM_MARGIN)
-    drop = u1 * (1 + w.z)
-    r = safe_sqrt(drop * (2 - drop))
-    phi = TWO_PI * u.y
-    h = vec3(r * cos(phi) + w.x, r * sin(phi) + w.y, (1 - u1) * (1 + w.z))
-    return normalize(vec3(alpha_x * h.x, alpha_y * h.y, h.z))
-
-
-def pdf_ggx_visible(wo: Vec3, m: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
-    """Density of wo mirrored at `sample_ggx_visible`, in 1/sr: G1(wo) D / (4 mu_o)."""
-    return D_ggx(m, alpha_x, alpha_y) / (2 * (wo.z + ggx_length(wo, alpha_x, alpha_y)))
+    Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
+    mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
+    """
+    s = 1 + safe_sqrt(wo.x * wo.x + wo.y * wo.y)
+    a2, s2 = least * least, s * s
+    return (1 - a2) * s2 / (s2 + a2 * wo.z * wo.z)
 
 
 # --- Beckmann --------------------------------------------------------------------------------------
 
 
-def D_beckmann(m: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
-    """Beckmann: slopes with a normal distribution of variance alpha^2 / 2. Walter et al., Eq. 25."""
-    inv_cos2 = 1 / maximum(m.z * m.z, COS2_MIN)
-    slope2 = _slope2(m, alpha_x, alpha_y) * inv_cos2
-    # Separate quotients: the square of their common denominator would leave a float32's range
-    return INV_PI / (alpha_x * alpha_y) * inv_cos2 * inv_cos2 * exp(-slope2)
+class Beckmann(NamedTuple):
+    """Beckmann's facets: slopes with a normal distribution of variance alpha^2 / 2."""
+
+    alpha_x: Float
+    """width of the slopes along x"""
+    alpha_y: Float
+    """width of the slopes along y"""
+
+    def D(self, m: Vec3) -> Float:
+        """Density of facets, in 1/sr. Walter et al., Eq. 25."""
+        inv_cos2 = 1 / maximum(m.z * m.z, COS2_MIN)
+        x, y = m.x / self.alpha_x, m.y / self.alpha_y
+        slope2 = (x * x + y * y) * inv_cos2
+        # Separate quotients: the square of their common denominator would leave a float32's range
+        return INV_PI / (self.alpha_x * self.alpha_y) * inv_cos2 * inv_cos2 * exp(-slope2)
+
+    def sine(self, w: Vec3) -> Float:
+        """alpha sin(theta), with the width of the facets along w; at least MU_MIN."""
+        x, y = self.alpha_x * w.x, self.alpha_y * w.y
+        return sqrt(maximum(x * x + y * y, MU_MIN * MU_MIN))
+
+    def area(self, w: Vec3) -> Float:
+        """mu (1 + 2 Lambda) of Smith's masking. Heitz 2014, Eq. 66."""
+        return _beckmann_area(w.z, self.sine(w))
+
+    def sample(self, u: Vec2) -> Vec3:
+        """A normal with density D m.z. Walter et al., Eq. 28 and 29."""
+        r = safe_sqrt(-log(maximum(1 - u.x, RANDOM_MARGIN)))
+        phi = TWO_PI * u.y
+        return normalize(vec3(self.alpha_x * r * cos(phi), self.alpha_y * r * sin(phi), 1))
+
+    def density(self, m: Vec3) -> Float:
+        """Density of `sample` in 1/sr."""
+        return self.D(m) * m.z
+
+    def sample_visible(self, wo: Vec3, u: Vec2) -> Vec3:
+        """A normal that wo sees, in proportion to max(wo . m, 0) D(m), after Jakob (2014).
+
+        The slope towards wo has no inverse in closed form: it is found by Newton's method in the domain of
+        erf, from a guess that is exact at normal incidence.
+        """
+        w = normalize(vec3(self.alpha_x * wo.x, self.alpha_y * wo.y, wo.z))
+        sine = safe_sqrt(w.x * w.x + w.y * w.y)
+        cot = minimum(w.z / maximum(sine, MU_MIN), 7)
+        top = erf(cot)
+        u1 = clamp(u.x, RANDOM_MARGIN, 1 - RANDOM_MARGIN)
+        u2 = clamp(u.y, RANDOM_MARGIN, 1 - RANDOM_MARGIN)
+        guess = top - (top + 1) * erf(sqrt(-log(u1)))
+        target = u1 * (w.z * (1 + top) + INV_SQRT_PI * sine * exp(-cot * cot))
+        x = clamp(guess, RANDOM_MARGIN - 1, 1 - RANDOM_MARGIN)
+        x = _newton(x, target, w, sine)
+        x = _newton(x, target, w, sine)
+        x = _newton(x, target, w, sine)
+        along, across = erfinv(x), erfinv(2 * u2 - 1)
+        axis = azimuth(w)
+        slope_x = axis.x * along - axis.y * across
+        slope_y = axis.y * along + axis.x * across
+        return normalize(vec3(-self.alpha_x * slope_x, -self.alpha_y * slope_y, 1))
 
 
-def D_beckmann_round(m: Vec3, alpha: Float) -> Float:
-    """`D_beckmann` for facets of the same width in all directions."""
-    inv_cos2 = 1 / maximum(m.z * m.z, COS2_MIN)
-    tan2 = (m.x * m.x + m.y * m.y) * inv_cos2
-    a2 = alpha * alpha
-    return INV_PI / a2 * inv_cos2 * inv_cos2 * exp(-tan2 / a2)
+class RoundBeckmann(NamedTuple):
+    """`Beckmann` facets of the same width in all directions."""
+
+    alpha: Float
+    """width of the slopes"""
+
+    def D(self, m: Vec3) -> Float:
+        """Density of facets, in 1/sr. Walter et al., Eq. 25."""
+        inv_cos2 = 1 / maximum(m.z * m.z, COS2_MIN)
+        tan2 = (m.x * m.x + m.y * m.y) * inv_cos2
+        a2 = self.alpha * self.alpha
+        return INV_PI / a2 * inv_cos2 * inv_cos2 * exp(-tan2 / a2)
+
+    def sine(self, w: Vec3) -> Float:
+        """alpha sin(theta); at least MU_MIN."""
+        return maximum(self.alpha * safe_sqrt(w.x * w.x + w.y * w.y), MU_MIN)
+
+    def area(self, w: Vec3) -> Float:
+        """mu (1 + 2 Lambda) of Smith's masking. Heitz 2014, Eq. 66."""
+        return _beckmann_area(w.z, self.sine(w))
+
+    def sample(self, u: Vec2) -> Vec3:
+        """A normal with density D m.z."""
+        return Beckmann(self.alpha, self.alpha).sample(u)
+
+    def density(self, m: Vec3) -> Float:
+        """Density of `sample` in 1/sr."""
+        return self.D(m) * m.z
 
 
-def sample_beckmann(alpha_x: Float, alpha_y: Float, u: Vec2) -> Vec3:
-    """A normal with density D_beckmann m.z. Walter et al., Eq. 28 and 29."""
-    r = safe_sqrt(-log(maximum(1 - u.x, RANDOM_MARGIN)))
-    phi = TWO_PI * u.y
-    return normalize(vec3(alpha_x * r * cos(phi), alpha_y * r * sin(phi), 1))
-
-
-def beckmann_lambda_mu(w: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
-    """mu Lambda(w) of Smith's masking, finite in the horizon. Heitz 2014, Eq. 66."""
-    sigma = stretched_sine(w, alpha_x, alpha_y)
-    a = w.z / sigma
+def _beckmann_area(mu: Float, sine: Float) -> Float:
+    """mu erf(a) + sine exp(-a^2) / sqrt(pi) with a = mu / sine = 1 / (alpha tan(theta))."""
     # Lambda is smaller than 1e-22 from there on, and the limit keeps a^2 in range
-    a = minimum(a, 7)
-    return maximum(0.5 * (INV_SQRT_PI * sigma * exp(-a * a) - w.z * (1 - erf(a))), 0)
+    a = minimum(mu / sine, 7)
+    return mu * erf(a) + INV_SQRT_PI * sine * exp(-a * a)
 
 
 def _newton(x: Float, target: Float, w: Vec3, sine: Float) -> Float:
@@ -186,37 +329,6 @@ def _newton(x: Float, target: Float, w: Vec3, sine: Float) -> Float:
     value = w.z * (1 + x) + INV_SQRT_PI * sine * exp(-slope * slope) - target
     slant = maximum(w.z - slope * sine, MU_MIN)
     return clamp(x - value / slant, RANDOM_MARGIN - 1, 1 - RANDOM_MARGIN)
-
-
-def sample_beckmann_visible(wo: Vec3, alpha_x: Float, alpha_y: Float, u: Vec2) -> Vec3:
-    """A normal with density G1(wo) max(wo . m, 0) D_beckmann(m) / mu_o, after Jakob (2014).
-
-    The slope towards wo has no inverse in closed form: it is found by Newton's method in the domain of
-    erf, from a guess that is exact at normal incidence.
-    """
-    w = normalize(vec3(alpha_x * wo.x, alpha_y * wo.y, wo.z))
-    sine = safe_sqrt(w.x * w.x + w.y * w.y)
-    cot = minimum(w.z / maximum(sine, MU_MIN), 7)
-    top = erf(cot)
-    u1 = clamp(u.x, RANDOM_MARGIN, 1 - RANDOM_MARGIN)
-    u2 = clamp(u.y, RANDOM_MARGIN, 1 - RANDOM_MARGIN)
-    guess = top - (top + 1) * erf(sqrt(-log(u1)))
-    target = u1 * (w.z * (1 + top) + INV_SQRT_PI * sine * exp(-cot * cot))
-    x = clamp(guess, RANDOM_MARGIN - 1, 1 - RANDOM_MARGIN)
-    x = _newton(x, target, w, sine)
-    x = _newton(x, target, w, sine)
-    x = _newton(x, target, w, sine)
-    along, across = erfinv(x), erfinv(2 * u2 - 1)
-    axis = azimuth(w)
-    slope_x = axis.x * along - axis.y * across
-    slope_y = axis.y * along + axis.x * across
-    return normalize(vec3(-alpha_x * slope_x, -alpha_y * slope_y, 1))
-
-
-def pdf_beckmann_visible(wo: Vec3, m: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
-    """Density of wo mirrored at `sample_beckmann_visible`, in 1/sr: G1(wo) D / (4 mu_o)."""
-    area = wo.z + beckmann_lambda_mu(wo, alpha_x, alpha_y)
-    return D_beckmann(m, alpha_x, alpha_y) / (4 * area)
 
 
 # --- Blinn-Phong -----------------------------------------------------------------------------------
@@ -232,33 +344,76 @@ def blinn_phong_alpha(exponent: Float) -> Float:
     return sqrt(2 / (exponent + 2))
 
 
-def D_blinn_phong(m: Vec3, alpha: Float) -> Float:
-    """Blinn-Phong, (n + 2) / (2 pi) (N.H)^n with n = 2 / alpha^2 - 2. Walter et al., Eq. 30."""
-    # (N.H)^n = (1 + tan^2)^(-n / 2): a sharp lobe needs the digits of the tangent, not of the cosine
-    tan2 = (m.x * m.x + m.y * m.y) / maximum(m.z * m.z, 0.25)
-    steep = log(clamp(m.z, MU_MIN, 0.5))
-    minus_log_cos = select(m.z > 0.5, 0.5 * log1p(tan2), -steep)
-    a2 = alpha * alpha
-    return INV_PI / a2 * exp(-2 * minus_log_cos * ((1 - alpha) * (1 + alpha) / a2))
+class BlinnPhong(NamedTuple):
+    """Blinn-Phong's facets, (n + 2) / (2 pi) (N.H)^n with n = 2 / alpha^2 - 2."""
 
+    alpha: Float
+    """width of the slopes"""
 
-def sample_blinn_phong(alpha: Float, u: Vec2) -> Vec3:
-    """A normal with density D_blinn_phong m.z. Walter et al., Eq. 32 and 33: cos = u^(1 / (n + 2))."""
-    tan2 = expm1(-alpha * alpha * log(maximum(1 - u.x, RANDOM_MARGIN)))
-    return _polar(safe_sqrt(tan2), u.y)
+    def D(self, m: Vec3) -> Float:
+        """Density of facets, in 1/sr. Walter et al., Eq. 30."""
+        # (N.H)^n = (1 + tan^2)^(-n / 2): a sharp lobe needs the digits of the tangent, not of the cosine
+        tan2 = (m.x * m.x + m.y * m.y) / maximum(m.z * m.z, 0.25)
+        steep = log(clamp(m.z, MU_MIN, 0.5))
+        minus_log_cos = select(m.z > 0.5, 0.5 * log1p(tan2), -steep)
+        alpha = self.alpha
+        a2 = alpha * alpha
+        return INV_PI / a2 * exp(-2 * minus_log_cos * ((1 - alpha) * (1 + alpha) / a2))
+
+    def sample(self, u: Vec2) -> Vec3:
+        """A normal with density D m.z. Walter et al., Eq. 32 and 33: cos = u^(1 / (n + 2))."""
+        tan2 = expm1(-self.alpha * self.alpha * log(maximum(1 - u.x, RANDOM_MARGIN)))
+        return _polar(safe_sqrt(tan2), u.y)
+
+    def density(self, m: Vec3) -> Float:
+        """Density of `sample` in 1/sr."""
+        return self.D(m) * m.z
 
 
 # --- Gaussian --------------------------------------------------------------------------------------
 
 
-def gaussian_norm(alpha: Float) -> Float:
-    """Integral of exp(-(theta / alpha)^2) cos(theta) over the hemisphere, over pi alpha^2; error 1e-13."""
-    q = alpha * alpha
-    d = DAWSON_6 + q * (DAWSON_7 + q * (DAWSON_8 + q * (DAWSON_9 + q * DAWSON_10)))
-    d = DAWSON_2 + q * (DAWSON_3 + q * (DAWSON_4 + q * (DAWSON_5 + q * d)))
-    b = BEYOND_4 + q * (BEYOND_5 + q * (BEYOND_6 + q * (BEYOND_7 + q * BEYOND_8)))
-    b = BEYOND_0 + q * (BEYOND_1 + q * (BEYOND_2 + q * (BEYOND_3 + q * b)))
-    return DAWSON_0 + q * (DAWSON_1 + q * d) + exp(-PI * PI / (4 * q)) * q * b
+class Gaussian(NamedTuple):
+    """Facets with a Gaussian of the angle, c exp(-(theta / alpha)^2). Cook and Torrance."""
+
+    alpha: Float
+    """width of the angles"""
+
+    def D(self, m: Vec3) -> Float:
+        """Density of facets, in 1/sr; with c normalised."""
+        t = _angle(m) / self.alpha
+        return INV_PI * exp(-t * t) / (self.alpha * self.alpha * self.norm())
+
+    def norm(self) -> Float:
+        """Integral of exp(-(theta / alpha)^2) cos(theta) over the hemisphere, over pi alpha^2.
+
+        Error 1e-13.
+        """
+        q = self.alpha * self.alpha
+        d = DAWSON_6 + q * (DAWSON_7 + q * (DAWSON_8 + q * (DAWSON_9 + q * DAWSON_10)))
+        d = DAWSON_2 + q * (DAWSON_3 + q * (DAWSON_4 + q * (DAWSON_5 + q * d)))
+        b = BEYOND_4 + q * (BEYOND_5 + q * (BEYOND_6 + q * (BEYOND_7 + q * BEYOND_8)))
+        b = BEYOND_0 + q * (BEYOND_1 + q * (BEYOND_2 + q * (BEYOND_3 + q * b)))
+        return DAWSON_0 + q * (DAWSON_1 + q * d) + exp(-PI * PI / (4 * q)) * q * b
+
+    def covered(self) -> Float:
+        """Share of a plane Gaussian that lies within the angle pi / 2."""
+        return 1 - exp(-PI * PI / (4 * self.alpha * self.alpha))
+
+    def sample(self, u: Vec2) -> Vec3:
+        """A normal whose angle follows a plane Gaussian, nearly D m.z; see `density`."""
+        theta = self.alpha * safe_sqrt(-log(maximum(1 - u.x * self.covered(), RANDOM_MARGIN)))
+        phi = TWO_PI * u.y
+        s = sin(theta)
+        return vec3(s * cos(phi), s * sin(phi), cos(theta))
+
+    def density(self, m: Vec3) -> Float:
+        """Density of `sample` in 1/sr; at least D m.z / 1.68."""
+        theta = _angle(m)
+        t = theta / self.alpha
+        sine = safe_sqrt(m.x * m.x + m.y * m.y)
+        ratio = select(sine > MU_MIN, theta / maximum(sine, MU_MIN), 1)
+        return INV_PI * exp(-t * t) * ratio / (self.alpha * self.alpha * self.covered())
 
 
 def _angle(m: Vec3) -> Float:
@@ -269,64 +424,40 @@ def _angle(m: Vec3) -> Float:
     )
 
 
-def D_gaussian(m: Vec3, alpha: Float) -> Float:
-    """Gaussian of the angle, c exp(-(theta / alpha)^2). Cook and Torrance, with c normalised."""
-    t = _angle(m) / alpha
-    return INV_PI * exp(-t * t) / (alpha * alpha * gaussian_norm(alpha))
-
-
-def _gaussian_covered(alpha: Float) -> Float:
-    """Share of a plane Gaussian that lies within the angle pi / 2."""
-    return 1 - exp(-PI * PI / (4 * alpha * alpha))
-
-
-def sample_gaussian(alpha: Float, u: Vec2) -> Vec3:
-    """A normal whose angle follows a plane Gaussian, nearly D_gaussian m.z; see `density_gaussian`."""
-    theta = alpha * safe_sqrt(-log(maximum(1 - u.x * _gaussian_covered(alpha), RANDOM_MARGIN)))
-    phi = TWO_PI * u.y
-    s = sin(theta)
-    return vec3(s * cos(phi), s * sin(phi), cos(theta))
-
-
-def density_gaussian(m: Vec3, alpha: Float) -> Float:
-    """Density of `sample_gaussian` in 1/sr; at least D_gaussian m.z / 1.68."""
-    theta = _angle(m)
-    t = theta / alpha
-    sine = safe_sqrt(m.x * m.x + m.y * m.y)
-    ratio = select(sine > MU_MIN, theta / maximum(sine, MU_MIN), 1)
-    return INV_PI * exp(-t * t) * ratio / (alpha * alpha * _gaussian_covered(alpha))
-
-
 # --- GTR1 ------------------------------------------------------------------------------------------
 
 
-def D_gtr1(m: Vec3, alpha: Float) -> Float:
-    """Generalised Trowbridge-Reitz with exponent 1: Disney's clearcoat. Burley, Eq. 4."""
-    # log(alpha^2) / (alpha^2 - 1) goes to 1 at alpha = 1, and needs the plain logarithm far from it
-    a2 = alpha * alpha
-    below_one = (alpha - 1) * (alpha + 1)
-    far = minimum(below_one, -0.2)
-    ratio = select(below_one < -0.2, log(a2) / far, log1p_over(maximum(below_one, -0.2)))
-    return INV_PI / (ratio * (m.x * m.x + m.y * m.y + a2 * m.z * m.z))
+class GTR1(NamedTuple):
+    """Generalised Trowbridge-Reitz with exponent 1: the facets of Disney's clearcoat."""
 
+    alpha: Float
+    """width of the slopes"""
 
-def D_gtr1_narrow(m: Vec3, alpha: Float) -> Float:
-    """`D_gtr1` for alpha up to 0.5, where nothing cancels in its norm."""
-    a2 = alpha * alpha
-    v = vec3(m.x, m.y, alpha * m.z)
-    return INV_PI * (a2 - 1) / (log(a2) * dot(v, v))
+    def D(self, m: Vec3) -> Float:
+        """Density of facets, in 1/sr. Burley, Eq. 4."""
+        # log(alpha^2) / (alpha^2 - 1) goes to 1 at alpha = 1, and needs the plain logarithm far from it
+        a2 = self.alpha * self.alpha
+        below_one = (self.alpha - 1) * (self.alpha + 1)
+        far = minimum(below_one, -0.2)
+        ratio = select(below_one < -0.2, log(a2) / far, log1p_over(maximum(below_one, -0.2)))
+        return INV_PI / (ratio * (m.x * m.x + m.y * m.y + a2 * m.z * m.z))
 
+    def D_narrow(self, m: Vec3) -> Float:
+        """`D` for alpha up to 0.5, where nothing cancels in its norm."""
+        a2 = self.alpha * self.alpha
+        v = vec3(m.x, m.y, self.alpha * m.z)
+        return INV_PI * (a2 - 1) / (log(a2) * dot(v, v))
 
-def sample_gtr1(alpha: Float, u: Vec2) -> Vec3:
-    """A normal with density D_gtr1 m.z. Burley, Eq. 5."""
-    # sin^2 = alpha^2 (alpha^(-2 u) - 1) / (1 - alpha^2); both differences vanish at alpha = 1
-    a2 = alpha * alpha
-    log_a2 = log(a2)
-    below_one = (alpha - 1) * (alpha + 1)
-    down, up = expm1(-u.x * log_a2), expm1((1 - u.x) * log_a2)
-    # tan^2 = sin^2 / cos^2 with cos^2 = (1 - alpha^(2 - 2 u)) / (1 - alpha^2)
-    round_ = below_one > -1e-6
-    tan2 = select(
-        round_, u.x / (1 - u.x + RANDOM_MARGIN), a2 * down / maximum(-up, RANDOM_MARGIN * a2)
-    )
-    return _polar(safe_sqrt(tan2), u.y)
+    def sample(self, u: Vec2) -> Vec3:
+        """A normal with density D m.z. Burley, Eq. 5."""
+        # sin^2 = alpha^2 (alpha^(-2 u) - 1) / (1 - alpha^2); both differences vanish at alpha = 1
+        a2 = self.alpha * self.alpha
+        log_a2 = log(a2)
+        below_one = (self.alpha - 1) * (self.alpha + 1)
+        down, up = expm1(-u.x * log_a2), expm1((1 - u.x) * log_a2)
+        # tan^2 = sin^2 / cos^2 with cos^2 = (1 - alpha^(2 - 2 u)) / (1 - alpha^2)
+        round_ = below_one > -1e-6
+        tan2 = select(
+            round_, u.x / (1 - u.x + RANDOM_MARGIN), a2 * down / maximum(-up, RANDOM_MARGIN * a2)
+        )
+        return _polar(safe_sqrt(tan2), u.y)

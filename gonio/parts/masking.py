@@ -14,15 +14,13 @@ Unreal Engine 4", SIGGRAPH 2013 course.
 """
 
 from gonio.lang import (
-    MU_MIN,
     Float,
     Vec3,
     maximum,
     minimum,
     select,
-    sqrt,
 )
-from gonio.parts.distribution import beckmann_lambda_mu, ggx_length, stretched_sine
+from gonio.parts.distribution import Beckmann, Facets, RoundBeckmann
 
 SQRT_2_OVER_PI = 0.7978845608028654
 
@@ -60,74 +58,45 @@ def V_kelemen(cos_h: Float) -> Float:
     return minimum(0.25 / cos_h / cos_h, V_MAX)
 
 
-# --- Smith, GGX ------------------------------------------------------------------------------------
+# --- Smith -----------------------------------------------------------------------------------------
+# Of any facets, by their `area`, mu (1 + 2 Lambda).
 
 
-def G1_ggx(w: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
-    """Smith's masking 1 / (1 + Lambda) with Lambda = (sqrt(1 + alpha^2 tan^2) - 1) / 2."""
-    return 2 * w.z / (w.z + ggx_length(w, alpha_x, alpha_y))
+def G1(facets: Facets, w: Vec3) -> Float:
+    """Smith's masking 1 / (1 + Lambda)."""
+    return 2 * w.z / (w.z + facets.area(w))
 
 
-def V_smith_ggx(wi: Vec3, wo: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
+def V_smith(facets: Facets, wi: Vec3, wo: Vec3) -> Float:
     """G = G1(wi) G1(wo): masking and shadowing taken as independent."""
-    length_i, length_o = ggx_length(wi, alpha_x, alpha_y), ggx_length(wo, alpha_x, alpha_y)
-    return 1 / ((wi.z + length_i) * (wo.z + length_o))
+    return 1 / ((wi.z + facets.area(wi)) * (wo.z + facets.area(wo)))
 
 
-def V_smith_ggx_round(wi: Vec3, wo: Vec3, alpha: Float) -> Float:
-    """`V_smith_ggx` for facets of the same width in all directions."""
-    a2 = alpha * alpha
-    length_i = sqrt(a2 + (1 - a2) * (wi.z * wi.z))
-    length_o = sqrt(a2 + (1 - a2) * (wo.z * wo.z))
-    return 1 / ((wi.z + length_i) * (wo.z + length_o))
-
-
-def V_smith_correlated_ggx(wi: Vec3, wo: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
+def V_smith_correlated(facets: Facets, wi: Vec3, wo: Vec3) -> Float:
     """G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99."""
-    length_i, length_o = ggx_length(wi, alpha_x, alpha_y), ggx_length(wo, alpha_x, alpha_y)
-    return 0.5 / (wo.z * length_i + wi.z * length_o)
+    return 0.5 / (wo.z * facets.area(wi) + wi.z * facets.area(wo))
 
 
-# --- Smith, Beckmann -------------------------------------------------------------------------------
-# Blinn-Phong uses these with its own width: c = sqrt(n / 2 + 1) / tan(theta) is 1 / (alpha tan(theta)).
+# Blinn-Phong uses Beckmann's: c = sqrt(n / 2 + 1) / tan(theta) is 1 / (alpha tan(theta)) with its width.
 
 
-def G1_beckmann(w: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
-    """Smith's masking 1 / (1 + Lambda), exact."""
-    return w.z / (w.z + beckmann_lambda_mu(w, alpha_x, alpha_y))
-
-
-def V_smith_beckmann(wi: Vec3, wo: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
-    """G = G1(wi) G1(wo), exact."""
-    area_i = wi.z + beckmann_lambda_mu(wi, alpha_x, alpha_y)
-    area_o = wo.z + beckmann_lambda_mu(wo, alpha_x, alpha_y)
-    return 0.25 / (area_i * area_o)
-
-
-def V_smith_correlated_beckmann(wi: Vec3, wo: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
-    """G = 1 / (1 + Lambda_i + Lambda_o), exact."""
-    masked = wo.z * beckmann_lambda_mu(wi, alpha_x, alpha_y)
-    shadowed = wi.z * beckmann_lambda_mu(wo, alpha_x, alpha_y)
-    return 0.25 / maximum(wi.z * wo.z + (masked + shadowed), MU_MIN)
-
-
-def _walter_over_mu(w: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
+def _walter_over_mu(facets: Beckmann | RoundBeckmann, w: Vec3) -> Float:
     """Walter's rational fit of Beckmann's G1, over mu."""
-    sigma = stretched_sine(w, alpha_x, alpha_y)
+    sine = facets.sine(w)
     # Walter et al. take 1 from 1.6 on, where the fit has reached 1.00006
-    a = minimum(w.z / sigma, 1.6)
-    fit = (3.535 + 2.181 * a) / (sigma * (1 + 2.276 * a + 2.577 * a * a))
-    return select(w.z < 1.6 * sigma, fit, 1 / maximum(w.z, 1.6 * sigma))
+    a = minimum(w.z / sine, 1.6)
+    fit = (3.535 + 2.181 * a) / (sine * (1 + 2.276 * a + 2.577 * a * a))
+    return select(w.z < 1.6 * sine, fit, 1 / maximum(w.z, 1.6 * sine))
 
 
-def G1_beckmann_fitted(w: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
-    """Walter et al., section 5.2: a rational fit of `G1_beckmann`, error below 0.35 %."""
-    return w.z * _walter_over_mu(w, alpha_x, alpha_y)
+def G1_walter(facets: Beckmann | RoundBeckmann, w: Vec3) -> Float:
+    """Walter et al., section 5.2: a rational fit of Beckmann's `G1`, error below 0.35 %."""
+    return w.z * _walter_over_mu(facets, w)
 
 
-def V_smith_beckmann_fitted(wi: Vec3, wo: Vec3, alpha_x: Float, alpha_y: Float) -> Float:
+def V_smith_walter(facets: Beckmann | RoundBeckmann, wi: Vec3, wo: Vec3) -> Float:
     """G = G1(wi) G1(wo) with Walter's fit."""
-    return 0.25 * _walter_over_mu(wi, alpha_x, alpha_y) * _walter_over_mu(wo, alpha_x, alpha_y)
+    return 0.25 * _walter_over_mu(facets, wi) * _walter_over_mu(facets, wo)
 
 
 # --- Schlick ---------------------------------------------------------------------------------------

@@ -36,12 +36,10 @@ from gonio.lang import (
     vec3,
 )
 from gonio.parts.distribution import (
-    D_beckmann,
-    D_ggx,
-    beckmann_lambda_mu,
-    ggx_length,
-    sample_beckmann_visible,
-    sample_ggx_visible,
+    GGX,
+    Beckmann,
+    RoundBeckmann,
+    RoundGGX,
 )
 from gonio.parts.frame import mirror
 from gonio.parts.fresnel import F_dielectric, refracted_cos2, transmittance
@@ -106,21 +104,21 @@ class Rough:
     def D(self, m: Vec3) -> Float:
         """Density of facets' normals."""
         a = self.alpha
-        return self._of(lambda: D_ggx(m, a, a), lambda: D_beckmann(m, a, a))
+        return self._of(lambda: RoundGGX(a).D(m), lambda: RoundBeckmann(a).D(m))
 
     def per_area(self, w: Vec3) -> Float:
         """G1(w) / w.z, finite in the horizon."""
         a = self.alpha
         return self._of(
-            lambda: 2 / maximum(w.z + ggx_length(w, a, a), MU_MIN),
-            lambda: 1 / maximum(w.z + beckmann_lambda_mu(w, a, a), MU_MIN),
+            lambda: 2 / maximum(w.z + RoundGGX(a).area(w), MU_MIN),
+            lambda: 2 / maximum(w.z + RoundBeckmann(a).area(w), MU_MIN),
         )
 
     def normal(self, a: Vec3, u: Vec2) -> Vec3:
         """A facet's normal, in proportion to what a sees of it."""
         s = self.alpha
         return self._of(
-            lambda: sample_ggx_visible(a, s, s, u), lambda: sample_beckmann_visible(a, s, s, u)
+            lambda: GGX(s, s).sample_visible(a, u), lambda: Beckmann(s, s).sample_visible(a, u)
         )
 
     def scatter(

@@ -2,10 +2,10 @@
 
 from gonio.lang import Color, Float, Sample, Vec2, Vec3, vec2
 from gonio.model import Model, param
-from gonio.parts.distribution import ALPHA_MIN, D_ggx
+from gonio.parts.distribution import ALPHA_MIN, GGX
 from gonio.parts.frame import half_vector
 from gonio.parts.lobes import pdf_ggx_lobe, sample_ggx_lobe
-from gonio.parts.masking import V_smith_correlated_ggx
+from gonio.parts.masking import V_smith_correlated
 
 
 class SwappedWidths(Model):
@@ -18,8 +18,8 @@ class SwappedWidths(Model):
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """D G / (4 mu_i mu_o)."""
-        V = V_smith_correlated_ggx(wi, wo, self.alpha_x, self.alpha_y)
-        return 1.0 * D_ggx(half_vector(wi, wo), self.alpha_x, self.alpha_y) * V
+        V = V_smith_correlated(GGX(self.alpha_x, self.alpha_y), wi, wo)
+        return 1.0 * GGX(self.alpha_x, self.alpha_y).D(half_vector(wi, wo)) * V
 
     def slope_widths(self) -> Vec2:
         """As the facets'."""
@@ -27,9 +27,9 @@ class SwappedWidths(Model):
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """Visible normals, with x for y."""
-        wi = sample_ggx_lobe(wo, self.alpha_y, self.alpha_x, u)
+        wi = sample_ggx_lobe(GGX(self.alpha_y, self.alpha_x), wo, u)
         return Sample(wi, self.pdf(wi, wo))
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of the sampler that was meant."""
-        return pdf_ggx_lobe(wi, wo, self.alpha_x, self.alpha_y)
+        return pdf_ggx_lobe(GGX(self.alpha_x, self.alpha_y), wi, wo)

@@ -2,10 +2,10 @@
 
 from gonio.lang import PI, Color, Float, Sample, Vec2, Vec3
 from gonio.model import Model, param
-from gonio.parts.distribution import ALPHA_MIN, D_ggx
+from gonio.parts.distribution import ALPHA_MIN, RoundGGX
 from gonio.parts.frame import half_vector
 from gonio.parts.lobes import pdf_ggx_lobe, sample_ggx_lobe
-from gonio.parts.masking import V_smith_correlated_ggx
+from gonio.parts.masking import V_smith_correlated
 
 
 class UnnormalisedD(Model):
@@ -16,14 +16,14 @@ class UnnormalisedD(Model):
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """pi D G / (4 mu_i mu_o)."""
-        V = V_smith_correlated_ggx(wi, wo, self.alpha, self.alpha)
-        return PI * D_ggx(half_vector(wi, wo), self.alpha, self.alpha) * V
+        V = V_smith_correlated(RoundGGX(self.alpha), wi, wo)
+        return PI * RoundGGX(self.alpha).D(half_vector(wi, wo)) * V
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """Visible normals."""
-        wi = sample_ggx_lobe(wo, self.alpha, self.alpha, u)
+        wi = sample_ggx_lobe(RoundGGX(self.alpha), wo, u)
         return Sample(wi, self.pdf(wi, wo))
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample`."""
-        return pdf_ggx_lobe(wi, wo, self.alpha, self.alpha)
+        return pdf_ggx_lobe(RoundGGX(self.alpha), wi, wo)

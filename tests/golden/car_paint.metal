@@ -43,10 +43,21 @@ struct CarPaint {
     float distance;  // of the viewer; above 1 it evens out the flakes; 0 to 1000000, default 1
 };
 
+// `GGX` facets of the same width in all directions.
+struct CarPaintRoundGGX {
+    float alpha;  // width of the slopes
+};
+
 // Which of two lobes a sample is taken from.
 struct CarPaintChoice {
     bool is_first;  // Whether it is the first one
     float2 u;  // Fresh random numbers, made of those that chose
+};
+
+// Facets of GGX, also called Trowbridge-Reitz.
+struct CarPaintGGX {
+    float alpha_x;  // width of the slopes along x
+    float alpha_y;  // width of the slopes along y
 };
 
 // ---- evaluation ----------------------------------------------------------------------------
@@ -63,32 +74,30 @@ inline float3 car_paint_half_vector(float3 wi, float3 wo) {
     return h / length(h);  // which car_paint_cos_half needs as well
 }
 
-// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-inline float car_paint_D_ggx(float3 m, float alpha_x, float alpha_y) {
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+inline float car_paint_round_ggx_D(CarPaintRoundGGX round_ggx, float3 m) {
     const float inv_pi = 0.31830987;
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    float3 v = float3(m.x / alpha_x, m.y / alpha_y, m.z);
+    float3 v = float3(m.x, m.y, round_ggx.alpha * m.z);
     float s = dot(v, v);
-    return inv_pi / (alpha_x * alpha_y * s * s);
+    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
 }
 
-// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
-inline float car_paint_ggx_length(float3 w, float alpha_x, float alpha_y) {
-    return length(float3(alpha_x * w.x, alpha_y * w.y, w.z));
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
+inline float car_paint_round_ggx_area(CarPaintRoundGGX round_ggx, float3 w) {
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
 // G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
-inline float car_paint_V_smith_correlated_ggx(float3 wi, float3 wo, float alpha_x,
-    float alpha_y) {
-    float length_i = car_paint_ggx_length(wi, alpha_x, alpha_y);
-    float length_o = car_paint_ggx_length(wo, alpha_x, alpha_y);
-    return 0.5 / (wo.z * length_i + wi.z * length_o);
+inline float car_paint_V_smith_correlated(CarPaintRoundGGX facets, float3 wi, float3 wo) {
+    return 0.5 / (wo.z * car_paint_round_ggx_area(facets, wi)
+        + wi.z * car_paint_round_ggx_area(facets, wo));
 }
 
 // D G / (4 mu_i mu_o) of GGX with height-correlated Smith at the half vector m; F is missing.
 inline float car_paint_ggx_facets(float3 m, float3 wi, float3 wo, float alpha) {
-    float D = car_paint_D_ggx(m, alpha, alpha);
-    return D * car_paint_V_smith_correlated_ggx(wi, wo, alpha, alpha);
+    CarPaintRoundGGX facets = CarPaintRoundGGX{alpha};
+    return car_paint_round_ggx_D(facets, m) * car_paint_V_smith_correlated(facets, wi, wo);
 }
 
 // eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
@@ -355,20 +364,43 @@ inline CarPaintChoice car_paint_choose(float probability, float2 u) {
     return CarPaintChoice{first, float2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y)};
 }
 
-// A normal with density G1(wo) max(wo . m, 0) car_paint_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
-inline float3 car_paint_sample_ggx_visible(float3 wo, float alpha_x, float alpha_y, float2 u) {
+// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
+//
+// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
+// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
+inline float car_paint_ggx_bound(float least, float3 wo) {
+    float s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
+    float a2 = least * least;
+    float s2 = s * s;
+    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+//
+// With a bound below 1 (see car_paint_ggx_bound) without those that mirror wo below the horizon, or most.
+inline float3 car_paint_ggx_sample_visible(CarPaintGGX ggx, float3 wo, float2 u, float bound) {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const float RANDOM_MARGIN = 5.9604645e-8;
     const float two_pi = 6.2831855;
-    float3 w = normalize(float3(alpha_x * wo.x, alpha_y * wo.y, wo.z));
-    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    float3 w = normalize(float3(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
     // u = 1 would be the facet opposite to w, whose half vector has no direction
     float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    float drop = u1 * (1.0 + w.z);
+    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
+    float height = 1.0 + bound * w.z;
+    float drop = u1 * height;
     float r = sqrt(max(drop * (2.0 - drop), 0.0));
     float phi = two_pi * u.y;
-    float3 h = float3(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
-    return normalize(float3(alpha_x * h.x, alpha_y * h.y, h.z));
+    // z + w.z as a sum of positive terms
+    float z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    float3 h = float3(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
+    return normalize(float3(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m); see car_paint_ggx_sample_visible.
+inline float3 car_paint_round_ggx_sample_visible(CarPaintRoundGGX round_ggx, float3 wo,
+    float2 u, float bound) {
+    return car_paint_ggx_sample_visible(CarPaintGGX{round_ggx.alpha, round_ggx.alpha}, wo, u,
+        bound);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -376,11 +408,13 @@ inline float3 car_paint_mirror(float3 wo, float3 m) {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
-// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+// wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows.
-inline float3 car_paint_sample_ggx_lobe(float3 wo, float alpha_x, float alpha_y, float2 u) {
-    float3 w = car_paint_mirror(wo, car_paint_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
+// both, no weight grows.
+inline float3 car_paint_sample_ggx_lobe(CarPaintRoundGGX facets, float3 wo, float2 u) {
+    float3 w = car_paint_mirror(wo,
+        car_paint_round_ggx_sample_visible(facets, wo, u, car_paint_ggx_bound(facets.alpha, wo)));
     return float3(w.x, w.y, abs(w.z));
 }
 
@@ -416,20 +450,22 @@ inline float3 car_paint_leave(float3 w, float excess) {
     return normalize(float3(w.x * scale, w.y * scale, z));
 }
 
-// Density of wo mirrored at car_paint_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
-inline float car_paint_pdf_ggx_visible(float3 wo, float3 m, float alpha_x, float alpha_y) {
-    return car_paint_D_ggx(m, alpha_x, alpha_y)
-        / (2.0 * (wo.z + car_paint_ggx_length(wo, alpha_x, alpha_y)));
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
+inline float car_paint_pdf_visible(CarPaintRoundGGX facets, float3 wo, float3 m, float bound) {
+    return 0.5 * car_paint_round_ggx_D(facets, m)
+        / (bound * wo.z + car_paint_round_ggx_area(facets, wo));
 }
 
 // Density inside the coat of the flake's part of car_paint_sample; both: along the half vector.
 inline float car_paint_pdf_flake(CarPaint params, float3 wi_t, float3 wo_t, float3 both) {
     float3 n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
-    float alpha = car_paint_flake_alpha(params);
     float3 tilted_i = car_paint_to_tilted(wi_t, n);
     float3 tilted_o = car_paint_to_tilted(wo_t, n);
+    CarPaintRoundGGX facets = CarPaintRoundGGX{car_paint_flake_alpha(params)};
+    float3 tilted = car_paint_facing(tilted_o);
     float3 m = normalize(car_paint_to_tilted(both, n));
-    float density = car_paint_pdf_ggx_visible(car_paint_facing(tilted_o), m, alpha, alpha);
+    float density = car_paint_pdf_visible(facets, tilted, m,
+        car_paint_ggx_bound(facets.alpha, tilted));
     return tilted_i.z > 0.0 && wi_t.z > 0.0 ? density : 0.0;
 }
 
@@ -455,18 +491,27 @@ inline float car_paint_pdf_leave(float pdf_refracted, float pdf_gathered, float3
         + pdf_gathered * car_paint_critical_cosine(excess);
 }
 
+// Square of m in units of the width.
+inline float car_paint_round_ggx_spread(CarPaintRoundGGX round_ggx, float3 m) {
+    float3 v = float3(m.x, m.y, round_ggx.alpha * m.z);
+    return dot(v, v) / (round_ggx.alpha * round_ggx.alpha);
+}
+
 // Density of car_paint_sample_ggx_lobe in 1/sr.
-inline float car_paint_pdf_ggx_lobe(float3 wi, float3 wo, float alpha_x, float alpha_y) {
+inline float car_paint_pdf_ggx_lobe(CarPaintRoundGGX facets, float3 wi, float3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(wi, wo), alpha_x, alpha_y);
+    float bound = car_paint_ggx_bound(facets.alpha, wo);
+    float straight = car_paint_round_ggx_D(facets, car_paint_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    bool exists = wo.z > wi.z;
-    float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
+    float fall = wo.z - wi.z;
+    float3 image = float3(wi.x, wi.y, fall > 0.0 ? -wi.z : wi.z);
     // The least lift, for two that are equally high but for their last digits
     float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
-    float folded = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(image, higher), alpha_x,
-        alpha_y);
-    return straight + (exists ? folded : 0.0);
+    float3 m = car_paint_half_vector(image, higher);
+    // Where the cap of car_paint_ggx_sample_visible ends
+    bool left = fall > (1.0 - bound) * wo.z * car_paint_round_ggx_spread(facets, m);
+    float folded = left ? car_paint_round_ggx_D(facets, m) : 0.0;
+    return 0.5 * (straight + folded) / (bound * wo.z + car_paint_round_ggx_area(facets, wo));
 }
 
 // Density of car_paint_sample in 1/sr.
@@ -483,7 +528,7 @@ inline float car_paint_pdf(CarPaint params, float3 wi, float3 wo) {
     float3 w = car_paint_gather(wi, excess);
     float gathered = car_paint_pdf_flake(params, w, wo_t, w + wo_t);
     float below = car_paint_pdf_leave(refracted, gathered, wi, wi_t, excess);
-    float coat = car_paint_pdf_ggx_lobe(wi, wo, params.alpha, params.alpha);
+    float coat = car_paint_pdf_ggx_lobe(CarPaintRoundGGX{params.alpha}, wi, wo);
     float2 P = car_paint_shares(params, wo, wo_t);
     return P.x * coat + P.y * below;
 }
@@ -499,10 +544,12 @@ inline CarPaintSample car_paint_sample(CarPaint params, float3 wo, float2 u) {
     CarPaintChoice choose_result = car_paint_choose(car_paint_shares(params, wo, wo_t).x, u);
     bool on_coat = choose_result.is_first;
     float2 v = choose_result.u;
-    float3 w_coat = car_paint_sample_ggx_lobe(wo, params.alpha, params.alpha, v);
-    float alpha = car_paint_flake_alpha(params);
+    float3 w_coat = car_paint_sample_ggx_lobe(CarPaintRoundGGX{params.alpha}, wo, v);
+    CarPaintRoundGGX facets = CarPaintRoundGGX{car_paint_flake_alpha(params)};
     float3 tilted = car_paint_facing(car_paint_to_tilted(wo_t, n));
-    float3 flake = car_paint_mirror(tilted, car_paint_sample_ggx_visible(tilted, alpha, alpha, v));
+    float3 flake = car_paint_mirror(tilted,
+        car_paint_round_ggx_sample_visible(facets, tilted, v,
+            car_paint_ggx_bound(facets.alpha, tilted)));
     // What the flake mirrors behind itself is wasted.
     float3 w_flake = car_paint_leave(flake.z > 0.0 ? car_paint_from_tilted(flake, n)
         : float3(0.0, 0.0, -1.0), params.eta - 1.0);

@@ -40,10 +40,21 @@ struct CarPaint {
     distance: f32,  // of the viewer; above 1 it evens out the flakes; 0 to 1000000, default 1
 }
 
+// `GGX` facets of the same width in all directions.
+struct CarPaintRoundGGX {
+    alpha: f32,  // width of the slopes
+}
+
 // Which of two lobes a sample is taken from.
 struct CarPaintChoice {
     is_first: bool,  // Whether it is the first one
     u: vec2f,  // Fresh random numbers, made of those that chose
+}
+
+// Facets of GGX, also called Trowbridge-Reitz.
+struct CarPaintGGX {
+    alpha_x: f32,  // width of the slopes along x
+    alpha_y: f32,  // width of the slopes along y
 }
 
 // ---- evaluation ----------------------------------------------------------------------------
@@ -60,31 +71,30 @@ fn car_paint_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     return h / length(h);  // which car_paint_cos_half needs as well
 }
 
-// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-fn car_paint_D_ggx(m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+fn car_paint_round_ggx_D(round_ggx: CarPaintRoundGGX, m: vec3f) -> f32 {
     const inv_pi = 0.31830987;
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    let v = vec3f(m.x / alpha_x, m.y / alpha_y, m.z);
+    let v = vec3f(m.x, m.y, round_ggx.alpha * m.z);
     let s = dot(v, v);
-    return inv_pi / (alpha_x * alpha_y * s * s);
+    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
 }
 
-// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
-fn car_paint_ggx_length(w: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    return length(vec3f(alpha_x * w.x, alpha_y * w.y, w.z));
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
+fn car_paint_round_ggx_area(round_ggx: CarPaintRoundGGX, w: vec3f) -> f32 {
+    let a2 = round_ggx.alpha * round_ggx.alpha;
+    return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
 // G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
-fn car_paint_V_smith_correlated_ggx(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    let length_i = car_paint_ggx_length(wi, alpha_x, alpha_y);
-    let length_o = car_paint_ggx_length(wo, alpha_x, alpha_y);
-    return 0.5 / (wo.z * length_i + wi.z * length_o);
+fn car_paint_V_smith_correlated(facets: CarPaintRoundGGX, wi: vec3f, wo: vec3f) -> f32 {
+    return 0.5 / (wo.z * car_paint_round_ggx_area(facets, wi)
+        + wi.z * car_paint_round_ggx_area(facets, wo));
 }
 
 // D G / (4 mu_i mu_o) of GGX with height-correlated Smith at the half vector m; F is missing.
 fn car_paint_ggx_facets(m: vec3f, wi: vec3f, wo: vec3f, alpha: f32) -> f32 {
-    let D = car_paint_D_ggx(m, alpha, alpha);
-    return D * car_paint_V_smith_correlated_ggx(wi, wo, alpha, alpha);
+    let facets = CarPaintRoundGGX(alpha);
+    return car_paint_round_ggx_D(facets, m) * car_paint_V_smith_correlated(facets, wi, wo);
 }
 
 // eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
@@ -350,20 +360,43 @@ fn car_paint_choose(probability: f32, u: vec2f) -> CarPaintChoice {
     return CarPaintChoice(first, vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
 }
 
-// A normal with density G1(wo) max(wo . m, 0) car_paint_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
-fn car_paint_sample_ggx_visible(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
+// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
+//
+// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
+// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
+fn car_paint_ggx_bound(least: f32, wo: vec3f) -> f32 {
+    let s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
+    let a2 = least * least;
+    let s2 = s * s;
+    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+//
+// With a bound below 1 (see car_paint_ggx_bound) without those that mirror wo below the horizon, or most.
+fn car_paint_ggx_sample_visible(ggx: CarPaintGGX, wo: vec3f, u: vec2f, bound: f32) -> vec3f {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const RANDOM_MARGIN = 5.9604645e-8;
     const two_pi = 6.2831855;
-    let w = normalize(vec3f(alpha_x * wo.x, alpha_y * wo.y, wo.z));
-    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    let w = normalize(vec3f(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
     // u = 1 would be the facet opposite to w, whose half vector has no direction
     let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    let drop = u1 * (1.0 + w.z);
+    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
+    let height = 1.0 + bound * w.z;
+    let drop = u1 * height;
     let r = sqrt(max(drop * (2.0 - drop), 0.0));
     let phi = two_pi * u.y;
-    let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
-    return normalize(vec3f(alpha_x * h.x, alpha_y * h.y, h.z));
+    // z + w.z as a sum of positive terms
+    let z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
+    return normalize(vec3f(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m); see car_paint_ggx_sample_visible.
+fn car_paint_round_ggx_sample_visible(round_ggx: CarPaintRoundGGX, wo: vec3f, u: vec2f,
+    bound: f32) -> vec3f {
+    return car_paint_ggx_sample_visible(CarPaintGGX(round_ggx.alpha, round_ggx.alpha), wo, u,
+        bound);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -371,11 +404,13 @@ fn car_paint_mirror(wo: vec3f, m: vec3f) -> vec3f {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
-// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+// wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows.
-fn car_paint_sample_ggx_lobe(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
-    let w = car_paint_mirror(wo, car_paint_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
+// both, no weight grows.
+fn car_paint_sample_ggx_lobe(facets: CarPaintRoundGGX, wo: vec3f, u: vec2f) -> vec3f {
+    let w = car_paint_mirror(wo,
+        car_paint_round_ggx_sample_visible(facets, wo, u, car_paint_ggx_bound(facets.alpha, wo)));
     return vec3f(w.x, w.y, abs(w.z));
 }
 
@@ -411,20 +446,22 @@ fn car_paint_leave(w: vec3f, excess: f32) -> vec3f {
     return normalize(vec3f(w.x * scale, w.y * scale, z));
 }
 
-// Density of wo mirrored at car_paint_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
-fn car_paint_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    return car_paint_D_ggx(m, alpha_x, alpha_y)
-        / (2.0 * (wo.z + car_paint_ggx_length(wo, alpha_x, alpha_y)));
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
+fn car_paint_pdf_visible(facets: CarPaintRoundGGX, wo: vec3f, m: vec3f, bound: f32) -> f32 {
+    return 0.5 * car_paint_round_ggx_D(facets, m)
+        / (bound * wo.z + car_paint_round_ggx_area(facets, wo));
 }
 
 // Density inside the coat of the flake's part of car_paint_sample; both: along the half vector.
 fn car_paint_pdf_flake(params: CarPaint, wi_t: vec3f, wo_t: vec3f, both: vec3f) -> f32 {
     let n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
-    let alpha = car_paint_flake_alpha(params);
     let tilted_i = car_paint_to_tilted(wi_t, n);
     let tilted_o = car_paint_to_tilted(wo_t, n);
+    let facets = CarPaintRoundGGX(car_paint_flake_alpha(params));
+    let tilted = car_paint_facing(tilted_o);
     let m = normalize(car_paint_to_tilted(both, n));
-    let density = car_paint_pdf_ggx_visible(car_paint_facing(tilted_o), m, alpha, alpha);
+    let density = car_paint_pdf_visible(facets, tilted, m,
+        car_paint_ggx_bound(facets.alpha, tilted));
     return select(0.0, density, tilted_i.z > 0.0 && wi_t.z > 0.0);
 }
 
@@ -450,18 +487,27 @@ fn car_paint_pdf_leave(pdf_refracted: f32, pdf_gathered: f32, w: vec3f, w_t: vec
         + pdf_gathered * car_paint_critical_cosine(excess);
 }
 
+// Square of m in units of the width.
+fn car_paint_round_ggx_spread(round_ggx: CarPaintRoundGGX, m: vec3f) -> f32 {
+    let v = vec3f(m.x, m.y, round_ggx.alpha * m.z);
+    return dot(v, v) / (round_ggx.alpha * round_ggx.alpha);
+}
+
 // Density of car_paint_sample_ggx_lobe in 1/sr.
-fn car_paint_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+fn car_paint_pdf_ggx_lobe(facets: CarPaintRoundGGX, wi: vec3f, wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
-    let straight = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(wi, wo), alpha_x, alpha_y);
+    let bound = car_paint_ggx_bound(facets.alpha, wo);
+    let straight = car_paint_round_ggx_D(facets, car_paint_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    let exists = wo.z > wi.z;
-    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
+    let fall = wo.z - wi.z;
+    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, fall > 0.0));
     // The least lift, for two that are equally high but for their last digits
     let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
-    let folded = car_paint_pdf_ggx_visible(wo, car_paint_half_vector(image, higher), alpha_x,
-        alpha_y);
-    return straight + select(0.0, folded, exists);
+    let m = car_paint_half_vector(image, higher);
+    // Where the cap of car_paint_ggx_sample_visible ends
+    let left = fall > (1.0 - bound) * wo.z * car_paint_round_ggx_spread(facets, m);
+    let folded = select(0.0, car_paint_round_ggx_D(facets, m), left);
+    return 0.5 * (straight + folded) / (bound * wo.z + car_paint_round_ggx_area(facets, wo));
 }
 
 // Density of car_paint_sample in 1/sr.
@@ -478,7 +524,7 @@ fn car_paint_pdf(params: CarPaint, wi: vec3f, wo: vec3f) -> f32 {
     let w = car_paint_gather(wi, excess);
     let gathered = car_paint_pdf_flake(params, w, wo_t, w + wo_t);
     let below = car_paint_pdf_leave(refracted, gathered, wi, wi_t, excess);
-    let coat = car_paint_pdf_ggx_lobe(wi, wo, params.alpha, params.alpha);
+    let coat = car_paint_pdf_ggx_lobe(CarPaintRoundGGX(params.alpha), wi, wo);
     let P = car_paint_shares(params, wo, wo_t);
     return P.x * coat + P.y * below;
 }
@@ -494,10 +540,12 @@ fn car_paint_sample(params: CarPaint, wo: vec3f, u: vec2f) -> CarPaintSample {
     let choose_result = car_paint_choose(car_paint_shares(params, wo, wo_t).x, u);
     let on_coat = choose_result.is_first;
     let v = choose_result.u;
-    let w_coat = car_paint_sample_ggx_lobe(wo, params.alpha, params.alpha, v);
-    let alpha = car_paint_flake_alpha(params);
+    let w_coat = car_paint_sample_ggx_lobe(CarPaintRoundGGX(params.alpha), wo, v);
+    let facets = CarPaintRoundGGX(car_paint_flake_alpha(params));
     let tilted = car_paint_facing(car_paint_to_tilted(wo_t, n));
-    let flake = car_paint_mirror(tilted, car_paint_sample_ggx_visible(tilted, alpha, alpha, v));
+    let flake = car_paint_mirror(tilted,
+        car_paint_round_ggx_sample_visible(facets, tilted, v,
+            car_paint_ggx_bound(facets.alpha, tilted)));
     // What the flake mirrors behind itself is wasted.
     let w_flake = car_paint_leave(select(vec3f(0.0, 0.0, -1.0), car_paint_from_tilted(flake, n),
         flake.z > 0.0), params.eta - 1.0);

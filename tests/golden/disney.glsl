@@ -37,6 +37,22 @@ struct Disney {
     float clearcoat_gloss;  // 0 for a satin clearcoat, 1 for a glossy one; 0 to 1, default 1
 };
 
+// Facets of GGX, also called Trowbridge-Reitz.
+struct DisneyGGX {
+    float alpha_x;  // width of the slopes along x
+    float alpha_y;  // width of the slopes along y
+};
+
+// Generalised Trowbridge-Reitz with exponent 1: the facets of Disney's clearcoat.
+struct DisneyGTR1 {
+    float alpha;  // width of the slopes
+};
+
+// `GGX` facets of the same width in all directions.
+struct DisneyRoundGGX {
+    float alpha;  // width of the slopes
+};
+
 // Which of two lobes a sample is taken from.
 struct DisneyChoice {
     bool is_first;  // Whether it is the first one
@@ -45,14 +61,14 @@ struct DisneyChoice {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
-// alpha along x and y.
-vec2 disney_widths(Disney params) {
+// Those of the highlight.
+DisneyGGX disney_facets(Disney params) {
     // The reference code's numbers: smallest width of the highlight, F0 at specular 1, and for the clearcoat
     // its widths without and with gloss, that of its masking, F0 (index 1.5), and strength.
     const float ALPHA_DISNEY = 0.001;
     float alpha = params.roughness * params.roughness;
     float aspect = sqrt(1.0 - 0.9 * params.anisotropic);
-    return vec2(max(alpha / aspect, ALPHA_DISNEY), max(alpha * aspect, ALPHA_DISNEY));
+    return DisneyGGX(max(alpha / aspect, ALPHA_DISNEY), max(alpha * aspect, ALPHA_DISNEY));
 }
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
@@ -61,13 +77,18 @@ vec3 disney_half_vector(vec3 wi, vec3 wo) {
     return h / length(h);  // which disney_cos_half needs as well
 }
 
-// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-float disney_D_ggx(vec3 m, float alpha_x, float alpha_y) {
+// Square of m in units of the widths: D falls with its square.
+float disney_ggx_spread(DisneyGGX ggx, vec3 m) {
+    vec3 v = vec3(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
+    return dot(v, v);
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+float disney_ggx_D(DisneyGGX ggx, vec3 m) {
     const float inv_pi = 0.31830987;
     // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    vec3 v = vec3(m.x / alpha_x, m.y / alpha_y, m.z);
-    float s = dot(v, v);
-    return inv_pi / (alpha_x * alpha_y * s * s);
+    float s = disney_ggx_spread(ggx, m);
+    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
 }
 
 // The base colour's hue and saturation, with a luminance of 1.
@@ -125,26 +146,31 @@ vec3 disney_sheen(Disney params) {
     return params.sheen * mix(vec3(1.0), disney_tint(params), vec3(params.sheen_tint));
 }
 
-float disney_coat_alpha(Disney params) {
+// The clearcoat's facets.
+DisneyGTR1 disney_coat(Disney params) {
     const float COAT_ALPHA_SATIN = 0.1;
     const float COAT_ALPHA_GLOSS = 0.001;
-    return mix(COAT_ALPHA_SATIN, COAT_ALPHA_GLOSS, params.clearcoat_gloss);
+    return DisneyGTR1(mix(COAT_ALPHA_SATIN, COAT_ALPHA_GLOSS, params.clearcoat_gloss));
 }
 
-// `D_gtr1` for alpha up to 0.5, where nothing cancels in its norm.
-float disney_D_gtr1_narrow(vec3 m, float alpha) {
+// `D` for alpha up to 0.5, where nothing cancels in its norm.
+float disney_gtr1_D_narrow(DisneyGTR1 gtr1, vec3 m) {
     const float inv_pi = 0.31830987;
-    float a2 = alpha * alpha;
-    vec3 v = vec3(m.x, m.y, alpha * m.z);
+    float a2 = gtr1.alpha * gtr1.alpha;
+    vec3 v = vec3(m.x, m.y, gtr1.alpha * m.z);
     return inv_pi * (a2 - 1.0) / (log(a2) * dot(v, v));
 }
 
-// `V_smith_ggx` for facets of the same width in all directions.
-float disney_V_smith_ggx_round(vec3 wi, vec3 wo, float alpha) {
-    float a2 = alpha * alpha;
-    float length_i = sqrt(a2 + (1.0 - a2) * (wi.z * wi.z));
-    float length_o = sqrt(a2 + (1.0 - a2) * (wo.z * wo.z));
-    return 1.0 / ((wi.z + length_i) * (wo.z + length_o));
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
+float disney_round_ggx_area(DisneyRoundGGX round_ggx, vec3 w) {
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
+}
+
+// G = G1(wi) G1(wo): masking and shadowing taken as independent.
+float disney_V_smith(DisneyRoundGGX facets, vec3 wi, vec3 wo) {
+    return 1.0 / ((wi.z + disney_round_ggx_area(facets, wi))
+        * (wo.z + disney_round_ggx_area(facets, wo)));
 }
 
 // All but the highlight: diffuse, sheen and clearcoat, which are not stretched.
@@ -168,8 +194,8 @@ vec3 disney_eval_round(Disney params, vec3 wi, vec3 wo) {
     float F_H = disney_schlick_weight_half(wi, wo);
     vec3 base = (1.0 - params.metallic) * (diffuse + F_H * disney_sheen(params));
 
-    float D_c = disney_D_gtr1_narrow(disney_half_vector(wi, wo), disney_coat_alpha(params));
-    float V_c = disney_V_smith_ggx_round(wi, wo, COAT_ALPHA_MASKING);
+    float D_c = disney_gtr1_D_narrow(disney_coat(params), disney_half_vector(wi, wo));
+    float V_c = disney_V_smith(DisneyRoundGGX(COAT_ALPHA_MASKING), wi, wo);
     float F_c = params.clearcoat * mix(COAT_STRENGTH * COAT_F0, COAT_STRENGTH, F_H);
     return base + F_c * (D_c * V_c);
 }
@@ -177,7 +203,7 @@ vec3 disney_eval_round(Disney params, vec3 wi, vec3 wo) {
 // Masking of the highlight, G / (4 mu_i mu_o).
 float disney_V(Disney params, vec3 wi, vec3 wo) {
     float alpha_g = (0.5 + 0.5 * params.roughness) * (0.5 + 0.5 * params.roughness);
-    return disney_V_smith_ggx_round(wi, wo, alpha_g);
+    return disney_V_smith(DisneyRoundGGX(alpha_g), wi, wo);
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -186,8 +212,7 @@ vec3 disney_eval(Disney params, vec3 wi, vec3 wo) {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3(0.0);
     }
-    vec2 widths = disney_widths(params);
-    float D = disney_D_ggx(disney_half_vector(wi, wo), widths.x, widths.y);
+    float D = disney_ggx_D(disney_facets(params), disney_half_vector(wi, wo));
     vec3 F = mix(disney_f0(params), vec3(1.0), vec3(disney_schlick_weight_half(wi, wo)));
     return disney_eval_round(params, wi, wo) + F * (D * disney_V(params, wi, wo));
 }
@@ -280,14 +305,14 @@ vec3 disney_polar(float tan_theta, float u) {
     return normalize(vec3(tan_theta * cos(phi), tan_theta * sin(phi), 1.0));
 }
 
-// A normal with density D_gtr1 m.z. Burley, Eq. 5.
-vec3 disney_sample_gtr1(float alpha, vec2 u) {
+// A normal with density D m.z. Burley, Eq. 5.
+vec3 disney_gtr1_sample(DisneyGTR1 gtr1, vec2 u) {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const float RANDOM_MARGIN = 5.9604645e-8;
     // sin^2 = alpha^2 (alpha^(-2 u) - 1) / (1 - alpha^2); both differences vanish at alpha = 1
-    float a2 = alpha * alpha;
+    float a2 = gtr1.alpha * gtr1.alpha;
     float log_a2 = log(a2);
-    float below_one = (alpha - 1.0) * (alpha + 1.0);
+    float below_one = (gtr1.alpha - 1.0) * (gtr1.alpha + 1.0);
     float down = disney_expm1(-u.x * log_a2);
     float up = disney_expm1((1.0 - u.x) * log_a2);
     // tan^2 = sin^2 / cos^2 with cos^2 = (1 - alpha^(2 - 2 u)) / (1 - alpha^2)
@@ -302,26 +327,49 @@ vec3 disney_mirror(vec3 wo, vec3 m) {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
-// A normal with density G1(wo) max(wo . m, 0) disney_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
-vec3 disney_sample_ggx_visible(vec3 wo, float alpha_x, float alpha_y, vec2 u) {
-    const float RANDOM_MARGIN = 5.9604645e-8;
-    const float two_pi = 6.2831855;
-    vec3 w = normalize(vec3(alpha_x * wo.x, alpha_y * wo.y, wo.z));
-    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    float drop = u1 * (1.0 + w.z);
-    float r = sqrt(max(drop * (2.0 - drop), 0.0));
-    float phi = two_pi * u.y;
-    vec3 h = vec3(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
-    return normalize(vec3(alpha_x * h.x, alpha_y * h.y, h.z));
+// The smaller width.
+float disney_ggx_least(DisneyGGX ggx) {
+    return min(ggx.alpha_x, ggx.alpha_y);
 }
 
-// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows.
-vec3 disney_sample_ggx_lobe(vec3 wo, float alpha_x, float alpha_y, vec2 u) {
-    vec3 w = disney_mirror(wo, disney_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
+// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
+float disney_ggx_bound(float least, vec3 wo) {
+    float s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
+    float a2 = least * least;
+    float s2 = s * s;
+    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+//
+// With a bound below 1 (see disney_ggx_bound) without those that mirror wo below the horizon, or most.
+vec3 disney_ggx_sample_visible(DisneyGGX ggx, vec3 wo, vec2 u, float bound) {
+    const float RANDOM_MARGIN = 5.9604645e-8;
+    const float two_pi = 6.2831855;
+    vec3 w = normalize(vec3(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
+    float height = 1.0 + bound * w.z;
+    float drop = u1 * height;
+    float r = sqrt(max(drop * (2.0 - drop), 0.0));
+    float phi = two_pi * u.y;
+    // z + w.z as a sum of positive terms
+    float z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    vec3 h = vec3(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
+    return normalize(vec3(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
+}
+
+// wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
+//
+// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
+// both, no weight grows.
+vec3 disney_sample_ggx_lobe(DisneyGGX facets, vec3 wo, vec2 u) {
+    vec3 w = disney_mirror(wo,
+        disney_ggx_sample_visible(facets, wo, u, disney_ggx_bound(disney_ggx_least(facets), wo)));
     return vec3(w.x, w.y, abs(w.z));
 }
 
@@ -354,28 +402,26 @@ float disney_pdf_mirror(float density, float cos_h) {
     return 0.25 * density / cos_h;
 }
 
-// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
-float disney_ggx_length(vec3 w, float alpha_x, float alpha_y) {
-    return length(vec3(alpha_x * w.x, alpha_y * w.y, w.z));
-}
-
-// Density of wo mirrored at disney_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
-float disney_pdf_ggx_visible(vec3 wo, vec3 m, float alpha_x, float alpha_y) {
-    return disney_D_ggx(m, alpha_x, alpha_y)
-        / (2.0 * (wo.z + disney_ggx_length(wo, alpha_x, alpha_y)));
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
+float disney_ggx_area(DisneyGGX ggx, vec3 w) {
+    return length(vec3(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
 }
 
 // Density of disney_sample_ggx_lobe in 1/sr.
-float disney_pdf_ggx_lobe(vec3 wi, vec3 wo, float alpha_x, float alpha_y) {
+float disney_pdf_ggx_lobe(DisneyGGX facets, vec3 wi, vec3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = disney_pdf_ggx_visible(wo, disney_half_vector(wi, wo), alpha_x, alpha_y);
+    float bound = disney_ggx_bound(disney_ggx_least(facets), wo);
+    float straight = disney_ggx_D(facets, disney_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    bool exists = wo.z > wi.z;
-    vec3 image = vec3(wi.x, wi.y, exists ? -wi.z : wi.z);
+    float fall = wo.z - wi.z;
+    vec3 image = vec3(wi.x, wi.y, fall > 0.0 ? -wi.z : wi.z);
     // The least lift, for two that are equally high but for their last digits
     vec3 higher = vec3(wo.x, wo.y, wo.z + mu_min);
-    float folded = disney_pdf_ggx_visible(wo, disney_half_vector(image, higher), alpha_x, alpha_y);
-    return straight + (exists ? folded : 0.0);
+    vec3 m = disney_half_vector(image, higher);
+    // Where the cap of disney_ggx_sample_visible ends
+    bool left = fall > (1.0 - bound) * wo.z * disney_ggx_spread(facets, m);
+    float folded = left ? disney_ggx_D(facets, m) : 0.0;
+    return 0.5 * (straight + folded) / (bound * wo.z + disney_ggx_area(facets, wo));
 }
 
 // Density of disney_sample_cosine in 1/sr, for w above the horizon.
@@ -391,13 +437,12 @@ float disney_pdf(Disney params, vec3 wi, vec3 wo) {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
-    vec2 widths = disney_widths(params);
     vec2 P = disney_diffuse_shares(params, wo);
     vec2 Q = disney_specular_shares(params, wo);
     vec3 m = disney_half_vector(wi, wo);
-    float coat = disney_pdf_mirror(disney_D_gtr1_narrow(m, disney_coat_alpha(params)) * m.z,
+    float coat = disney_pdf_mirror(disney_gtr1_D_narrow(disney_coat(params), m) * m.z,
         disney_cos_half(wi, wo));
-    float specular = Q.x * disney_pdf_ggx_lobe(wi, wo, widths.x, widths.y) + Q.y * coat;
+    float specular = Q.x * disney_pdf_ggx_lobe(disney_facets(params), wi, wo) + Q.y * coat;
     float diffuse = mix(disney_pdf_cosine(wi), inv_two_pi, disney_uniform_share(params));
     return P.x * diffuse + P.y * specular;
 }
@@ -408,15 +453,15 @@ DisneySample disney_sample(Disney params, vec3 wo, vec2 u) {
     if (wo.z <= mu_min) {  // in the horizon or below
         return DisneySample(vec3(0.0, 0.0, 1.0), 0.0);
     }
-    vec2 widths = disney_widths(params);
     DisneyChoice choose_result = disney_choose(disney_diffuse_shares(params, wo).x, u);
     bool diffuse = choose_result.is_first;
     vec2 v = choose_result.u;
     DisneyChoice choose_result_2 = disney_choose(disney_specular_shares(params, wo).x, v);
     bool highlight = choose_result_2.is_first;
     vec2 w = choose_result_2.u;
-    vec3 coat = disney_mirror(wo, disney_sample_gtr1(disney_coat_alpha(params), w));
-    vec3 specular = mix(coat, disney_sample_ggx_lobe(wo, widths.x, widths.y, w), bvec3(highlight));
+    vec3 coat = disney_mirror(wo, disney_gtr1_sample(disney_coat(params), w));
+    vec3 specular = mix(coat, disney_sample_ggx_lobe(disney_facets(params), wo, w),
+        bvec3(highlight));
     DisneyChoice choose_result_3 = disney_choose(disney_uniform_share(params), v);
     bool uniform_ = choose_result_3.is_first;
     vec2 t = choose_result_3.u;

@@ -140,6 +140,22 @@ struct Disney {
     float clearcoat_gloss;  // 0 for a satin clearcoat, 1 for a glossy one; 0 to 1, default 1
 };
 
+// Facets of GGX, also called Trowbridge-Reitz.
+struct DisneyGGX {
+    float alpha_x;  // width of the slopes along x
+    float alpha_y;  // width of the slopes along y
+};
+
+// Generalised Trowbridge-Reitz with exponent 1: the facets of Disney's clearcoat.
+struct DisneyGTR1 {
+    float alpha;  // width of the slopes
+};
+
+// `GGX` facets of the same width in all directions.
+struct DisneyRoundGGX {
+    float alpha;  // width of the slopes
+};
+
 // Which of two lobes a sample is taken from.
 struct DisneyChoice {
     bool is_first;  // Whether it is the first one
@@ -148,11 +164,11 @@ struct DisneyChoice {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
-// alpha along x and y.
-inline Vec2 disney_widths(const Disney& params) {
+// Those of the highlight.
+inline DisneyGGX disney_facets(const Disney& params) {
     float alpha = params.roughness * params.roughness;
     float aspect = sqrtf(1.0f - 0.9f * params.anisotropic);
-    return Vec2{fmaxf(alpha / aspect, ALPHA_DISNEY), fmaxf(alpha * aspect, ALPHA_DISNEY)};
+    return DisneyGGX{fmaxf(alpha / aspect, ALPHA_DISNEY), fmaxf(alpha * aspect, ALPHA_DISNEY)};
 }
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
@@ -161,12 +177,17 @@ inline Vec3 disney_half_vector(Vec3 wi, Vec3 wo) {
     return h / length(h);  // which disney_cos_half needs as well
 }
 
-// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-inline float disney_D_ggx(Vec3 m, float alpha_x, float alpha_y) {
+// Square of m in units of the widths: D falls with its square.
+inline float disney_ggx_spread(DisneyGGX ggx, Vec3 m) {
+    Vec3 v = Vec3{m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z};
+    return dot(v, v);
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+inline float disney_ggx_D(DisneyGGX ggx, Vec3 m) {
     // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    Vec3 v = Vec3{m.x / alpha_x, m.y / alpha_y, m.z};
-    float s = dot(v, v);
-    return inv_pi / (alpha_x * alpha_y * s * s);
+    float s = disney_ggx_spread(ggx, m);
+    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
 }
 
 // The base colour's hue and saturation, with a luminance of 1.
@@ -222,23 +243,28 @@ inline Vec3 disney_sheen(const Disney& params) {
     return params.sheen * lerp(splat(1.0f), disney_tint(params), splat(params.sheen_tint));
 }
 
-inline float disney_coat_alpha(const Disney& params) {
-    return lerp(COAT_ALPHA_SATIN, COAT_ALPHA_GLOSS, params.clearcoat_gloss);
+// The clearcoat's facets.
+inline DisneyGTR1 disney_coat(const Disney& params) {
+    return DisneyGTR1{lerp(COAT_ALPHA_SATIN, COAT_ALPHA_GLOSS, params.clearcoat_gloss)};
 }
 
-// `D_gtr1` for alpha up to 0.5, where nothing cancels in its norm.
-inline float disney_D_gtr1_narrow(Vec3 m, float alpha) {
-    float a2 = alpha * alpha;
-    Vec3 v = Vec3{m.x, m.y, alpha * m.z};
+// `D` for alpha up to 0.5, where nothing cancels in its norm.
+inline float disney_gtr1_D_narrow(DisneyGTR1 gtr1, Vec3 m) {
+    float a2 = gtr1.alpha * gtr1.alpha;
+    Vec3 v = Vec3{m.x, m.y, gtr1.alpha * m.z};
     return inv_pi * (a2 - 1.0f) / (logf(a2) * dot(v, v));
 }
 
-// `V_smith_ggx` for facets of the same width in all directions.
-inline float disney_V_smith_ggx_round(Vec3 wi, Vec3 wo, float alpha) {
-    float a2 = alpha * alpha;
-    float length_i = sqrtf(a2 + (1.0f - a2) * (wi.z * wi.z));
-    float length_o = sqrtf(a2 + (1.0f - a2) * (wo.z * wo.z));
-    return 1.0f / ((wi.z + length_i) * (wo.z + length_o));
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
+inline float disney_round_ggx_area(DisneyRoundGGX round_ggx, Vec3 w) {
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    return sqrtf(a2 + (1.0f - a2) * (w.z * w.z));
+}
+
+// G = G1(wi) G1(wo): masking and shadowing taken as independent.
+inline float disney_V_smith(DisneyRoundGGX facets, Vec3 wi, Vec3 wo) {
+    return 1.0f / ((wi.z + disney_round_ggx_area(facets, wi))
+        * (wo.z + disney_round_ggx_area(facets, wo)));
 }
 
 // All but the highlight: diffuse, sheen and clearcoat, which are not stretched.
@@ -258,8 +284,8 @@ inline Vec3 disney_eval_round(const Disney& params, Vec3 wi, Vec3 wo) {
     float F_H = disney_schlick_weight_half(wi, wo);
     Vec3 base = (1.0f - params.metallic) * (diffuse + F_H * disney_sheen(params));
 
-    float D_c = disney_D_gtr1_narrow(disney_half_vector(wi, wo), disney_coat_alpha(params));
-    float V_c = disney_V_smith_ggx_round(wi, wo, COAT_ALPHA_MASKING);
+    float D_c = disney_gtr1_D_narrow(disney_coat(params), disney_half_vector(wi, wo));
+    float V_c = disney_V_smith(DisneyRoundGGX{COAT_ALPHA_MASKING}, wi, wo);
     float F_c = params.clearcoat * lerp(COAT_STRENGTH * COAT_F0, COAT_STRENGTH, F_H);
     return base + F_c * (D_c * V_c);
 }
@@ -267,7 +293,7 @@ inline Vec3 disney_eval_round(const Disney& params, Vec3 wi, Vec3 wo) {
 // Masking of the highlight, G / (4 mu_i mu_o).
 inline float disney_V(const Disney& params, Vec3 wi, Vec3 wo) {
     float alpha_g = (0.5f + 0.5f * params.roughness) * (0.5f + 0.5f * params.roughness);
-    return disney_V_smith_ggx_round(wi, wo, alpha_g);
+    return disney_V_smith(DisneyRoundGGX{alpha_g}, wi, wo);
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -275,8 +301,7 @@ inline Vec3 disney_eval(const Disney& params, Vec3 wi, Vec3 wo) {
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
-    Vec2 widths = disney_widths(params);
-    float D = disney_D_ggx(disney_half_vector(wi, wo), widths.x, widths.y);
+    float D = disney_ggx_D(disney_facets(params), disney_half_vector(wi, wo));
     Vec3 F = lerp(disney_f0(params), splat(1.0f), splat(disney_schlick_weight_half(wi, wo)));
     return disney_eval_round(params, wi, wo) + F * (D * disney_V(params, wi, wo));
 }
@@ -351,12 +376,12 @@ inline Vec3 disney_polar(float tan_theta, float u) {
     return normalize(Vec3{tan_theta * cosf(phi), tan_theta * sinf(phi), 1.0f});
 }
 
-// A normal with density D_gtr1 m.z. Burley, Eq. 5.
-inline Vec3 disney_sample_gtr1(float alpha, Vec2 u) {
+// A normal with density D m.z. Burley, Eq. 5.
+inline Vec3 disney_gtr1_sample(DisneyGTR1 gtr1, Vec2 u) {
     // sin^2 = alpha^2 (alpha^(-2 u) - 1) / (1 - alpha^2); both differences vanish at alpha = 1
-    float a2 = alpha * alpha;
+    float a2 = gtr1.alpha * gtr1.alpha;
     float log_a2 = logf(a2);
-    float below_one = (alpha - 1.0f) * (alpha + 1.0f);
+    float below_one = (gtr1.alpha - 1.0f) * (gtr1.alpha + 1.0f);
     float down = disney_expm1(-u.x * log_a2);
     float up = disney_expm1((1.0f - u.x) * log_a2);
     // tan^2 = sin^2 / cos^2 with cos^2 = (1 - alpha^(2 - 2 u)) / (1 - alpha^2)
@@ -371,24 +396,47 @@ inline Vec3 disney_mirror(Vec3 wo, Vec3 m) {
     return 2.0f * dot(wo, m) * m - wo;
 }
 
-// A normal with density G1(wo) max(wo . m, 0) disney_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
-inline Vec3 disney_sample_ggx_visible(Vec3 wo, float alpha_x, float alpha_y, Vec2 u) {
-    Vec3 w = normalize(Vec3{alpha_x * wo.x, alpha_y * wo.y, wo.z});
-    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    float u1 = fminf(u.x, 1.0f - RANDOM_MARGIN);
-    float drop = u1 * (1.0f + w.z);
-    float r = sqrtf(fmaxf(drop * (2.0f - drop), 0.0f));
-    float phi = two_pi * u.y;
-    Vec3 h = Vec3{r * cosf(phi) + w.x, r * sinf(phi) + w.y, (1.0f - u1) * (1.0f + w.z)};
-    return normalize(Vec3{alpha_x * h.x, alpha_y * h.y, h.z});
+// The smaller width.
+inline float disney_ggx_least(DisneyGGX ggx) {
+    return fminf(ggx.alpha_x, ggx.alpha_y);
 }
 
-// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows.
-inline Vec3 disney_sample_ggx_lobe(Vec3 wo, float alpha_x, float alpha_y, Vec2 u) {
-    Vec3 w = disney_mirror(wo, disney_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
+// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
+inline float disney_ggx_bound(float least, Vec3 wo) {
+    float s = 1.0f + sqrtf(fmaxf(wo.x * wo.x + wo.y * wo.y, 0.0f));
+    float a2 = least * least;
+    float s2 = s * s;
+    return (1.0f - a2) * s2 / (s2 + a2 * wo.z * wo.z);
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+//
+// With a bound below 1 (see disney_ggx_bound) without those that mirror wo below the horizon, or most.
+inline Vec3 disney_ggx_sample_visible(DisneyGGX ggx, Vec3 wo, Vec2 u, float bound) {
+    Vec3 w = normalize(Vec3{ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z});
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = fminf(u.x, 1.0f - RANDOM_MARGIN);
+    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
+    float height = 1.0f + bound * w.z;
+    float drop = u1 * height;
+    float r = sqrtf(fmaxf(drop * (2.0f - drop), 0.0f));
+    float phi = two_pi * u.y;
+    // z + w.z as a sum of positive terms
+    float z = (1.0f - u1) * height + (1.0f - bound) * w.z;
+    Vec3 h = Vec3{r * cosf(phi) + w.x, r * sinf(phi) + w.y, z};
+    return normalize(Vec3{ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z});
+}
+
+// wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
+//
+// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
+// both, no weight grows.
+inline Vec3 disney_sample_ggx_lobe(DisneyGGX facets, Vec3 wo, Vec2 u) {
+    Vec3 w = disney_mirror(wo,
+        disney_ggx_sample_visible(facets, wo, u, disney_ggx_bound(disney_ggx_least(facets), wo)));
     return Vec3{w.x, w.y, fabsf(w.z)};
 }
 
@@ -419,27 +467,25 @@ inline float disney_pdf_mirror(float density, float cos_h) {
     return 0.25f * density / cos_h;
 }
 
-// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
-inline float disney_ggx_length(Vec3 w, float alpha_x, float alpha_y) {
-    return length(Vec3{alpha_x * w.x, alpha_y * w.y, w.z});
-}
-
-// Density of wo mirrored at disney_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
-inline float disney_pdf_ggx_visible(Vec3 wo, Vec3 m, float alpha_x, float alpha_y) {
-    return disney_D_ggx(m, alpha_x, alpha_y)
-        / (2.0f * (wo.z + disney_ggx_length(wo, alpha_x, alpha_y)));
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
+inline float disney_ggx_area(DisneyGGX ggx, Vec3 w) {
+    return length(Vec3{ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z});
 }
 
 // Density of disney_sample_ggx_lobe in 1/sr.
-inline float disney_pdf_ggx_lobe(Vec3 wi, Vec3 wo, float alpha_x, float alpha_y) {
-    float straight = disney_pdf_ggx_visible(wo, disney_half_vector(wi, wo), alpha_x, alpha_y);
+inline float disney_pdf_ggx_lobe(DisneyGGX facets, Vec3 wi, Vec3 wo) {
+    float bound = disney_ggx_bound(disney_ggx_least(facets), wo);
+    float straight = disney_ggx_D(facets, disney_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    bool exists = wo.z > wi.z;
-    Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
+    float fall = wo.z - wi.z;
+    Vec3 image = Vec3{wi.x, wi.y, fall > 0.0f ? -wi.z : wi.z};
     // The least lift, for two that are equally high but for their last digits
     Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
-    float folded = disney_pdf_ggx_visible(wo, disney_half_vector(image, higher), alpha_x, alpha_y);
-    return straight + (exists ? folded : 0.0f);
+    Vec3 m = disney_half_vector(image, higher);
+    // Where the cap of disney_ggx_sample_visible ends
+    bool left = fall > (1.0f - bound) * wo.z * disney_ggx_spread(facets, m);
+    float folded = left ? disney_ggx_D(facets, m) : 0.0f;
+    return 0.5f * (straight + folded) / (bound * wo.z + disney_ggx_area(facets, wo));
 }
 
 // Density of disney_sample_cosine in 1/sr, for w above the horizon.
@@ -452,13 +498,12 @@ inline float disney_pdf(const Disney& params, Vec3 wi, Vec3 wo) {
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0f;
     }
-    Vec2 widths = disney_widths(params);
     Vec2 P = disney_diffuse_shares(params, wo);
     Vec2 Q = disney_specular_shares(params, wo);
     Vec3 m = disney_half_vector(wi, wo);
-    float coat = disney_pdf_mirror(disney_D_gtr1_narrow(m, disney_coat_alpha(params)) * m.z,
+    float coat = disney_pdf_mirror(disney_gtr1_D_narrow(disney_coat(params), m) * m.z,
         disney_cos_half(wi, wo));
-    float specular = Q.x * disney_pdf_ggx_lobe(wi, wo, widths.x, widths.y) + Q.y * coat;
+    float specular = Q.x * disney_pdf_ggx_lobe(disney_facets(params), wi, wo) + Q.y * coat;
     float diffuse = lerp(disney_pdf_cosine(wi), inv_two_pi, disney_uniform_share(params));
     return P.x * diffuse + P.y * specular;
 }
@@ -468,15 +513,14 @@ inline DisneySample disney_sample(const Disney& params, Vec3 wo, Vec2 u) {
     if (wo.z <= mu_min) {  // in the horizon or below
         return DisneySample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
-    Vec2 widths = disney_widths(params);
     DisneyChoice choose_result = disney_choose(disney_diffuse_shares(params, wo).x, u);
     bool diffuse = choose_result.is_first;
     Vec2 v = choose_result.u;
     DisneyChoice choose_result_2 = disney_choose(disney_specular_shares(params, wo).x, v);
     bool highlight = choose_result_2.is_first;
     Vec2 w = choose_result_2.u;
-    Vec3 coat = disney_mirror(wo, disney_sample_gtr1(disney_coat_alpha(params), w));
-    Vec3 specular = highlight ? disney_sample_ggx_lobe(wo, widths.x, widths.y, w) : coat;
+    Vec3 coat = disney_mirror(wo, disney_gtr1_sample(disney_coat(params), w));
+    Vec3 specular = highlight ? disney_sample_ggx_lobe(disney_facets(params), wo, w) : coat;
     DisneyChoice choose_result_3 = disney_choose(disney_uniform_share(params), v);
     bool uniform = choose_result_3.is_first;
     Vec2 t = choose_result_3.u;

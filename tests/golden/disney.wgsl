@@ -36,6 +36,22 @@ struct Disney {
     clearcoat_gloss: f32,  // 0 for a satin clearcoat, 1 for a glossy one; 0 to 1, default 1
 }
 
+// Facets of GGX, also called Trowbridge-Reitz.
+struct DisneyGGX {
+    alpha_x: f32,  // width of the slopes along x
+    alpha_y: f32,  // width of the slopes along y
+}
+
+// Generalised Trowbridge-Reitz with exponent 1: the facets of Disney's clearcoat.
+struct DisneyGTR1 {
+    alpha: f32,  // width of the slopes
+}
+
+// `GGX` facets of the same width in all directions.
+struct DisneyRoundGGX {
+    alpha: f32,  // width of the slopes
+}
+
 // Which of two lobes a sample is taken from.
 struct DisneyChoice {
     is_first: bool,  // Whether it is the first one
@@ -44,14 +60,14 @@ struct DisneyChoice {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
-// alpha along x and y.
-fn disney_widths(params: Disney) -> vec2f {
+// Those of the highlight.
+fn disney_facets(params: Disney) -> DisneyGGX {
     // The reference code's numbers: smallest width of the highlight, F0 at specular 1, and for the clearcoat
     // its widths without and with gloss, that of its masking, F0 (index 1.5), and strength.
     const ALPHA_DISNEY = 0.001;
     let alpha = params.roughness * params.roughness;
     let aspect = sqrt(1.0 - 0.9 * params.anisotropic);
-    return vec2f(max(alpha / aspect, ALPHA_DISNEY), max(alpha * aspect, ALPHA_DISNEY));
+    return DisneyGGX(max(alpha / aspect, ALPHA_DISNEY), max(alpha * aspect, ALPHA_DISNEY));
 }
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
@@ -60,13 +76,18 @@ fn disney_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     return h / length(h);  // which disney_cos_half needs as well
 }
 
-// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-fn disney_D_ggx(m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+// Square of m in units of the widths: D falls with its square.
+fn disney_ggx_spread(ggx: DisneyGGX, m: vec3f) -> f32 {
+    let v = vec3f(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
+    return dot(v, v);
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+fn disney_ggx_D(ggx: DisneyGGX, m: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    let v = vec3f(m.x / alpha_x, m.y / alpha_y, m.z);
-    let s = dot(v, v);
-    return inv_pi / (alpha_x * alpha_y * s * s);
+    let s = disney_ggx_spread(ggx, m);
+    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
 }
 
 // The base colour's hue and saturation, with a luminance of 1.
@@ -124,26 +145,31 @@ fn disney_sheen(params: Disney) -> vec3f {
     return params.sheen * mix(vec3f(1.0), disney_tint(params), vec3f(params.sheen_tint));
 }
 
-fn disney_coat_alpha(params: Disney) -> f32 {
+// The clearcoat's facets.
+fn disney_coat(params: Disney) -> DisneyGTR1 {
     const COAT_ALPHA_SATIN = 0.1;
     const COAT_ALPHA_GLOSS = 0.001;
-    return mix(COAT_ALPHA_SATIN, COAT_ALPHA_GLOSS, params.clearcoat_gloss);
+    return DisneyGTR1(mix(COAT_ALPHA_SATIN, COAT_ALPHA_GLOSS, params.clearcoat_gloss));
 }
 
-// `D_gtr1` for alpha up to 0.5, where nothing cancels in its norm.
-fn disney_D_gtr1_narrow(m: vec3f, alpha: f32) -> f32 {
+// `D` for alpha up to 0.5, where nothing cancels in its norm.
+fn disney_gtr1_D_narrow(gtr1: DisneyGTR1, m: vec3f) -> f32 {
     const inv_pi = 0.31830987;
-    let a2 = alpha * alpha;
-    let v = vec3f(m.x, m.y, alpha * m.z);
+    let a2 = gtr1.alpha * gtr1.alpha;
+    let v = vec3f(m.x, m.y, gtr1.alpha * m.z);
     return inv_pi * (a2 - 1.0) / (log(a2) * dot(v, v));
 }
 
-// `V_smith_ggx` for facets of the same width in all directions.
-fn disney_V_smith_ggx_round(wi: vec3f, wo: vec3f, alpha: f32) -> f32 {
-    let a2 = alpha * alpha;
-    let length_i = sqrt(a2 + (1.0 - a2) * (wi.z * wi.z));
-    let length_o = sqrt(a2 + (1.0 - a2) * (wo.z * wo.z));
-    return 1.0 / ((wi.z + length_i) * (wo.z + length_o));
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
+fn disney_round_ggx_area(round_ggx: DisneyRoundGGX, w: vec3f) -> f32 {
+    let a2 = round_ggx.alpha * round_ggx.alpha;
+    return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
+}
+
+// G = G1(wi) G1(wo): masking and shadowing taken as independent.
+fn disney_V_smith(facets: DisneyRoundGGX, wi: vec3f, wo: vec3f) -> f32 {
+    return 1.0 / ((wi.z + disney_round_ggx_area(facets, wi))
+        * (wo.z + disney_round_ggx_area(facets, wo)));
 }
 
 // All but the highlight: diffuse, sheen and clearcoat, which are not stretched.
@@ -167,8 +193,8 @@ fn disney_eval_round(params: Disney, wi: vec3f, wo: vec3f) -> vec3f {
     let F_H = disney_schlick_weight_half(wi, wo);
     let base = (1.0 - params.metallic) * (diffuse + F_H * disney_sheen(params));
 
-    let D_c = disney_D_gtr1_narrow(disney_half_vector(wi, wo), disney_coat_alpha(params));
-    let V_c = disney_V_smith_ggx_round(wi, wo, COAT_ALPHA_MASKING);
+    let D_c = disney_gtr1_D_narrow(disney_coat(params), disney_half_vector(wi, wo));
+    let V_c = disney_V_smith(DisneyRoundGGX(COAT_ALPHA_MASKING), wi, wo);
     let F_c = params.clearcoat * mix(COAT_STRENGTH * COAT_F0, COAT_STRENGTH, F_H);
     return base + F_c * (D_c * V_c);
 }
@@ -176,7 +202,7 @@ fn disney_eval_round(params: Disney, wi: vec3f, wo: vec3f) -> vec3f {
 // Masking of the highlight, G / (4 mu_i mu_o).
 fn disney_V(params: Disney, wi: vec3f, wo: vec3f) -> f32 {
     let alpha_g = (0.5 + 0.5 * params.roughness) * (0.5 + 0.5 * params.roughness);
-    return disney_V_smith_ggx_round(wi, wo, alpha_g);
+    return disney_V_smith(DisneyRoundGGX(alpha_g), wi, wo);
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -185,8 +211,7 @@ fn disney_eval(params: Disney, wi: vec3f, wo: vec3f) -> vec3f {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
-    let widths = disney_widths(params);
-    let D = disney_D_ggx(disney_half_vector(wi, wo), widths.x, widths.y);
+    let D = disney_ggx_D(disney_facets(params), disney_half_vector(wi, wo));
     let F = mix(disney_f0(params), vec3f(1.0), vec3f(disney_schlick_weight_half(wi, wo)));
     return disney_eval_round(params, wi, wo) + F * (D * disney_V(params, wi, wo));
 }
@@ -277,14 +302,14 @@ fn disney_polar(tan_theta: f32, u: f32) -> vec3f {
     return normalize(vec3f(tan_theta * cos(phi), tan_theta * sin(phi), 1.0));
 }
 
-// A normal with density D_gtr1 m.z. Burley, Eq. 5.
-fn disney_sample_gtr1(alpha: f32, u: vec2f) -> vec3f {
+// A normal with density D m.z. Burley, Eq. 5.
+fn disney_gtr1_sample(gtr1: DisneyGTR1, u: vec2f) -> vec3f {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const RANDOM_MARGIN = 5.9604645e-8;
     // sin^2 = alpha^2 (alpha^(-2 u) - 1) / (1 - alpha^2); both differences vanish at alpha = 1
-    let a2 = alpha * alpha;
+    let a2 = gtr1.alpha * gtr1.alpha;
     let log_a2 = log(a2);
-    let below_one = (alpha - 1.0) * (alpha + 1.0);
+    let below_one = (gtr1.alpha - 1.0) * (gtr1.alpha + 1.0);
     let down = disney_expm1(-u.x * log_a2);
     let up = disney_expm1((1.0 - u.x) * log_a2);
     // tan^2 = sin^2 / cos^2 with cos^2 = (1 - alpha^(2 - 2 u)) / (1 - alpha^2)
@@ -299,26 +324,49 @@ fn disney_mirror(wo: vec3f, m: vec3f) -> vec3f {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
-// A normal with density G1(wo) max(wo . m, 0) disney_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
-fn disney_sample_ggx_visible(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
-    const RANDOM_MARGIN = 5.9604645e-8;
-    const two_pi = 6.2831855;
-    let w = normalize(vec3f(alpha_x * wo.x, alpha_y * wo.y, wo.z));
-    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    let drop = u1 * (1.0 + w.z);
-    let r = sqrt(max(drop * (2.0 - drop), 0.0));
-    let phi = two_pi * u.y;
-    let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
-    return normalize(vec3f(alpha_x * h.x, alpha_y * h.y, h.z));
+// The smaller width.
+fn disney_ggx_least(ggx: DisneyGGX) -> f32 {
+    return min(ggx.alpha_x, ggx.alpha_y);
 }
 
-// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows.
-fn disney_sample_ggx_lobe(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
-    let w = disney_mirror(wo, disney_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
+// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
+fn disney_ggx_bound(least: f32, wo: vec3f) -> f32 {
+    let s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
+    let a2 = least * least;
+    let s2 = s * s;
+    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+//
+// With a bound below 1 (see disney_ggx_bound) without those that mirror wo below the horizon, or most.
+fn disney_ggx_sample_visible(ggx: DisneyGGX, wo: vec3f, u: vec2f, bound: f32) -> vec3f {
+    const RANDOM_MARGIN = 5.9604645e-8;
+    const two_pi = 6.2831855;
+    let w = normalize(vec3f(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
+    let height = 1.0 + bound * w.z;
+    let drop = u1 * height;
+    let r = sqrt(max(drop * (2.0 - drop), 0.0));
+    let phi = two_pi * u.y;
+    // z + w.z as a sum of positive terms
+    let z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
+    return normalize(vec3f(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
+}
+
+// wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
+//
+// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
+// both, no weight grows.
+fn disney_sample_ggx_lobe(facets: DisneyGGX, wo: vec3f, u: vec2f) -> vec3f {
+    let w = disney_mirror(wo,
+        disney_ggx_sample_visible(facets, wo, u, disney_ggx_bound(disney_ggx_least(facets), wo)));
     return vec3f(w.x, w.y, abs(w.z));
 }
 
@@ -351,28 +399,26 @@ fn disney_pdf_mirror(density: f32, cos_h: f32) -> f32 {
     return 0.25 * density / cos_h;
 }
 
-// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
-fn disney_ggx_length(w: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    return length(vec3f(alpha_x * w.x, alpha_y * w.y, w.z));
-}
-
-// Density of wo mirrored at disney_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
-fn disney_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    return disney_D_ggx(m, alpha_x, alpha_y)
-        / (2.0 * (wo.z + disney_ggx_length(wo, alpha_x, alpha_y)));
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
+fn disney_ggx_area(ggx: DisneyGGX, w: vec3f) -> f32 {
+    return length(vec3f(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
 }
 
 // Density of disney_sample_ggx_lobe in 1/sr.
-fn disney_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+fn disney_pdf_ggx_lobe(facets: DisneyGGX, wi: vec3f, wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
-    let straight = disney_pdf_ggx_visible(wo, disney_half_vector(wi, wo), alpha_x, alpha_y);
+    let bound = disney_ggx_bound(disney_ggx_least(facets), wo);
+    let straight = disney_ggx_D(facets, disney_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    let exists = wo.z > wi.z;
-    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
+    let fall = wo.z - wi.z;
+    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, fall > 0.0));
     // The least lift, for two that are equally high but for their last digits
     let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
-    let folded = disney_pdf_ggx_visible(wo, disney_half_vector(image, higher), alpha_x, alpha_y);
-    return straight + select(0.0, folded, exists);
+    let m = disney_half_vector(image, higher);
+    // Where the cap of disney_ggx_sample_visible ends
+    let left = fall > (1.0 - bound) * wo.z * disney_ggx_spread(facets, m);
+    let folded = select(0.0, disney_ggx_D(facets, m), left);
+    return 0.5 * (straight + folded) / (bound * wo.z + disney_ggx_area(facets, wo));
 }
 
 // Density of disney_sample_cosine in 1/sr, for w above the horizon.
@@ -388,13 +434,12 @@ fn disney_pdf(params: Disney, wi: vec3f, wo: vec3f) -> f32 {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
-    let widths = disney_widths(params);
     let P = disney_diffuse_shares(params, wo);
     let Q = disney_specular_shares(params, wo);
     let m = disney_half_vector(wi, wo);
-    let coat = disney_pdf_mirror(disney_D_gtr1_narrow(m, disney_coat_alpha(params)) * m.z,
+    let coat = disney_pdf_mirror(disney_gtr1_D_narrow(disney_coat(params), m) * m.z,
         disney_cos_half(wi, wo));
-    let specular = Q.x * disney_pdf_ggx_lobe(wi, wo, widths.x, widths.y) + Q.y * coat;
+    let specular = Q.x * disney_pdf_ggx_lobe(disney_facets(params), wi, wo) + Q.y * coat;
     let diffuse = mix(disney_pdf_cosine(wi), inv_two_pi, disney_uniform_share(params));
     return P.x * diffuse + P.y * specular;
 }
@@ -405,15 +450,14 @@ fn disney_sample(params: Disney, wo: vec3f, u: vec2f) -> DisneySample {
     if (wo.z <= mu_min) {  // in the horizon or below
         return DisneySample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
-    let widths = disney_widths(params);
     let choose_result = disney_choose(disney_diffuse_shares(params, wo).x, u);
     let diffuse = choose_result.is_first;
     let v = choose_result.u;
     let choose_result_2 = disney_choose(disney_specular_shares(params, wo).x, v);
     let highlight = choose_result_2.is_first;
     let w = choose_result_2.u;
-    let coat = disney_mirror(wo, disney_sample_gtr1(disney_coat_alpha(params), w));
-    let specular = select(coat, disney_sample_ggx_lobe(wo, widths.x, widths.y, w), highlight);
+    let coat = disney_mirror(wo, disney_gtr1_sample(disney_coat(params), w));
+    let specular = select(coat, disney_sample_ggx_lobe(disney_facets(params), wo, w), highlight);
     let choose_result_3 = disney_choose(disney_uniform_share(params), v);
     let uniform = choose_result_3.is_first;
     let t = choose_result_3.u;

@@ -27,10 +27,21 @@ struct MetallicRoughness {
     float roughness;  // perceptual roughness, alpha = roughness^2; 0 to 1, default 0.5
 };
 
+// `GGX` facets of the same width in all directions.
+struct MetallicRoughnessRoundGGX {
+    float alpha;  // width of the slopes
+};
+
 // Which of two lobes a sample is taken from.
 struct MetallicRoughnessChoice {
     bool is_first;  // Whether it is the first one
     vec2 u;  // Fresh random numbers, made of those that chose
+};
+
+// Facets of GGX, also called Trowbridge-Reitz.
+struct MetallicRoughnessGGX {
+    float alpha_x;  // width of the slopes along x
+    float alpha_y;  // width of the slopes along y
 };
 
 // ---- evaluation ----------------------------------------------------------------------------
@@ -82,26 +93,25 @@ vec3 metallic_roughness_half_vector(vec3 wi, vec3 wo) {
     return h / length(h);  // which metallic_roughness_cos_half needs as well
 }
 
-// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-float metallic_roughness_D_ggx(vec3 m, float alpha_x, float alpha_y) {
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+float metallic_roughness_round_ggx_D(MetallicRoughnessRoundGGX round_ggx, vec3 m) {
     const float inv_pi = 0.31830987;
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    vec3 v = vec3(m.x / alpha_x, m.y / alpha_y, m.z);
+    vec3 v = vec3(m.x, m.y, round_ggx.alpha * m.z);
     float s = dot(v, v);
-    return inv_pi / (alpha_x * alpha_y * s * s);
+    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
 }
 
-// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
-float metallic_roughness_ggx_length(vec3 w, float alpha_x, float alpha_y) {
-    return length(vec3(alpha_x * w.x, alpha_y * w.y, w.z));
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
+float metallic_roughness_round_ggx_area(MetallicRoughnessRoundGGX round_ggx, vec3 w) {
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
 // G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
-float metallic_roughness_V_smith_correlated_ggx(vec3 wi, vec3 wo, float alpha_x,
-    float alpha_y) {
-    float length_i = metallic_roughness_ggx_length(wi, alpha_x, alpha_y);
-    float length_o = metallic_roughness_ggx_length(wo, alpha_x, alpha_y);
-    return 0.5 / (wo.z * length_i + wi.z * length_o);
+float metallic_roughness_V_smith_correlated(MetallicRoughnessRoundGGX facets, vec3 wi,
+    vec3 wo) {
+    return 0.5 / (wo.z * metallic_roughness_round_ggx_area(facets, wi)
+        + wi.z * metallic_roughness_round_ggx_area(facets, wo));
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -111,15 +121,15 @@ vec3 metallic_roughness_eval(MetallicRoughness params, vec3 wi, vec3 wo) {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3(0.0);
     }
-    float alpha = metallic_roughness_alpha(params);
+    MetallicRoughnessRoundGGX facets = MetallicRoughnessRoundGGX(metallic_roughness_alpha(params));
     vec3 f0 = metallic_roughness_f0(params);
     vec3 F = mix(f0, vec3(1.0), vec3(metallic_roughness_schlick_weight_half(wi, wo)));
     // 1 - F without its cancellation
     vec3 k_d = (1.0 - f0)
         * metallic_roughness_schlick_complement(metallic_roughness_cos_half(wi, wo));
     vec3 diffuse = inv_pi * (1.0 - params.metallic) * params.base_color * k_d;
-    float D = metallic_roughness_D_ggx(metallic_roughness_half_vector(wi, wo), alpha, alpha);
-    return diffuse + F * (D * metallic_roughness_V_smith_correlated_ggx(wi, wo, alpha, alpha));
+    float D = metallic_roughness_round_ggx_D(facets, metallic_roughness_half_vector(wi, wo));
+    return diffuse + F * (D * metallic_roughness_V_smith_correlated(facets, wi, wo));
 }
 
 // ---- sampling ------------------------------------------------------------------------------
@@ -186,21 +196,45 @@ vec3 metallic_roughness_sample_cosine(vec2 u) {
     return vec3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal with density G1(wo) max(wo . m, 0) metallic_roughness_D_ggx(m) / mu_o. Dupuy and Benyoub,
-// Listing 3.
-vec3 metallic_roughness_sample_ggx_visible(vec3 wo, float alpha_x, float alpha_y, vec2 u) {
+// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
+//
+// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
+// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
+float metallic_roughness_ggx_bound(float least, vec3 wo) {
+    float s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
+    float a2 = least * least;
+    float s2 = s * s;
+    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+//
+// With a bound below 1 (see metallic_roughness_ggx_bound) without those that mirror wo below the horizon,
+// or most.
+vec3 metallic_roughness_ggx_sample_visible(MetallicRoughnessGGX ggx, vec3 wo, vec2 u,
+    float bound) {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const float RANDOM_MARGIN = 5.9604645e-8;
     const float two_pi = 6.2831855;
-    vec3 w = normalize(vec3(alpha_x * wo.x, alpha_y * wo.y, wo.z));
-    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    vec3 w = normalize(vec3(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
     // u = 1 would be the facet opposite to w, whose half vector has no direction
     float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    float drop = u1 * (1.0 + w.z);
+    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
+    float height = 1.0 + bound * w.z;
+    float drop = u1 * height;
     float r = sqrt(max(drop * (2.0 - drop), 0.0));
     float phi = two_pi * u.y;
-    vec3 h = vec3(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
-    return normalize(vec3(alpha_x * h.x, alpha_y * h.y, h.z));
+    // z + w.z as a sum of positive terms
+    float z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    vec3 h = vec3(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
+    return normalize(vec3(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m); see metallic_roughness_ggx_sample_visible.
+vec3 metallic_roughness_round_ggx_sample_visible(MetallicRoughnessRoundGGX round_ggx, vec3 wo,
+    vec2 u, float bound) {
+    return metallic_roughness_ggx_sample_visible(MetallicRoughnessGGX(round_ggx.alpha,
+        round_ggx.alpha), wo, u, bound);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -208,12 +242,14 @@ vec3 metallic_roughness_mirror(vec3 wo, vec3 m) {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
-// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+// wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows.
-vec3 metallic_roughness_sample_ggx_lobe(vec3 wo, float alpha_x, float alpha_y, vec2 u) {
+// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
+// both, no weight grows.
+vec3 metallic_roughness_sample_ggx_lobe(MetallicRoughnessRoundGGX facets, vec3 wo, vec2 u) {
     vec3 w = metallic_roughness_mirror(wo,
-        metallic_roughness_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+        metallic_roughness_round_ggx_sample_visible(facets, wo, u,
+            metallic_roughness_ggx_bound(facets.alpha, wo)));
     return vec3(w.x, w.y, abs(w.z));
 }
 
@@ -222,7 +258,7 @@ vec3 metallic_roughness_sample_matte_gloss(vec3 wo, float alpha, vec2 shares, ve
     MetallicRoughnessChoice choose_result = metallic_roughness_choose(shares.x, u);
     bool matte = choose_result.is_first;
     vec2 v = choose_result.u;
-    return mix(metallic_roughness_sample_ggx_lobe(wo, alpha, alpha, v),
+    return mix(metallic_roughness_sample_ggx_lobe(MetallicRoughnessRoundGGX(alpha), wo, v),
         metallic_roughness_sample_cosine(v), bvec3(matte));
 }
 
@@ -232,31 +268,34 @@ float metallic_roughness_pdf_cosine(vec3 w) {
     return w.z * inv_pi;
 }
 
-// Density of wo mirrored at metallic_roughness_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
-float metallic_roughness_pdf_ggx_visible(vec3 wo, vec3 m, float alpha_x, float alpha_y) {
-    return metallic_roughness_D_ggx(m, alpha_x, alpha_y)
-        / (2.0 * (wo.z + metallic_roughness_ggx_length(wo, alpha_x, alpha_y)));
+// Square of m in units of the width.
+float metallic_roughness_round_ggx_spread(MetallicRoughnessRoundGGX round_ggx, vec3 m) {
+    vec3 v = vec3(m.x, m.y, round_ggx.alpha * m.z);
+    return dot(v, v) / (round_ggx.alpha * round_ggx.alpha);
 }
 
 // Density of metallic_roughness_sample_ggx_lobe in 1/sr.
-float metallic_roughness_pdf_ggx_lobe(vec3 wi, vec3 wo, float alpha_x, float alpha_y) {
+float metallic_roughness_pdf_ggx_lobe(MetallicRoughnessRoundGGX facets, vec3 wi, vec3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = metallic_roughness_pdf_ggx_visible(wo, metallic_roughness_half_vector(wi, wo),
-        alpha_x, alpha_y);
+    float bound = metallic_roughness_ggx_bound(facets.alpha, wo);
+    float straight = metallic_roughness_round_ggx_D(facets, metallic_roughness_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    bool exists = wo.z > wi.z;
-    vec3 image = vec3(wi.x, wi.y, exists ? -wi.z : wi.z);
+    float fall = wo.z - wi.z;
+    vec3 image = vec3(wi.x, wi.y, fall > 0.0 ? -wi.z : wi.z);
     // The least lift, for two that are equally high but for their last digits
     vec3 higher = vec3(wo.x, wo.y, wo.z + mu_min);
-    float folded = metallic_roughness_pdf_ggx_visible(wo,
-        metallic_roughness_half_vector(image, higher), alpha_x, alpha_y);
-    return straight + (exists ? folded : 0.0);
+    vec3 m = metallic_roughness_half_vector(image, higher);
+    // Where the cap of metallic_roughness_ggx_sample_visible ends
+    bool left = fall > (1.0 - bound) * wo.z * metallic_roughness_round_ggx_spread(facets, m);
+    float folded = left ? metallic_roughness_round_ggx_D(facets, m) : 0.0;
+    return 0.5 * (straight + folded)
+        / (bound * wo.z + metallic_roughness_round_ggx_area(facets, wo));
 }
 
 // Density of metallic_roughness_sample_matte_gloss in 1/sr.
 float metallic_roughness_pdf_matte_gloss(vec3 wi, vec3 wo, float alpha, vec2 shares) {
     return shares.x * metallic_roughness_pdf_cosine(wi)
-        + shares.y * metallic_roughness_pdf_ggx_lobe(wi, wo, alpha, alpha);
+        + shares.y * metallic_roughness_pdf_ggx_lobe(MetallicRoughnessRoundGGX(alpha), wi, wo);
 }
 
 // Density of metallic_roughness_sample in 1/sr.

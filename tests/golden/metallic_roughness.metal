@@ -30,10 +30,21 @@ struct MetallicRoughness {
     float roughness;  // perceptual roughness, alpha = roughness^2; 0 to 1, default 0.5
 };
 
+// `GGX` facets of the same width in all directions.
+struct MetallicRoughnessRoundGGX {
+    float alpha;  // width of the slopes
+};
+
 // Which of two lobes a sample is taken from.
 struct MetallicRoughnessChoice {
     bool is_first;  // Whether it is the first one
     float2 u;  // Fresh random numbers, made of those that chose
+};
+
+// Facets of GGX, also called Trowbridge-Reitz.
+struct MetallicRoughnessGGX {
+    float alpha_x;  // width of the slopes along x
+    float alpha_y;  // width of the slopes along y
 };
 
 // ---- evaluation ----------------------------------------------------------------------------
@@ -85,26 +96,25 @@ inline float3 metallic_roughness_half_vector(float3 wi, float3 wo) {
     return h / length(h);  // which metallic_roughness_cos_half needs as well
 }
 
-// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-inline float metallic_roughness_D_ggx(float3 m, float alpha_x, float alpha_y) {
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+inline float metallic_roughness_round_ggx_D(MetallicRoughnessRoundGGX round_ggx, float3 m) {
     const float inv_pi = 0.31830987;
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    float3 v = float3(m.x / alpha_x, m.y / alpha_y, m.z);
+    float3 v = float3(m.x, m.y, round_ggx.alpha * m.z);
     float s = dot(v, v);
-    return inv_pi / (alpha_x * alpha_y * s * s);
+    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
 }
 
-// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
-inline float metallic_roughness_ggx_length(float3 w, float alpha_x, float alpha_y) {
-    return length(float3(alpha_x * w.x, alpha_y * w.y, w.z));
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
+inline float metallic_roughness_round_ggx_area(MetallicRoughnessRoundGGX round_ggx, float3 w) {
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
 // G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
-inline float metallic_roughness_V_smith_correlated_ggx(float3 wi, float3 wo, float alpha_x,
-    float alpha_y) {
-    float length_i = metallic_roughness_ggx_length(wi, alpha_x, alpha_y);
-    float length_o = metallic_roughness_ggx_length(wo, alpha_x, alpha_y);
-    return 0.5 / (wo.z * length_i + wi.z * length_o);
+inline float metallic_roughness_V_smith_correlated(MetallicRoughnessRoundGGX facets, float3 wi,
+    float3 wo) {
+    return 0.5 / (wo.z * metallic_roughness_round_ggx_area(facets, wi)
+        + wi.z * metallic_roughness_round_ggx_area(facets, wo));
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -114,15 +124,15 @@ inline float3 metallic_roughness_eval(MetallicRoughness params, float3 wi, float
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return float3(0.0);
     }
-    float alpha = metallic_roughness_alpha(params);
+    MetallicRoughnessRoundGGX facets = MetallicRoughnessRoundGGX{metallic_roughness_alpha(params)};
     float3 f0 = metallic_roughness_f0(params);
     float3 F = mix(f0, float3(1.0), float3(metallic_roughness_schlick_weight_half(wi, wo)));
     // 1 - F without its cancellation
     float3 k_d = (1.0 - f0)
         * metallic_roughness_schlick_complement(metallic_roughness_cos_half(wi, wo));
     float3 diffuse = inv_pi * (1.0 - params.metallic) * params.base_color * k_d;
-    float D = metallic_roughness_D_ggx(metallic_roughness_half_vector(wi, wo), alpha, alpha);
-    return diffuse + F * (D * metallic_roughness_V_smith_correlated_ggx(wi, wo, alpha, alpha));
+    float D = metallic_roughness_round_ggx_D(facets, metallic_roughness_half_vector(wi, wo));
+    return diffuse + F * (D * metallic_roughness_V_smith_correlated(facets, wi, wo));
 }
 
 // ---- sampling ------------------------------------------------------------------------------
@@ -191,22 +201,45 @@ inline float3 metallic_roughness_sample_cosine(float2 u) {
     return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal with density G1(wo) max(wo . m, 0) metallic_roughness_D_ggx(m) / mu_o. Dupuy and Benyoub,
-// Listing 3.
-inline float3 metallic_roughness_sample_ggx_visible(float3 wo, float alpha_x, float alpha_y,
-    float2 u) {
+// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
+//
+// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
+// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
+inline float metallic_roughness_ggx_bound(float least, float3 wo) {
+    float s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
+    float a2 = least * least;
+    float s2 = s * s;
+    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+//
+// With a bound below 1 (see metallic_roughness_ggx_bound) without those that mirror wo below the horizon,
+// or most.
+inline float3 metallic_roughness_ggx_sample_visible(MetallicRoughnessGGX ggx, float3 wo,
+    float2 u, float bound) {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const float RANDOM_MARGIN = 5.9604645e-8;
     const float two_pi = 6.2831855;
-    float3 w = normalize(float3(alpha_x * wo.x, alpha_y * wo.y, wo.z));
-    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    float3 w = normalize(float3(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
     // u = 1 would be the facet opposite to w, whose half vector has no direction
     float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    float drop = u1 * (1.0 + w.z);
+    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
+    float height = 1.0 + bound * w.z;
+    float drop = u1 * height;
     float r = sqrt(max(drop * (2.0 - drop), 0.0));
     float phi = two_pi * u.y;
-    float3 h = float3(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
-    return normalize(float3(alpha_x * h.x, alpha_y * h.y, h.z));
+    // z + w.z as a sum of positive terms
+    float z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    float3 h = float3(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
+    return normalize(float3(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m); see metallic_roughness_ggx_sample_visible.
+inline float3 metallic_roughness_round_ggx_sample_visible(MetallicRoughnessRoundGGX round_ggx,
+    float3 wo, float2 u, float bound) {
+    return metallic_roughness_ggx_sample_visible(MetallicRoughnessGGX{round_ggx.alpha,
+        round_ggx.alpha}, wo, u, bound);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -214,13 +247,15 @@ inline float3 metallic_roughness_mirror(float3 wo, float3 m) {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
-// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+// wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows.
-inline float3 metallic_roughness_sample_ggx_lobe(float3 wo, float alpha_x, float alpha_y,
+// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
+// both, no weight grows.
+inline float3 metallic_roughness_sample_ggx_lobe(MetallicRoughnessRoundGGX facets, float3 wo,
     float2 u) {
     float3 w = metallic_roughness_mirror(wo,
-        metallic_roughness_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+        metallic_roughness_round_ggx_sample_visible(facets, wo, u,
+            metallic_roughness_ggx_bound(facets.alpha, wo)));
     return float3(w.x, w.y, abs(w.z));
 }
 
@@ -231,7 +266,7 @@ inline float3 metallic_roughness_sample_matte_gloss(float3 wo, float alpha, floa
     bool matte = choose_result.is_first;
     float2 v = choose_result.u;
     return matte ? metallic_roughness_sample_cosine(v)
-        : metallic_roughness_sample_ggx_lobe(wo, alpha, alpha, v);
+        : metallic_roughness_sample_ggx_lobe(MetallicRoughnessRoundGGX{alpha}, wo, v);
 }
 
 // Density of metallic_roughness_sample_cosine in 1/sr, for w above the horizon.
@@ -240,34 +275,37 @@ inline float metallic_roughness_pdf_cosine(float3 w) {
     return w.z * inv_pi;
 }
 
-// Density of wo mirrored at metallic_roughness_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
-inline float metallic_roughness_pdf_ggx_visible(float3 wo, float3 m, float alpha_x,
-    float alpha_y) {
-    return metallic_roughness_D_ggx(m, alpha_x, alpha_y)
-        / (2.0 * (wo.z + metallic_roughness_ggx_length(wo, alpha_x, alpha_y)));
+// Square of m in units of the width.
+inline float metallic_roughness_round_ggx_spread(MetallicRoughnessRoundGGX round_ggx,
+    float3 m) {
+    float3 v = float3(m.x, m.y, round_ggx.alpha * m.z);
+    return dot(v, v) / (round_ggx.alpha * round_ggx.alpha);
 }
 
 // Density of metallic_roughness_sample_ggx_lobe in 1/sr.
-inline float metallic_roughness_pdf_ggx_lobe(float3 wi, float3 wo, float alpha_x,
-    float alpha_y) {
+inline float metallic_roughness_pdf_ggx_lobe(MetallicRoughnessRoundGGX facets, float3 wi,
+    float3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = metallic_roughness_pdf_ggx_visible(wo, metallic_roughness_half_vector(wi, wo),
-        alpha_x, alpha_y);
+    float bound = metallic_roughness_ggx_bound(facets.alpha, wo);
+    float straight = metallic_roughness_round_ggx_D(facets, metallic_roughness_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    bool exists = wo.z > wi.z;
-    float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
+    float fall = wo.z - wi.z;
+    float3 image = float3(wi.x, wi.y, fall > 0.0 ? -wi.z : wi.z);
     // The least lift, for two that are equally high but for their last digits
     float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
-    float folded = metallic_roughness_pdf_ggx_visible(wo,
-        metallic_roughness_half_vector(image, higher), alpha_x, alpha_y);
-    return straight + (exists ? folded : 0.0);
+    float3 m = metallic_roughness_half_vector(image, higher);
+    // Where the cap of metallic_roughness_ggx_sample_visible ends
+    bool left = fall > (1.0 - bound) * wo.z * metallic_roughness_round_ggx_spread(facets, m);
+    float folded = left ? metallic_roughness_round_ggx_D(facets, m) : 0.0;
+    return 0.5 * (straight + folded)
+        / (bound * wo.z + metallic_roughness_round_ggx_area(facets, wo));
 }
 
 // Density of metallic_roughness_sample_matte_gloss in 1/sr.
 inline float metallic_roughness_pdf_matte_gloss(float3 wi, float3 wo, float alpha,
     float2 shares) {
     return shares.x * metallic_roughness_pdf_cosine(wi)
-        + shares.y * metallic_roughness_pdf_ggx_lobe(wi, wo, alpha, alpha);
+        + shares.y * metallic_roughness_pdf_ggx_lobe(MetallicRoughnessRoundGGX{alpha}, wi, wo);
 }
 
 // Density of metallic_roughness_sample in 1/sr.

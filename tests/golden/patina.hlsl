@@ -46,6 +46,11 @@ struct Patina {
     float3 tarnish_tint;  // colour of the metal at tarnish 1; 0 to 1, default (0.45, 0.2, 0.08)
 };
 
+// `GGX` facets of the same width in all directions.
+struct PatinaRoundGGX {
+    float alpha;  // width of the slopes
+};
+
 // What shares returns.
 struct PatinaShares {
     float2 P_bare;
@@ -57,6 +62,12 @@ struct PatinaShares {
 struct PatinaChoice {
     bool is_first;  // Whether it is the first one
     float2 u;  // Fresh random numbers, made of those that chose
+};
+
+// Facets of GGX, also called Trowbridge-Reitz.
+struct PatinaGGX {
+    float alpha_x;  // width of the slopes along x
+    float alpha_y;  // width of the slopes along y
 };
 
 // ---- evaluation ----------------------------------------------------------------------------
@@ -148,31 +159,31 @@ float3 patina_half_vector(float3 wi, float3 wo) {
     return h / length(h);  // which patina_cos_half needs as well
 }
 
-// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-float patina_D_ggx(float3 m, float alpha_x, float alpha_y) {
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+float patina_round_ggx_D(PatinaRoundGGX round_ggx, float3 m) {
     const float inv_pi = 0.31830987;
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    float3 v = float3(m.x / alpha_x, m.y / alpha_y, m.z);
+    float3 v = float3(m.x, m.y, round_ggx.alpha * m.z);
     float s = dot(v, v);
-    return inv_pi / (alpha_x * alpha_y * s * s);
+    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
 }
 
-// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
-float patina_ggx_length(float3 w, float alpha_x, float alpha_y) {
-    return length(float3(alpha_x * w.x, alpha_y * w.y, w.z));
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
+float patina_round_ggx_area(PatinaRoundGGX round_ggx, float3 w) {
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
 // G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
-float patina_V_smith_correlated_ggx(float3 wi, float3 wo, float alpha_x, float alpha_y) {
-    float length_i = patina_ggx_length(wi, alpha_x, alpha_y);
-    float length_o = patina_ggx_length(wo, alpha_x, alpha_y);
-    return 0.5 / (wo.z * length_i + wi.z * length_o);
+float patina_V_smith_correlated(PatinaRoundGGX facets, float3 wi, float3 wo) {
+    return 0.5 / (wo.z * patina_round_ggx_area(facets, wi)
+        + wi.z * patina_round_ggx_area(facets, wo));
 }
 
 // D G / (4 mu_i mu_o) of GGX with height-correlated Smith at the half vector m; F is missing.
 float patina_ggx_facets(float3 m, float3 wi, float3 wo, float alpha) {
-    float D = patina_D_ggx(m, alpha, alpha);
-    return D * patina_V_smith_correlated_ggx(wi, wo, alpha, alpha);
+    PatinaRoundGGX facets;
+    facets.alpha = alpha;
+    return patina_round_ggx_D(facets, m) * patina_V_smith_correlated(facets, wi, wo);
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -219,7 +230,9 @@ float3 patina_transmittance_conductor(float cos_theta, float3 eta, float3 k) {
 
 // T12 t of Eq. 2 and 4 with t = (1 - G) + T21 G, T21 = T12 = T at the half vector, and GGX's G.
 float3 patina_through_facets(float3 wi, float3 wo, float alpha, float3 T) {
-    float G = 4.0 * wi.z * wo.z * patina_V_smith_correlated_ggx(wi, wo, alpha, alpha);
+    PatinaRoundGGX round_ggx;
+    round_ggx.alpha = alpha;
+    float G = 4.0 * wi.z * wo.z * patina_V_smith_correlated(round_ggx, wi, wo);
     return T * (1.0 - G + T * G);
 }
 
@@ -391,20 +404,45 @@ PatinaChoice patina_choose(float probability, float2 u) {
     return result;
 }
 
-// A normal with density G1(wo) max(wo . m, 0) patina_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
-float3 patina_sample_ggx_visible(float3 wo, float alpha_x, float alpha_y, float2 u) {
+// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
+//
+// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
+// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
+float patina_ggx_bound(float least, float3 wo) {
+    float s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
+    float a2 = least * least;
+    float s2 = s * s;
+    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+//
+// With a bound below 1 (see patina_ggx_bound) without those that mirror wo below the horizon, or most.
+float3 patina_ggx_sample_visible(PatinaGGX ggx, float3 wo, float2 u, float bound) {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const float RANDOM_MARGIN = 5.9604645e-8;
     const float two_pi = 6.2831855;
-    float3 w = normalize(float3(alpha_x * wo.x, alpha_y * wo.y, wo.z));
-    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    float3 w = normalize(float3(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
     // u = 1 would be the facet opposite to w, whose half vector has no direction
     float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    float drop = u1 * (1.0 + w.z);
+    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
+    float height = 1.0 + bound * w.z;
+    float drop = u1 * height;
     float r = sqrt(max(drop * (2.0 - drop), 0.0));
     float phi = two_pi * u.y;
-    float3 h = float3(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
-    return normalize(float3(alpha_x * h.x, alpha_y * h.y, h.z));
+    // z + w.z as a sum of positive terms
+    float z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    float3 h = float3(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
+    return normalize(float3(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m); see patina_ggx_sample_visible.
+float3 patina_round_ggx_sample_visible(PatinaRoundGGX round_ggx, float3 wo, float2 u,
+    float bound) {
+    PatinaGGX ggx;
+    ggx.alpha_x = round_ggx.alpha;
+    ggx.alpha_y = round_ggx.alpha;
+    return patina_ggx_sample_visible(ggx, wo, u, bound);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -412,11 +450,13 @@ float3 patina_mirror(float3 wo, float3 m) {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
-// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+// wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows.
-float3 patina_sample_ggx_lobe(float3 wo, float alpha_x, float alpha_y, float2 u) {
-    float3 w = patina_mirror(wo, patina_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
+// both, no weight grows.
+float3 patina_sample_ggx_lobe(PatinaRoundGGX facets, float3 wo, float2 u) {
+    float3 w = patina_mirror(wo,
+        patina_round_ggx_sample_visible(facets, wo, u, patina_ggx_bound(facets.alpha, wo)));
     return float3(w.x, w.y, abs(w.z));
 }
 
@@ -467,10 +507,9 @@ float3 patina_gather(float3 w, float excess) {
     return float3(x, near ? 0.0 : w.y * scale, z);
 }
 
-// Density of wo mirrored at patina_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
-float patina_pdf_ggx_visible(float3 wo, float3 m, float alpha_x, float alpha_y) {
-    return patina_D_ggx(m, alpha_x, alpha_y)
-        / (2.0 * (wo.z + patina_ggx_length(wo, alpha_x, alpha_y)));
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
+float patina_pdf_visible(PatinaRoundGGX facets, float3 wo, float3 m, float bound) {
+    return 0.5 * patina_round_ggx_D(facets, m) / (bound * wo.z + patina_round_ggx_area(facets, wo));
 }
 
 // Density of patina_leave at w, from the inner density at w_t = refract(w) and at gather(w).
@@ -489,17 +528,27 @@ float patina_pdf_cosine(float3 w) {
     return w.z * inv_pi;
 }
 
+// Square of m in units of the width.
+float patina_round_ggx_spread(PatinaRoundGGX round_ggx, float3 m) {
+    float3 v = float3(m.x, m.y, round_ggx.alpha * m.z);
+    return dot(v, v) / (round_ggx.alpha * round_ggx.alpha);
+}
+
 // Density of patina_sample_ggx_lobe in 1/sr.
-float patina_pdf_ggx_lobe(float3 wi, float3 wo, float alpha_x, float alpha_y) {
+float patina_pdf_ggx_lobe(PatinaRoundGGX facets, float3 wi, float3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = patina_pdf_ggx_visible(wo, patina_half_vector(wi, wo), alpha_x, alpha_y);
+    float bound = patina_ggx_bound(facets.alpha, wo);
+    float straight = patina_round_ggx_D(facets, patina_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    bool exists = wo.z > wi.z;
-    float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
+    float fall = wo.z - wi.z;
+    float3 image = float3(wi.x, wi.y, fall > 0.0 ? -wi.z : wi.z);
     // The least lift, for two that are equally high but for their last digits
     float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
-    float folded = patina_pdf_ggx_visible(wo, patina_half_vector(image, higher), alpha_x, alpha_y);
-    return straight + (exists ? folded : 0.0);
+    float3 m = patina_half_vector(image, higher);
+    // Where the cap of patina_ggx_sample_visible ends
+    bool left = fall > (1.0 - bound) * wo.z * patina_round_ggx_spread(facets, m);
+    float folded = left ? patina_round_ggx_D(facets, m) : 0.0;
+    return 0.5 * (straight + folded) / (bound * wo.z + patina_round_ggx_area(facets, wo));
 }
 
 // Density of patina_sample in 1/sr.
@@ -513,18 +562,25 @@ float patina_pdf(Patina params, float3 wi, float3 wo) {
     float2 P_coat = shares_result.P_coat;
     float2 P_diffuse = shares_result.P_diffuse;
     float excess = patina_excess(params);
-    float alpha = patina_metal_alpha(params);
-    float below_alpha = patina_below_alpha(params);
+    PatinaRoundGGX facets;
+    facets.alpha = patina_below_alpha(params);
     float3 wi_t = patina_refract(wi, excess);
     float3 wo_t = patina_refract(wo, excess);
     float3 m = normalize(patina_refracted_sum(wi, wo, excess));
     float3 m_gathered = patina_half_vector(patina_gather(wi, excess), wo_t);
-    float refracted = patina_pdf_ggx_visible(wo_t, m, below_alpha, below_alpha);
-    float gathered = patina_pdf_ggx_visible(wo_t, m_gathered, below_alpha, below_alpha);
+    float bound = patina_ggx_bound(facets.alpha, wo_t);
+    float refracted = patina_pdf_visible(facets, wo_t, m, bound);
+    float gathered = patina_pdf_visible(facets, wo_t, m_gathered, bound);
     float below = patina_pdf_leave(refracted, gathered, wi, wi_t, excess);
     float patina = P_diffuse.x * patina_pdf_cosine(wi) + P_diffuse.y * below;
-    patina = P_coat.x * patina_pdf_ggx_lobe(wi, wo, params.alpha, params.alpha) + P_coat.y * patina;
-    return P_bare.x * patina_pdf_ggx_lobe(wi, wo, alpha, alpha) + P_bare.y * patina;
+    PatinaRoundGGX round_ggx;
+    round_ggx.alpha = params.alpha;
+    float coat = patina_pdf_ggx_lobe(round_ggx, wi, wo);
+    patina = P_coat.x * coat + P_coat.y * patina;
+    PatinaRoundGGX round_ggx_;
+    round_ggx_.alpha = patina_metal_alpha(params);
+    float bare = patina_pdf_ggx_lobe(round_ggx_, wi, wo);
+    return P_bare.x * bare + P_bare.y * patina;
 }
 
 // One of the bare metal, the patina's surface, its diffuse part, and the metal below.
@@ -541,8 +597,8 @@ PatinaSample patina_sample(Patina params, float3 wo, float2 u) {
     float2 P_coat = shares_result.P_coat;
     float2 P_diffuse = shares_result.P_diffuse;
     float excess = patina_excess(params);
-    float alpha = patina_metal_alpha(params);
-    float below_alpha = patina_below_alpha(params);
+    PatinaRoundGGX below;
+    below.alpha = patina_below_alpha(params);
     PatinaChoice choose_result = patina_choose(P_bare.x, u);
     bool on_bare = choose_result.is_first;
     float2 v = choose_result.u;
@@ -552,10 +608,14 @@ PatinaSample patina_sample(Patina params, float3 wo, float2 u) {
     PatinaChoice choose_result_3 = patina_choose(P_diffuse.x, s);
     bool on_diffuse = choose_result_3.is_first;
     float2 t = choose_result_3.u;
-    float3 w_bare = patina_sample_ggx_lobe(wo, alpha, alpha, v);
-    float3 w_coat = patina_sample_ggx_lobe(wo, params.alpha, params.alpha, s);
+    PatinaRoundGGX round_ggx;
+    round_ggx.alpha = patina_metal_alpha(params);
+    float3 w_bare = patina_sample_ggx_lobe(round_ggx, wo, v);
+    PatinaRoundGGX round_ggx_;
+    round_ggx_.alpha = params.alpha;
+    float3 w_coat = patina_sample_ggx_lobe(round_ggx_, wo, s);
     float3 wo_t = patina_refract(wo, excess);
-    float3 m = patina_sample_ggx_visible(wo_t, below_alpha, below_alpha, t);
+    float3 m = patina_round_ggx_sample_visible(below, wo_t, t, patina_ggx_bound(below.alpha, wo_t));
     float3 w_below = patina_leave(patina_mirror(wo_t, m), excess);
     float3 w_patina = on_coat ? w_coat : on_diffuse ? patina_sample_cosine(t) : w_below;
     float3 wi = on_bare ? w_bare : w_patina;

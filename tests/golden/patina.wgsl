@@ -42,6 +42,11 @@ struct Patina {
     tarnish_tint: vec3f,  // colour of the metal at tarnish 1; 0 to 1, default (0.45, 0.2, 0.08)
 }
 
+// `GGX` facets of the same width in all directions.
+struct PatinaRoundGGX {
+    alpha: f32,  // width of the slopes
+}
+
 // What shares returns.
 struct PatinaShares {
     P_bare: vec2f,
@@ -53,6 +58,12 @@ struct PatinaShares {
 struct PatinaChoice {
     is_first: bool,  // Whether it is the first one
     u: vec2f,  // Fresh random numbers, made of those that chose
+}
+
+// Facets of GGX, also called Trowbridge-Reitz.
+struct PatinaGGX {
+    alpha_x: f32,  // width of the slopes along x
+    alpha_y: f32,  // width of the slopes along y
 }
 
 // ---- evaluation ----------------------------------------------------------------------------
@@ -143,31 +154,30 @@ fn patina_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     return h / length(h);  // which patina_cos_half needs as well
 }
 
-// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-fn patina_D_ggx(m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+fn patina_round_ggx_D(round_ggx: PatinaRoundGGX, m: vec3f) -> f32 {
     const inv_pi = 0.31830987;
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    let v = vec3f(m.x / alpha_x, m.y / alpha_y, m.z);
+    let v = vec3f(m.x, m.y, round_ggx.alpha * m.z);
     let s = dot(v, v);
-    return inv_pi / (alpha_x * alpha_y * s * s);
+    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
 }
 
-// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
-fn patina_ggx_length(w: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    return length(vec3f(alpha_x * w.x, alpha_y * w.y, w.z));
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
+fn patina_round_ggx_area(round_ggx: PatinaRoundGGX, w: vec3f) -> f32 {
+    let a2 = round_ggx.alpha * round_ggx.alpha;
+    return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
 // G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
-fn patina_V_smith_correlated_ggx(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    let length_i = patina_ggx_length(wi, alpha_x, alpha_y);
-    let length_o = patina_ggx_length(wo, alpha_x, alpha_y);
-    return 0.5 / (wo.z * length_i + wi.z * length_o);
+fn patina_V_smith_correlated(facets: PatinaRoundGGX, wi: vec3f, wo: vec3f) -> f32 {
+    return 0.5 / (wo.z * patina_round_ggx_area(facets, wi)
+        + wi.z * patina_round_ggx_area(facets, wo));
 }
 
 // D G / (4 mu_i mu_o) of GGX with height-correlated Smith at the half vector m; F is missing.
 fn patina_ggx_facets(m: vec3f, wi: vec3f, wo: vec3f, alpha: f32) -> f32 {
-    let D = patina_D_ggx(m, alpha, alpha);
-    return D * patina_V_smith_correlated_ggx(wi, wo, alpha, alpha);
+    let facets = PatinaRoundGGX(alpha);
+    return patina_round_ggx_D(facets, m) * patina_V_smith_correlated(facets, wi, wo);
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -214,7 +224,7 @@ fn patina_transmittance_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f
 
 // T12 t of Eq. 2 and 4 with t = (1 - G) + T21 G, T21 = T12 = T at the half vector, and GGX's G.
 fn patina_through_facets(wi: vec3f, wo: vec3f, alpha: f32, T: vec3f) -> vec3f {
-    let G = 4.0 * wi.z * wo.z * patina_V_smith_correlated_ggx(wi, wo, alpha, alpha);
+    let G = 4.0 * wi.z * wo.z * patina_V_smith_correlated(PatinaRoundGGX(alpha), wi, wo);
     return T * (1.0 - G + T * G);
 }
 
@@ -378,20 +388,42 @@ fn patina_choose(probability: f32, u: vec2f) -> PatinaChoice {
     return PatinaChoice(first, vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
 }
 
-// A normal with density G1(wo) max(wo . m, 0) patina_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
-fn patina_sample_ggx_visible(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
+// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
+//
+// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
+// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
+fn patina_ggx_bound(least: f32, wo: vec3f) -> f32 {
+    let s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
+    let a2 = least * least;
+    let s2 = s * s;
+    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+//
+// With a bound below 1 (see patina_ggx_bound) without those that mirror wo below the horizon, or most.
+fn patina_ggx_sample_visible(ggx: PatinaGGX, wo: vec3f, u: vec2f, bound: f32) -> vec3f {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const RANDOM_MARGIN = 5.9604645e-8;
     const two_pi = 6.2831855;
-    let w = normalize(vec3f(alpha_x * wo.x, alpha_y * wo.y, wo.z));
-    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    let w = normalize(vec3f(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
     // u = 1 would be the facet opposite to w, whose half vector has no direction
     let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    let drop = u1 * (1.0 + w.z);
+    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
+    let height = 1.0 + bound * w.z;
+    let drop = u1 * height;
     let r = sqrt(max(drop * (2.0 - drop), 0.0));
     let phi = two_pi * u.y;
-    let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
-    return normalize(vec3f(alpha_x * h.x, alpha_y * h.y, h.z));
+    // z + w.z as a sum of positive terms
+    let z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
+    return normalize(vec3f(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m); see patina_ggx_sample_visible.
+fn patina_round_ggx_sample_visible(round_ggx: PatinaRoundGGX, wo: vec3f, u: vec2f,
+    bound: f32) -> vec3f {
+    return patina_ggx_sample_visible(PatinaGGX(round_ggx.alpha, round_ggx.alpha), wo, u, bound);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -399,11 +431,13 @@ fn patina_mirror(wo: vec3f, m: vec3f) -> vec3f {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
-// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+// wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows.
-fn patina_sample_ggx_lobe(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
-    let w = patina_mirror(wo, patina_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
+// both, no weight grows.
+fn patina_sample_ggx_lobe(facets: PatinaRoundGGX, wo: vec3f, u: vec2f) -> vec3f {
+    let w = patina_mirror(wo,
+        patina_round_ggx_sample_visible(facets, wo, u, patina_ggx_bound(facets.alpha, wo)));
     return vec3f(w.x, w.y, abs(w.z));
 }
 
@@ -454,10 +488,9 @@ fn patina_gather(w: vec3f, excess: f32) -> vec3f {
     return vec3f(x, select(w.y * scale, 0.0, near), z);
 }
 
-// Density of wo mirrored at patina_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
-fn patina_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    return patina_D_ggx(m, alpha_x, alpha_y)
-        / (2.0 * (wo.z + patina_ggx_length(wo, alpha_x, alpha_y)));
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
+fn patina_pdf_visible(facets: PatinaRoundGGX, wo: vec3f, m: vec3f, bound: f32) -> f32 {
+    return 0.5 * patina_round_ggx_D(facets, m) / (bound * wo.z + patina_round_ggx_area(facets, wo));
 }
 
 // Density of patina_leave at w, from the inner density at w_t = refract(w) and at gather(w).
@@ -476,17 +509,27 @@ fn patina_pdf_cosine(w: vec3f) -> f32 {
     return w.z * inv_pi;
 }
 
+// Square of m in units of the width.
+fn patina_round_ggx_spread(round_ggx: PatinaRoundGGX, m: vec3f) -> f32 {
+    let v = vec3f(m.x, m.y, round_ggx.alpha * m.z);
+    return dot(v, v) / (round_ggx.alpha * round_ggx.alpha);
+}
+
 // Density of patina_sample_ggx_lobe in 1/sr.
-fn patina_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+fn patina_pdf_ggx_lobe(facets: PatinaRoundGGX, wi: vec3f, wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
-    let straight = patina_pdf_ggx_visible(wo, patina_half_vector(wi, wo), alpha_x, alpha_y);
+    let bound = patina_ggx_bound(facets.alpha, wo);
+    let straight = patina_round_ggx_D(facets, patina_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    let exists = wo.z > wi.z;
-    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
+    let fall = wo.z - wi.z;
+    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, fall > 0.0));
     // The least lift, for two that are equally high but for their last digits
     let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
-    let folded = patina_pdf_ggx_visible(wo, patina_half_vector(image, higher), alpha_x, alpha_y);
-    return straight + select(0.0, folded, exists);
+    let m = patina_half_vector(image, higher);
+    // Where the cap of patina_ggx_sample_visible ends
+    let left = fall > (1.0 - bound) * wo.z * patina_round_ggx_spread(facets, m);
+    let folded = select(0.0, patina_round_ggx_D(facets, m), left);
+    return 0.5 * (straight + folded) / (bound * wo.z + patina_round_ggx_area(facets, wo));
 }
 
 // Density of patina_sample in 1/sr.
@@ -500,18 +543,20 @@ fn patina_pdf(params: Patina, wi: vec3f, wo: vec3f) -> f32 {
     let P_coat = shares_result.P_coat;
     let P_diffuse = shares_result.P_diffuse;
     let excess = patina_excess(params);
-    let alpha = patina_metal_alpha(params);
-    let below_alpha = patina_below_alpha(params);
+    let facets = PatinaRoundGGX(patina_below_alpha(params));
     let wi_t = patina_refract(wi, excess);
     let wo_t = patina_refract(wo, excess);
     let m = normalize(patina_refracted_sum(wi, wo, excess));
     let m_gathered = patina_half_vector(patina_gather(wi, excess), wo_t);
-    let refracted = patina_pdf_ggx_visible(wo_t, m, below_alpha, below_alpha);
-    let gathered = patina_pdf_ggx_visible(wo_t, m_gathered, below_alpha, below_alpha);
+    let bound = patina_ggx_bound(facets.alpha, wo_t);
+    let refracted = patina_pdf_visible(facets, wo_t, m, bound);
+    let gathered = patina_pdf_visible(facets, wo_t, m_gathered, bound);
     let below = patina_pdf_leave(refracted, gathered, wi, wi_t, excess);
     var patina = P_diffuse.x * patina_pdf_cosine(wi) + P_diffuse.y * below;
-    patina = P_coat.x * patina_pdf_ggx_lobe(wi, wo, params.alpha, params.alpha) + P_coat.y * patina;
-    return P_bare.x * patina_pdf_ggx_lobe(wi, wo, alpha, alpha) + P_bare.y * patina;
+    let coat = patina_pdf_ggx_lobe(PatinaRoundGGX(params.alpha), wi, wo);
+    patina = P_coat.x * coat + P_coat.y * patina;
+    let bare = patina_pdf_ggx_lobe(PatinaRoundGGX(patina_metal_alpha(params)), wi, wo);
+    return P_bare.x * bare + P_bare.y * patina;
 }
 
 // One of the bare metal, the patina's surface, its diffuse part, and the metal below.
@@ -525,8 +570,7 @@ fn patina_sample(params: Patina, wo: vec3f, u: vec2f) -> PatinaSample {
     let P_coat = shares_result.P_coat;
     let P_diffuse = shares_result.P_diffuse;
     let excess = patina_excess(params);
-    let alpha = patina_metal_alpha(params);
-    let below_alpha = patina_below_alpha(params);
+    let below = PatinaRoundGGX(patina_below_alpha(params));
     let choose_result = patina_choose(P_bare.x, u);
     let on_bare = choose_result.is_first;
     let v = choose_result.u;
@@ -536,10 +580,10 @@ fn patina_sample(params: Patina, wo: vec3f, u: vec2f) -> PatinaSample {
     let choose_result_3 = patina_choose(P_diffuse.x, s);
     let on_diffuse = choose_result_3.is_first;
     let t = choose_result_3.u;
-    let w_bare = patina_sample_ggx_lobe(wo, alpha, alpha, v);
-    let w_coat = patina_sample_ggx_lobe(wo, params.alpha, params.alpha, s);
+    let w_bare = patina_sample_ggx_lobe(PatinaRoundGGX(patina_metal_alpha(params)), wo, v);
+    let w_coat = patina_sample_ggx_lobe(PatinaRoundGGX(params.alpha), wo, s);
     let wo_t = patina_refract(wo, excess);
-    let m = patina_sample_ggx_visible(wo_t, below_alpha, below_alpha, t);
+    let m = patina_round_ggx_sample_visible(below, wo_t, t, patina_ggx_bound(below.alpha, wo_t));
     let w_below = patina_leave(patina_mirror(wo_t, m), excess);
     let w_patina = select(select(w_below, patina_sample_cosine(t), on_diffuse), w_coat, on_coat);
     let wi = select(w_patina, w_bare, on_bare);

@@ -148,6 +148,12 @@ struct TorranceSparrow {
     Vec3 k;
 };
 
+// Facets of GGX, also called Trowbridge-Reitz.
+struct TorranceSparrowGGX {
+    float alpha_x;  // width of the slopes along x
+    float alpha_y;  // width of the slopes along y
+};
+
 // ---- evaluation ----------------------------------------------------------------------------
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
@@ -203,35 +209,39 @@ inline Vec2 torrance_sparrow_anisotropic_alpha(float alpha, float anisotropy) {
     return Vec2{alpha / aspect, alpha * aspect};
 }
 
-// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-inline float torrance_sparrow_D_ggx(Vec3 m, float alpha_x, float alpha_y) {
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    Vec3 v = Vec3{m.x / alpha_x, m.y / alpha_y, m.z};
-    float s = dot(v, v);
-    return inv_pi / (alpha_x * alpha_y * s * s);
-}
-
-inline float torrance_sparrow_D(const TorranceSparrow& params, Vec3 m) {
+// D and its widths.
+inline TorranceSparrowGGX torrance_sparrow_facets(const TorranceSparrow& params) {
     Vec2 a = torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
-    return torrance_sparrow_D_ggx(m, a.x, a.y);
+    return TorranceSparrowGGX{a.x, a.y};
 }
 
-// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
-inline float torrance_sparrow_ggx_length(Vec3 w, float alpha_x, float alpha_y) {
-    return length(Vec3{alpha_x * w.x, alpha_y * w.y, w.z});
+// Square of m in units of the widths: D falls with its square.
+inline float torrance_sparrow_ggx_spread(TorranceSparrowGGX ggx, Vec3 m) {
+    Vec3 v = Vec3{m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z};
+    return dot(v, v);
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+inline float torrance_sparrow_ggx_D(TorranceSparrowGGX ggx, Vec3 m) {
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    float s = torrance_sparrow_ggx_spread(ggx, m);
+    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
+}
+
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
+inline float torrance_sparrow_ggx_area(TorranceSparrowGGX ggx, Vec3 w) {
+    return length(Vec3{ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z});
 }
 
 // G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
-inline float torrance_sparrow_V_smith_correlated_ggx(Vec3 wi, Vec3 wo, float alpha_x,
-    float alpha_y) {
-    float length_i = torrance_sparrow_ggx_length(wi, alpha_x, alpha_y);
-    float length_o = torrance_sparrow_ggx_length(wo, alpha_x, alpha_y);
-    return 0.5f / (wo.z * length_i + wi.z * length_o);
+inline float torrance_sparrow_V_smith_correlated(TorranceSparrowGGX facets, Vec3 wi, Vec3 wo) {
+    return 0.5f / (wo.z * torrance_sparrow_ggx_area(facets, wi)
+        + wi.z * torrance_sparrow_ggx_area(facets, wo));
 }
 
-inline float torrance_sparrow_V_smith(const TorranceSparrow& params, Vec3 wi, Vec3 wo) {
-    Vec2 a = torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
-    return torrance_sparrow_V_smith_correlated_ggx(wi, wo, a.x, a.y);
+// G / (4 mu_i mu_o).
+inline float torrance_sparrow_V(const TorranceSparrow& params, Vec3 wi, Vec3 wo) {
+    return torrance_sparrow_V_smith_correlated(torrance_sparrow_facets(params), wi, wo);
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -243,33 +253,47 @@ inline Vec3 torrance_sparrow_eval(const TorranceSparrow& params, Vec3 wi, Vec3 w
     float cos_h = torrance_sparrow_cos_half(wi, wo);
     Vec3 single = torrance_sparrow_F_conductor_half(cos_h, torrance_sparrow_sin2_half(wi, wo),
         params.eta, params.k)
-            * (torrance_sparrow_D(params, m) * torrance_sparrow_V_smith(params, wi, wo));
+            * (torrance_sparrow_ggx_D(torrance_sparrow_facets(params), m)
+                * torrance_sparrow_V(params, wi, wo));
     return single;
 }
 
 // ---- sampling ------------------------------------------------------------------------------
 
-// A normal with density G1(wo) max(wo . m, 0) torrance_sparrow_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing
-// 3.
-inline Vec3 torrance_sparrow_sample_ggx_visible(Vec3 wo, float alpha_x, float alpha_y, Vec2 u) {
-    Vec3 w = normalize(Vec3{alpha_x * wo.x, alpha_y * wo.y, wo.z});
-    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    float u1 = fminf(u.x, 1.0f - RANDOM_MARGIN);
-    float drop = u1 * (1.0f + w.z);
-    float r = sqrtf(fmaxf(drop * (2.0f - drop), 0.0f));
-    float phi = two_pi * u.y;
-    Vec3 h = Vec3{r * cosf(phi) + w.x, r * sinf(phi) + w.y, (1.0f - u1) * (1.0f + w.z)};
-    return normalize(Vec3{alpha_x * h.x, alpha_y * h.y, h.z});
+// The smaller width.
+inline float torrance_sparrow_ggx_least(TorranceSparrowGGX ggx) {
+    return fminf(ggx.alpha_x, ggx.alpha_y);
 }
 
-// Visible normals need Smith's G1, and a G that is no larger than it.
+// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
 //
-// With Cook-Torrance's or Kelemen's G their weights grow like alpha / mu_o in the horizon, but those of all
-// normals are at most 2.
-inline Vec3 torrance_sparrow_sample_m(const TorranceSparrow& params, Vec3 wo, Vec2 u) {
-    Vec2 a = torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
-    return torrance_sparrow_sample_ggx_visible(wo, a.x, a.y, u);
+// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
+// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
+inline float torrance_sparrow_ggx_bound(float least, Vec3 wo) {
+    float s = 1.0f + sqrtf(fmaxf(wo.x * wo.x + wo.y * wo.y, 0.0f));
+    float a2 = least * least;
+    float s2 = s * s;
+    return (1.0f - a2) * s2 / (s2 + a2 * wo.z * wo.z);
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+//
+// With a bound below 1 (see torrance_sparrow_ggx_bound) without those that mirror wo below the horizon, or
+// most.
+inline Vec3 torrance_sparrow_ggx_sample_visible(TorranceSparrowGGX ggx, Vec3 wo, Vec2 u,
+    float bound) {
+    Vec3 w = normalize(Vec3{ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z});
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = fminf(u.x, 1.0f - RANDOM_MARGIN);
+    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
+    float height = 1.0f + bound * w.z;
+    float drop = u1 * height;
+    float r = sqrtf(fmaxf(drop * (2.0f - drop), 0.0f));
+    float phi = two_pi * u.y;
+    // z + w.z as a sum of positive terms
+    float z = (1.0f - u1) * height + (1.0f - bound) * w.z;
+    Vec3 h = Vec3{r * cosf(phi) + w.x, r * sinf(phi) + w.y, z};
+    return normalize(Vec3{ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z});
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -277,15 +301,44 @@ inline Vec3 torrance_sparrow_mirror(Vec3 wo, Vec3 m) {
     return 2.0f * dot(wo, m) * m - wo;
 }
 
-// Density of wo mirrored at torrance_sparrow_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
-inline float torrance_sparrow_pdf_ggx_visible(Vec3 wo, Vec3 m, float alpha_x, float alpha_y) {
-    return torrance_sparrow_D_ggx(m, alpha_x, alpha_y)
-        / (2.0f * (wo.z + torrance_sparrow_ggx_length(wo, alpha_x, alpha_y)));
+// wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
+//
+// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
+// both, no weight grows.
+inline Vec3 torrance_sparrow_sample_ggx_lobe(TorranceSparrowGGX facets, Vec3 wo, Vec2 u) {
+    Vec3 w = torrance_sparrow_mirror(wo,
+        torrance_sparrow_ggx_sample_visible(facets, wo, u,
+            torrance_sparrow_ggx_bound(torrance_sparrow_ggx_least(facets), wo)));
+    return Vec3{w.x, w.y, fabsf(w.z)};
 }
 
-inline float torrance_sparrow_pdf_m(const TorranceSparrow& params, Vec3 wo, Vec3 m) {
-    Vec2 a = torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
-    return torrance_sparrow_pdf_ggx_visible(wo, m, a.x, a.y);
+// wo mirrored at a visible normal, or at any.
+//
+// Visible normals need Smith's G1, and a G that is no larger than it. With the G of grooves their weights
+// grow like alpha / mu_o in the horizon, but those of all normals are at most 2.
+inline Vec3 torrance_sparrow_sample_facets(const TorranceSparrow& params, Vec3 wo, Vec2 u) {
+    return torrance_sparrow_sample_ggx_lobe(torrance_sparrow_facets(params), wo, u);
+}
+
+// Density of torrance_sparrow_sample_ggx_lobe in 1/sr.
+inline float torrance_sparrow_pdf_ggx_lobe(TorranceSparrowGGX facets, Vec3 wi, Vec3 wo) {
+    float bound = torrance_sparrow_ggx_bound(torrance_sparrow_ggx_least(facets), wo);
+    float straight = torrance_sparrow_ggx_D(facets, torrance_sparrow_half_vector(wi, wo));
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    float fall = wo.z - wi.z;
+    Vec3 image = Vec3{wi.x, wi.y, fall > 0.0f ? -wi.z : wi.z};
+    // The least lift, for two that are equally high but for their last digits
+    Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
+    Vec3 m = torrance_sparrow_half_vector(image, higher);
+    // Where the cap of torrance_sparrow_ggx_sample_visible ends
+    bool left = fall > (1.0f - bound) * wo.z * torrance_sparrow_ggx_spread(facets, m);
+    float folded = left ? torrance_sparrow_ggx_D(facets, m) : 0.0f;
+    return 0.5f * (straight + folded) / (bound * wo.z + torrance_sparrow_ggx_area(facets, wo));
+}
+
+// Density of torrance_sparrow_sample_facets.
+inline float torrance_sparrow_pdf_facets(const TorranceSparrow& params, Vec3 wi, Vec3 wo) {
+    return torrance_sparrow_pdf_ggx_lobe(torrance_sparrow_facets(params), wi, wo);
 }
 
 // Density of torrance_sparrow_sample in 1/sr.
@@ -293,8 +346,7 @@ inline float torrance_sparrow_pdf(const TorranceSparrow& params, Vec3 wi, Vec3 w
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0f;
     }
-    Vec3 m = torrance_sparrow_half_vector(wi, wo);
-    float specular = torrance_sparrow_pdf_m(params, wo, m);
+    float specular = torrance_sparrow_pdf_facets(params, wi, wo);
     return specular;
 }
 
@@ -304,7 +356,7 @@ inline TorranceSparrowSample torrance_sparrow_sample(const TorranceSparrow& para
     if (wo.z <= mu_min) {  // in the horizon or below
         return TorranceSparrowSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
-    Vec3 wi = torrance_sparrow_mirror(wo, torrance_sparrow_sample_m(params, wo, u));
+    Vec3 wi = torrance_sparrow_sample_facets(params, wo, u);
     return TorranceSparrowSample{wi, torrance_sparrow_pdf(params, wi, wo)};
 }
 

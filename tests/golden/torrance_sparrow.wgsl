@@ -37,6 +37,12 @@ struct TorranceSparrow {
     k: vec3f,
 }
 
+// Facets of GGX, also called Trowbridge-Reitz.
+struct TorranceSparrowGGX {
+    alpha_x: f32,  // width of the slopes along x
+    alpha_y: f32,  // width of the slopes along y
+}
+
 // ---- evaluation ----------------------------------------------------------------------------
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
@@ -97,36 +103,41 @@ fn torrance_sparrow_anisotropic_alpha(alpha: f32, anisotropy: f32) -> vec2f {
     return vec2f(alpha / aspect, alpha * aspect);
 }
 
-// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-fn torrance_sparrow_D_ggx(m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+// D and its widths.
+fn torrance_sparrow_facets(params: TorranceSparrow) -> TorranceSparrowGGX {
+    let a = torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
+    return TorranceSparrowGGX(a.x, a.y);
+}
+
+// Square of m in units of the widths: D falls with its square.
+fn torrance_sparrow_ggx_spread(ggx: TorranceSparrowGGX, m: vec3f) -> f32 {
+    let v = vec3f(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
+    return dot(v, v);
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+fn torrance_sparrow_ggx_D(ggx: TorranceSparrowGGX, m: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    let v = vec3f(m.x / alpha_x, m.y / alpha_y, m.z);
-    let s = dot(v, v);
-    return inv_pi / (alpha_x * alpha_y * s * s);
+    let s = torrance_sparrow_ggx_spread(ggx, m);
+    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
 }
 
-fn torrance_sparrow_D(params: TorranceSparrow, m: vec3f) -> f32 {
-    let a = torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
-    return torrance_sparrow_D_ggx(m, a.x, a.y);
-}
-
-// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
-fn torrance_sparrow_ggx_length(w: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    return length(vec3f(alpha_x * w.x, alpha_y * w.y, w.z));
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
+fn torrance_sparrow_ggx_area(ggx: TorranceSparrowGGX, w: vec3f) -> f32 {
+    return length(vec3f(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
 }
 
 // G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
-fn torrance_sparrow_V_smith_correlated_ggx(wi: vec3f, wo: vec3f, alpha_x: f32,
-    alpha_y: f32) -> f32 {
-    let length_i = torrance_sparrow_ggx_length(wi, alpha_x, alpha_y);
-    let length_o = torrance_sparrow_ggx_length(wo, alpha_x, alpha_y);
-    return 0.5 / (wo.z * length_i + wi.z * length_o);
+fn torrance_sparrow_V_smith_correlated(facets: TorranceSparrowGGX, wi: vec3f,
+    wo: vec3f) -> f32 {
+    return 0.5 / (wo.z * torrance_sparrow_ggx_area(facets, wi)
+        + wi.z * torrance_sparrow_ggx_area(facets, wo));
 }
 
-fn torrance_sparrow_V_smith(params: TorranceSparrow, wi: vec3f, wo: vec3f) -> f32 {
-    let a = torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
-    return torrance_sparrow_V_smith_correlated_ggx(wi, wo, a.x, a.y);
+// G / (4 mu_i mu_o).
+fn torrance_sparrow_V(params: TorranceSparrow, wi: vec3f, wo: vec3f) -> f32 {
+    return torrance_sparrow_V_smith_correlated(torrance_sparrow_facets(params), wi, wo);
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -139,37 +150,50 @@ fn torrance_sparrow_eval(params: TorranceSparrow, wi: vec3f, wo: vec3f) -> vec3f
     let cos_h = torrance_sparrow_cos_half(wi, wo);
     let single = torrance_sparrow_F_conductor_half(cos_h, torrance_sparrow_sin2_half(wi, wo),
         params.eta, params.k)
-            * (torrance_sparrow_D(params, m) * torrance_sparrow_V_smith(params, wi, wo));
+            * (torrance_sparrow_ggx_D(torrance_sparrow_facets(params), m)
+                * torrance_sparrow_V(params, wi, wo));
     return single;
 }
 
 // ---- sampling ------------------------------------------------------------------------------
 
-// A normal with density G1(wo) max(wo . m, 0) torrance_sparrow_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing
-// 3.
-fn torrance_sparrow_sample_ggx_visible(wo: vec3f, alpha_x: f32, alpha_y: f32,
-    u: vec2f) -> vec3f {
+// The smaller width.
+fn torrance_sparrow_ggx_least(ggx: TorranceSparrowGGX) -> f32 {
+    return min(ggx.alpha_x, ggx.alpha_y);
+}
+
+// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
+//
+// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
+// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
+fn torrance_sparrow_ggx_bound(least: f32, wo: vec3f) -> f32 {
+    let s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
+    let a2 = least * least;
+    let s2 = s * s;
+    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+//
+// With a bound below 1 (see torrance_sparrow_ggx_bound) without those that mirror wo below the horizon, or
+// most.
+fn torrance_sparrow_ggx_sample_visible(ggx: TorranceSparrowGGX, wo: vec3f, u: vec2f,
+    bound: f32) -> vec3f {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const RANDOM_MARGIN = 5.9604645e-8;
     const two_pi = 6.2831855;
-    let w = normalize(vec3f(alpha_x * wo.x, alpha_y * wo.y, wo.z));
-    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    let w = normalize(vec3f(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
     // u = 1 would be the facet opposite to w, whose half vector has no direction
     let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    let drop = u1 * (1.0 + w.z);
+    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
+    let height = 1.0 + bound * w.z;
+    let drop = u1 * height;
     let r = sqrt(max(drop * (2.0 - drop), 0.0));
     let phi = two_pi * u.y;
-    let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
-    return normalize(vec3f(alpha_x * h.x, alpha_y * h.y, h.z));
-}
-
-// Visible normals need Smith's G1, and a G that is no larger than it.
-//
-// With Cook-Torrance's or Kelemen's G their weights grow like alpha / mu_o in the horizon, but those of all
-// normals are at most 2.
-fn torrance_sparrow_sample_m(params: TorranceSparrow, wo: vec3f, u: vec2f) -> vec3f {
-    let a = torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
-    return torrance_sparrow_sample_ggx_visible(wo, a.x, a.y, u);
+    // z + w.z as a sum of positive terms
+    let z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
+    return normalize(vec3f(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -177,15 +201,45 @@ fn torrance_sparrow_mirror(wo: vec3f, m: vec3f) -> vec3f {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
-// Density of wo mirrored at torrance_sparrow_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
-fn torrance_sparrow_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    return torrance_sparrow_D_ggx(m, alpha_x, alpha_y)
-        / (2.0 * (wo.z + torrance_sparrow_ggx_length(wo, alpha_x, alpha_y)));
+// wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
+//
+// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
+// both, no weight grows.
+fn torrance_sparrow_sample_ggx_lobe(facets: TorranceSparrowGGX, wo: vec3f, u: vec2f) -> vec3f {
+    let w = torrance_sparrow_mirror(wo,
+        torrance_sparrow_ggx_sample_visible(facets, wo, u,
+            torrance_sparrow_ggx_bound(torrance_sparrow_ggx_least(facets), wo)));
+    return vec3f(w.x, w.y, abs(w.z));
 }
 
-fn torrance_sparrow_pdf_m(params: TorranceSparrow, wo: vec3f, m: vec3f) -> f32 {
-    let a = torrance_sparrow_anisotropic_alpha(params.alpha, params.anisotropy);
-    return torrance_sparrow_pdf_ggx_visible(wo, m, a.x, a.y);
+// wo mirrored at a visible normal, or at any.
+//
+// Visible normals need Smith's G1, and a G that is no larger than it. With the G of grooves their weights
+// grow like alpha / mu_o in the horizon, but those of all normals are at most 2.
+fn torrance_sparrow_sample_facets(params: TorranceSparrow, wo: vec3f, u: vec2f) -> vec3f {
+    return torrance_sparrow_sample_ggx_lobe(torrance_sparrow_facets(params), wo, u);
+}
+
+// Density of torrance_sparrow_sample_ggx_lobe in 1/sr.
+fn torrance_sparrow_pdf_ggx_lobe(facets: TorranceSparrowGGX, wi: vec3f, wo: vec3f) -> f32 {
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    let bound = torrance_sparrow_ggx_bound(torrance_sparrow_ggx_least(facets), wo);
+    let straight = torrance_sparrow_ggx_D(facets, torrance_sparrow_half_vector(wi, wo));
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    let fall = wo.z - wi.z;
+    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, fall > 0.0));
+    // The least lift, for two that are equally high but for their last digits
+    let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
+    let m = torrance_sparrow_half_vector(image, higher);
+    // Where the cap of torrance_sparrow_ggx_sample_visible ends
+    let left = fall > (1.0 - bound) * wo.z * torrance_sparrow_ggx_spread(facets, m);
+    let folded = select(0.0, torrance_sparrow_ggx_D(facets, m), left);
+    return 0.5 * (straight + folded) / (bound * wo.z + torrance_sparrow_ggx_area(facets, wo));
+}
+
+// Density of torrance_sparrow_sample_facets.
+fn torrance_sparrow_pdf_facets(params: TorranceSparrow, wi: vec3f, wo: vec3f) -> f32 {
+    return torrance_sparrow_pdf_ggx_lobe(torrance_sparrow_facets(params), wi, wo);
 }
 
 // Density of torrance_sparrow_sample in 1/sr.
@@ -194,8 +248,7 @@ fn torrance_sparrow_pdf(params: TorranceSparrow, wi: vec3f, wo: vec3f) -> f32 {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
-    let m = torrance_sparrow_half_vector(wi, wo);
-    let specular = torrance_sparrow_pdf_m(params, wo, m);
+    let specular = torrance_sparrow_pdf_facets(params, wi, wo);
     return specular;
 }
 
@@ -206,7 +259,7 @@ fn torrance_sparrow_sample(params: TorranceSparrow, wo: vec3f,
     if (wo.z <= mu_min) {  // in the horizon or below
         return TorranceSparrowSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
-    let wi = torrance_sparrow_mirror(wo, torrance_sparrow_sample_m(params, wo, u));
+    let wi = torrance_sparrow_sample_facets(params, wo, u);
     return TorranceSparrowSample(wi, torrance_sparrow_pdf(params, wi, wo));
 }
 

@@ -129,6 +129,17 @@ struct TriaceBlinnPhongChoice {
     Vec2 u;  // Fresh random numbers, made of those that chose
 };
 
+// `GGX` facets of the same width in all directions.
+struct TriaceBlinnPhongRoundGGX {
+    float alpha;  // width of the slopes
+};
+
+// Facets of GGX, also called Trowbridge-Reitz.
+struct TriaceBlinnPhongGGX {
+    float alpha_x;  // width of the slopes along x
+    float alpha_y;  // width of the slopes along y
+};
+
 // ---- evaluation ----------------------------------------------------------------------------
 
 // 1 - triace_blinn_phong_cos_half^2, the squared sine at which light meets the facet: of half the length of
@@ -260,19 +271,42 @@ inline Vec3 triace_blinn_phong_sample_cosine(Vec2 u) {
     return Vec3{r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u.x, 0.0f))};
 }
 
-// A normal with density G1(wo) max(wo . m, 0) triace_blinn_phong_D_ggx(m) / mu_o. Dupuy and Benyoub,
-// Listing 3.
-inline Vec3 triace_blinn_phong_sample_ggx_visible(Vec3 wo, float alpha_x, float alpha_y,
-    Vec2 u) {
-    Vec3 w = normalize(Vec3{alpha_x * wo.x, alpha_y * wo.y, wo.z});
-    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
+//
+// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
+// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
+inline float triace_blinn_phong_ggx_bound(float least, Vec3 wo) {
+    float s = 1.0f + sqrtf(fmaxf(wo.x * wo.x + wo.y * wo.y, 0.0f));
+    float a2 = least * least;
+    float s2 = s * s;
+    return (1.0f - a2) * s2 / (s2 + a2 * wo.z * wo.z);
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+//
+// With a bound below 1 (see triace_blinn_phong_ggx_bound) without those that mirror wo below the horizon,
+// or most.
+inline Vec3 triace_blinn_phong_ggx_sample_visible(TriaceBlinnPhongGGX ggx, Vec3 wo, Vec2 u,
+    float bound) {
+    Vec3 w = normalize(Vec3{ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z});
     // u = 1 would be the facet opposite to w, whose half vector has no direction
     float u1 = fminf(u.x, 1.0f - RANDOM_MARGIN);
-    float drop = u1 * (1.0f + w.z);
+    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
+    float height = 1.0f + bound * w.z;
+    float drop = u1 * height;
     float r = sqrtf(fmaxf(drop * (2.0f - drop), 0.0f));
     float phi = two_pi * u.y;
-    Vec3 h = Vec3{r * cosf(phi) + w.x, r * sinf(phi) + w.y, (1.0f - u1) * (1.0f + w.z)};
-    return normalize(Vec3{alpha_x * h.x, alpha_y * h.y, h.z});
+    // z + w.z as a sum of positive terms
+    float z = (1.0f - u1) * height + (1.0f - bound) * w.z;
+    Vec3 h = Vec3{r * cosf(phi) + w.x, r * sinf(phi) + w.y, z};
+    return normalize(Vec3{ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z});
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m); see triace_blinn_phong_ggx_sample_visible.
+inline Vec3 triace_blinn_phong_round_ggx_sample_visible(TriaceBlinnPhongRoundGGX round_ggx,
+    Vec3 wo, Vec2 u, float bound) {
+    return triace_blinn_phong_ggx_sample_visible(TriaceBlinnPhongGGX{round_ggx.alpha,
+        round_ggx.alpha}, wo, u, bound);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -280,12 +314,15 @@ inline Vec3 triace_blinn_phong_mirror(Vec3 wo, Vec3 m) {
     return 2.0f * dot(wo, m) * m - wo;
 }
 
-// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+// wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows.
-inline Vec3 triace_blinn_phong_sample_ggx_lobe(Vec3 wo, float alpha_x, float alpha_y, Vec2 u) {
+// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
+// both, no weight grows.
+inline Vec3 triace_blinn_phong_sample_ggx_lobe(TriaceBlinnPhongRoundGGX facets, Vec3 wo,
+    Vec2 u) {
     Vec3 w = triace_blinn_phong_mirror(wo,
-        triace_blinn_phong_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+        triace_blinn_phong_round_ggx_sample_visible(facets, wo, u,
+            triace_blinn_phong_ggx_bound(facets.alpha, wo)));
     return Vec3{w.x, w.y, fabsf(w.z)};
 }
 
@@ -295,7 +332,7 @@ inline Vec3 triace_blinn_phong_sample_matte_gloss(Vec3 wo, float alpha, Vec2 sha
     bool matte = choose_result.is_first;
     Vec2 v = choose_result.u;
     return matte ? triace_blinn_phong_sample_cosine(v)
-        : triace_blinn_phong_sample_ggx_lobe(wo, alpha, alpha, v);
+        : triace_blinn_phong_sample_ggx_lobe(TriaceBlinnPhongRoundGGX{alpha}, wo, v);
 }
 
 // Density of triace_blinn_phong_sample_cosine in 1/sr, for w above the horizon.
@@ -303,43 +340,47 @@ inline float triace_blinn_phong_pdf_cosine(Vec3 w) {
     return w.z * inv_pi;
 }
 
-// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-inline float triace_blinn_phong_D_ggx(Vec3 m, float alpha_x, float alpha_y) {
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    Vec3 v = Vec3{m.x / alpha_x, m.y / alpha_y, m.z};
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+inline float triace_blinn_phong_round_ggx_D(TriaceBlinnPhongRoundGGX round_ggx, Vec3 m) {
+    Vec3 v = Vec3{m.x, m.y, round_ggx.alpha * m.z};
     float s = dot(v, v);
-    return inv_pi / (alpha_x * alpha_y * s * s);
+    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
 }
 
-// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
-inline float triace_blinn_phong_ggx_length(Vec3 w, float alpha_x, float alpha_y) {
-    return length(Vec3{alpha_x * w.x, alpha_y * w.y, w.z});
+// Square of m in units of the width.
+inline float triace_blinn_phong_round_ggx_spread(TriaceBlinnPhongRoundGGX round_ggx, Vec3 m) {
+    Vec3 v = Vec3{m.x, m.y, round_ggx.alpha * m.z};
+    return dot(v, v) / (round_ggx.alpha * round_ggx.alpha);
 }
 
-// Density of wo mirrored at triace_blinn_phong_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
-inline float triace_blinn_phong_pdf_ggx_visible(Vec3 wo, Vec3 m, float alpha_x, float alpha_y) {
-    return triace_blinn_phong_D_ggx(m, alpha_x, alpha_y)
-        / (2.0f * (wo.z + triace_blinn_phong_ggx_length(wo, alpha_x, alpha_y)));
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
+inline float triace_blinn_phong_round_ggx_area(TriaceBlinnPhongRoundGGX round_ggx, Vec3 w) {
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    return sqrtf(a2 + (1.0f - a2) * (w.z * w.z));
 }
 
 // Density of triace_blinn_phong_sample_ggx_lobe in 1/sr.
-inline float triace_blinn_phong_pdf_ggx_lobe(Vec3 wi, Vec3 wo, float alpha_x, float alpha_y) {
-    float straight = triace_blinn_phong_pdf_ggx_visible(wo, triace_blinn_phong_half_vector(wi, wo),
-        alpha_x, alpha_y);
+inline float triace_blinn_phong_pdf_ggx_lobe(TriaceBlinnPhongRoundGGX facets, Vec3 wi,
+    Vec3 wo) {
+    float bound = triace_blinn_phong_ggx_bound(facets.alpha, wo);
+    float straight = triace_blinn_phong_round_ggx_D(facets, triace_blinn_phong_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    bool exists = wo.z > wi.z;
-    Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
+    float fall = wo.z - wi.z;
+    Vec3 image = Vec3{wi.x, wi.y, fall > 0.0f ? -wi.z : wi.z};
     // The least lift, for two that are equally high but for their last digits
     Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
-    float folded = triace_blinn_phong_pdf_ggx_visible(wo,
-        triace_blinn_phong_half_vector(image, higher), alpha_x, alpha_y);
-    return straight + (exists ? folded : 0.0f);
+    Vec3 m = triace_blinn_phong_half_vector(image, higher);
+    // Where the cap of triace_blinn_phong_ggx_sample_visible ends
+    bool left = fall > (1.0f - bound) * wo.z * triace_blinn_phong_round_ggx_spread(facets, m);
+    float folded = left ? triace_blinn_phong_round_ggx_D(facets, m) : 0.0f;
+    return 0.5f * (straight + folded)
+        / (bound * wo.z + triace_blinn_phong_round_ggx_area(facets, wo));
 }
 
 // Density of triace_blinn_phong_sample_matte_gloss in 1/sr.
 inline float triace_blinn_phong_pdf_matte_gloss(Vec3 wi, Vec3 wo, float alpha, Vec2 shares) {
     return shares.x * triace_blinn_phong_pdf_cosine(wi)
-        + shares.y * triace_blinn_phong_pdf_ggx_lobe(wi, wo, alpha, alpha);
+        + shares.y * triace_blinn_phong_pdf_ggx_lobe(TriaceBlinnPhongRoundGGX{alpha}, wi, wo);
 }
 
 // Density of triace_blinn_phong_sample in 1/sr.

@@ -52,10 +52,15 @@ struct TriaceLayeredChoice {
     vec2 u;  // Fresh random numbers, made of those that chose
 };
 
-// What alphas returns.
-struct TriaceLayeredAlphas {
-    float top;
-    float bottom;
+// `GGX` facets of the same width in all directions.
+struct TriaceLayeredRoundGGX {
+    float alpha;  // width of the slopes
+};
+
+// Facets of GGX, also called Trowbridge-Reitz.
+struct TriaceLayeredGGX {
+    float alpha_x;  // width of the slopes along x
+    float alpha_y;  // width of the slopes along y
 };
 
 // ---- evaluation ----------------------------------------------------------------------------
@@ -364,26 +369,49 @@ float triace_layered_blinn_phong_alpha(float exponent) {
     return sqrt(2.0 / (exponent + 2.0));
 }
 
-TriaceLayeredAlphas triace_layered_alphas(TriaceLayered params) {
-    float top = triace_layered_blinn_phong_alpha(params.top_shininess);
-    float bottom = triace_layered_blinn_phong_alpha(params.bottom_shininess);
-    return TriaceLayeredAlphas(top, bottom);
+// Facets that the upper highlight is sampled by: as wide, with a longer tail.
+TriaceLayeredRoundGGX triace_layered_top(TriaceLayered params) {
+    return TriaceLayeredRoundGGX(triace_layered_blinn_phong_alpha(params.top_shininess));
 }
 
-// A normal with density G1(wo) max(wo . m, 0) triace_layered_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
-vec3 triace_layered_sample_ggx_visible(vec3 wo, float alpha_x, float alpha_y, vec2 u) {
+// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
+//
+// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
+// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
+float triace_layered_ggx_bound(float least, vec3 wo) {
+    float s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
+    float a2 = least * least;
+    float s2 = s * s;
+    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+//
+// With a bound below 1 (see triace_layered_ggx_bound) without those that mirror wo below the horizon, or
+// most.
+vec3 triace_layered_ggx_sample_visible(TriaceLayeredGGX ggx, vec3 wo, vec2 u, float bound) {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const float RANDOM_MARGIN = 5.9604645e-8;
     const float two_pi = 6.2831855;
-    vec3 w = normalize(vec3(alpha_x * wo.x, alpha_y * wo.y, wo.z));
-    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    vec3 w = normalize(vec3(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
     // u = 1 would be the facet opposite to w, whose half vector has no direction
     float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    float drop = u1 * (1.0 + w.z);
+    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
+    float height = 1.0 + bound * w.z;
+    float drop = u1 * height;
     float r = sqrt(max(drop * (2.0 - drop), 0.0));
     float phi = two_pi * u.y;
-    vec3 h = vec3(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
-    return normalize(vec3(alpha_x * h.x, alpha_y * h.y, h.z));
+    // z + w.z as a sum of positive terms
+    float z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    vec3 h = vec3(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
+    return normalize(vec3(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m); see triace_layered_ggx_sample_visible.
+vec3 triace_layered_round_ggx_sample_visible(TriaceLayeredRoundGGX round_ggx, vec3 wo, vec2 u,
+    float bound) {
+    return triace_layered_ggx_sample_visible(TriaceLayeredGGX(round_ggx.alpha, round_ggx.alpha), wo,
+        u, bound);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -391,12 +419,20 @@ vec3 triace_layered_mirror(vec3 wo, vec3 m) {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
-// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+// wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows.
-vec3 triace_layered_sample_ggx_lobe(vec3 wo, float alpha_x, float alpha_y, vec2 u) {
-    vec3 w = triace_layered_mirror(wo, triace_layered_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
+// both, no weight grows.
+vec3 triace_layered_sample_ggx_lobe(TriaceLayeredRoundGGX facets, vec3 wo, vec2 u) {
+    vec3 w = triace_layered_mirror(wo,
+        triace_layered_round_ggx_sample_visible(facets, wo, u,
+            triace_layered_ggx_bound(facets.alpha, wo)));
     return vec3(w.x, w.y, abs(w.z));
+}
+
+// The same for the lower highlight.
+TriaceLayeredRoundGGX triace_layered_bottom(TriaceLayered params) {
+    return TriaceLayeredRoundGGX(triace_layered_blinn_phong_alpha(params.bottom_shininess));
 }
 
 // A direction with density cos(theta) / pi.
@@ -407,39 +443,41 @@ vec3 triace_layered_sample_cosine(vec2 u) {
     return vec3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-float triace_layered_D_ggx(vec3 m, float alpha_x, float alpha_y) {
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+float triace_layered_round_ggx_D(TriaceLayeredRoundGGX round_ggx, vec3 m) {
     const float inv_pi = 0.31830987;
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    vec3 v = vec3(m.x / alpha_x, m.y / alpha_y, m.z);
+    vec3 v = vec3(m.x, m.y, round_ggx.alpha * m.z);
     float s = dot(v, v);
-    return inv_pi / (alpha_x * alpha_y * s * s);
+    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
 }
 
-// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
-float triace_layered_ggx_length(vec3 w, float alpha_x, float alpha_y) {
-    return length(vec3(alpha_x * w.x, alpha_y * w.y, w.z));
+// Square of m in units of the width.
+float triace_layered_round_ggx_spread(TriaceLayeredRoundGGX round_ggx, vec3 m) {
+    vec3 v = vec3(m.x, m.y, round_ggx.alpha * m.z);
+    return dot(v, v) / (round_ggx.alpha * round_ggx.alpha);
 }
 
-// Density of wo mirrored at triace_layered_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
-float triace_layered_pdf_ggx_visible(vec3 wo, vec3 m, float alpha_x, float alpha_y) {
-    return triace_layered_D_ggx(m, alpha_x, alpha_y)
-        / (2.0 * (wo.z + triace_layered_ggx_length(wo, alpha_x, alpha_y)));
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
+float triace_layered_round_ggx_area(TriaceLayeredRoundGGX round_ggx, vec3 w) {
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
 // Density of triace_layered_sample_ggx_lobe in 1/sr.
-float triace_layered_pdf_ggx_lobe(vec3 wi, vec3 wo, float alpha_x, float alpha_y) {
+float triace_layered_pdf_ggx_lobe(TriaceLayeredRoundGGX facets, vec3 wi, vec3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = triace_layered_pdf_ggx_visible(wo, triace_layered_half_vector(wi, wo), alpha_x,
-        alpha_y);
+    float bound = triace_layered_ggx_bound(facets.alpha, wo);
+    float straight = triace_layered_round_ggx_D(facets, triace_layered_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    bool exists = wo.z > wi.z;
-    vec3 image = vec3(wi.x, wi.y, exists ? -wi.z : wi.z);
+    float fall = wo.z - wi.z;
+    vec3 image = vec3(wi.x, wi.y, fall > 0.0 ? -wi.z : wi.z);
     // The least lift, for two that are equally high but for their last digits
     vec3 higher = vec3(wo.x, wo.y, wo.z + mu_min);
-    float folded = triace_layered_pdf_ggx_visible(wo, triace_layered_half_vector(image, higher),
-        alpha_x, alpha_y);
-    return straight + (exists ? folded : 0.0);
+    vec3 m = triace_layered_half_vector(image, higher);
+    // Where the cap of triace_layered_ggx_sample_visible ends
+    bool left = fall > (1.0 - bound) * wo.z * triace_layered_round_ggx_spread(facets, m);
+    float folded = left ? triace_layered_round_ggx_D(facets, m) : 0.0;
+    return 0.5 * (straight + folded) / (bound * wo.z + triace_layered_round_ggx_area(facets, wo));
 }
 
 // Density of triace_layered_sample_cosine in 1/sr, for w above the horizon.
@@ -457,11 +495,8 @@ float triace_layered_pdf(TriaceLayered params, vec3 wi, vec3 wo) {
     TriaceLayeredShares shares_result = triace_layered_shares(params, wo);
     vec2 P_top = shares_result.P_top;
     vec2 P_bottom = shares_result.P_bottom;
-    TriaceLayeredAlphas alphas_result = triace_layered_alphas(params);
-    float alpha_1 = alphas_result.top;
-    float alpha_2 = alphas_result.bottom;
-    float top = triace_layered_pdf_ggx_lobe(wi, wo, alpha_1, alpha_1);
-    float bottom = triace_layered_pdf_ggx_lobe(wi, wo, alpha_2, alpha_2);
+    float top = triace_layered_pdf_ggx_lobe(triace_layered_top(params), wi, wo);
+    float bottom = triace_layered_pdf_ggx_lobe(triace_layered_bottom(params), wi, wo);
     float matte = triace_layered_pdf_cosine(wi);
     return P_top.x * top + P_top.y * (P_bottom.x * bottom + P_bottom.y * matte);
 }
@@ -481,11 +516,8 @@ TriaceLayeredSample triace_layered_sample(TriaceLayered params, vec3 wo, vec2 u)
     TriaceLayeredChoice choose_result_2 = triace_layered_choose(P_bottom.x, v);
     bool on_bottom = choose_result_2.is_first;
     vec2 t = choose_result_2.u;
-    TriaceLayeredAlphas alphas_result = triace_layered_alphas(params);
-    float alpha_1 = alphas_result.top;
-    float alpha_2 = alphas_result.bottom;
-    vec3 w_top = triace_layered_sample_ggx_lobe(wo, alpha_1, alpha_1, v);
-    vec3 w_bottom = triace_layered_sample_ggx_lobe(wo, alpha_2, alpha_2, t);
+    vec3 w_top = triace_layered_sample_ggx_lobe(triace_layered_top(params), wo, v);
+    vec3 w_bottom = triace_layered_sample_ggx_lobe(triace_layered_bottom(params), wo, t);
     vec3 w_matte = triace_layered_sample_cosine(t);
     vec3 wi = mix(on_bottom ? w_bottom : w_matte, w_top, bvec3(on_top));
     return TriaceLayeredSample(wi, triace_layered_pdf(params, wi, wo));

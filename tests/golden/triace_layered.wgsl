@@ -53,10 +53,15 @@ struct TriaceLayeredChoice {
     u: vec2f,  // Fresh random numbers, made of those that chose
 }
 
-// What alphas returns.
-struct TriaceLayeredAlphas {
-    top: f32,
-    bottom: f32,
+// `GGX` facets of the same width in all directions.
+struct TriaceLayeredRoundGGX {
+    alpha: f32,  // width of the slopes
+}
+
+// Facets of GGX, also called Trowbridge-Reitz.
+struct TriaceLayeredGGX {
+    alpha_x: f32,  // width of the slopes along x
+    alpha_y: f32,  // width of the slopes along y
 }
 
 // ---- evaluation ----------------------------------------------------------------------------
@@ -366,26 +371,50 @@ fn triace_layered_blinn_phong_alpha(exponent: f32) -> f32 {
     return sqrt(2.0 / (exponent + 2.0));
 }
 
-fn triace_layered_alphas(params: TriaceLayered) -> TriaceLayeredAlphas {
-    let top = triace_layered_blinn_phong_alpha(params.top_shininess);
-    let bottom = triace_layered_blinn_phong_alpha(params.bottom_shininess);
-    return TriaceLayeredAlphas(top, bottom);
+// Facets that the upper highlight is sampled by: as wide, with a longer tail.
+fn triace_layered_top(params: TriaceLayered) -> TriaceLayeredRoundGGX {
+    return TriaceLayeredRoundGGX(triace_layered_blinn_phong_alpha(params.top_shininess));
 }
 
-// A normal with density G1(wo) max(wo . m, 0) triace_layered_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
-fn triace_layered_sample_ggx_visible(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
+// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
+//
+// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
+// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
+fn triace_layered_ggx_bound(least: f32, wo: vec3f) -> f32 {
+    let s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
+    let a2 = least * least;
+    let s2 = s * s;
+    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+//
+// With a bound below 1 (see triace_layered_ggx_bound) without those that mirror wo below the horizon, or
+// most.
+fn triace_layered_ggx_sample_visible(ggx: TriaceLayeredGGX, wo: vec3f, u: vec2f,
+    bound: f32) -> vec3f {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const RANDOM_MARGIN = 5.9604645e-8;
     const two_pi = 6.2831855;
-    let w = normalize(vec3f(alpha_x * wo.x, alpha_y * wo.y, wo.z));
-    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    let w = normalize(vec3f(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
     // u = 1 would be the facet opposite to w, whose half vector has no direction
     let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    let drop = u1 * (1.0 + w.z);
+    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
+    let height = 1.0 + bound * w.z;
+    let drop = u1 * height;
     let r = sqrt(max(drop * (2.0 - drop), 0.0));
     let phi = two_pi * u.y;
-    let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
-    return normalize(vec3f(alpha_x * h.x, alpha_y * h.y, h.z));
+    // z + w.z as a sum of positive terms
+    let z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
+    return normalize(vec3f(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m); see triace_layered_ggx_sample_visible.
+fn triace_layered_round_ggx_sample_visible(round_ggx: TriaceLayeredRoundGGX, wo: vec3f,
+    u: vec2f, bound: f32) -> vec3f {
+    return triace_layered_ggx_sample_visible(TriaceLayeredGGX(round_ggx.alpha, round_ggx.alpha), wo,
+        u, bound);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -393,12 +422,20 @@ fn triace_layered_mirror(wo: vec3f, m: vec3f) -> vec3f {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
-// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+// wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows.
-fn triace_layered_sample_ggx_lobe(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
-    let w = triace_layered_mirror(wo, triace_layered_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
+// both, no weight grows.
+fn triace_layered_sample_ggx_lobe(facets: TriaceLayeredRoundGGX, wo: vec3f, u: vec2f) -> vec3f {
+    let w = triace_layered_mirror(wo,
+        triace_layered_round_ggx_sample_visible(facets, wo, u,
+            triace_layered_ggx_bound(facets.alpha, wo)));
     return vec3f(w.x, w.y, abs(w.z));
+}
+
+// The same for the lower highlight.
+fn triace_layered_bottom(params: TriaceLayered) -> TriaceLayeredRoundGGX {
+    return TriaceLayeredRoundGGX(triace_layered_blinn_phong_alpha(params.bottom_shininess));
 }
 
 // A direction with density cos(theta) / pi.
@@ -409,39 +446,41 @@ fn triace_layered_sample_cosine(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-fn triace_layered_D_ggx(m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+fn triace_layered_round_ggx_D(round_ggx: TriaceLayeredRoundGGX, m: vec3f) -> f32 {
     const inv_pi = 0.31830987;
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    let v = vec3f(m.x / alpha_x, m.y / alpha_y, m.z);
+    let v = vec3f(m.x, m.y, round_ggx.alpha * m.z);
     let s = dot(v, v);
-    return inv_pi / (alpha_x * alpha_y * s * s);
+    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
 }
 
-// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
-fn triace_layered_ggx_length(w: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    return length(vec3f(alpha_x * w.x, alpha_y * w.y, w.z));
+// Square of m in units of the width.
+fn triace_layered_round_ggx_spread(round_ggx: TriaceLayeredRoundGGX, m: vec3f) -> f32 {
+    let v = vec3f(m.x, m.y, round_ggx.alpha * m.z);
+    return dot(v, v) / (round_ggx.alpha * round_ggx.alpha);
 }
 
-// Density of wo mirrored at triace_layered_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
-fn triace_layered_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    return triace_layered_D_ggx(m, alpha_x, alpha_y)
-        / (2.0 * (wo.z + triace_layered_ggx_length(wo, alpha_x, alpha_y)));
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
+fn triace_layered_round_ggx_area(round_ggx: TriaceLayeredRoundGGX, w: vec3f) -> f32 {
+    let a2 = round_ggx.alpha * round_ggx.alpha;
+    return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
 // Density of triace_layered_sample_ggx_lobe in 1/sr.
-fn triace_layered_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+fn triace_layered_pdf_ggx_lobe(facets: TriaceLayeredRoundGGX, wi: vec3f, wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
-    let straight = triace_layered_pdf_ggx_visible(wo, triace_layered_half_vector(wi, wo), alpha_x,
-        alpha_y);
+    let bound = triace_layered_ggx_bound(facets.alpha, wo);
+    let straight = triace_layered_round_ggx_D(facets, triace_layered_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    let exists = wo.z > wi.z;
-    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
+    let fall = wo.z - wi.z;
+    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, fall > 0.0));
     // The least lift, for two that are equally high but for their last digits
     let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
-    let folded = triace_layered_pdf_ggx_visible(wo, triace_layered_half_vector(image, higher),
-        alpha_x, alpha_y);
-    return straight + select(0.0, folded, exists);
+    let m = triace_layered_half_vector(image, higher);
+    // Where the cap of triace_layered_ggx_sample_visible ends
+    let left = fall > (1.0 - bound) * wo.z * triace_layered_round_ggx_spread(facets, m);
+    let folded = select(0.0, triace_layered_round_ggx_D(facets, m), left);
+    return 0.5 * (straight + folded) / (bound * wo.z + triace_layered_round_ggx_area(facets, wo));
 }
 
 // Density of triace_layered_sample_cosine in 1/sr, for w above the horizon.
@@ -459,11 +498,8 @@ fn triace_layered_pdf(params: TriaceLayered, wi: vec3f, wo: vec3f) -> f32 {
     let shares_result = triace_layered_shares(params, wo);
     let P_top = shares_result.P_top;
     let P_bottom = shares_result.P_bottom;
-    let alphas_result = triace_layered_alphas(params);
-    let alpha_1 = alphas_result.top;
-    let alpha_2 = alphas_result.bottom;
-    let top = triace_layered_pdf_ggx_lobe(wi, wo, alpha_1, alpha_1);
-    let bottom = triace_layered_pdf_ggx_lobe(wi, wo, alpha_2, alpha_2);
+    let top = triace_layered_pdf_ggx_lobe(triace_layered_top(params), wi, wo);
+    let bottom = triace_layered_pdf_ggx_lobe(triace_layered_bottom(params), wi, wo);
     let matte = triace_layered_pdf_cosine(wi);
     return P_top.x * top + P_top.y * (P_bottom.x * bottom + P_bottom.y * matte);
 }
@@ -483,11 +519,8 @@ fn triace_layered_sample(params: TriaceLayered, wo: vec3f, u: vec2f) -> TriaceLa
     let choose_result_2 = triace_layered_choose(P_bottom.x, v);
     let on_bottom = choose_result_2.is_first;
     let t = choose_result_2.u;
-    let alphas_result = triace_layered_alphas(params);
-    let alpha_1 = alphas_result.top;
-    let alpha_2 = alphas_result.bottom;
-    let w_top = triace_layered_sample_ggx_lobe(wo, alpha_1, alpha_1, v);
-    let w_bottom = triace_layered_sample_ggx_lobe(wo, alpha_2, alpha_2, t);
+    let w_top = triace_layered_sample_ggx_lobe(triace_layered_top(params), wo, v);
+    let w_bottom = triace_layered_sample_ggx_lobe(triace_layered_bottom(params), wo, t);
     let w_matte = triace_layered_sample_cosine(t);
     let wi = select(select(w_matte, w_bottom, on_bottom), w_top, on_top);
     return TriaceLayeredSample(wi, triace_layered_pdf(params, wi, wo));

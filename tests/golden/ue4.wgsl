@@ -30,10 +30,21 @@ struct Ue4 {
     roughness: f32,  // perceptual roughness, alpha = roughness^2; 0 to 1, default 0.5
 }
 
+// `GGX` facets of the same width in all directions.
+struct Ue4RoundGGX {
+    alpha: f32,  // width of the slopes
+}
+
 // Which of two lobes a sample is taken from.
 struct Ue4Choice {
     is_first: bool,  // Whether it is the first one
     u: vec2f,  // Fresh random numbers, made of those that chose
+}
+
+// Facets of GGX, also called Trowbridge-Reitz.
+struct Ue4GGX {
+    alpha_x: f32,  // width of the slopes along x
+    alpha_y: f32,  // width of the slopes along y
 }
 
 // ---- evaluation ----------------------------------------------------------------------------
@@ -78,13 +89,12 @@ fn ue4_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     return h / length(h);  // which ue4_cos_half needs as well
 }
 
-// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-fn ue4_D_ggx(m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+fn ue4_round_ggx_D(round_ggx: Ue4RoundGGX, m: vec3f) -> f32 {
     const inv_pi = 0.31830987;
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    let v = vec3f(m.x / alpha_x, m.y / alpha_y, m.z);
+    let v = vec3f(m.x, m.y, round_ggx.alpha * m.z);
     let s = dot(v, v);
-    return inv_pi / (alpha_x * alpha_y * s * s);
+    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
 }
 
 // k = (r + 1)^2 / 8 of Unreal Engine 4's punctual lights; r is the perceptual roughness.
@@ -107,7 +117,7 @@ fn ue4_eval(params: Ue4, wi: vec3f, wo: vec3f) -> vec3f {
     }
     let alpha = ue4_alpha(params);
     let F = mix(ue4_f0(params), vec3f(1.0), vec3f(ue4_schlick_weight_half(wi, wo)));
-    let D = ue4_D_ggx(ue4_half_vector(wi, wo), alpha, alpha);
+    let D = ue4_round_ggx_D(Ue4RoundGGX(alpha), ue4_half_vector(wi, wo));
     let diffuse = inv_pi * (1.0 - params.metallic) * params.base_color;
     return diffuse + F * (D * ue4_V_schlick(wi, wo, ue4_schlick_k_ue4(params.roughness)));
 }
@@ -174,20 +184,42 @@ fn ue4_sample_cosine(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal with density G1(wo) max(wo . m, 0) ue4_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
-fn ue4_sample_ggx_visible(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
+// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
+//
+// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
+// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
+fn ue4_ggx_bound(least: f32, wo: vec3f) -> f32 {
+    let s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
+    let a2 = least * least;
+    let s2 = s * s;
+    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+//
+// With a bound below 1 (see ue4_ggx_bound) without those that mirror wo below the horizon, or most.
+fn ue4_ggx_sample_visible(ggx: Ue4GGX, wo: vec3f, u: vec2f, bound: f32) -> vec3f {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const RANDOM_MARGIN = 5.9604645e-8;
     const two_pi = 6.2831855;
-    let w = normalize(vec3f(alpha_x * wo.x, alpha_y * wo.y, wo.z));
-    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    let w = normalize(vec3f(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
     // u = 1 would be the facet opposite to w, whose half vector has no direction
     let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    let drop = u1 * (1.0 + w.z);
+    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
+    let height = 1.0 + bound * w.z;
+    let drop = u1 * height;
     let r = sqrt(max(drop * (2.0 - drop), 0.0));
     let phi = two_pi * u.y;
-    let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
-    return normalize(vec3f(alpha_x * h.x, alpha_y * h.y, h.z));
+    // z + w.z as a sum of positive terms
+    let z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
+    return normalize(vec3f(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m); see ue4_ggx_sample_visible.
+fn ue4_round_ggx_sample_visible(round_ggx: Ue4RoundGGX, wo: vec3f, u: vec2f,
+    bound: f32) -> vec3f {
+    return ue4_ggx_sample_visible(Ue4GGX(round_ggx.alpha, round_ggx.alpha), wo, u, bound);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -195,11 +227,13 @@ fn ue4_mirror(wo: vec3f, m: vec3f) -> vec3f {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
-// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+// wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows.
-fn ue4_sample_ggx_lobe(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
-    let w = ue4_mirror(wo, ue4_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
+// both, no weight grows.
+fn ue4_sample_ggx_lobe(facets: Ue4RoundGGX, wo: vec3f, u: vec2f) -> vec3f {
+    let w = ue4_mirror(wo,
+        ue4_round_ggx_sample_visible(facets, wo, u, ue4_ggx_bound(facets.alpha, wo)));
     return vec3f(w.x, w.y, abs(w.z));
 }
 
@@ -208,7 +242,7 @@ fn ue4_sample_matte_gloss(wo: vec3f, alpha: f32, shares: vec2f, u: vec2f) -> vec
     let choose_result = ue4_choose(shares.x, u);
     let matte = choose_result.is_first;
     let v = choose_result.u;
-    return select(ue4_sample_ggx_lobe(wo, alpha, alpha, v), ue4_sample_cosine(v), matte);
+    return select(ue4_sample_ggx_lobe(Ue4RoundGGX(alpha), wo, v), ue4_sample_cosine(v), matte);
 }
 
 // Density of ue4_sample_cosine in 1/sr, for w above the horizon.
@@ -217,32 +251,38 @@ fn ue4_pdf_cosine(w: vec3f) -> f32 {
     return w.z * inv_pi;
 }
 
-// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
-fn ue4_ggx_length(w: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    return length(vec3f(alpha_x * w.x, alpha_y * w.y, w.z));
+// Square of m in units of the width.
+fn ue4_round_ggx_spread(round_ggx: Ue4RoundGGX, m: vec3f) -> f32 {
+    let v = vec3f(m.x, m.y, round_ggx.alpha * m.z);
+    return dot(v, v) / (round_ggx.alpha * round_ggx.alpha);
 }
 
-// Density of wo mirrored at ue4_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
-fn ue4_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    return ue4_D_ggx(m, alpha_x, alpha_y) / (2.0 * (wo.z + ue4_ggx_length(wo, alpha_x, alpha_y)));
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
+fn ue4_round_ggx_area(round_ggx: Ue4RoundGGX, w: vec3f) -> f32 {
+    let a2 = round_ggx.alpha * round_ggx.alpha;
+    return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
 // Density of ue4_sample_ggx_lobe in 1/sr.
-fn ue4_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+fn ue4_pdf_ggx_lobe(facets: Ue4RoundGGX, wi: vec3f, wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
-    let straight = ue4_pdf_ggx_visible(wo, ue4_half_vector(wi, wo), alpha_x, alpha_y);
+    let bound = ue4_ggx_bound(facets.alpha, wo);
+    let straight = ue4_round_ggx_D(facets, ue4_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    let exists = wo.z > wi.z;
-    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
+    let fall = wo.z - wi.z;
+    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, fall > 0.0));
     // The least lift, for two that are equally high but for their last digits
     let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
-    let folded = ue4_pdf_ggx_visible(wo, ue4_half_vector(image, higher), alpha_x, alpha_y);
-    return straight + select(0.0, folded, exists);
+    let m = ue4_half_vector(image, higher);
+    // Where the cap of ue4_ggx_sample_visible ends
+    let left = fall > (1.0 - bound) * wo.z * ue4_round_ggx_spread(facets, m);
+    let folded = select(0.0, ue4_round_ggx_D(facets, m), left);
+    return 0.5 * (straight + folded) / (bound * wo.z + ue4_round_ggx_area(facets, wo));
 }
 
 // Density of ue4_sample_matte_gloss in 1/sr.
 fn ue4_pdf_matte_gloss(wi: vec3f, wo: vec3f, alpha: f32, shares: vec2f) -> f32 {
-    return shares.x * ue4_pdf_cosine(wi) + shares.y * ue4_pdf_ggx_lobe(wi, wo, alpha, alpha);
+    return shares.x * ue4_pdf_cosine(wi) + shares.y * ue4_pdf_ggx_lobe(Ue4RoundGGX(alpha), wi, wo);
 }
 
 // Density of ue4_sample in 1/sr.

@@ -34,6 +34,17 @@ struct UnityBrdf2Choice {
     u: vec2f,  // Fresh random numbers, made of those that chose
 }
 
+// `GGX` facets of the same width in all directions.
+struct UnityBrdf2RoundGGX {
+    alpha: f32,  // width of the slopes
+}
+
+// Facets of GGX, also called Trowbridge-Reitz.
+struct UnityBrdf2GGX {
+    alpha_x: f32,  // width of the slopes along x
+    alpha_y: f32,  // width of the slopes along y
+}
+
 // ---- evaluation ----------------------------------------------------------------------------
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
@@ -142,20 +153,44 @@ fn unity_brdf2_sample_cosine(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal with density G1(wo) max(wo . m, 0) unity_brdf2_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
-fn unity_brdf2_sample_ggx_visible(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
+// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
+//
+// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
+// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
+fn unity_brdf2_ggx_bound(least: f32, wo: vec3f) -> f32 {
+    let s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
+    let a2 = least * least;
+    let s2 = s * s;
+    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+//
+// With a bound below 1 (see unity_brdf2_ggx_bound) without those that mirror wo below the horizon, or most.
+fn unity_brdf2_ggx_sample_visible(ggx: UnityBrdf2GGX, wo: vec3f, u: vec2f,
+    bound: f32) -> vec3f {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const RANDOM_MARGIN = 5.9604645e-8;
     const two_pi = 6.2831855;
-    let w = normalize(vec3f(alpha_x * wo.x, alpha_y * wo.y, wo.z));
-    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    let w = normalize(vec3f(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
     // u = 1 would be the facet opposite to w, whose half vector has no direction
     let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    let drop = u1 * (1.0 + w.z);
+    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
+    let height = 1.0 + bound * w.z;
+    let drop = u1 * height;
     let r = sqrt(max(drop * (2.0 - drop), 0.0));
     let phi = two_pi * u.y;
-    let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
-    return normalize(vec3f(alpha_x * h.x, alpha_y * h.y, h.z));
+    // z + w.z as a sum of positive terms
+    let z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
+    return normalize(vec3f(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m); see unity_brdf2_ggx_sample_visible.
+fn unity_brdf2_round_ggx_sample_visible(round_ggx: UnityBrdf2RoundGGX, wo: vec3f, u: vec2f,
+    bound: f32) -> vec3f {
+    return unity_brdf2_ggx_sample_visible(UnityBrdf2GGX(round_ggx.alpha, round_ggx.alpha), wo, u,
+        bound);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -163,11 +198,13 @@ fn unity_brdf2_mirror(wo: vec3f, m: vec3f) -> vec3f {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
-// wo mirrored at a visible GGX normal; what would leave below the horizon is mirrored up again.
+// wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows.
-fn unity_brdf2_sample_ggx_lobe(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
-    let w = unity_brdf2_mirror(wo, unity_brdf2_sample_ggx_visible(wo, alpha_x, alpha_y, u));
+// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
+// both, no weight grows.
+fn unity_brdf2_sample_ggx_lobe(facets: UnityBrdf2RoundGGX, wo: vec3f, u: vec2f) -> vec3f {
+    let w = unity_brdf2_mirror(wo,
+        unity_brdf2_round_ggx_sample_visible(facets, wo, u, unity_brdf2_ggx_bound(facets.alpha, wo)));
     return vec3f(w.x, w.y, abs(w.z));
 }
 
@@ -176,8 +213,8 @@ fn unity_brdf2_sample_matte_gloss(wo: vec3f, alpha: f32, shares: vec2f, u: vec2f
     let choose_result = unity_brdf2_choose(shares.x, u);
     let matte = choose_result.is_first;
     let v = choose_result.u;
-    return select(unity_brdf2_sample_ggx_lobe(wo, alpha, alpha, v), unity_brdf2_sample_cosine(v),
-        matte);
+    return select(unity_brdf2_sample_ggx_lobe(UnityBrdf2RoundGGX(alpha), wo, v),
+        unity_brdf2_sample_cosine(v), matte);
 }
 
 // Density of unity_brdf2_sample_cosine in 1/sr, for w above the horizon.
@@ -186,45 +223,47 @@ fn unity_brdf2_pdf_cosine(w: vec3f) -> f32 {
     return w.z * inv_pi;
 }
 
-// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-fn unity_brdf2_D_ggx(m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+fn unity_brdf2_round_ggx_D(round_ggx: UnityBrdf2RoundGGX, m: vec3f) -> f32 {
     const inv_pi = 0.31830987;
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    let v = vec3f(m.x / alpha_x, m.y / alpha_y, m.z);
+    let v = vec3f(m.x, m.y, round_ggx.alpha * m.z);
     let s = dot(v, v);
-    return inv_pi / (alpha_x * alpha_y * s * s);
+    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
 }
 
-// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
-fn unity_brdf2_ggx_length(w: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    return length(vec3f(alpha_x * w.x, alpha_y * w.y, w.z));
+// Square of m in units of the width.
+fn unity_brdf2_round_ggx_spread(round_ggx: UnityBrdf2RoundGGX, m: vec3f) -> f32 {
+    let v = vec3f(m.x, m.y, round_ggx.alpha * m.z);
+    return dot(v, v) / (round_ggx.alpha * round_ggx.alpha);
 }
 
-// Density of wo mirrored at unity_brdf2_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
-fn unity_brdf2_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    return unity_brdf2_D_ggx(m, alpha_x, alpha_y)
-        / (2.0 * (wo.z + unity_brdf2_ggx_length(wo, alpha_x, alpha_y)));
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
+fn unity_brdf2_round_ggx_area(round_ggx: UnityBrdf2RoundGGX, w: vec3f) -> f32 {
+    let a2 = round_ggx.alpha * round_ggx.alpha;
+    return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
 // Density of unity_brdf2_sample_ggx_lobe in 1/sr.
-fn unity_brdf2_pdf_ggx_lobe(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+fn unity_brdf2_pdf_ggx_lobe(facets: UnityBrdf2RoundGGX, wi: vec3f, wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
-    let straight = unity_brdf2_pdf_ggx_visible(wo, unity_brdf2_half_vector(wi, wo), alpha_x,
-        alpha_y);
+    let bound = unity_brdf2_ggx_bound(facets.alpha, wo);
+    let straight = unity_brdf2_round_ggx_D(facets, unity_brdf2_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    let exists = wo.z > wi.z;
-    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
+    let fall = wo.z - wi.z;
+    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, fall > 0.0));
     // The least lift, for two that are equally high but for their last digits
     let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
-    let folded = unity_brdf2_pdf_ggx_visible(wo, unity_brdf2_half_vector(image, higher), alpha_x,
-        alpha_y);
-    return straight + select(0.0, folded, exists);
+    let m = unity_brdf2_half_vector(image, higher);
+    // Where the cap of unity_brdf2_ggx_sample_visible ends
+    let left = fall > (1.0 - bound) * wo.z * unity_brdf2_round_ggx_spread(facets, m);
+    let folded = select(0.0, unity_brdf2_round_ggx_D(facets, m), left);
+    return 0.5 * (straight + folded) / (bound * wo.z + unity_brdf2_round_ggx_area(facets, wo));
 }
 
 // Density of unity_brdf2_sample_matte_gloss in 1/sr.
 fn unity_brdf2_pdf_matte_gloss(wi: vec3f, wo: vec3f, alpha: f32, shares: vec2f) -> f32 {
     return shares.x * unity_brdf2_pdf_cosine(wi)
-        + shares.y * unity_brdf2_pdf_ggx_lobe(wi, wo, alpha, alpha);
+        + shares.y * unity_brdf2_pdf_ggx_lobe(UnityBrdf2RoundGGX(alpha), wi, wo);
 }
 
 // Density of unity_brdf2_sample in 1/sr.

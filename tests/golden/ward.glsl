@@ -26,6 +26,12 @@ struct Ward {
     float alpha_y;  // slope width of the highlight along y; 0.005 to 1, default 0.15
 };
 
+// Beckmann's facets: slopes with a normal distribution of variance alpha^2 / 2.
+struct WardBeckmann {
+    float alpha_x;  // width of the slopes along x
+    float alpha_y;  // width of the slopes along y
+};
+
 // Which of two lobes a sample is taken from.
 struct WardChoice {
     bool is_first;  // Whether it is the first one
@@ -40,22 +46,21 @@ vec3 ward_half_vector(vec3 wi, vec3 wo) {
     return h / length(h);  // which ward_cos_half needs as well
 }
 
-// Square of the slope in units of the widths, times m.z^2.
-float ward_slope2(vec3 m, float alpha_x, float alpha_y) {
-    float x = m.x / alpha_x;
-    float y = m.y / alpha_y;
-    return x * x + y * y;
+WardBeckmann ward_facets(Ward params) {
+    return WardBeckmann(params.alpha_x, params.alpha_y);
 }
 
-// Beckmann: slopes with a normal distribution of variance alpha^2 / 2. Walter et al., Eq. 25.
-float ward_D_beckmann(vec3 m, float alpha_x, float alpha_y) {
+// Density of facets, in 1/sr. Walter et al., Eq. 25.
+float ward_beckmann_D(WardBeckmann beckmann, vec3 m) {
     // Square of the cosine below which exp(-tan^2 / alpha^2) is 0 in any precision, for alpha up to 3.2.
     const float COS2_MIN = 1.0e-6;
     const float inv_pi = 0.31830987;
     float inv_cos2 = 1.0 / max(m.z * m.z, COS2_MIN);
-    float slope2 = ward_slope2(m, alpha_x, alpha_y) * inv_cos2;
+    float x = m.x / beckmann.alpha_x;
+    float y = m.y / beckmann.alpha_y;
+    float slope2 = (x * x + y * y) * inv_cos2;
     // Separate quotients: the square of their common denominator would leave a float32's range
-    return inv_pi / (alpha_x * alpha_y) * inv_cos2 * inv_cos2 * exp(-slope2);
+    return inv_pi / (beckmann.alpha_x * beckmann.alpha_y) * inv_cos2 * inv_cos2 * exp(-slope2);
 }
 
 // The diffuse part, which is not stretched.
@@ -74,7 +79,7 @@ vec3 ward_eval(Ward params, vec3 wi, vec3 wo) {
         return vec3(0.0);
     }
     vec3 m = ward_half_vector(wi, wo);
-    float D = ward_D_beckmann(m, params.alpha_x, params.alpha_y);
+    float D = ward_beckmann_D(ward_facets(params), m);
     float z2 = m.z * m.z;
     float highlight = D * (z2 * z2 * min(0.25 / wi.z / wo.z, V_MAX));
     return ward_eval_round(params) + params.specular * highlight;
@@ -126,14 +131,14 @@ WardChoice ward_choose(float probability, vec2 u) {
     return WardChoice(first, vec2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y));
 }
 
-// A normal with density ward_D_beckmann m.z. Walter et al., Eq. 28 and 29.
-vec3 ward_sample_beckmann(float alpha_x, float alpha_y, vec2 u) {
+// A normal with density D m.z. Walter et al., Eq. 28 and 29.
+vec3 ward_beckmann_sample(WardBeckmann beckmann, vec2 u) {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const float RANDOM_MARGIN = 5.9604645e-8;
     const float two_pi = 6.2831855;
     float r = sqrt(max(-log(max(1.0 - u.x, RANDOM_MARGIN)), 0.0));
     float phi = two_pi * u.y;
-    return normalize(vec3(alpha_x * r * cos(phi), alpha_y * r * sin(phi), 1.0));
+    return normalize(vec3(beckmann.alpha_x * r * cos(phi), beckmann.alpha_y * r * sin(phi), 1.0));
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -147,6 +152,11 @@ vec3 ward_sample_cosine(vec2 u) {
     float r = sqrt(max(u.x, 0.0));
     float phi = two_pi * u.y;
     return vec3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
+}
+
+// Density of `sample` in 1/sr.
+float ward_beckmann_density(WardBeckmann beckmann, vec3 m) {
+    return ward_beckmann_D(beckmann, m) * m.z;
 }
 
 // Density of ward_sample_cosine in 1/sr, for w above the horizon.
@@ -175,7 +185,7 @@ float ward_pdf(Ward params, vec3 wi, vec3 wo) {
     }
     vec2 P = ward_shares(params);
     vec3 m = ward_half_vector(wi, wo);
-    float facets = ward_D_beckmann(m, params.alpha_x, params.alpha_y) * m.z;
+    float facets = ward_beckmann_density(ward_facets(params), m);
     return P.x * ward_pdf_cosine(wi) + P.y * ward_pdf_mirror(facets, ward_cos_half(wi, wo));
 }
 
@@ -188,7 +198,7 @@ WardSample ward_sample(Ward params, vec3 wo, vec2 u) {
     WardChoice choose_result = ward_choose(ward_shares(params).x, u);
     bool matte = choose_result.is_first;
     vec2 v = choose_result.u;
-    vec3 facet = ward_mirror(wo, ward_sample_beckmann(params.alpha_x, params.alpha_y, v));
+    vec3 facet = ward_mirror(wo, ward_beckmann_sample(ward_facets(params), v));
     vec3 wi = mix(facet, ward_sample_cosine(v), bvec3(matte));
     return WardSample(wi, ward_pdf(params, wi, wo));
 }

@@ -107,6 +107,12 @@ struct Ward {
     float alpha_y;  // slope width of the highlight along y; 0.005 to 1, default 0.15
 };
 
+// Beckmann's facets: slopes with a normal distribution of variance alpha^2 / 2.
+struct WardBeckmann {
+    float alpha_x;  // width of the slopes along x
+    float alpha_y;  // width of the slopes along y
+};
+
 // Which of two lobes a sample is taken from.
 struct WardChoice {
     bool is_first;  // Whether it is the first one
@@ -121,19 +127,18 @@ inline Vec3 ward_half_vector(Vec3 wi, Vec3 wo) {
     return h / length(h);  // which ward_cos_half needs as well
 }
 
-// Square of the slope in units of the widths, times m.z^2.
-inline float ward_slope2(Vec3 m, float alpha_x, float alpha_y) {
-    float x = m.x / alpha_x;
-    float y = m.y / alpha_y;
-    return x * x + y * y;
+inline WardBeckmann ward_facets(const Ward& params) {
+    return WardBeckmann{params.alpha_x, params.alpha_y};
 }
 
-// Beckmann: slopes with a normal distribution of variance alpha^2 / 2. Walter et al., Eq. 25.
-inline float ward_D_beckmann(Vec3 m, float alpha_x, float alpha_y) {
+// Density of facets, in 1/sr. Walter et al., Eq. 25.
+inline float ward_beckmann_D(WardBeckmann beckmann, Vec3 m) {
     float inv_cos2 = 1.0f / fmaxf(m.z * m.z, COS2_MIN);
-    float slope2 = ward_slope2(m, alpha_x, alpha_y) * inv_cos2;
+    float x = m.x / beckmann.alpha_x;
+    float y = m.y / beckmann.alpha_y;
+    float slope2 = (x * x + y * y) * inv_cos2;
     // Separate quotients: the square of their common denominator would leave a float32's range
-    return inv_pi / (alpha_x * alpha_y) * inv_cos2 * inv_cos2 * expf(-slope2);
+    return inv_pi / (beckmann.alpha_x * beckmann.alpha_y) * inv_cos2 * inv_cos2 * expf(-slope2);
 }
 
 // The diffuse part, which is not stretched.
@@ -147,7 +152,7 @@ inline Vec3 ward_eval(const Ward& params, Vec3 wi, Vec3 wo) {
         return splat(0.0f);
     }
     Vec3 m = ward_half_vector(wi, wo);
-    float D = ward_D_beckmann(m, params.alpha_x, params.alpha_y);
+    float D = ward_beckmann_D(ward_facets(params), m);
     float z2 = m.z * m.z;
     float highlight = D * (z2 * z2 * fminf(0.25f / wi.z / wo.z, V_MAX));
     return ward_eval_round(params) + params.specular * highlight;
@@ -188,11 +193,12 @@ inline WardChoice ward_choose(float probability, Vec2 u) {
     return WardChoice{first, Vec2{fminf(fmaxf(first ? below : above, 0.0f), RANDOM_MAX), u.y}};
 }
 
-// A normal with density ward_D_beckmann m.z. Walter et al., Eq. 28 and 29.
-inline Vec3 ward_sample_beckmann(float alpha_x, float alpha_y, Vec2 u) {
+// A normal with density D m.z. Walter et al., Eq. 28 and 29.
+inline Vec3 ward_beckmann_sample(WardBeckmann beckmann, Vec2 u) {
     float r = sqrtf(fmaxf(-logf(fmaxf(1.0f - u.x, RANDOM_MARGIN)), 0.0f));
     float phi = two_pi * u.y;
-    return normalize(Vec3{alpha_x * r * cosf(phi), alpha_y * r * sinf(phi), 1.0f});
+    return normalize(Vec3{beckmann.alpha_x * r * cosf(phi), beckmann.alpha_y * r * sinf(phi),
+        1.0f});
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -205,6 +211,11 @@ inline Vec3 ward_sample_cosine(Vec2 u) {
     float r = sqrtf(fmaxf(u.x, 0.0f));
     float phi = two_pi * u.y;
     return Vec3{r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u.x, 0.0f))};
+}
+
+// Density of `sample` in 1/sr.
+inline float ward_beckmann_density(WardBeckmann beckmann, Vec3 m) {
+    return ward_beckmann_D(beckmann, m) * m.z;
 }
 
 // Density of ward_sample_cosine in 1/sr, for w above the horizon.
@@ -231,7 +242,7 @@ inline float ward_pdf(const Ward& params, Vec3 wi, Vec3 wo) {
     }
     Vec2 P = ward_shares(params);
     Vec3 m = ward_half_vector(wi, wo);
-    float facets = ward_D_beckmann(m, params.alpha_x, params.alpha_y) * m.z;
+    float facets = ward_beckmann_density(ward_facets(params), m);
     return P.x * ward_pdf_cosine(wi) + P.y * ward_pdf_mirror(facets, ward_cos_half(wi, wo));
 }
 
@@ -243,7 +254,7 @@ inline WardSample ward_sample(const Ward& params, Vec3 wo, Vec2 u) {
     WardChoice choose_result = ward_choose(ward_shares(params).x, u);
     bool matte = choose_result.is_first;
     Vec2 v = choose_result.u;
-    Vec3 facet = ward_mirror(wo, ward_sample_beckmann(params.alpha_x, params.alpha_y, v));
+    Vec3 facet = ward_mirror(wo, ward_beckmann_sample(ward_facets(params), v));
     Vec3 wi = matte ? ward_sample_cosine(v) : facet;
     return WardSample{wi, ward_pdf(params, wi, wo)};
 }

@@ -26,6 +26,12 @@ struct Ward {
     alpha_y: f32,  // slope width of the highlight along y; 0.005 to 1, default 0.15
 }
 
+// Beckmann's facets: slopes with a normal distribution of variance alpha^2 / 2.
+struct WardBeckmann {
+    alpha_x: f32,  // width of the slopes along x
+    alpha_y: f32,  // width of the slopes along y
+}
+
 // Which of two lobes a sample is taken from.
 struct WardChoice {
     is_first: bool,  // Whether it is the first one
@@ -40,22 +46,21 @@ fn ward_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     return h / length(h);  // which ward_cos_half needs as well
 }
 
-// Square of the slope in units of the widths, times m.z^2.
-fn ward_slope2(m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    let x = m.x / alpha_x;
-    let y = m.y / alpha_y;
-    return x * x + y * y;
+fn ward_facets(params: Ward) -> WardBeckmann {
+    return WardBeckmann(params.alpha_x, params.alpha_y);
 }
 
-// Beckmann: slopes with a normal distribution of variance alpha^2 / 2. Walter et al., Eq. 25.
-fn ward_D_beckmann(m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+// Density of facets, in 1/sr. Walter et al., Eq. 25.
+fn ward_beckmann_D(beckmann: WardBeckmann, m: vec3f) -> f32 {
     // Square of the cosine below which exp(-tan^2 / alpha^2) is 0 in any precision, for alpha up to 3.2.
     const COS2_MIN = 1.0e-6;
     const inv_pi = 0.31830987;
     let inv_cos2 = 1.0 / max(m.z * m.z, COS2_MIN);
-    let slope2 = ward_slope2(m, alpha_x, alpha_y) * inv_cos2;
+    let x = m.x / beckmann.alpha_x;
+    let y = m.y / beckmann.alpha_y;
+    let slope2 = (x * x + y * y) * inv_cos2;
     // Separate quotients: the square of their common denominator would leave a float32's range
-    return inv_pi / (alpha_x * alpha_y) * inv_cos2 * inv_cos2 * exp(-slope2);
+    return inv_pi / (beckmann.alpha_x * beckmann.alpha_y) * inv_cos2 * inv_cos2 * exp(-slope2);
 }
 
 // The diffuse part, which is not stretched.
@@ -74,7 +79,7 @@ fn ward_eval(params: Ward, wi: vec3f, wo: vec3f) -> vec3f {
         return vec3f(0.0);
     }
     let m = ward_half_vector(wi, wo);
-    let D = ward_D_beckmann(m, params.alpha_x, params.alpha_y);
+    let D = ward_beckmann_D(ward_facets(params), m);
     let z2 = m.z * m.z;
     let highlight = D * (z2 * z2 * min(0.25 / wi.z / wo.z, V_MAX));
     return ward_eval_round(params) + params.specular * highlight;
@@ -125,14 +130,14 @@ fn ward_choose(probability: f32, u: vec2f) -> WardChoice {
     return WardChoice(first, vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
 }
 
-// A normal with density ward_D_beckmann m.z. Walter et al., Eq. 28 and 29.
-fn ward_sample_beckmann(alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
+// A normal with density D m.z. Walter et al., Eq. 28 and 29.
+fn ward_beckmann_sample(beckmann: WardBeckmann, u: vec2f) -> vec3f {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const RANDOM_MARGIN = 5.9604645e-8;
     const two_pi = 6.2831855;
     let r = sqrt(max(-log(max(1.0 - u.x, RANDOM_MARGIN)), 0.0));
     let phi = two_pi * u.y;
-    return normalize(vec3f(alpha_x * r * cos(phi), alpha_y * r * sin(phi), 1.0));
+    return normalize(vec3f(beckmann.alpha_x * r * cos(phi), beckmann.alpha_y * r * sin(phi), 1.0));
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -146,6 +151,11 @@ fn ward_sample_cosine(u: vec2f) -> vec3f {
     let r = sqrt(max(u.x, 0.0));
     let phi = two_pi * u.y;
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
+}
+
+// Density of `sample` in 1/sr.
+fn ward_beckmann_density(beckmann: WardBeckmann, m: vec3f) -> f32 {
+    return ward_beckmann_D(beckmann, m) * m.z;
 }
 
 // Density of ward_sample_cosine in 1/sr, for w above the horizon.
@@ -174,7 +184,7 @@ fn ward_pdf(params: Ward, wi: vec3f, wo: vec3f) -> f32 {
     }
     let P = ward_shares(params);
     let m = ward_half_vector(wi, wo);
-    let facets = ward_D_beckmann(m, params.alpha_x, params.alpha_y) * m.z;
+    let facets = ward_beckmann_density(ward_facets(params), m);
     return P.x * ward_pdf_cosine(wi) + P.y * ward_pdf_mirror(facets, ward_cos_half(wi, wo));
 }
 
@@ -187,7 +197,7 @@ fn ward_sample(params: Ward, wo: vec3f, u: vec2f) -> WardSample {
     let choose_result = ward_choose(ward_shares(params).x, u);
     let matte = choose_result.is_first;
     let v = choose_result.u;
-    let facet = ward_mirror(wo, ward_sample_beckmann(params.alpha_x, params.alpha_y, v));
+    let facet = ward_mirror(wo, ward_beckmann_sample(ward_facets(params), v));
     let wi = select(facet, ward_sample_cosine(v), matte);
     return WardSample(wi, ward_pdf(params, wi, wo));
 }

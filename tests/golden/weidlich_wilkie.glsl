@@ -42,10 +42,21 @@ struct WeidlichWilkie {
     WeidlichWilkieBase base;  // what lies below; its indices are relative to the coat
 };
 
+// `Beckmann` facets of the same width in all directions.
+struct WeidlichWilkieRoundBeckmann {
+    float alpha;  // width of the slopes
+};
+
 // Which of two lobes a sample is taken from.
 struct WeidlichWilkieChoice {
     bool is_first;  // Whether it is the first one
     vec2 u;  // Fresh random numbers, made of those that chose
+};
+
+// Beckmann's facets: slopes with a normal distribution of variance alpha^2 / 2.
+struct WeidlichWilkieBeckmann {
+    float alpha_x;  // width of the slopes along x
+    float alpha_y;  // width of the slopes along y
 };
 
 // ---- evaluation ----------------------------------------------------------------------------
@@ -154,14 +165,18 @@ float weidlich_wilkie_F_dielectric_entering(float cos_theta, float eta) {
     return weidlich_wilkie_F_dielectric(cos_theta, 1.0 - cos_theta * cos_theta, eta, g2);
 }
 
-// `D_beckmann` for facets of the same width in all directions.
-float weidlich_wilkie_D_beckmann_round(vec3 m, float alpha) {
+WeidlichWilkieRoundBeckmann weidlich_wilkie_facets(WeidlichWilkie params) {
+    return WeidlichWilkieRoundBeckmann(params.alpha);
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 25.
+float weidlich_wilkie_round_beckmann_D(WeidlichWilkieRoundBeckmann round_beckmann, vec3 m) {
     // Square of the cosine below which exp(-tan^2 / alpha^2) is 0 in any precision, for alpha up to 3.2.
     const float COS2_MIN = 1.0e-6;
     const float inv_pi = 0.31830987;
     float inv_cos2 = 1.0 / max(m.z * m.z, COS2_MIN);
     float tan2 = (m.x * m.x + m.y * m.y) * inv_cos2;
-    float a2 = alpha * alpha;
+    float a2 = round_beckmann.alpha * round_beckmann.alpha;
     return inv_pi / a2 * inv_cos2 * inv_cos2 * exp(-tan2 / a2);
 }
 
@@ -194,8 +209,8 @@ vec3 weidlich_wilkie_eval(WeidlichWilkie params, vec3 wi, vec3 wo) {
         * (weidlich_wilkie_attenuation(tau, wi_t, wo_t) * through);
     float cos_h = weidlich_wilkie_cos_half(wi, wo);
     float coat = weidlich_wilkie_F_dielectric_entering(cos_h, params.eta)
-        * weidlich_wilkie_D_beckmann_round(weidlich_wilkie_half_vector(wi, wo), params.alpha)
-            * weidlich_wilkie_V(wi, wo);
+        * weidlich_wilkie_round_beckmann_D(weidlich_wilkie_facets(params),
+            weidlich_wilkie_half_vector(wi, wo)) * weidlich_wilkie_V(wi, wo);
     return below + coat;
 }
 
@@ -330,14 +345,20 @@ vec3 weidlich_wilkie_base_sample_leaving(vec3 wo, vec2 u, float excess) {
     return weidlich_wilkie_leave(weidlich_wilkie_base_sample(wo, u).wi, excess);
 }
 
-// A normal with density D_beckmann m.z. Walter et al., Eq. 28 and 29.
-vec3 weidlich_wilkie_sample_beckmann(float alpha_x, float alpha_y, vec2 u) {
+// A normal with density D m.z. Walter et al., Eq. 28 and 29.
+vec3 weidlich_wilkie_beckmann_sample(WeidlichWilkieBeckmann beckmann, vec2 u) {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const float RANDOM_MARGIN = 5.9604645e-8;
     const float two_pi = 6.2831855;
     float r = sqrt(max(-log(max(1.0 - u.x, RANDOM_MARGIN)), 0.0));
     float phi = two_pi * u.y;
-    return normalize(vec3(alpha_x * r * cos(phi), alpha_y * r * sin(phi), 1.0));
+    return normalize(vec3(beckmann.alpha_x * r * cos(phi), beckmann.alpha_y * r * sin(phi), 1.0));
+}
+
+// A normal with density D m.z.
+vec3 weidlich_wilkie_round_beckmann_sample(WeidlichWilkieRoundBeckmann round_beckmann, vec2 u) {
+    return weidlich_wilkie_beckmann_sample(WeidlichWilkieBeckmann(round_beckmann.alpha,
+        round_beckmann.alpha), u);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -351,7 +372,7 @@ vec3 weidlich_wilkie_mirror(vec3 wo, vec3 m) {
 // like alpha / mu_o in the horizon. Those of all normals are at most 2.
 vec3 weidlich_wilkie_sample_coat(WeidlichWilkie params, vec3 wo, vec2 u) {
     return weidlich_wilkie_mirror(wo,
-        weidlich_wilkie_sample_beckmann(params.alpha, params.alpha, u));
+        weidlich_wilkie_round_beckmann_sample(weidlich_wilkie_facets(params), u));
 }
 
 // cos(theta_i) / pi.
@@ -392,6 +413,12 @@ float weidlich_wilkie_base_pdf_leaving(vec3 wi, vec3 wo, float excess) {
         weidlich_wilkie_base_pdf(weidlich_wilkie_gather(wi, excess), wo), wi, wi_t, excess);
 }
 
+// Density of `sample` in 1/sr.
+float weidlich_wilkie_round_beckmann_density(WeidlichWilkieRoundBeckmann round_beckmann,
+    vec3 m) {
+    return weidlich_wilkie_round_beckmann_D(round_beckmann, m) * m.z;
+}
+
 // Density of weidlich_wilkie_mirror in 1/sr, if m has the given density and cos_h = wo . m.
 float weidlich_wilkie_pdf_mirror(float density, float cos_h) {
     // Walter et al., Eq. 14
@@ -399,9 +426,9 @@ float weidlich_wilkie_pdf_mirror(float density, float cos_h) {
 }
 
 float weidlich_wilkie_pdf_coat(WeidlichWilkie params, vec3 wi, vec3 wo) {
-    vec3 m = weidlich_wilkie_half_vector(wi, wo);
-    return weidlich_wilkie_pdf_mirror(weidlich_wilkie_D_beckmann_round(m, params.alpha) * m.z,
-        weidlich_wilkie_cos_half(wi, wo));
+    float density = weidlich_wilkie_round_beckmann_density(weidlich_wilkie_facets(params),
+        weidlich_wilkie_half_vector(wi, wo));
+    return weidlich_wilkie_pdf_mirror(density, weidlich_wilkie_cos_half(wi, wo));
 }
 
 // Density of weidlich_wilkie_sample in 1/sr.

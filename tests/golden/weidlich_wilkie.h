@@ -149,10 +149,21 @@ struct WeidlichWilkie {
     WeidlichWilkieBase base;  // what lies below; its indices are relative to the coat
 };
 
+// `Beckmann` facets of the same width in all directions.
+struct WeidlichWilkieRoundBeckmann {
+    float alpha;  // width of the slopes
+};
+
 // Which of two lobes a sample is taken from.
 struct WeidlichWilkieChoice {
     bool is_first;  // Whether it is the first one
     Vec2 u;  // Fresh random numbers, made of those that chose
+};
+
+// Beckmann's facets: slopes with a normal distribution of variance alpha^2 / 2.
+struct WeidlichWilkieBeckmann {
+    float alpha_x;  // width of the slopes along x
+    float alpha_y;  // width of the slopes along y
 };
 
 // ---- evaluation ----------------------------------------------------------------------------
@@ -258,11 +269,16 @@ inline float weidlich_wilkie_F_dielectric_entering(float cos_theta, float eta) {
     return weidlich_wilkie_F_dielectric(cos_theta, 1.0f - cos_theta * cos_theta, eta, g2);
 }
 
-// `D_beckmann` for facets of the same width in all directions.
-inline float weidlich_wilkie_D_beckmann_round(Vec3 m, float alpha) {
+inline WeidlichWilkieRoundBeckmann weidlich_wilkie_facets(const WeidlichWilkie& params) {
+    return WeidlichWilkieRoundBeckmann{params.alpha};
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 25.
+inline float weidlich_wilkie_round_beckmann_D(WeidlichWilkieRoundBeckmann round_beckmann,
+    Vec3 m) {
     float inv_cos2 = 1.0f / fmaxf(m.z * m.z, COS2_MIN);
     float tan2 = (m.x * m.x + m.y * m.y) * inv_cos2;
-    float a2 = alpha * alpha;
+    float a2 = round_beckmann.alpha * round_beckmann.alpha;
     return inv_pi / a2 * inv_cos2 * inv_cos2 * expf(-tan2 / a2);
 }
 
@@ -292,8 +308,8 @@ inline Vec3 weidlich_wilkie_eval(const WeidlichWilkie& params, Vec3 wi, Vec3 wo)
         * (weidlich_wilkie_attenuation(tau, wi_t, wo_t) * through);
     float cos_h = weidlich_wilkie_cos_half(wi, wo);
     float coat = weidlich_wilkie_F_dielectric_entering(cos_h, params.eta)
-        * weidlich_wilkie_D_beckmann_round(weidlich_wilkie_half_vector(wi, wo), params.alpha)
-            * weidlich_wilkie_V(wi, wo);
+        * weidlich_wilkie_round_beckmann_D(weidlich_wilkie_facets(params),
+            weidlich_wilkie_half_vector(wi, wo)) * weidlich_wilkie_V(wi, wo);
     return below + coat;
 }
 
@@ -404,11 +420,19 @@ inline Vec3 weidlich_wilkie_base_sample_leaving(Vec3 wo, Vec2 u, float excess) {
     return weidlich_wilkie_leave(weidlich_wilkie_base_sample(wo, u).wi, excess);
 }
 
-// A normal with density D_beckmann m.z. Walter et al., Eq. 28 and 29.
-inline Vec3 weidlich_wilkie_sample_beckmann(float alpha_x, float alpha_y, Vec2 u) {
+// A normal with density D m.z. Walter et al., Eq. 28 and 29.
+inline Vec3 weidlich_wilkie_beckmann_sample(WeidlichWilkieBeckmann beckmann, Vec2 u) {
     float r = sqrtf(fmaxf(-logf(fmaxf(1.0f - u.x, RANDOM_MARGIN)), 0.0f));
     float phi = two_pi * u.y;
-    return normalize(Vec3{alpha_x * r * cosf(phi), alpha_y * r * sinf(phi), 1.0f});
+    return normalize(Vec3{beckmann.alpha_x * r * cosf(phi), beckmann.alpha_y * r * sinf(phi),
+        1.0f});
+}
+
+// A normal with density D m.z.
+inline Vec3 weidlich_wilkie_round_beckmann_sample(WeidlichWilkieRoundBeckmann round_beckmann,
+    Vec2 u) {
+    return weidlich_wilkie_beckmann_sample(WeidlichWilkieBeckmann{round_beckmann.alpha,
+        round_beckmann.alpha}, u);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -422,7 +446,7 @@ inline Vec3 weidlich_wilkie_mirror(Vec3 wo, Vec3 m) {
 // like alpha / mu_o in the horizon. Those of all normals are at most 2.
 inline Vec3 weidlich_wilkie_sample_coat(const WeidlichWilkie& params, Vec3 wo, Vec2 u) {
     return weidlich_wilkie_mirror(wo,
-        weidlich_wilkie_sample_beckmann(params.alpha, params.alpha, u));
+        weidlich_wilkie_round_beckmann_sample(weidlich_wilkie_facets(params), u));
 }
 
 // cos(theta_i) / pi.
@@ -461,6 +485,12 @@ inline float weidlich_wilkie_base_pdf_leaving(Vec3 wi, Vec3 wo, float excess) {
         weidlich_wilkie_base_pdf(weidlich_wilkie_gather(wi, excess), wo), wi, wi_t, excess);
 }
 
+// Density of `sample` in 1/sr.
+inline float weidlich_wilkie_round_beckmann_density(WeidlichWilkieRoundBeckmann round_beckmann,
+    Vec3 m) {
+    return weidlich_wilkie_round_beckmann_D(round_beckmann, m) * m.z;
+}
+
 // Density of weidlich_wilkie_mirror in 1/sr, if m has the given density and cos_h = wo . m.
 inline float weidlich_wilkie_pdf_mirror(float density, float cos_h) {
     // Walter et al., Eq. 14
@@ -468,9 +498,9 @@ inline float weidlich_wilkie_pdf_mirror(float density, float cos_h) {
 }
 
 inline float weidlich_wilkie_pdf_coat(const WeidlichWilkie& params, Vec3 wi, Vec3 wo) {
-    Vec3 m = weidlich_wilkie_half_vector(wi, wo);
-    return weidlich_wilkie_pdf_mirror(weidlich_wilkie_D_beckmann_round(m, params.alpha) * m.z,
-        weidlich_wilkie_cos_half(wi, wo));
+    float density = weidlich_wilkie_round_beckmann_density(weidlich_wilkie_facets(params),
+        weidlich_wilkie_half_vector(wi, wo));
+    return weidlich_wilkie_pdf_mirror(density, weidlich_wilkie_cos_half(wi, wo));
 }
 
 // Density of weidlich_wilkie_sample in 1/sr.

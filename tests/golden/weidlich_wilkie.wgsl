@@ -42,10 +42,21 @@ struct WeidlichWilkie {
     base: WeidlichWilkieBase,  // what lies below; its indices are relative to the coat
 }
 
+// `Beckmann` facets of the same width in all directions.
+struct WeidlichWilkieRoundBeckmann {
+    alpha: f32,  // width of the slopes
+}
+
 // Which of two lobes a sample is taken from.
 struct WeidlichWilkieChoice {
     is_first: bool,  // Whether it is the first one
     u: vec2f,  // Fresh random numbers, made of those that chose
+}
+
+// Beckmann's facets: slopes with a normal distribution of variance alpha^2 / 2.
+struct WeidlichWilkieBeckmann {
+    alpha_x: f32,  // width of the slopes along x
+    alpha_y: f32,  // width of the slopes along y
 }
 
 // ---- evaluation ----------------------------------------------------------------------------
@@ -154,14 +165,19 @@ fn weidlich_wilkie_F_dielectric_entering(cos_theta: f32, eta: f32) -> f32 {
     return weidlich_wilkie_F_dielectric(cos_theta, 1.0 - cos_theta * cos_theta, eta, g2);
 }
 
-// `D_beckmann` for facets of the same width in all directions.
-fn weidlich_wilkie_D_beckmann_round(m: vec3f, alpha: f32) -> f32 {
+fn weidlich_wilkie_facets(params: WeidlichWilkie) -> WeidlichWilkieRoundBeckmann {
+    return WeidlichWilkieRoundBeckmann(params.alpha);
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 25.
+fn weidlich_wilkie_round_beckmann_D(round_beckmann: WeidlichWilkieRoundBeckmann,
+    m: vec3f) -> f32 {
     // Square of the cosine below which exp(-tan^2 / alpha^2) is 0 in any precision, for alpha up to 3.2.
     const COS2_MIN = 1.0e-6;
     const inv_pi = 0.31830987;
     let inv_cos2 = 1.0 / max(m.z * m.z, COS2_MIN);
     let tan2 = (m.x * m.x + m.y * m.y) * inv_cos2;
-    let a2 = alpha * alpha;
+    let a2 = round_beckmann.alpha * round_beckmann.alpha;
     return inv_pi / a2 * inv_cos2 * inv_cos2 * exp(-tan2 / a2);
 }
 
@@ -194,8 +210,8 @@ fn weidlich_wilkie_eval(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> vec3f {
         * (weidlich_wilkie_attenuation(tau, wi_t, wo_t) * through);
     let cos_h = weidlich_wilkie_cos_half(wi, wo);
     let coat = weidlich_wilkie_F_dielectric_entering(cos_h, params.eta)
-        * weidlich_wilkie_D_beckmann_round(weidlich_wilkie_half_vector(wi, wo), params.alpha)
-            * weidlich_wilkie_V(wi, wo);
+        * weidlich_wilkie_round_beckmann_D(weidlich_wilkie_facets(params),
+            weidlich_wilkie_half_vector(wi, wo)) * weidlich_wilkie_V(wi, wo);
     return below + coat;
 }
 
@@ -330,14 +346,21 @@ fn weidlich_wilkie_base_sample_leaving(wo: vec3f, u: vec2f, excess: f32) -> vec3
     return weidlich_wilkie_leave(weidlich_wilkie_base_sample(wo, u).wi, excess);
 }
 
-// A normal with density D_beckmann m.z. Walter et al., Eq. 28 and 29.
-fn weidlich_wilkie_sample_beckmann(alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
+// A normal with density D m.z. Walter et al., Eq. 28 and 29.
+fn weidlich_wilkie_beckmann_sample(beckmann: WeidlichWilkieBeckmann, u: vec2f) -> vec3f {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const RANDOM_MARGIN = 5.9604645e-8;
     const two_pi = 6.2831855;
     let r = sqrt(max(-log(max(1.0 - u.x, RANDOM_MARGIN)), 0.0));
     let phi = two_pi * u.y;
-    return normalize(vec3f(alpha_x * r * cos(phi), alpha_y * r * sin(phi), 1.0));
+    return normalize(vec3f(beckmann.alpha_x * r * cos(phi), beckmann.alpha_y * r * sin(phi), 1.0));
+}
+
+// A normal with density D m.z.
+fn weidlich_wilkie_round_beckmann_sample(round_beckmann: WeidlichWilkieRoundBeckmann,
+    u: vec2f) -> vec3f {
+    return weidlich_wilkie_beckmann_sample(WeidlichWilkieBeckmann(round_beckmann.alpha,
+        round_beckmann.alpha), u);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -351,7 +374,7 @@ fn weidlich_wilkie_mirror(wo: vec3f, m: vec3f) -> vec3f {
 // like alpha / mu_o in the horizon. Those of all normals are at most 2.
 fn weidlich_wilkie_sample_coat(params: WeidlichWilkie, wo: vec3f, u: vec2f) -> vec3f {
     return weidlich_wilkie_mirror(wo,
-        weidlich_wilkie_sample_beckmann(params.alpha, params.alpha, u));
+        weidlich_wilkie_round_beckmann_sample(weidlich_wilkie_facets(params), u));
 }
 
 // cos(theta_i) / pi.
@@ -392,6 +415,12 @@ fn weidlich_wilkie_base_pdf_leaving(wi: vec3f, wo: vec3f, excess: f32) -> f32 {
         weidlich_wilkie_base_pdf(weidlich_wilkie_gather(wi, excess), wo), wi, wi_t, excess);
 }
 
+// Density of `sample` in 1/sr.
+fn weidlich_wilkie_round_beckmann_density(round_beckmann: WeidlichWilkieRoundBeckmann,
+    m: vec3f) -> f32 {
+    return weidlich_wilkie_round_beckmann_D(round_beckmann, m) * m.z;
+}
+
 // Density of weidlich_wilkie_mirror in 1/sr, if m has the given density and cos_h = wo . m.
 fn weidlich_wilkie_pdf_mirror(density: f32, cos_h: f32) -> f32 {
     // Walter et al., Eq. 14
@@ -399,9 +428,9 @@ fn weidlich_wilkie_pdf_mirror(density: f32, cos_h: f32) -> f32 {
 }
 
 fn weidlich_wilkie_pdf_coat(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> f32 {
-    let m = weidlich_wilkie_half_vector(wi, wo);
-    return weidlich_wilkie_pdf_mirror(weidlich_wilkie_D_beckmann_round(m, params.alpha) * m.z,
-        weidlich_wilkie_cos_half(wi, wo));
+    let density = weidlich_wilkie_round_beckmann_density(weidlich_wilkie_facets(params),
+        weidlich_wilkie_half_vector(wi, wo));
+    return weidlich_wilkie_pdf_mirror(density, weidlich_wilkie_cos_half(wi, wo));
 }
 
 // Density of weidlich_wilkie_sample in 1/sr.

@@ -2,10 +2,10 @@
 
 from gonio.lang import Color, Float, Sample, Vec2, Vec3
 from gonio.model import Model, param
-from gonio.parts.distribution import ALPHA_MIN, D_ggx
+from gonio.parts.distribution import ALPHA_MIN, GGX
 from gonio.parts.frame import half_vector
 from gonio.parts.lobes import pdf_ggx_lobe, sample_ggx_lobe
-from gonio.parts.masking import V_smith_correlated_ggx
+from gonio.parts.masking import V_smith_correlated
 
 
 class ExactAnisotropicGgx(Model):
@@ -18,14 +18,14 @@ class ExactAnisotropicGgx(Model):
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """D G / (4 mu_i mu_o)."""
-        V = V_smith_correlated_ggx(wi, wo, self.alpha_x, self.alpha_y)
-        return self.f0 * D_ggx(half_vector(wi, wo), self.alpha_x, self.alpha_y) * V
+        V = V_smith_correlated(GGX(self.alpha_x, self.alpha_y), wi, wo)
+        return self.f0 * GGX(self.alpha_x, self.alpha_y).D(half_vector(wi, wo)) * V
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """Visible normals."""
-        wi = sample_ggx_lobe(wo, self.alpha_x, self.alpha_y, u)
+        wi = sample_ggx_lobe(GGX(self.alpha_x, self.alpha_y), wo, u)
         return Sample(wi, self.pdf(wi, wo))
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample`."""
-        return pdf_ggx_lobe(wi, wo, self.alpha_x, self.alpha_y)
+        return pdf_ggx_lobe(GGX(self.alpha_x, self.alpha_y), wi, wo)

@@ -2,10 +2,10 @@
 
 from gonio.lang import Color, Float, Sample, Vec2, Vec3, vec3
 from gonio.model import Model, param
-from gonio.parts.distribution import D_ggx
+from gonio.parts.distribution import RoundGGX
 from gonio.parts.frame import half_vector
 from gonio.parts.lobes import pdf_ggx_lobe, sample_ggx_lobe
-from gonio.parts.masking import V_smith_correlated_ggx
+from gonio.parts.masking import V_smith_correlated
 
 
 def back(w: Vec3) -> Vec3:
@@ -22,14 +22,14 @@ class Retroreflector(Model):
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """GGX with wi turned."""
         w = back(wi)
-        V = V_smith_correlated_ggx(w, wo, self.alpha, self.alpha)
-        return self.tint * D_ggx(half_vector(w, wo), self.alpha, self.alpha) * V
+        V = V_smith_correlated(RoundGGX(self.alpha), w, wo)
+        return self.tint * RoundGGX(self.alpha).D(half_vector(w, wo)) * V
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """Visible normals, turned."""
-        wi = back(sample_ggx_lobe(wo, self.alpha, self.alpha, u))
+        wi = back(sample_ggx_lobe(RoundGGX(self.alpha), wo, u))
         return Sample(wi, self.pdf(wi, wo))
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample`."""
-        return pdf_ggx_lobe(back(wi), wo, self.alpha, self.alpha)
+        return pdf_ggx_lobe(RoundGGX(self.alpha), back(wi), wo)

@@ -15,14 +15,14 @@ struct TorranceSparrow {
     vec3 f90;
 };
 
-vec3 torrance_sparrow_fresnel(float c, vec3 eta, vec3 k) {
+vec3 torrance_sparrow_fresnel(float c, float s2, vec3 eta, vec3 k) {
     float c2 = c * c;
-    float s2 = 1.0 - c2;
     // (a + i b)^2 = (eta + i k)^2 - s2, of absolute value ab2; contrast is the real part of (eta + i k)^2 - 1
     vec3 ek = eta * k;
     vec3 im2 = 4.0 * ek * ek;
     vec3 contrast = (eta - 1.0) * (eta + 1.0) - k * k;
-    vec3 w = contrast + c2;
+    // A small index leaves little of the contrast and c2 near the normal
+    vec3 w = c > 0.7 ? (eta - k) * (eta + k) - s2 : contrast + c2;
     vec3 ab2 = sqrt(w * w + im2);
     // The larger of a and b has no cancellation, and a b = eta k
     vec3 larger = sqrt(0.5 * max(ab2 + abs(w), vec3(1.0e-16)));
@@ -44,11 +44,13 @@ vec3 torrance_sparrow_eval(TorranceSparrow params, vec3 wi, vec3 wo) {
     float aspect2 = 1.0 - 0.9 * params.anisotropy;
     vec3 widths = vec3(a2 / aspect2, a2 * aspect2, 1.0);
 
+    vec3 apart = wi - wo;
+    float sin2_h = 0.25 * dot(apart, apart);
     vec3 h = wi + wo;
     float length2 = max(dot(h, h), 1.0e-36);
     float cos_h = 0.5 * sqrt(length2);
     // D is t^2 / (pi a2), with a half vector that is not normalised
     float t = length2 / dot(h * h, 1.0 / widths);
     float V = 0.5 / (wo.z * sqrt(dot(wi * wi, widths)) + wi.z * sqrt(dot(wo * wo, widths)));
-    return 0.3183098862 * t * t * V / a2 * torrance_sparrow_fresnel(cos_h, params.eta, params.k);
+    return 0.3183098862 * t * t * V / a2 * torrance_sparrow_fresnel(cos_h, sin2_h, params.eta, params.k);
 }
