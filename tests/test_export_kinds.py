@@ -156,7 +156,7 @@ SAME: dict[str, tuple[str, str, str]] = {
     ),
     "methods of NamedTuples": (
         "one, other = Pair(wi.z, 2), Other(wo.z)\n"
-        "        return self.rho * one.total(wo.z) * other.total(wi.z) * mean(one) * mean(other)",
+        "return self.rho * one.total(wo.z) * other.total(wi.z) * mean(one) * mean(other)",
         "",
         "class Pair(NamedTuple):\n    a: Float\n    b: Float\n\n    def total(self, pair, weight=2.0):\n"
         "        return self.half() + weight * self.b * pair\n\n    def half(self):\n"
