@@ -20,9 +20,10 @@ import drjit as dr
 from gonio import arrays, notebook, quadrature
 from gonio.claims import Claims
 from gonio.fields import ModelError, Option, Parameter, framework, shown
-from gonio.lang import MU_MIN, Color, Float, Sample, Vec2, Vec3, select, vec2, vec3
+from gonio.lang import MU_MIN, Color, Float, Sample, Vec2, Vec3, select, vec3
 from gonio.numeric_albedo import for_quadrature, mean_over_directions
 from gonio.parts.interface import gather, leave, pdf_leave, refract
+from gonio.quadrature import NumericAlbedo
 from gonio.suggestions import did_you_mean
 
 
@@ -116,16 +117,10 @@ class Model:
     """Models that it should not be confused with, by name, and in what they differ."""
     claims: ClassVar[Claims] = Claims()
     """What the model promises, for `gonio check`; strict unless a model says otherwise."""
-    albedo_rule: str = ""
-    """How `gonio.quadrature` finds albedos without a closed form: "angles", "half_vectors" or "mirror".
-
-    Without it, `gonio.numeric_albedo` finds the rule that fits; inside kernels it is then "angles".
-    """
+    numeric: NumericAlbedo = NumericAlbedo()
+    """How albedos without a closed form are found."""
     isotropic: ClassVar[bool] = True
     """False if turning both directions about the normal changes the value."""
-
-    symmetric: bool = False
-    """Whether the plane of wo is a mirror for the values, as `gonio.numeric_albedo` has found out."""
 
     float_type: Any = None
     """Number type of the kernel a bound copy lives in; None for the model that users hold."""
@@ -151,11 +146,9 @@ class Model:
                     declared.default = declared.check(cls.name, declared.default)
                 cls.fields[name] = declared
                 delattr(cls, name)
-        if cls.albedo_rule and cls.albedo_rule not in quadrature.RULES:
-            raise ModelError(
-                f"{cls.name}: albedo_rule={cls.albedo_rule!r} is not known; allowed are "
-                f"{', '.join(map(repr, quadrature.RULES))}."
-            )
+        quadrature.check_declared(
+            cls, lambda method: getattr(cls, method) is not vars(Model)[method]
+        )
         cls.description = inspect.cleandoc(vars(cls).get("__doc__") or cls.description)
         cls.__doc__ = "\n".join([cls.description, *_explained(cls.fields)])
         for name, guard in _GUARDS.items():
@@ -301,19 +294,19 @@ class Model:
         """Mean albedo (1/π) ∫ albedo(wo) μo dωo, shape (..., 3): closed form or quadrature."""
         return quadrature.mean_albedo(self)
 
-    def with_albedo_rule(self, rule: str, symmetric: bool = False) -> Self:
-        """A copy whose albedos without a closed form are found by one of `gonio.quadrature.RULES`.
-
-        symmetric: the values are the same on both sides of the plane of wo, which halves the work.
-        """
+    def with_numeric(self, numeric: NumericAlbedo) -> Self:
+        """A copy whose albedos without a closed form are found in another way."""
         copy = self.replace()
-        object.__setattr__(copy, "albedo_rule", rule)
-        object.__setattr__(copy, "symmetric", symmetric)
+        object.__setattr__(copy, "numeric", numeric)
         return copy
 
     def slope_widths(self) -> Vec2:
-        """Widths of the highlight's slopes along x and y, up to a factor; only `gonio.quadrature` asks."""
-        return vec2(1, 1)
+        """Widths of a `stretched` highlight's slopes along x and y, up to a factor."""
+        raise NotImplementedError
+
+    def eval_round(self, wi: Vec3, wo: Vec3) -> Color:
+        """The part of `eval` that is not stretched; for a numeric albedo with a `round_part`."""
+        raise NotImplementedError
 
     def parameters(self, prefix: str = "") -> Iterator[tuple[str, Parameter, Any]]:
         """Yield path, declaration and value of every parameter, those of inner models included."""
@@ -351,8 +344,7 @@ class Model:
                 value = value.bind(Float, convert, prefix=f"{prefix}{name}.")
             object.__setattr__(bound, name, value)
         object.__setattr__(bound, "float_type", Float)
-        object.__setattr__(bound, "albedo_rule", self.albedo_rule)
-        object.__setattr__(bound, "symmetric", self.symmetric)
+        object.__setattr__(bound, "numeric", self.numeric)
         if keep:
             self._bound[Float] = bound
         return bound
@@ -426,7 +418,7 @@ def _for_user(model: Model, method: Any, directions: tuple[Any, ...]) -> Any:
     if method is _NUMERIC_MEAN and (mean := mean_over_directions(model)) is not None:
         return mean
     if method is _NUMERIC_ALBEDO and framework(directions[0]) != "drjit":
-        if "numeric" not in model._bound or not model.albedo_rule:
+        if "numeric" not in model._bound or not model.numeric.rule:
             model._bound["numeric"] = for_quadrature(model, directions[0])
         model = model._bound["numeric"]
     return arrays.call(model, method.__name__, directions)

@@ -1,9 +1,9 @@
 """Albedos without a closed form, as users ask for them: many lanes at once, and never silently wrong.
 
 `gonio.quadrature` has three rules, each for lobes of another shape. A model says which one fits
-(`albedo_rule`); of a model that says nothing, the rule is found here by comparing all three with the
-model's own sampler, at some of the directions that are asked for. Where none agrees, a `Notice` says by
-how much they differ, and what to do.
+(`numeric = NumericAlbedo("mirror")`); of a model that says nothing, the rule is found here by comparing all
+three with the model's own sampler, at some of the directions that are asked for. Where none agrees, a
+`Notice` says by how much they differ, and what to do.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any, ClassVar, Protocol, Self, TypeVar
 
 import numpy as np
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 
 from gonio.fields import Parameter, framework, is_array
 from gonio.notices import notice
-from gonio.quadrature import RULES, mean_nodes
+from gonio.quadrature import RULES, NumericAlbedo, mean_nodes
 
 # Values of parameters up to which a mean is taken over an array of directions; more keep a machine busy by
 # themselves, and the directions take their turns in the kernel.
@@ -47,7 +48,7 @@ class Asked(Protocol):
 
     name: ClassVar[str]
     isotropic: ClassVar[bool]
-    albedo_rule: str
+    numeric: NumericAlbedo
 
     def parameters(self) -> Iterator[tuple[str, Parameter, Any]]:
         """Path, declaration and value of every parameter."""
@@ -55,8 +56,8 @@ class Asked(Protocol):
     def replace(self, **changed: Any) -> Self:
         """A copy with some parameters changed."""
 
-    def with_albedo_rule(self, rule: str, symmetric: bool = False) -> Self:
-        """A copy whose albedos are found by a rule."""
+    def with_numeric(self, numeric: NumericAlbedo) -> Self:
+        """A copy whose albedos are found in another way."""
 
     def eval(self, wi: Any, wo: Any) -> Any:
         """BRDF value in 1/sr."""
@@ -111,8 +112,8 @@ def for_quadrature(model: M, wo: Any) -> M:
     Gives a `Notice` where no rule agrees with the model's own sampler.
     """
     symmetric = not any(is_array(value) for _, _, value in model.parameters()) and _symmetric(model)
-    if model.albedo_rule:
-        return model.with_albedo_rule(model.albedo_rule, symmetric)
+    if model.numeric.rule:
+        return model.with_numeric(replace(model.numeric, symmetric=symmetric))
     return _with_fitting_rule(model, wo, symmetric)
 
 
@@ -139,18 +140,18 @@ def _with_fitting_rule(model: M, wo: Any, symmetric: bool) -> M:
     try:
         probes, parameters = _probes(model, wo)
     except TypeError:  # values that are not known yet, as inside jax.jit
-        return model.with_albedo_rule(next(iter(RULES)), symmetric)
+        return model.with_numeric(NumericAlbedo("angles", symmetric=symmetric))
     if not len(probes):
-        return model.with_albedo_rule(next(iter(RULES)), symmetric)
+        return model.with_numeric(NumericAlbedo("angles", symmetric=symmetric))
     probe = model.replace(**parameters)
     expected, error = _by_sampling(probe, probes)
     allowed = SPREAD * error + AGREEMENT * np.maximum(np.abs(expected), 0.1)
     misses = {}
     for rule in RULES:
-        found = np.asarray(probe.with_albedo_rule(rule).albedo(probes), np.float64)
+        found = np.asarray(probe.with_numeric(NumericAlbedo(rule)).albedo(probes), np.float64)
         miss = np.abs(found - expected) / allowed
         if np.isfinite(found).all() and (miss <= 1).all():
-            return model.with_albedo_rule(rule, symmetric)
+            return model.with_numeric(NumericAlbedo(rule, symmetric=symmetric))
         misses[rule] = (float(np.nan_to_num(miss, nan=np.inf, posinf=np.inf).max()), found)
     best = min(misses, key=lambda rule: misses[rule][0])
     found = misses[best][1]
@@ -159,10 +160,10 @@ def _with_fitting_rule(model: M, wo: Any, symmetric: bool) -> M:
     notice(
         f"{model.name}: the albedo is uncertain; at {angle:.1f} degrees quadrature gives "
         f"{_text(found[at])} and the model's own samples {_text(expected[at])}. Write a method albedo, "
-        f"name the rule that fits (albedo_rule = {' or '.join(map(repr, RULES))}), or let 'gonio check' "
-        "look for a wrong sampler."
+        f"name the rule that fits (numeric = NumericAlbedo(rule) of {', '.join(map(repr, RULES))}), or let "
+        "'gonio check' look for a wrong sampler."
     )
-    return model.with_albedo_rule(best, symmetric)
+    return model.with_numeric(NumericAlbedo(best, symmetric=symmetric))
 
 
 def _text(colour: NDArray[np.float64]) -> str:

@@ -1,4 +1,4 @@
-"""Numeric albedos, for models that have no closed form. A model's `albedo_rule` names one of three.
+"""Numeric albedos, for models that have no closed form. A model names one of three rules by `numeric`.
 
 angles: Gauss–Legendre in angles. θi is split at θo, and the azimuth into quarters measured from wo's,
 because that is where the published models have their kinks (max(θi, θo), and the sign of cos(φi − φo)).
@@ -19,23 +19,84 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol, Self
 
 import drjit as dr
 import numpy as np
 from numpy.typing import NDArray
 
+from gonio.fields import ModelError
 from gonio.lang import Color, Vec2, Vec3, cos, safe_acos, sin, sqrt, vec2, vec3
 from gonio.parts.frame import azimuth
+from gonio.suggestions import did_you_mean
+
+
+@dataclass(frozen=True)
+class NumericAlbedo:
+    """How the albedo of a model without a closed form is found; a model declares one as `numeric`.
+
+    Raises:
+        ModelError: a rule that does not exist, or parts that it does not ask for.
+    """
+
+    rule: str = ""
+    """"angles", "half_vectors" or "mirror". Without one, `gonio.numeric_albedo` finds the rule that fits;
+    inside kernels it is then "angles"."""
+    stretched: bool = False
+    """Whether the highlight has two widths, which the model's method `slope_widths` gives."""
+    round_part: bool = False
+    """Whether some of a stretched model is round; its method `eval_round` gives that part."""
+    symmetric: bool = False
+    """Whether the plane of wo is a mirror for the values; `gonio.numeric_albedo` finds it out."""
+
+    def __post_init__(self) -> None:
+        """Refuse what no rule can use."""
+        if self.rule and self.rule not in RULES:
+            raise ModelError(
+                f"NumericAlbedo: there is no rule {self.rule!r}; {did_you_mean(self.rule, RULES)}"
+                f"allowed are {', '.join(map(repr, RULES))}."
+            )
+        if self.stretched and self.rule != "half_vectors":
+            raise ModelError('NumericAlbedo: only the rule "half_vectors" can be stretched.')
+        if self.round_part and not self.stretched:
+            raise ModelError(
+                "NumericAlbedo: a round_part stands beside a stretched one; add stretched=True."
+            )
+
+
+def check_declared(cls: Any, own: Callable[[str], bool]) -> None:
+    """Whether what a class says of its numeric albedo fits together.
+
+    own: whether the class, or one above it, writes a method.
+
+    Raises:
+        ModelError: another type, a name that nothing asks for, a method that is missing or unannounced.
+    """
+    if not isinstance(cls.numeric, NumericAlbedo):
+        raise ModelError(
+            f'{cls.name}: numeric is a NumericAlbedo, such as NumericAlbedo("mirror"), got {cls.numeric!r}.'
+        )
+    for name, value in vars(cls).items():
+        if isinstance(value, NumericAlbedo) and name != "numeric":
+            raise ModelError(
+                f"{cls.name}: nothing asks for {name}; the albedo's rule is called numeric."
+            )
+    for announced, method in (("stretched", "slope_widths"), ("round_part", "eval_round")):
+        if getattr(cls.numeric, announced) != own(method):
+            has = "has no method" if getattr(cls.numeric, announced) else "has a method"
+            raise ModelError(
+                f"{cls.name} {has} {method}, which numeric albedos ask for with "
+                f'numeric = NumericAlbedo("half_vectors", {announced}=True).'
+            )
 
 
 class Reflecting(Protocol):
     """What the rules ask of a model bound to Dr.Jit values; `gonio.model.Model` has it."""
 
-    albedo_rule: str
+    numeric: NumericAlbedo
     isotropic: ClassVar[bool]
     float_type: Any
-    symmetric: bool
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """BRDF value in 1/sr."""
@@ -44,7 +105,10 @@ class Reflecting(Protocol):
         """Directional albedo."""
 
     def slope_widths(self) -> Vec2:
-        """Widths of the highlight's slopes along x and y, up to a factor."""
+        """Widths of the highlight's slopes along x and y, up to a factor; of a `stretched` one."""
+
+    def eval_round(self, wi: Vec3, wo: Vec3) -> Color:
+        """The part of `eval` that is not stretched; asked for where there is a `round_part`."""
 
     def bind(self, Float: Any, convert: Callable[[str, Any, Any], Any]) -> Self:
         """A copy whose parameters are converted."""
@@ -122,7 +186,7 @@ def _sum(table: tuple[Any, ...], term: Callable[..., Color], zero: Color, label:
 
 def directional_albedo(model: Reflecting, wo: Vec3) -> Color:
     """∫ f μi dωi over the upper hemisphere, for a model that is already bound to Dr.Jit values."""
-    return RULES[model.albedo_rule or "angles"](model, wo)
+    return RULES[model.numeric.rule or "angles"](model, wo)
 
 
 def _by_angles(model: Reflecting, wo: Vec3) -> Color:
@@ -181,16 +245,16 @@ def _by_half_vectors(model: Reflecting, wo: Vec3) -> Color:
     wo = _double(wo)
     wo = vec3(wo.x, wo.y, dr.maximum(wo.z, HORIZON))
     model = model.bind(type(wo.z), lambda path, declared, value: _double(value))
-    widths = model.slope_widths()
-    eval_round = getattr(model, "eval_round", None)
-    if eval_round is None:
+    widths = model.slope_widths() if model.numeric.stretched else vec2(1, 1)
+    symmetric = model.numeric.symmetric
+    if not model.numeric.round_part:
         # Azimuths are spread in the plane of slopes over the root of their widths: the lobe becomes
         # rounder, and what is round becomes elliptic by no more than that
-        return single(_over_half_vectors(model.eval, wo, sqrt(widths), model.symmetric))
+        return single(_over_half_vectors(model.eval, wo, sqrt(widths), symmetric))
     total = _over_half_vectors(
-        lambda i, o: model.eval(i, o) - eval_round(i, o), wo, widths, model.symmetric
+        lambda i, o: model.eval(i, o) - model.eval_round(i, o), wo, widths, symmetric
     )
-    return single(total + _over_half_vectors(eval_round, wo, vec2(1, 1), model.symmetric))
+    return single(total + _over_half_vectors(model.eval_round, wo, vec2(1, 1), symmetric))
 
 
 def _over_half_vectors(
@@ -325,4 +389,4 @@ RULES: dict[str, Callable[[Any, Vec3], Color]] = {
     "half_vectors": _by_half_vectors,
     "mirror": _around_mirror,
 }
-"""How an albedo is found, by the name that a model gives in `albedo_rule`."""
+"""How an albedo is found, by the name that `NumericAlbedo` has."""

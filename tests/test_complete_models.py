@@ -21,6 +21,7 @@ from gonio.parts import lobes
 from gonio.parts.distribution import RoundGGX, pdf_visible
 from gonio.parts.frame import mirror
 from gonio.parts.fresnel import schlick_complement
+from gonio.quadrature import NumericAlbedo
 
 # Away from the horizon and in double precision the formulas as they are printed keep ten digits.
 PRINTED = 1e-9
@@ -571,7 +572,7 @@ FOLD_EDGE = 1e-3
 class FoldedGGX(Model, register=False):
     """The GGX lobe of the mixtures by itself."""
 
-    albedo_rule = "half_vectors"
+    numeric = NumericAlbedo("half_vectors")
     alpha: Float = gonio.param(0.5, 1e-4, 1, "width")
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 from typing import Any
 
 import drjit as dr
@@ -27,12 +28,14 @@ from gonio.lang import (
     power,
     sin,
     sqrt,
+    vec2,
     vec3,
 )
 from gonio.model import Model, param
 from gonio.notices import Notice
 from gonio.parts.frame import azimuth
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
+from gonio.quadrature import NumericAlbedo
 
 UP = np.array([[0.0, 0.0, 1.0]])
 
@@ -102,14 +105,38 @@ def test_an_albedo_that_disagrees_with_the_sampler_is_noticed_with_the_cure() ->
 def test_the_first_rule_alone_would_be_wrong_in_silence() -> None:
     tilted = polar(0.7, 1.0)
     assert Lobe(n=5000).albedo(tilted)[0] == pytest.approx(1, abs=1e-3)
-    assert abs(Lobe(n=5000).with_albedo_rule("angles").albedo(tilted)[0] - 1) > 0.02
+    assert abs(Lobe(n=5000).with_numeric(NumericAlbedo("angles")).albedo(tilted)[0] - 1) > 0.02
 
 
-def test_a_rule_that_does_not_exist_is_refused_when_the_class_is_made() -> None:
-    with pytest.raises(ModelError, match="albedo_rule='half_vector' is not known; allowed are"):
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        (
+            "numeric = NumericAlbedo('half_vector')",
+            "no rule 'half_vector'; did you mean 'half_vectors'",
+        ),
+        ("numeric = 'mirror'", "numeric is a NumericAlbedo"),
+        ("numerik = NumericAlbedo('mirror')", "nothing asks for numerik"),
+        ("numeric = NumericAlbedo('mirror', stretched=True)", 'only the rule "half_vectors"'),
+        ("numeric = NumericAlbedo('half_vectors', round_part=True)", "add stretched=True"),
+        ("numeric = NumericAlbedo('half_vectors', stretched=True)", "has no method slope_widths"),
+        ("def slope_widths(self):\n        return vec2(1, 1)", "has a method slope_widths"),
+        ("def eval_round(self, wi, wo):\n        return 0", "has a method eval_round"),
+    ],
+)
+def test_a_slip_in_what_is_declared_is_refused_when_the_class_is_made(
+    body: str, words: str
+) -> None:
+    text = f"class Wrong(Lobe, register=False):\n    {body}\n"
+    with pytest.raises(ModelError, match=words):
+        exec(
+            text, {"Lobe": Lobe, "NumericAlbedo": NumericAlbedo, "vec2": vec2, "__name__": "wrong"}
+        )
 
-        class Wrong(Lobe, register=False):
-            albedo_rule = "half_vector"
+
+def test_an_option_that_does_not_exist_is_pythons_error() -> None:
+    with pytest.raises(TypeError, match="streched"):
+        NumericAlbedo("half_vectors", streched=True)  # type: ignore[call-arg]
 
 
 def test_what_is_no_mirror_image_of_itself_is_not_halved() -> None:
@@ -118,7 +145,7 @@ def test_what_is_no_mirror_image_of_itself_is_not_halved() -> None:
     np.testing.assert_allclose(Chiral().albedo(turned)[0], 0.2 * np.pi, rtol=SINGLE_LONG)
 
     class ChiralHighlight(Chiral, register=False):
-        albedo_rule = "half_vectors"
+        numeric = NumericAlbedo("half_vectors")
 
     np.testing.assert_allclose(ChiralHighlight().albedo(turned)[0], 0.2 * np.pi, rtol=1e-3)
 
@@ -130,7 +157,7 @@ def test_what_is_no_mirror_image_of_itself_is_not_halved() -> None:
 def test_half_the_azimuths_give_the_albedo_of_all(name: str, parameters: dict[str, Any]) -> None:
     model = gonio.model(name, **parameters)
     wo = np.stack([polar(t, p) for t, p in ((0, 0), (0.7, 1.0), (1.5, 4.0))])
-    full = model.with_albedo_rule(model.albedo_rule)
+    full = model.with_numeric(replace(model.numeric, symmetric=False))
     np.testing.assert_allclose(model.albedo(wo), full.albedo(wo), rtol=SINGLE)
 
 

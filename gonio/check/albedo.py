@@ -78,7 +78,7 @@ def _directional(subject: Subject, effort: Effort) -> Finding:
         if not np.isnan(own[row]).any():
             verdict = NOTE
             text = (
-                f"gonio's quadrature errs by this, not the model: another albedo_rule may fit better, or "
+                f"gonio's quadrature errs by this, not the model: another rule may fit better, or "
                 f"numeric_albedo=at_most({measured:.1g}) in its claims tells users"
             )
     elif verdict == PASS and float(error[row]) > BLURRED:

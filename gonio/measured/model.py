@@ -43,6 +43,7 @@ from gonio.measured.tabulate import ALBEDOS, AZIMUTHS, BINS, ROWS, Tables, tabul
 from gonio.model import Model, param
 from gonio.parts.frame import azimuth, cos_half, half_vector, mirror, pdf_mirror
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
+from gonio.quadrature import NumericAlbedo
 
 # A length below which an azimuth means nothing.
 TINY = 1e-20
@@ -79,7 +80,7 @@ class MeasuredIsotropic(Model, register=False):
         "its tables need buffers, which exported shaders do not have; export a model fitted to it"
     )
     scale: Color = param((1.0, 1.0, 1.0), 0, 10, "multiplies what was measured")
-    albedo_rule = "half_vectors"
+    numeric = NumericAlbedo("half_vectors")
     tables: ClassVar[Tables]
     values: ClassVar[Table]
     density: ClassVar[Table]

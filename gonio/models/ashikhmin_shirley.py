@@ -38,6 +38,7 @@ from gonio.parts.lobes import average, choose, shares
 from gonio.parts.masking import V_MAX
 from gonio.parts.roughness import at_most_blinn_phong
 from gonio.parts.special import expm1, log1p_over
+from gonio.quadrature import NumericAlbedo
 
 # Eq. 5: 28 / 23 makes the diffuse part of a black highlight lose nothing.
 DIFFUSE = 28 / 23
@@ -46,7 +47,7 @@ DIFFUSE = 28 / 23
 class AshikhminShirley(Model):
     """Brushed metal and varnished wood by two exponents. Reciprocal."""
 
-    albedo_rule = "half_vectors"
+    numeric = NumericAlbedo("half_vectors", stretched=True, round_part=True)
     isotropic = False
 
     rho: Color = param((0.5, 0.5, 0.5), 0, 1, "diffuse reflectance R_d, linear RGB")

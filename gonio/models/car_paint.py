@@ -49,6 +49,7 @@ from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, sh
 from gonio.parts.metals import metal
 from gonio.parts.roughness import at_least_alpha
 from gonio.parts.tilt import flake_normal, from_tilted, seen, to_tilted
+from gonio.quadrature import NumericAlbedo
 
 CHROMIUM = metal("Cr", neutral=True)
 
@@ -60,7 +61,7 @@ COAT_SHARE_MIN = 0.1
 class CarPaint(Model):
     """One flake's worth of metallic paint; a map of flakes makes it sparkle. Reciprocal."""
 
-    albedo_rule = "half_vectors"
+    numeric = NumericAlbedo("half_vectors")
     isotropic = False
 
     eta: Float = param(1.5, 1, 3, "index of the clear coat")

@@ -31,6 +31,7 @@ from gonio.parts.hemisphere import pdf_cosine, pdf_uniform, sample_cosine, sampl
 from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, shares
 from gonio.parts.masking import V_smith
 from gonio.parts.roughness import at_least_perceptual
+from gonio.quadrature import NumericAlbedo
 
 # The reference code's numbers: smallest width of the highlight, F0 at specular 1, and for the clearcoat
 # its widths without and with gloss, that of its masking, F0 (index 1.5), and strength.
@@ -51,7 +52,7 @@ LUMINANCE_MIN = 1e-18
 class Disney(Model):
     """Artists' model of cloth, plastic, metal and lacquer. Reciprocal; gains energy at grazing angles."""
 
-    albedo_rule = "half_vectors"
+    numeric = NumericAlbedo("half_vectors", stretched=True, round_part=True)
     isotropic = False
 
     base_color: Color = param((0.8, 0.8, 0.8), 0, 1, "surface colour, linear RGB")

@@ -16,6 +16,7 @@ from gonio.parts.lobes import average, shares
 from gonio.parts.masking import V_smith, V_smith_correlated
 from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
 from gonio.parts.roughness import at_least_perceptual
+from gonio.quadrature import NumericAlbedo
 
 # Reflectance of every dielectric at normal incidence.
 F0_DIELECTRIC = 0.04
@@ -24,7 +25,7 @@ F0_DIELECTRIC = 0.04
 class MetallicRoughness(Model):
     """Diffuse below a GGX highlight, which takes its share of the light facet by facet. Reciprocal."""
 
-    albedo_rule = "half_vectors"
+    numeric = NumericAlbedo("half_vectors")
 
     base_color: Color = param((0.8, 0.8, 0.8), 0, 1, "diffuse colour, or F0 of metals, linear RGB")
     metallic: Float = param(0, 0, 1, "0 for dielectrics, 1 for metals")

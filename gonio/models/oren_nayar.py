@@ -28,6 +28,7 @@ from gonio.model import Model, param
 from gonio.parts import cltc
 from gonio.parts.frame import tangential_cross, tangential_dot
 from gonio.parts.oren_nayar import qualitative_coefficients
+from gonio.quadrature import NumericAlbedo
 
 # Smallest product of squared sines that is divided by. Directions nearer to the normal have no
 # azimuth that matters, and the reciprocal's derivative still fits into a float32.
@@ -42,7 +43,7 @@ K_MEAN = 0.027764286107928
 class OrenNayar(Model):
     """Rough diffuse from V-shaped grooves, single and double scattering. Reciprocal; loses energy."""
 
-    albedo_rule = "angles"
+    numeric = NumericAlbedo("angles")
 
     rho: Color = param((0.8, 0.8, 0.8), 0, 1, "albedo of the facets, linear RGB")
     sigma: Float = param(0.5, 0, PI / 2, "standard deviation of the facet angle, radians")

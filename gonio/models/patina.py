@@ -49,6 +49,7 @@ from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, sh
 from gonio.parts.metals import metal
 from gonio.parts.roughness import at_least_alpha
 from gonio.parts.special import sum3
+from gonio.quadrature import NumericAlbedo
 
 COPPER, CUPRITE = metal("Cu"), metal("Cu2O", neutral=True)
 
@@ -59,7 +60,7 @@ TRANSITION_MIN = 1e-3
 class Patina(Model):
     """Copper under a growing green layer of cuprite. Reciprocal."""
 
-    albedo_rule = "half_vectors"
+    numeric = NumericAlbedo("half_vectors")
 
     growth: Float = param(0.5, 0, 1, "the map: where it is dark, the patina grows first")
     extent: Float = param(0.45, -1, 2, "from -transition (bare) to 1 + transition (closed)")

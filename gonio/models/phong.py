@@ -38,6 +38,7 @@ from gonio.parts.hemisphere import pdf_cosine, sample_cosine
 from gonio.parts.lobes import average, choose, shares
 from gonio.parts.roughness import at_most_phong
 from gonio.parts.special import expm1, log1p
+from gonio.quadrature import NumericAlbedo
 
 # Smallest cosine whose logarithm is taken: its reciprocal, the derivative, still is a float32.
 COS_MIN = 1e-37
@@ -99,7 +100,7 @@ def pdf_lobe(wi: Vec3, wo: Vec3, exponent: Float) -> Float:
 class Phong(Model):
     """Diffuse with a round highlight around the mirror direction, the classic of computer graphics."""
 
-    albedo_rule = "mirror"
+    numeric = NumericAlbedo("mirror")
 
     rho: Color = param((0.5, 0.5, 0.5), 0, 1, "albedo of the diffuse term, linear RGB")
     specular: Color = param((0.3, 0.3, 0.3), 0, 1, "weight of the highlight, linear RGB")

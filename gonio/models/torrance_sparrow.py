@@ -42,6 +42,7 @@ from gonio.parts.hemisphere import pdf_grazing, sample_grazing
 from gonio.parts.lobes import pdf_ggx_lobe, sample_ggx_lobe
 from gonio.parts.metals import metal
 from gonio.parts.roughness import at_least_alpha
+from gonio.quadrature import NumericAlbedo
 
 GOLD = metal("Au")
 
@@ -67,7 +68,7 @@ GROOVES = ("cook_torrance", "kelemen")
 class TorranceSparrow(Model):
     """Rough metal, or the reflection of a rough dielectric. Reciprocal; loses energy when rough."""
 
-    albedo_rule = "half_vectors"
+    numeric = NumericAlbedo("half_vectors", stretched=True)
     isotropic = False
 
     alpha: Float = param(

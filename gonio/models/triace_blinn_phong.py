@@ -19,12 +19,13 @@ from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
 from gonio.parts.oren_nayar import s_over_t_fujii
 from gonio.parts.roughness import at_most_blinn_phong
 from gonio.parts.triace import blinn_phong_highlight
+from gonio.quadrature import NumericAlbedo
 
 
 class TriAceBlinnPhong(Model):
     """Lambert under a Blinn-Phong highlight with Schlick's Fresnel. Reciprocal."""
 
-    albedo_rule = "half_vectors"
+    numeric = NumericAlbedo("half_vectors")
 
     rho: Color = param((0.5, 0.5, 0.5), 0, 1, "diffuse albedo R_d, linear RGB")
     f0: Color = param((0.04, 0.04, 0.04), 0, 1, "reflectance at normal incidence, linear RGB")

@@ -46,6 +46,7 @@ from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, sh
 from gonio.parts.oren_nayar import s_over_t_fujii
 from gonio.parts.roughness import at_most_blinn_phong
 from gonio.parts.triace import blinn_phong_highlight
+from gonio.quadrature import NumericAlbedo
 
 # Smallest share of the samples that a highlight gets: it bounds their weights.
 LOBE_SHARE_MIN = 0.1
@@ -63,7 +64,7 @@ class BottomFresnel(NamedTuple):
 class TriAceLayered(Model):
     """A glossy layer over a glossy and matte one, with absorption between. Reciprocal."""
 
-    albedo_rule = "half_vectors"
+    numeric = NumericAlbedo("half_vectors")
 
     top_eta: Float = param(1.33333, 1, 3, "index n1 of the upper layer")
     top_shininess: Float = param(

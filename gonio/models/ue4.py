@@ -18,6 +18,7 @@ from gonio.parts.lobes import average, shares
 from gonio.parts.masking import V_schlick, schlick_k_ggx, schlick_k_ue4
 from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
 from gonio.parts.roughness import at_least_perceptual
+from gonio.quadrature import NumericAlbedo
 
 # F0 of a dielectric with specular = 1; the default of 0.5 gives 0.04.
 F0_SPECULAR = 0.08
@@ -26,7 +27,7 @@ F0_SPECULAR = 0.08
 class UE4(Model):
     """Lambert plus a GGX highlight, simply added. Reciprocal; white dielectrics gain energy."""
 
-    albedo_rule = "half_vectors"
+    numeric = NumericAlbedo("half_vectors")
 
     base_color: Color = param((0.8, 0.8, 0.8), 0, 1, "diffuse colour, or F0 of metals, linear RGB")
     metallic: Float = param(0, 0, 1, "0 for dielectrics, 1 for metals")

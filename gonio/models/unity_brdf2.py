@@ -15,6 +15,7 @@ from gonio.parts.frame import cos_half, half_vector
 from gonio.parts.lobes import average, shares
 from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
 from gonio.parts.roughness import at_least_perceptual
+from gonio.quadrature import NumericAlbedo
 
 # Unity's dielectric reflectance (linear colour space).
 F0_DIELECTRIC = 0.04
@@ -27,7 +28,7 @@ D_UNITY = 1e-5
 class UnityBRDF2(Model):
     """Lambert plus a highlight without masking and Fresnel. Reciprocal; gains energy."""
 
-    albedo_rule = "half_vectors"
+    numeric = NumericAlbedo("half_vectors")
 
     base_color: Color = param((0.8, 0.8, 0.8), 0, 1, "diffuse colour, or F0 of metals, linear RGB")
     metallic: Float = param(0, 0, 1, "0 for dielectrics, 1 for metals")

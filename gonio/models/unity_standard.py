@@ -20,6 +20,7 @@ from gonio.parts.fresnel import schlick_weight, schlick_weight_half
 from gonio.parts.lobes import average, shares
 from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
 from gonio.parts.roughness import at_least_perceptual
+from gonio.quadrature import NumericAlbedo
 
 # Unity's dielectric reflectance (linear colour space), and its lower limit of alpha.
 F0_DIELECTRIC = 0.04
@@ -29,7 +30,7 @@ ALPHA_UNITY = 0.002
 class UnityStandard(Model):
     """Burley diffuse plus a GGX highlight with a cheaper Smith term. Reciprocal; gains energy."""
 
-    albedo_rule = "half_vectors"
+    numeric = NumericAlbedo("half_vectors")
 
     base_color: Color = param((0.8, 0.8, 0.8), 0, 1, "diffuse colour, or F0 of metals, linear RGB")
     metallic: Float = param(0, 0, 1, "0 for dielectrics, 1 for metals")

@@ -15,6 +15,7 @@ from gonio.parts.hemisphere import pdf_cosine, sample_cosine
 from gonio.parts.lobes import average, choose, shares
 from gonio.parts.masking import V_MAX
 from gonio.parts.roughness import at_least_alpha
+from gonio.quadrature import NumericAlbedo
 
 # Smallest width. Both are free, and no quadrature resolves a lobe 1,000 times as long as it is wide.
 ALPHA_WARD = 0.005
@@ -23,7 +24,7 @@ ALPHA_WARD = 0.005
 class Ward(Model):
     """Brushed metal and lacquer, as many measurements were fitted. Reciprocal."""
 
-    albedo_rule = "half_vectors"
+    numeric = NumericAlbedo("half_vectors", stretched=True, round_part=True)
     isotropic = False
 
     rho: Color = param((0.3, 0.3, 0.3), 0, 1, "diffuse albedo, linear RGB")

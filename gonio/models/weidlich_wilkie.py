@@ -37,6 +37,7 @@ from gonio.parts.masking import (
     V_smith_correlated,
 )
 from gonio.parts.roughness import at_least_alpha
+from gonio.quadrature import NumericAlbedo
 
 # The coat gets at least a tenth as many samples as the base: facets reflect more than the mean surface
 # where they are tilted, and this bounds their weight.
@@ -46,7 +47,7 @@ COAT_SHARE_MIN = 0.1
 class WeidlichWilkie(Model):
     """A clear, tinted coat over any base; nest it for more layers. Reciprocal if the base is."""
 
-    albedo_rule = "half_vectors"
+    numeric = NumericAlbedo("half_vectors")
 
     eta: Float = param(1.5, 1, 3, "index of the coat over that of the medium above it")
     alpha: Float = param(

@@ -6,13 +6,14 @@ from gonio.parts.distribution import ALPHA_MIN, RoundGGX
 from gonio.parts.frame import half_vector
 from gonio.parts.lobes import pdf_ggx_lobe, sample_ggx_lobe
 from gonio.parts.masking import V_smith_correlated
+from gonio.quadrature import NumericAlbedo
 
 
 class SharpDensity(Model):
     """White facets."""
 
     alpha: Float = param(0.3, ALPHA_MIN, 1, "slope width")
-    albedo_rule = "half_vectors"
+    numeric = NumericAlbedo("half_vectors")
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """D G / (4 mu_i mu_o)."""

@@ -6,6 +6,7 @@ from gonio.parts.distribution import ALPHA_MIN, GGX
 from gonio.parts.frame import half_vector
 from gonio.parts.lobes import pdf_ggx_lobe, sample_ggx_lobe
 from gonio.parts.masking import V_smith_correlated
+from gonio.quadrature import NumericAlbedo
 
 
 class SwappedWidths(Model):
@@ -13,7 +14,7 @@ class SwappedWidths(Model):
 
     alpha_x: Float = param(0.3, ALPHA_MIN, 1, "slope width along x")
     alpha_y: Float = param(0.3, ALPHA_MIN, 1, "slope width along y")
-    albedo_rule = "half_vectors"
+    numeric = NumericAlbedo("half_vectors", stretched=True)
     isotropic = False
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:

@@ -3,6 +3,7 @@
 from gonio.claims import Claims
 from gonio.lang import Color, Float, Sample, Vec2, Vec3, clamp, lerp, select, vec2
 from gonio.model import Model, child, param
+from gonio.quadrature import NumericAlbedo
 
 
 class TwoChildren(Model):
@@ -11,7 +12,7 @@ class TwoChildren(Model):
     first: Model = child("qon", "one of them")
     second: Model = child("torrance_sparrow", "the other one")
     cover: Float = param(0.3, 0.05, 0.95, "part of the second")
-    albedo_rule = "half_vectors"
+    numeric = NumericAlbedo("half_vectors")
     isotropic = False
     claims = Claims()
 

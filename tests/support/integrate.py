@@ -108,9 +108,9 @@ def mirror_rule(theta_o: float, nodes: int = NODES) -> tuple[Array, Array]:
 
 def rule_for(model: Any, theta_o: float, nodes: int = NODES) -> tuple[Array, Array]:
     """The rule that fits a model."""
-    if model.albedo_rule == "angles":
+    if model.numeric.rule == "angles":
         return hemisphere_rule(theta_o, nodes)
-    if model.albedo_rule == "mirror":
+    if model.numeric.rule == "mirror":
         return mirror_rule(theta_o, nodes + 12)
     stretch = getattr(model, "anisotropy", getattr(model, "anisotropic", 0.0))
     # Half way between a stretched lobe and a round one, so that both stay resolved

@@ -31,7 +31,7 @@ def kink_error(cls: type[Model], choice: Mapping[str, str], parameters: Mapping[
     options = chosen(cls, choice)
     error = 0.0
     places = {k.place for k in cls.claims.known_kinks(options) if k.kind != "jump"}
-    if places - FORESEEN[cls.albedo_rule]:
+    if places - FORESEEN[cls.numeric.rule]:
         error = ACROSS_A_KINK
     if options.get("masking") == "smith_walter":
         error = max(error, WALTER)
