@@ -10,6 +10,7 @@ from support.tolerances import SINGLE
 
 import gonio
 from gonio.bench import BenchError, bench, command, kernels, native, pairs, pictures, startup
+from gonio.bench.exported_loop import ExportedLoop
 from gonio.bench.report import GENERATED, Column, Report, Section, goal_text, milliseconds
 from gonio.bench.timing import alternate, stopwatch
 from gonio.fields import Parameter
@@ -328,10 +329,22 @@ def test_a_goal_says_whether_it_is_met(text, value, bounds):
 # ------------------------------------------------------------------------------------ the command
 
 
+class TwinLoop:
+    """The model itself in place of its export, so that nothing is compiled."""
+
+    def __init__(self, label, model):
+        self.model = model
+
+    def eval(self, wi, wo, threads):
+        value = self.model.eval(np.stack(wi, -1), np.stack(wo, -1))
+        return native.Timed(1e-3, np.ascontiguousarray(value.T))
+
+
 @needs_llvm
 def test_bench_measures_what_was_asked_for(monkeypatch, tmp_path):
     monkeypatch.setattr(native, "compile_baseline", Twin)
     monkeypatch.setattr(native, "_find_compiler", lambda: ["echo"])
+    monkeypatch.setattr(pairs, "ExportedLoop", TwinLoop)
     told = []
     output = tmp_path / "performance.md"
     found = bench(pairs=128, repeat=1, rows=["eon"], output=output, progress=told.append)
@@ -415,3 +428,16 @@ def test_sections_are_known_by_name():
     assert (sections, models) == ({"numpy"}, None)
     sections, models = command._chosen(["fon"], Twin())
     assert (sections, models) == ({"eval", "sample"}, {"fon"})
+
+
+def test_the_loop_over_an_export_computes_what_the_model_does():
+    model = gonio.model("weidlich_wilkie", alpha=0.3, sigma_a=(0.1, 0.5, 0.2))
+    given = pairs.random_pairs(3000)
+    found = ExportedLoop("coat", model).eval(given.wi, given.wo, threads=2)
+    expected = model.eval(np.stack(given.wi, -1), np.stack(given.wo, -1))
+    assert found.seconds > 0
+    assert pairs.difference(found.value, np.ascontiguousarray(expected.T)) < pairs.TOLERANCE
+    # Another parameter would be seen
+    other = gonio.model("weidlich_wilkie", alpha=0.31, sigma_a=(0.1, 0.5, 0.2))
+    wrong = other.eval(np.stack(given.wi, -1), np.stack(given.wo, -1))
+    assert pairs.difference(found.value, np.ascontiguousarray(wrong.T)) > 10 * pairs.TOLERANCE

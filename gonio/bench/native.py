@@ -144,7 +144,7 @@ class Baseline:
         n = _common_length(inputs)
         out = np.empty((outputs, n), np.float32)
         c_parameters = (ctypes.c_float * len(parameters))(*parameters)
-        c_inputs, c_outputs = _pointers(inputs), _pointers(list(out))
+        c_inputs, c_outputs = pointers(inputs), pointers(list(out))
 
         def once() -> float:
             seconds = self._c.baseline_run(
@@ -165,20 +165,28 @@ class Baseline:
 @cache
 def compile_baseline() -> Baseline:
     """Compile the baseline, or load what an earlier call with this source and machine left."""
-    compiler = _find_compiler()
-    source = SOURCE.read_bytes()
+    return Baseline(compiled_library(SOURCE, FLAGS, "baseline"))
+
+
+def compiled_library(source: Path, flags: Sequence[str], name: str) -> Path:
+    """A library made of one C++ file, or what an earlier call with this text and machine left.
+
+    Raises:
+        RuntimeError: there is no compiler, or it refuses the file.
+    """
+    command = [*_find_compiler(), *flags]
     # The predefined macros hold the compiler's version and, by -march=native, the CPU's features.
-    macros = _compile([*compiler, *FLAGS, "-dM", "-E", "-x", "c++", os.devnull])
-    key = hashlib.sha256(b"\0".join([source, shlex.join([*compiler, *FLAGS]).encode(), macros]))
-    library = _cache_folder() / f"baseline-{key.hexdigest()[:20]}.so"
+    macros = _compile([*command, "-dM", "-E", "-x", "c++", os.devnull])
+    key = hashlib.sha256(b"\0".join([source.read_bytes(), shlex.join(command).encode(), macros]))
+    library = _cache_folder() / f"{name}-{key.hexdigest()[:20]}.so"
     if not library.exists():
         library.parent.mkdir(parents=True, exist_ok=True)
         # Compiled elsewhere and renamed, so that no other process loads half a file.
         with tempfile.TemporaryDirectory(dir=library.parent) as folder:
             unfinished = Path(folder) / library.name
-            _compile([*compiler, *FLAGS, str(SOURCE), "-o", str(unfinished)])
+            _compile([*command, str(source), "-o", str(unfinished)])
             unfinished.replace(library)
-    return Baseline(library)
+    return library
 
 
 def _find_compiler() -> list[str]:
@@ -238,5 +246,6 @@ def _common_length(arrays: Sequence[Floats]) -> int:
     return n
 
 
-def _pointers(arrays: Sequence[Floats]) -> "ctypes.Array[ctypes.c_void_p]":
+def pointers(arrays: Sequence[Floats]) -> "ctypes.Array[ctypes.c_void_p]":
+    """Addresses of the arrays, for C; they must live on."""
     return (ctypes.c_void_p * len(arrays))(*(array.ctypes.data for array in arrays))

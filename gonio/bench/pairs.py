@@ -12,6 +12,7 @@ import numpy as np
 
 import gonio
 from gonio.bench import native
+from gonio.bench.exported_loop import ExportedLoop
 from gonio.bench.kernels import changed_copies, launched, moved_bytes, needed_again
 from gonio.bench.native import Baseline, Directions, Floats
 from gonio.bench.report import (
@@ -177,6 +178,11 @@ def _agree(label: str, quantity: str, ours: Floats, theirs: Floats) -> float:
     return found
 
 
+_EXPORTED = (
+    Column("exported_seconds", "export, ms", milliseconds),
+    Column("exported_ratio", "× export", ratio),
+)
+
 _COLUMNS = (
     Column("row", "row"),
     Column("calls_seconds", "C++ calls, ms", milliseconds),
@@ -189,6 +195,11 @@ _COLUMNS = (
     Column("bytes_per_pair", "bytes/pair"),
     Column("bandwidth_share", "of bandwidth", percent),
     Column("difference", "max. difference", lambda d: f"{d:.1e}"),
+)
+
+_PEER = (
+    "Export: the model's own C++ export in a loop that g++ vectorises (-Ofast -march=native, on the same "
+    "threads; gonio/bench/exported_loop.py shows how), the strongest peer of the arrays."
 )
 
 _HOW = (
@@ -229,15 +240,25 @@ def eval_section(
                     **how,
                 )
 
+        loop = ExportedLoop(entry.label, model)
+        exported = partial(loop.eval, pairs.wi, pairs.wo, dr.thread_count())
         row = _measure(
-            entry.label, work, theirs, pairs.count, memory, repeat, EVAL_GOALS | COMPLETE_GOALS
+            entry.label,
+            work,
+            theirs,
+            pairs.count,
+            memory,
+            repeat,
+            EVAL_GOALS | COMPLETE_GOALS,
+            exported,
         )
+        (value,) = work()
+        _agree(entry.label, "value", value.numpy(), exported().value)
         if theirs is not None:
-            (value,) = work()
             row["difference"] = _agree(entry.label, "value", value.numpy(), theirs().value)
         rows.append(row)
     title = f"eval of {_millions(pairs.count)} pairs of directions"
-    return Section("eval", title, _HOW, _COLUMNS, rows)
+    return Section("eval", title, (*_HOW, _PEER), (*_COLUMNS, *_EXPORTED), rows)
 
 
 def sample_section(
@@ -299,8 +320,11 @@ def _measure(
     memory: Side,
     repeat: int,
     goals: Mapping[str, float],
+    exported: Callable[[], native.Timed] | None = None,
 ) -> dict[str, Value]:
     sides = {"gonio": stopwatch(work, SHORT_CALLS), "memory": memory}
+    if exported is not None:
+        sides["exported"] = lambda: min(exported().seconds for _ in range(SHORT_CALLS))
     if theirs is not None:
         sides["calls"] = lambda: theirs(inlined=False).seconds
         sides["inlined"] = lambda: theirs(inlined=True).seconds
@@ -320,7 +344,7 @@ def _measure(
         "bytes_per_pair": moved,
         "bandwidth_share": (moved / ours) / (STREAM_BYTES / seconds["memory"]),
     }
-    for side in ("calls", "inlined"):
+    for side in ("calls", "inlined", "exported"):
         if side in seconds:
             row[f"{side}_seconds"] = seconds[side]
             row[f"{side}_ratio"] = seconds[side] / ours
