@@ -16,9 +16,10 @@ from hypothesis import strategies as st
 import gonio
 from gonio import check
 from gonio.check import energy, fuzz, hemisphere, sampling, statistics
+from gonio.check.kernels import evaluate
 from gonio.check.report import EFFORTS, FAIL, Finding, Report, judge, junit, table
 from gonio.check.search import maximise
-from gonio.check.subject import ModelSubject, cosine_at, directions, evaluate
+from gonio.check.subject import ModelSubject, cosine_at, directions
 from gonio.check.variants import part_of, value_at
 from gonio.claims import PROMISES, UNBOUNDED, Claims, as_tuple, at_most, dark_ring, white_furnace
 from gonio.fields import ModelError, Option, Parameter

@@ -9,6 +9,7 @@ Every module here is one check, `check(subject, effort) -> Report`; `CHECKS` is 
 
 from __future__ import annotations
 
+import contextlib
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -23,6 +24,7 @@ from gonio.check import (
     finite,
     gradient,
     isotropy,
+    kernels,
     monotonicity,
     reciprocity,
     sampling,
@@ -40,7 +42,7 @@ from gonio.check.report import (
     summary,
     table,
 )
-from gonio.check.subject import Array, ModelSubject, Subject, evaluate
+from gonio.check.subject import Array, ModelSubject, Subject
 from gonio.check.variants import options, pairs
 from gonio.model import Model, models
 
@@ -120,8 +122,14 @@ def check_subjects(
     The first subject gets the whole effort, variants of it less.
     """
     level = EFFORTS[effort] if isinstance(effort, str) else effort
-    chosen = {name: CHECKS[name] for name in (list(only) or CHECKS)}
-    these = list(these)
+    with kernels.one_thread() if level.small else contextlib.nullcontext():
+        return _check_subjects(list(these), level, list(only), progress)
+
+
+def _check_subjects(
+    these: list[Subject], level: Effort, only: list[str], progress: Progress | None
+) -> Reports:
+    chosen = {name: CHECKS[name] for name in (only or CHECKS)}
     found: dict[tuple[str, str], Report] = {}
     chosen_subjects = _efforts(these, level)
     for subject, _ in chosen_subjects:
@@ -173,10 +181,10 @@ def _values(subject: Subject, first: Subject, parameters: Array, wi: Array, wo: 
     if subject.parameters != first.parameters:
         return subject.tag().encode()
     index = np.arange(len(wi), dtype=np.uint32)
-    f, _ = evaluate(subject, parameters, index, wi, wo)
+    f, _ = kernels.evaluate(subject, parameters, index, wi, wo)
     found = [f.tobytes(), subject.albedos.encode()]
     if subject.albedos == "closed form":
-        found.append(finite.closed_albedo(subject, parameters, wo).tobytes())
+        found.append(kernels.albedo(subject, parameters, wo).tobytes())
     return b"".join(found)
 
 

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from gonio.check.search import specialised
 from gonio.check.subject import Array, Subject, directions
-from gonio.check.variants import part_of
 from gonio.lang import MU_MIN
 
 # Cosines at which published listings divide by zero, cancel or leave their range: both sides of where the
@@ -67,12 +66,7 @@ def hard_numbers(count: int, seed: int) -> NDArray[np.float32]:
 
 def special_parts(subject: Subject) -> list[Array]:
     """For every free number the parts of its range at which something may change."""
-    return [
-        np.unique(
-            [0.0, 1.0, *(float(part_of(f.declared, v)) for v in f.special)],
-        )
-        for f in subject.parameters
-    ]
+    return [free.parts for free in subject.parameters]
 
 
 def hard_parameters(subject: Subject, count: int, seed: int) -> Array:

@@ -11,10 +11,9 @@ import time
 
 import numpy as np
 
-from gonio.check import hemisphere
+from gonio.check import hemisphere, kernels
 from gonio.check.adversarial import hard_parameters
 from gonio.check.energy import dimensions, starts, viewer
-from gonio.check.finite import closed_albedo, mean_albedo
 from gonio.check.report import FAIL, NOTE, PASS, UNSURE, Effort, Finding, Report, judge
 from gonio.check.subject import Array, Subject, directions
 
@@ -57,7 +56,7 @@ def _directional(subject: Subject, effort: Effort) -> Finding:
     points[: len(first)] = first[:count]
     parameters, wo = viewer(subject, points)
     # Albedos are compared where they are not yet the horizon's limit
-    own = closed_albedo(subject, parameters, wo)
+    own = kernels.albedo(subject, parameters, wo)
     true, error = _integrals(subject, parameters, wo, 2e-6)
     off = _off(own, true) - error
     suspect = np.flatnonzero(~(off < 0.5 * CLOSED))[:SUSPECTS]
@@ -122,7 +121,7 @@ def _mean(subject: Subject) -> Finding:
     for row in rows:
         E, _ = _integrals(subject, np.tile(row, (len(wo), 1)), wo, 1e-6)
         true = (E * weight[:, None]).sum(axis=0)
-        own = mean_albedo(subject, row[None])[0]
+        own = kernels.mean_albedo(subject, row[None])[0]
         off = float(np.abs(own - true).max())
         if not off <= worst:
             worst, worst_row = off, row

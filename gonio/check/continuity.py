@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gonio.check.adversarial import hard_parameters, special_parts
+from gonio.check.kernels import evaluate
 from gonio.check.report import FAIL, KNOWN, PASS, Effort, Finding, Report
-from gonio.check.subject import Array, Subject, directions, evaluate
+from gonio.check.subject import Array, Subject, directions
 from gonio.claims import Kink, Place, kink
 
 # Length of a path in radians, and its points.

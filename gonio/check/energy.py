@@ -16,6 +16,7 @@ import numpy as np
 
 from gonio.check import hemisphere
 from gonio.check.adversarial import special_parts
+from gonio.check.kernels import reflect, sample
 from gonio.check.report import FAIL, NOTE, PASS, UNSURE, Effort, Finding, Report, judge
 from gonio.check.search import maximise
 from gonio.check.subject import (
@@ -138,7 +139,6 @@ def estimate(subject: Subject, parameters: Array, wo: Array) -> Array:
     Vec = dr.replace_shape_t(Float, (3, -1))
     wo_ = Vec(*(dr.gather(Float, stored(Float, c), index) for c in wo.T))
     a, b = (dr.gather(Float, stored(Float, c), node) for c in even(NODES).T)
-    model = subject.at(parameters, index, Float)
 
     # Three quarters of the nodes around the mirror direction, the others around wo
     side = dr.select((node & 3) == 3, Float(-1), Float(1))
@@ -152,16 +152,19 @@ def estimate(subject: Subject, parameters: Array, wo: Array) -> Array:
             found += dr.select(solid > 0, share / dr.select(solid > 0, solid, 1), 0)
         return found
 
-    def part(wi: Any) -> Any:
-        f = Vec(model.eval(wi, wo_))
-        total = density(wi) + Float(model.pdf(wi, wo_))
-        usable = (total > 0) & (wi.z > 0)
+    def part(wi: Any, drawn: Any) -> Any:
+        f, pdf = reflect(model, wi, wo_)
+        total = density(wi) + pdf
+        usable = (total > 0) & (wi.z > 0) & (drawn > 0)
         return dr.select(usable, f * (dr.maximum(wi.z, 0) / dr.select(usable, total, 1)), 0)
 
+    u = dr.replace_shape_t(Float, (2, -1))(a, b)
     wi, _ = hemisphere.chart(wo_, a, b, side)
-    total = part(wi)
-    wi, pdf = model.sample(wo_, dr.replace_shape_t(Float, (2, -1))(a, b))
-    total += dr.select(Float(pdf) > 0, part(Vec(wi)), 0)
+    dr.eval(index, wo_, u, wi)
+    model = subject.at(parameters, index, Float)
+    total = part(wi, dr.ones(Float, len(index)))
+    dr.eval(total)
+    total += part(*sample(model, wo_, u))
     dr.eval(total)
     values = np.stack([c.numpy() for c in total], -1).reshape(points, NODES, 3)
     return np.asarray(values.sum(axis=1) / NODES)

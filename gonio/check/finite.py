@@ -10,6 +10,7 @@ import drjit as dr
 import numpy as np
 from numpy.typing import NDArray
 
+from gonio.check import kernels
 from gonio.check.adversarial import (
     EXTRA,
     Cases,
@@ -20,6 +21,7 @@ from gonio.check.adversarial import (
     random_points,
     special_parts,
 )
+from gonio.check.kernels import draw, evaluate
 from gonio.check.reciprocity import dimensions, pairs
 from gonio.check.report import FAIL, PASS, Effort, Finding, Report, judge
 from gonio.check.search import maximise
@@ -27,16 +29,15 @@ from gonio.check.subject import (
     Array,
     Subject,
     columns_of,
-    draw,
-    evaluate,
+    gathered,
     number_type,
     stored,
     vectors,
 )
 
-# Far tails of a lobe are compared with this: D has few digits left below 1e-38, and the other factors,
-# 1 / (4 mu_i mu_o) for one, may be as large as 1e13.
-FAR_TAIL = 1e-20
+# Far tails of a lobe are compared with this. Below 1e-38 a float32 has no digits left; divided by a cosine
+# of 1e-18 afterwards that is an error of 1e-20, which is FLOAT32 of this.
+FAR_TAIL = 1e-15
 
 # Tails of a sharp lobe are powers and exponentials of 1 / alpha, which magnify its last bit, and total
 # reflection sets in suddenly: so many roundings of the parameters and of the directions' length are
@@ -168,10 +169,12 @@ def not_finite(subject: Subject, cases: Cases, single_precision: bool) -> tuple[
             np.concatenate([w, density[:, None]], axis=1),
         )
         if subject.albedos == "closed form":
-            E = closed_albedo(subject, cases.parameters, cases.wo, single_precision)
+            E = kernels.albedo(subject, cases.parameters, cases.wo, single_precision)
             results["albedo"] = np.isfinite(E).all(axis=1), E
         if subject.mean_closed:
-            E = mean_albedo(subject, cases.parameters[:: max(n // MEANS, 1)], single_precision)
+            E = kernels.mean_albedo(
+                subject, cases.parameters[:: max(n // MEANS, 1)], single_precision
+            )
             E = np.repeat(E, max(n // MEANS, 1), axis=0)[:n]
             results["mean albedo"] = np.isfinite(E).all(axis=1), E
     precision = "float32" if single_precision else "float64"
@@ -208,30 +211,6 @@ def largest(subject: Subject, cases: Cases) -> Array:
         )
         top = np.maximum(np.abs(f).max(axis=1), np.abs(pdf)).astype(np.float64)
     return np.where(np.isfinite(top), np.log10(np.maximum(top, 1e-45)), np.inf)
-
-
-def closed_albedo(
-    subject: Subject, parameters: Array, wo: Array, single_precision: bool = False
-) -> NDArray[np.float64]:
-    """The model's own albedo (n, 3) at n rows of parameters."""
-    Float = number_type(single_precision)
-    UInt = dr.uint32_array_t(Float)
-    index = dr.arange(UInt, len(parameters))
-    model = subject.at(parameters, index, Float, single_precision)
-    E = dr.replace_shape_t(Float, (3, -1))(model.albedo(vectors(Float, wo)))
-    E = E + dr.zeros(Float, len(parameters))
-    return columns_of(E, Float).astype(np.float64)
-
-
-def mean_albedo(
-    subject: Subject, parameters: Array, single_precision: bool = False
-) -> NDArray[np.float64]:
-    """The model's own mean albedo (n, 3)."""
-    Float = number_type(single_precision)
-    UInt = dr.uint32_array_t(Float)
-    model = subject.at(parameters, dr.arange(UInt, len(parameters)), Float, single_precision)
-    E = dr.replace_shape_t(Float, (3, -1))(model.mean_albedo()) + dr.zeros(Float, len(parameters))
-    return columns_of(E, Float).astype(np.float64)
 
 
 # --- not negative --------------------------------------------------------------------------------
@@ -346,62 +325,55 @@ def float32_error(subject: Subject, cases: Cases) -> Array:
 
 
 def _values(
-    subject: Subject,
-    cases: Cases,
-    *,
-    single_precision: bool,
-    moved: int | None = None,
-    shorter: float = 1.0,
+    subject: Subject, cases: Cases, *, single_precision: bool, disturbed: bool = False
 ) -> NDArray[np.float64]:
     """BRDF, density and closed-form albedo, one column each; for parameters that float32 can hold.
 
-    Args:
-        subject: what is evaluated.
-        cases: where.
-        single_precision: in float32.
-        moved: a number of the parameters to change by half a float32 epsilon, inside its range.
-        shorter: a factor for both directions.
+    With `disturbed` one block of rows after the other: with each number of the parameters in turn changed
+    by half a float32 epsilon, inside its range, and with both directions shorter by that.
     """
     Float = number_type(single_precision)
     values = subject.values(cases.parameters, rounded=True)
-    if moved is not None:
-        free = subject.parameters[moved]
-        value = values[free.path]
-        one = value if value.ndim == 1 else value[:, free.channel]
+    wi, wo = cases.wi, cases.wo
+    if disturbed:
+        values, wi, wo = _disturbed(subject, values, wi, wo)
+    n = len(wi)
+    if n == 1:  # one row alone would be compiled for itself
+        values = {path: np.repeat(v, 2, axis=0) for path, v in values.items()}
+        wi, wo = np.repeat(wi, 2, axis=0), np.repeat(wo, 2, axis=0)
+    rows = stored(dr.uint32_array_t(Float), np.arange(len(wi), dtype=np.uint32))
+    model = subject.bound(gathered(values, rows, Float), Float)
+    viewer = vectors(Float, wo)
+    f, pdf = kernels.reflect(model, vectors(Float, wi), viewer)
+    columns = [columns_of(f).astype(np.float64), pdf.numpy().astype(np.float64)[:, None]]
+    if subject.albedos == "closed form":
+        columns.append(kernels.reflected(model, viewer))
+    return np.concatenate(columns, axis=1)[:n]
+
+
+def _disturbed(
+    subject: Subject, values: dict[str, Array], wi: Array, wo: Array
+) -> tuple[dict[str, Array], Array, Array]:
+    """Blocks of the same values and directions, each with one of them a bit off."""
+    n, numbers = len(wi), len(subject.parameters)
+    found = {
+        path: np.tile(v, (numbers + 1, 1) if v.ndim == 2 else numbers + 1)
+        for path, v in values.items()
+    }
+    for number, free in enumerate(subject.parameters):
+        block = slice(number * n, (number + 1) * n)
+        where = (block, free.channel) if values[free.path].ndim == 2 else block
+        one = found[free.path][where]
         up = one * (1 + 2.0**-24)
         inside = (up >= free.declared.lowest) & (up <= free.declared.highest)
-        new = np.where(inside, up, one * (1 - 2.0**-24))
-        if value.ndim == 1:
-            values[free.path] = new
-        else:
-            values[free.path] = value.copy()
-            values[free.path][:, free.channel] = new
-    model = subject.bound(
-        {
-            path: vectors(Float, v) if v.ndim == 2 else stored(Float, v)
-            for path, v in values.items()
-        },
-        Float,
-    )
-    Vec = dr.replace_shape_t(Float, (3, -1))
-    wi, wo = vectors(Float, cases.wi * shorter), vectors(Float, cases.wo * shorter)
-    zero = dr.zeros(Float, len(cases))
-    f, pdf = Vec(model.eval(wi, wo)) + zero, Float(model.pdf(wi, wo)) + zero
-    parts = [f, pdf]
-    if subject.albedos == "closed form":
-        parts.append(Vec(model.albedo(wo)) + zero)
-    dr.eval(parts)
-    columns = [columns_of(f, Float).astype(np.float64), pdf.numpy().astype(np.float64)[:, None]]
-    if len(parts) == 3:
-        columns.append(columns_of(parts[2], Float).astype(np.float64))
-    return np.concatenate(columns, axis=1)
+        found[free.path][where] = np.where(inside, up, one * (1 - 2.0**-24))
+    factor = np.ones(((numbers + 1) * n, 1))
+    factor[numbers * n :] = 1 - 2.0**-24
+    return found, np.tile(wi, (numbers + 1, 1)) * factor, np.tile(wo, (numbers + 1, 1)) * factor
 
 
 def _rounding_effect(subject: Subject, cases: Cases, value: Array) -> Array:
     """Change of the values in float64 by half a float32 epsilon in each parameter and in both lengths."""
-    changed = _values(subject, cases, single_precision=False, shorter=1 - 2.0**-24)
-    total = np.abs(changed - value)
-    for number in range(len(subject.parameters)):
-        changed = _values(subject, cases, single_precision=False, moved=number)
-        total += np.abs(changed - value)
-    return np.asarray(total)
+    changed = _values(subject, cases, single_precision=False, disturbed=True)
+    blocks = changed.reshape(len(subject.parameters) + 1, *value.shape)
+    return np.asarray(np.abs(blocks - value).sum(axis=0))

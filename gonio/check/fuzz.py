@@ -23,8 +23,9 @@ import numpy as np
 from gonio.check.adversarial import Cases, hard_cases, random_points
 from gonio.check.finite import FLOAT32, NAMES, float32_error, not_finite
 from gonio.check.gradient import METHODS, gradients
+from gonio.check.kernels import evaluate
 from gonio.check.report import FAIL, PASS, Finding, Report
-from gonio.check.subject import Array, Subject, evaluate
+from gonio.check.subject import Array, Subject
 from gonio.files import replacing
 
 # Cases of a batch, and how many of the worst ones are kept to look near them.

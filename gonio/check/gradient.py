@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import time
+from collections.abc import Sequence
 from typing import Any
 
 import drjit as dr
@@ -21,13 +22,16 @@ from gonio.check.adversarial import (
     random_points,
     special_parts,
 )
+from gonio.check.kernels import reflect
 from gonio.check.report import FAIL, PASS, UNSURE, Effort, Finding, Report
 from gonio.check.search import maximise
 from gonio.check.subject import (
     Array,
+    FreeNumber,
     Subject,
     columns_of,
     directions,
+    gathered,
     number_type,
     stored,
     vectors,
@@ -44,6 +48,9 @@ ALLOWED = 4.0
 
 # Pairs of directions at which derivatives are compared.
 PAIRS = 3000
+
+# One number for the three channels, in which each can be told from the others.
+MIXED = np.array([1.0, 0.7, 0.4])
 
 # So many may lie too near to a kink, or in a lobe too sharp, for differences to tell; with fewer nothing is
 # said.
@@ -87,8 +94,11 @@ def gradients(subject: Subject, cases: Cases, method: str) -> dict[str, NDArray[
     # Not everything depends on a parameter: a cosine sampler, say, on none.
     dr.backward(total, flags=dr.ADFlag.Default | dr.ADFlag.AllowNoGrad)
     found = {}
-    for name, value in [*values.items(), *zip(names, args, strict=True)]:
-        gradient = np.atleast_2d(np.array(dr.grad(value)))
+    inputs = {**values, **dict(zip(names, args, strict=True))}
+    derivatives = {name: dr.grad(value) for name, value in inputs.items()}
+    dr.eval(derivatives)  # together, in one kernel
+    for name, derivative in derivatives.items():
+        gradient = np.atleast_2d(np.array(derivative))
         found[name] = np.broadcast_to(gradient, (len(gradient), len(cases)))
     return found
 
@@ -167,25 +177,24 @@ def _differences(subject: Subject) -> Finding:
     dr.enable_grad(values)
     f = subject.bound(values, Float).eval(vectors(Float, wi), vectors(Float, wo))
     f = dr.replace_shape_t(Float, (3, -1))(f)
-    # One number for the three channels, in which each can be told from the others
-    total = f.x + 0.7 * f.y + 0.4 * f.z + dr.zeros(Float, PAIRS)
-    level = np.abs(np.array(dr.detach(total)))
+    total = sum((c * float(m) for c, m in zip(f, MIXED, strict=True)), dr.zeros(Float, PAIRS))
     dr.backward(dr.sum(total), flags=dr.ADFlag.Default | dr.ADFlag.AllowNoGrad)
-    found = {
-        path: np.atleast_2d(np.array(dr.grad(v) + dr.zeros(type(v), PAIRS)))
-        for path, v in values.items()
-    }
+    derivatives = {path: dr.grad(v) + dr.zeros(type(v), PAIRS) for path, v in values.items()}
+    dr.eval(derivatives, total)
+    level = np.abs(np.array(dr.detach(total)))
+    found = {path: np.atleast_2d(np.array(d)) for path, d in derivatives.items()}
 
-    plain, fixed = subject.values(where), _Fixed(subject, wi, wo)
+    plain = subject.values(where)
+    steps = [
+        STEP * np.maximum(np.abs(_number(plain, free)), 0.1 * _span(free))
+        for free in subject.parameters
+    ]
+    moved = _moved(subject, plain, steps, wi, wo)
     worst, worst_row, worst_name, told = 0.0, 0, "", 1.0
-    for free in subject.parameters:
-        value = plain[free.path]
-        x = value if value.ndim == 1 else value[:, free.channel]
-        span = min(free.declared.high - free.declared.low, 1.0)
-        step = STEP * np.maximum(np.abs(x), 0.1 * span)
+    for free, step, shifted in zip(subject.parameters, steps, moved, strict=True):
+        x, span = _number(plain, free), _span(free)
         near, far = (
-            (_total(fixed, plain, free, k * step) - _total(fixed, plain, free, -k * step))
-            / (2 * k * step)
+            (shifted[SHIFTS.index(k)] - shifted[SHIFTS.index(-k)]) / (2 * k * step)
             for k in (1.0, 2.0)
         )
         exact = found[free.path][free.channel]
@@ -216,28 +225,32 @@ def _differences(subject: Subject) -> Finding:
     )
 
 
-class _Fixed:
-    """A model and directions, for values at moved parameters."""
-
-    def __init__(self, subject: Subject, wi: Array, wo: Array) -> None:
-        self.subject = subject
-        self.Float = number_type()
-        self.wi, self.wo = vectors(self.Float, wi), vectors(self.Float, wo)
+# Places of the differences, in steps.
+SHIFTS = (1.0, -1.0, 2.0, -2.0)
 
 
-def _total(fixed: _Fixed, plain: dict[str, Array], free: Any, step: Array) -> Array:
-    Float = fixed.Float
-    moved = dict(plain)
-    value = plain[free.path].copy()
-    if value.ndim == 1:
-        value += step
-    else:
-        value[:, free.channel] += step
-    moved[free.path] = value
-    values = {
-        path: vectors(Float, v) if v.ndim == 2 else stored(Float, v) for path, v in moved.items()
-    }
-    f = fixed.subject.bound(values, Float).eval(fixed.wi, fixed.wo)
-    f = dr.replace_shape_t(Float, (3, -1))(f) + dr.zeros(Float, len(step))
-    columns = columns_of(f, Float)
-    return np.asarray(columns @ np.array([1.0, 0.7, 0.4]))
+def _number(values: dict[str, Array], free: FreeNumber) -> Array:
+    """One number of the parameters, (rows,): a view."""
+    value = values[free.path]
+    return value if value.ndim == 1 else value[:, free.channel]
+
+
+def _span(free: FreeNumber) -> float:
+    return min(free.declared.high - free.declared.low, 1.0)
+
+
+def _moved(
+    subject: Subject, plain: dict[str, Array], steps: Sequence[Array], wi: Array, wo: Array
+) -> Array:
+    """Values at the places of the differences for each number, (numbers, shifts, rows), in one batch."""
+    Float = number_type()
+    n, blocks = len(wi), len(steps) * len(SHIFTS)
+    values = {path: np.tile(v, (blocks, 1) if v.ndim == 2 else blocks) for path, v in plain.items()}
+    for number, (free, step) in enumerate(zip(subject.parameters, steps, strict=True)):
+        rows = slice(number * len(SHIFTS) * n, (number + 1) * len(SHIFTS) * n)
+        _number(values, free)[rows] += np.outer(SHIFTS, step).ravel()
+    index = stored(dr.uint32_array_t(Float), np.arange(n * blocks, dtype=np.uint32))
+    model = subject.bound(gathered(values, index, Float), Float)
+    both = (vectors(Float, np.tile(w, (blocks, 1))) for w in (wi, wo))
+    f, _ = reflect(model, *both)
+    return np.asarray(columns_of(f) @ MIXED).reshape(len(steps), len(SHIFTS), n)

@@ -18,10 +18,10 @@ import drjit as dr
 import numpy as np
 from numpy.typing import NDArray
 
+from gonio.check.kernels import draw, reflect, reflect_only
 from gonio.check.subject import (
     Array,
     Subject,
-    draw,
     even,
     number_type,
     repeated,
@@ -395,12 +395,13 @@ def _rule(
     turned = dr.gather(Float, stored(Float, side), index)
     wi, solid = chart(wo_, u0 + (u1 - u0) * a, v0 + (v1 - v0) * b, turned)
     solid = solid * ((u1 - u0) * (v1 - v0) * w)
+    # Kernels that know nothing of the model are the same for all
+    dr.eval(index, wi, wo_, solid)
     model = subject.at(parameters, index, Float)
-    f = Vec(model.eval(wi, wo_))
+    f, pdf = (reflect_only(model, wi, wo_), None) if width == 3 else reflect(model, wi, wo_)
     cosine = dr.maximum(wi.z, 0)
     sums = [f.x * cosine, f.y * cosine, f.z * cosine]
-    if width > len(sums):
-        pdf = Float(model.pdf(wi, wo_))
+    if pdf is not None:
         mean = (f.x + f.y + f.z) / 3
         reached = pdf > 0
         sums += [

@@ -7,12 +7,13 @@ from collections.abc import Callable
 
 import numpy as np
 
+from gonio.check import kernels
 from gonio.check.adversarial import special_parts
-from gonio.check.finite import closed_albedo
+from gonio.check.kernels import evaluate
 from gonio.check.reciprocity import FLOOR, ROUNDING_FLOAT32, dimensions, pairs
 from gonio.check.report import FAIL, NOTE, PASS, Effort, Finding, Report
 from gonio.check.search import maximise
-from gonio.check.subject import Array, Subject, evaluate
+from gonio.check.subject import Array, Subject
 
 # A turn rounds the directions to 1e-16, which the slopes of a lobe of width 1e-4 at grazing angles magnify
 # by up to 1e12: so many times what one more rounding changes is allowed.
@@ -80,7 +81,7 @@ def change(subject: Subject, points: Array) -> Array:
     f, pdf = evaluate(subject, parameters, index, wi, wo)
     columns = [f.astype(np.float64), pdf.astype(np.float64)[:, None]]
     if subject.albedos == "closed form":
-        columns.append(closed_albedo(subject, np.tile(parameters, (3, 1)), wo))
+        columns.append(kernels.albedo(subject, np.tile(parameters, (3, 1)), wo))
     found = []
     for value in columns:
         a, b, c = value[:n], value[n : 2 * n], value[2 * n :]

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from gonio.check.energy import precise
+from gonio.check.kernels import evaluate
 from gonio.check.report import FAIL, KNOWN, Finding, Report
-from gonio.check.subject import Array, Subject, directions, evaluate
+from gonio.check.subject import Array, Subject, directions
 from gonio.files import check_place, replacing
 
 # More panels than this would be too small to see something.

@@ -9,6 +9,7 @@ import numpy as np
 
 from gonio.check import hemisphere
 from gonio.check.adversarial import special_parts
+from gonio.check.kernels import evaluate
 from gonio.check.report import Effort, Finding, Report, judge
 from gonio.check.search import maximise
 from gonio.check.subject import (
@@ -16,7 +17,6 @@ from gonio.check.subject import (
     Subject,
     cosine_at,
     directions,
-    evaluate,
     number_type,
     vectors,
 )

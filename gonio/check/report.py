@@ -49,6 +49,8 @@ class Effort:
     """How many times larger than measured a documented departure may be: what searches may miss."""
     variants: int
     """Combinations of two options are checked while there are at most so many variants of the model."""
+    small: bool = False
+    """Whether batches are so small that one thread is enough."""
 
     def less(self) -> Effort:
         """For options other than the default ones: the same checks, with smaller searches.
@@ -71,8 +73,12 @@ class Effort:
 
 
 EFFORTS = {
-    "quick": Effort("quick", 4096, 12, 768, 8, 512, 1024, 96, 3, 1 << 18, False, 2.0, 12),
-    "normal": Effort("normal", 16384, 24, 1024, 24, 8192, 8192, 512, 8, 1 << 20, True, 1.5, 64),
+    "quick": Effort(
+        "quick", 4096, 12, 768, 8, 512, 1024, 96, 3, 1 << 18, False, 2.0, 12, small=True
+    ),
+    "normal": Effort(
+        "normal", 16384, 24, 1024, 24, 8192, 8192, 512, 8, 1 << 20, True, 1.5, 64, small=True
+    ),
     "thorough": Effort(
         "thorough", 65536, 64, 8192, 96, 65536, 65536, 4096, 32, 1 << 22, True, 1.2, 1000
     ),

@@ -21,13 +21,13 @@ from gonio.check import hemisphere
 from gonio.check.adversarial import hard_parameters, special_parts
 from gonio.check.energy import dimensions, starts, viewer
 from gonio.check.hemisphere import CELLS, COSINE_SECOND, PDF, SECOND, UNREACHED
+from gonio.check.kernels import draw, evaluate, reflect, sample
 from gonio.check.report import FAIL, NOTE, PASS, Effort, Finding, Report, judge
 from gonio.check.search import maximise
 from gonio.check.statistics import chi2_limit, chi2_tail, noncentral_tail
 from gonio.check.subject import (
     Array,
     Subject,
-    draw,
     even,
     number_type,
     repeated,
@@ -168,24 +168,14 @@ def _few(
     subject: Subject, parameters: Array, wo: Array, index: NDArray[np.uint32], u: Array
 ) -> tuple[Array, Array, Array]:
     """Part of the samples that is kept, mean weight and its standard deviation, for every row."""
-    Float = number_type()
-    UInt = dr.uint32_array_t(Float)
-    Vec = dr.replace_shape_t(Float, (3, -1))
-    rows = stored(UInt, index)
-    wo_ = Vec(*(dr.gather(Float, stored(Float, c), rows) for c in wo.T))
-    model = subject.at(parameters, rows, Float)
-    wi, reported = model.sample(wo_, vectors(Float, u))
-    wi, reported = Vec(wi), Float(reported)
-    good = (reported > 0) & (wi.z > 0)
-    f = Vec(model.eval(wi, wo_))
-    weight = dr.select(good, (f.x + f.y + f.z) / 3 * wi.z / dr.select(good, reported, 1), 0)
-    zero = dr.zeros(Float, len(u))
-    each = len(u) // len(parameters)
-    sums = [dr.block_sum(x + zero, each) / each for x in (dr.select(good, 1.0, 0.0), weight)]
-    sums.append(dr.block_sum(dr.square(weight) + zero, each) / each)
-    dr.eval(sums)
-    kept, mean, square = (s.numpy() for s in sums)
-    return kept, mean, np.sqrt(np.maximum(square - mean**2, 0))
+    wi, reported = draw(subject, parameters, index, wo[index], u)
+    f, _ = evaluate(subject, parameters, index, wi, wo[index])
+    good = (reported > 0) & (wi[:, 2] > 0)
+    with np.errstate(invalid="ignore", over="ignore"):
+        weight = np.where(good, f.mean(axis=1) * wi[:, 2] / np.where(good, reported, 1), 0)
+    weight = weight.reshape(len(parameters), -1)
+    kept = good.reshape(weight.shape).mean(axis=1)
+    return kept, weight.mean(axis=1), weight.std(axis=1)
 
 
 # --- one test ------------------------------------------------------------------------------------
@@ -254,18 +244,19 @@ def _test(
     counts = np.zeros((REPLICATES, CELLS + 1))
     totals, squares = np.zeros(REPLICATES), 0.0
     largest, different, below = 0.0, 0.0, 0
-    spread = even(each)
-    for replicate in range(REPLICATES):
-        u = (spread + rng.random(2)) % 1.0
-        for first in range(0, each, BATCH):
-            part = u[first : first + BATCH]
-            cells, weight, off, low = _drawn(subject, parameters, wo, cut, part)
-            counts[replicate] += np.bincount(cells, minlength=CELLS + 1)
-            totals[replicate] += float(weight.sum())
-            squares += float(np.square(weight).sum())
-            largest = float(np.maximum(largest, weight.max()))
-            different = float(np.maximum(different, off.max()))
-            below += int(low.sum())
+    shifts = rng.random((REPLICATES, 1, 2))
+    together = max(BATCH // each, 1)
+    for first in range(0, REPLICATES, together):
+        u = (even(each) + shifts[first : first + together]) % 1.0
+        rows = slice(first, first + len(u))
+        cells, weight, off, low = _drawn(subject, parameters, wo, cut, u.reshape(-1, 2))
+        place = cells + (CELLS + 1) * (np.arange(len(cells)) // each)
+        counts[rows] = np.bincount(place, minlength=len(u) * (CELLS + 1)).reshape(len(u), -1)
+        totals[rows] = weight.reshape(len(u), -1).sum(axis=1)
+        squares += float(np.square(weight).sum())
+        largest = float(np.maximum(largest, weight.max()))
+        different = float(np.maximum(different, off.max()))
+        below += int(low.sum())
     whole = integrals.total[0]
     chi2, bins, power = _compare(
         counts / each, integrals.cells[0, :, PDF], float(integrals.error[0])
@@ -303,16 +294,13 @@ def _drawn(
     Float = number_type()
     UInt = dr.uint32_array_t(Float)
     n = len(u)
-    Vec = dr.replace_shape_t(Float, (3, -1))
-    wo_ = Vec(*(stored(Float, c) for c in wo.T))
-    index = dr.zeros(UInt, n)
+    wo_ = vectors(Float, np.repeat(wo, n, axis=0))
+    index = stored(UInt, np.zeros(n, np.uint32))
     model = subject.at(parameters, index, Float)
-    wi, reported = model.sample(wo_, vectors(Float, u))
-    wi, reported = Vec(wi), Float(reported)
+    wi, reported = sample(model, wo_, vectors(Float, u))
     good = reported > 0
-    pdf = Float(model.pdf(wi, wo_))
-    f = Vec(model.eval(wi, wo_))
-    a, b = hemisphere.unchart(wo_, wi, Float(float(cut.side[0])))
+    f, pdf = reflect(model, wi, wo_)
+    a, b = hemisphere.unchart(wo_, wi, dr.opaque(Float, float(cut.side[0])))
     cell = hemisphere.cell_of(stored(Float, cut.cuts[0]), index, a, b)
     cell = dr.select(good & (wi.z > 0), cell, CELLS)
     mean = (f.x + f.y + f.z) / 3

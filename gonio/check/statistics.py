@@ -48,14 +48,18 @@ def chi2_limit(probability: float, degrees: float) -> float:
 def noncentral_tail(x: float, degrees: float, offset: float) -> float:
     """The same as `chi2_tail` for the noncentral distribution: a Poisson mixture of central ones."""
     mean = offset / 2
+    if mean <= 0:
+        return chi2_tail(x, degrees)
     reach = int(mean + 12 * math.sqrt(mean + 1) + 30)
     first = max(0, int(mean - 12 * math.sqrt(mean + 1) - 30))
     total = 0.0
+    a, half = degrees / 2 + first, x / 2
+    tail = chi2_tail(x, 2 * a)
     for j in range(first, reach):
-        weight = (
-            math.exp(j * math.log(mean) - mean - math.lgamma(j + 1)) if mean > 0 else float(j == 0)
-        )
-        total += weight * chi2_tail(x, degrees + 2 * j)
+        total += math.exp(j * math.log(mean) - mean - math.lgamma(j + 1)) * tail
+        # Q(a + 1, x) = Q(a, x) + x^a exp(-x) / Gamma(a + 1); all terms are positive
+        tail += math.exp(a * math.log(half) - half - math.lgamma(a + 1)) if half > 0 else 0.0
+        a += 1
     return min(total, 1.0)
 
 

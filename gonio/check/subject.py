@@ -21,15 +21,12 @@ from gonio import backend
 from gonio.arrays.kernel import opaque
 from gonio.check import mistakes
 from gonio.check.special import inner_models, literals
-from gonio.check.variants import part_of, single, value_at
+from gonio.check.variants import float32_range, is_wide, part_of, value_at
 from gonio.claims import Claims, Kink, WhiteFurnace, as_tuple
 from gonio.fields import Option, Parameter
 from gonio.model import Child, Model
 
 Array = NDArray[np.float64]
-
-# A value this near to a special one becomes exactly that.
-SNAP = 4e-15
 
 
 @dataclass(frozen=True)
@@ -41,6 +38,12 @@ class FreeNumber:
     declared: Parameter
     special: tuple[float, ...]
     """Values at which formulas may change: the default, whole numbers, and numbers in the source."""
+
+    @functools.cached_property
+    def parts(self) -> Array:
+        """The parts in [0, 1] of the range at which something may change: both ends, and those values."""
+        inside = [float(part_of(self.declared, value)) for value in self.special]
+        return np.unique([0.0, 1.0, *inside])
 
 
 @dataclass(frozen=True)
@@ -158,6 +161,7 @@ class ModelSubject:
             if path not in fixed
             for channel in range(declared.width)
         )
+        self._ranges = _Ranges(self.parameters)
         self.claims = model.claims
         self.claiming = True
         self.chosen: Mapping[str, str] = _choices(model)
@@ -175,14 +179,12 @@ class ModelSubject:
 
     def values(self, parameters: Array, rounded: bool = False) -> dict[str, Array]:
         """Values of the free parameters, (rows,) or (rows, 3), by path."""
+        table = self._ranges.values(parameters)
+        if rounded:
+            table = self._ranges.single(table)
         found: dict[str, list[Array]] = {}
         for number, free in enumerate(self.parameters):
-            value = np.asarray(value_at(free.declared, parameters[:, number]))
-            for exact in free.special:
-                value = np.where(np.abs(value - exact) <= SNAP * abs(exact), exact, value)
-            if rounded:
-                value = single(free.declared, value).astype(np.float64)
-            found.setdefault(free.path, []).append(value)
+            found.setdefault(free.path, []).append(table[:, number])
         return {
             path: np.stack(channels, -1) if len(channels) > 1 else channels[0]
             for path, channels in found.items()
@@ -190,17 +192,7 @@ class ModelSubject:
 
     def at(self, parameters: Array, index: Any, Float: Any, rounded: bool = False) -> Any:
         """The model, bound to the parameters of the rows that `index` names."""
-        values = {
-            path: [stored(Float, c) for c in np.atleast_2d(v.T)]
-            for path, v in self.values(parameters, rounded).items()
-        }
-        gathered = {
-            path: dr.gather(Float, channels[0], index)
-            if len(channels) == 1
-            else dr.replace_shape_t(Float, (3, -1))(*(dr.gather(Float, c, index) for c in channels))
-            for path, channels in values.items()
-        }
-        return self.bound(gathered, Float)
+        return self.bound(gathered(self.values(parameters, rounded), index, Float), Float)
 
     def bound(self, values: Mapping[str, Any], Float: Any) -> Any:
         """The model with Dr.Jit values for its free parameters, by path."""
@@ -278,6 +270,50 @@ class ModelSubject:
         return f"gonio eval {self.label}{':' if text else ''}{text} {words}{precision}"
 
 
+def _special_parts(free: FreeNumber) -> tuple[Array, Array]:
+    """Parts of the range that stand for special values which roundings would miss, and these values."""
+    missed = {
+        float(part_of(free.declared, v)): v
+        for v in free.special
+        if value_at(free.declared, part_of(free.declared, v)) != v
+    }
+    return np.array(sorted(missed)), np.array([missed[t] for t in sorted(missed)])
+
+
+class _Ranges:
+    """All free numbers' ranges in one table, as `gonio.check.variants` has them one by one."""
+
+    def __init__(self, parameters: Sequence[FreeNumber]) -> None:
+        declared = [free.declared for free in parameters]
+        self.declared = declared
+        self.wide = np.flatnonzero([is_wide(d) for d in declared])
+        self.even = np.flatnonzero([not is_wide(d) for d in declared])
+        self.low = np.array([d.low for d in declared], np.float64)
+        self.span = np.array([d.high - d.low for d in declared], np.float64)
+        self.ends = np.array([float32_range(d) for d in declared], np.float32).reshape(-1, 2)
+        self.special = [_special_parts(free) for free in parameters]
+
+    def values(self, parameters: Array) -> Array:
+        """Values (rows, numbers) at parts of the ranges."""
+        t = np.asarray(parameters, np.float64)
+        found = np.empty(t.shape)
+        found[:, self.even] = self.low[self.even] + self.span[self.even] * t[:, self.even]
+        for wide in self.wide:
+            found[:, wide] = value_at(self.declared[wide], t[:, wide])
+        for number, (parts, exact) in enumerate(self.special):
+            if len(parts):
+                place = np.minimum(np.searchsorted(parts, t[:, number]), len(parts) - 1)
+                hit = parts[place] == t[:, number]
+                if hit.any():
+                    found[hit, number] = exact[place[hit]]
+        return found
+
+    def single(self, values: Array) -> Array:
+        """The nearest values that float32 can hold, within the ranges."""
+        rounded = values.astype(np.float32)
+        return np.clip(rounded, self.ends[:, 0], self.ends[:, 1]).astype(np.float64)
+
+
 def _special(
     declared: Parameter, value: Any, channel: int, numbers: Sequence[float]
 ) -> tuple[float, ...]:
@@ -341,9 +377,9 @@ def vectors(Float: Any, w: Array) -> Any:
     return dr.replace_shape_t(Float, (w.shape[-1], -1))(*(stored(Float, c) for c in w.T))
 
 
-def columns_of(value: Any, Float: Any, width: int = 3) -> NDArray[Any]:
-    """A Dr.Jit vector, evaluated, as a NumPy array (n, width)."""
-    return np.asarray(dr.replace_shape_t(Float, (width, -1))(value).numpy()).T
+def columns_of(value: Any) -> NDArray[Any]:
+    """An evaluated Dr.Jit vector as a NumPy array (n, components)."""
+    return np.stack([c.numpy() for c in value], -1)
 
 
 def number_type(single_precision: bool = False) -> Any:
@@ -352,46 +388,23 @@ def number_type(single_precision: bool = False) -> Any:
     return module.Float if single_precision else module.Float64
 
 
-def evaluate(
-    subject: Subject,
-    parameters: Array,
-    index: NDArray[np.uint32],
-    wi: Array,
-    wo: Array,
-    *,
-    single_precision: bool = False,
-    rounded: bool = False,
-) -> tuple[NDArray[Any], NDArray[Any]]:
-    """BRDF (n, 3) and density (n,) for n pairs of directions at the rows that `index` names."""
-    Float = number_type(single_precision)
-    UInt = dr.uint32_array_t(Float)
-    model = subject.at(parameters, stored(UInt, index), Float, rounded)
-    wi_, wo_ = vectors(Float, wi), vectors(Float, wo)
-    f = dr.replace_shape_t(Float, (3, -1))(model.eval(wi_, wo_))
-    pdf = Float(model.pdf(wi_, wo_)) + dr.zeros(Float, len(wi))
-    f = f + dr.zeros(Float, len(wi))
-    dr.eval(f, pdf)
-    return columns_of(f, Float), pdf.numpy()
-
-
-def draw(
-    subject: Subject,
-    parameters: Array,
-    index: NDArray[np.uint32],
-    wo: Array,
-    u: Array,
-    *,
-    single_precision: bool = False,
-) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Sampled directions (n, 3) and the densities that the sampler reports (n,)."""
-    Float = number_type(single_precision)
-    UInt = dr.uint32_array_t(Float)
-    model = subject.at(parameters, stored(UInt, index), Float, single_precision)
-    wi, pdf = model.sample(vectors(Float, wo), vectors(Float, u))
-    zero = dr.zeros(Float, len(wo))
-    wi, pdf = dr.replace_shape_t(Float, (3, -1))(wi) + zero, Float(pdf) + zero
-    dr.eval(wi, pdf)
-    return columns_of(wi, Float), pdf.numpy()
+def gathered(values: Mapping[str, Array], index: Any, Float: Any) -> dict[str, Any]:
+    """Values (rows,) or (rows, 3) by path, as Dr.Jit values of the rows that `index` names."""
+    if not values:
+        return {}
+    columns = np.concatenate([v.reshape(len(v), -1) for v in values.values()], axis=1)
+    rows, width = columns.shape
+    # One row alone would be compiled for itself
+    table = stored(Float, np.ascontiguousarray(np.resize(columns, (max(rows, 2), width))).ravel())
+    first = index * width
+    found, number = {}, 0
+    for path, value in values.items():
+        channels = [dr.gather(Float, table, first + number + c) for c in range(value[0].size)]
+        number += len(channels)
+        found[path] = (
+            channels[0] if len(channels) == 1 else dr.replace_shape_t(Float, (3, -1))(*channels)
+        )
+    return found
 
 
 def repeated(rows: int, each: int) -> NDArray[np.uint32]:

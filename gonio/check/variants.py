@@ -25,10 +25,15 @@ WIDE = 100.0
 ENDLESS = 1e6
 
 
+def is_wide(declared: Parameter) -> bool:
+    """Whether a range is walked by powers of ten."""
+    return declared.high - declared.low > WIDE
+
+
 def value_at(declared: Parameter, t: Any) -> Any:
     """The value at a part t in [0, 1] of a parameter's range; arrays work as well."""
     high = min(declared.high, declared.low + ENDLESS)
-    if high - declared.low > WIDE:
+    if is_wide(declared):
         wide = declared.low + np.expm1(t * np.log1p(high - declared.low))
         return np.minimum(wide, high)  # the round trip may end a bit above
     return declared.low + (high - declared.low) * t
@@ -37,7 +42,7 @@ def value_at(declared: Parameter, t: Any) -> Any:
 def part_of(declared: Parameter, value: Any) -> Any:
     """The part in [0, 1] of a value: the inverse of `value_at`."""
     high = min(declared.high, declared.low + ENDLESS)
-    if high - declared.low > WIDE:
+    if is_wide(declared):
         t = np.log1p(np.asarray(value) - declared.low) / np.log1p(high - declared.low)
     else:
         t = (np.asarray(value) - declared.low) / (high - declared.low)
@@ -134,12 +139,15 @@ def random_parameters(cls: type[Model], count: int, seed: int) -> dict[str, Any]
 
 def single(declared: Parameter, value: NDArray[np.float64]) -> NDArray[np.float32]:
     """Values as float32 that are within the range in float64 as well."""
-    rounded = np.clip(value.astype(np.float32), np.float32(declared.low), None)
-    if np.isfinite(declared.high):
-        high = np.float32(declared.high)
-        if high > declared.high:  # pi / 2 rounds up
-            high = np.nextafter(high, np.float32(0))
-        rounded = np.minimum(rounded, high)
-    if np.float32(declared.low) < declared.low:
-        rounded = np.maximum(rounded, np.nextafter(np.float32(declared.low), np.float32(np.inf)))
-    return rounded
+    low, high = float32_range(declared)
+    return np.clip(value.astype(np.float32), low, high)
+
+
+def float32_range(declared: Parameter) -> tuple[np.float32, np.float32]:
+    """The smallest and the largest float32 that are within a parameter's range in float64."""
+    low, high = np.float32(declared.low), np.float32(declared.high)
+    if low < declared.low:
+        low = np.nextafter(low, np.float32(np.inf))
+    if high > declared.high:  # pi / 2 rounds up
+        high = np.nextafter(high, np.float32(0))
+    return low, high
