@@ -252,9 +252,9 @@ def test_adaptive_integration_sees_kinks_at_the_edges_of_cells(
     assert abs(energy.precise(subject, np.zeros((1, 0)), wo, 1e-8) - 1).max() < 1e-7
     x, w = np.polynomial.legendre.leggauss(5)  # of the same degree as Lobatto's six
     monkeypatch.setattr(hemisphere, "NODES", 5)
-    monkeypatch.setattr(hemisphere, "_NODE_U", np.repeat((x + 1) / 2, 5))
-    monkeypatch.setattr(hemisphere, "_NODE_V", np.tile((x + 1) / 2, 5))
-    monkeypatch.setattr(hemisphere, "_NODE_W", np.outer(w / 2, w / 2).ravel())
+    x, w = (x + 1) / 2, w / 2
+    nodes = np.stack([np.repeat(x, 5), np.tile(x, 5), np.outer(w, w).ravel()], axis=-1)
+    monkeypatch.setattr(hemisphere, "_NODES", nodes)
     assert abs(energy.precise(subject, np.zeros((1, 0)), wo, 1e-8) - 1).max() > 1e-6
 
 

@@ -50,9 +50,6 @@ FURNACE = 5e-6
 # A furnace that is claimed to within this is white to every eye, and may be better than it says.
 NEGLIGIBLE = 1e-4
 
-# Cells and probes where albedos are compared in a search.
-FEWER_CELLS, FEWER_PROBES = 4, 1024
-
 # Where an integral errs by more than this, gains of less than so many times the error are not judged.
 BLURRED, SURE = 1e-4, 5.0
 
@@ -188,8 +185,8 @@ def _integrated(
     tolerance: float,
     levels: int = hemisphere.LEVELS,
 ) -> hemisphere.Integrals:
-    depth, probes = (FEWER_CELLS, FEWER_PROBES) if tolerance >= ROUGHLY else (6, 4096)
-    cut = hemisphere.partition(subject, parameters, wo, depth, probes)
+    fewer = (hemisphere.FEWER, hemisphere.FEWER_PROBES) if tolerance >= ROUGHLY else ()
+    cut = hemisphere.partition(subject, parameters, wo, *fewer)
     return hemisphere.integrate(subject, parameters, wo, cut, tolerance, levels, albedo_only=True)
 
 
@@ -209,7 +206,7 @@ def _largest(subject: Subject, effort: Effort) -> Finding:
         lambda p: precise(subject, *viewer(subject, p), ROUGHLY, SHALLOW).max(axis=1),
         dimensions(subject),
         population=effort.confirmed * (2 if dimensions(subject) <= FEW else 1),
-        rounds=max(effort.rounds - 2, 4),
+        rounds=max(effort.rounds - 2, 3),
         seed=5,
         starts=_spread_out(points, effort.confirmed // 2 + 1),
         steps=(0.1, 1e-3),

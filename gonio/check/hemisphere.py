@@ -38,6 +38,9 @@ DEPTH = 6
 CELLS = 2**DEPTH
 PROBES = 4096
 
+# The same where many integrals are compared.
+FEWER, FEWER_PROBES = 4, 1024
+
 # Nodes of the rule along each side of a cell: Lobatto's, of degree 9, with nodes at both ends. A kink near
 # a cell's edge would lie beside all of Gauss's, cut after cut; these see it. The ends are a bit inside,
 # where the horizon, in which every value is 0, is not hit.
@@ -347,9 +350,15 @@ def lobatto(count: int) -> tuple[Array, Array]:
 
 _X, _W = lobatto(NODES)
 _X = _X * (1 - INSIDE)
-_NODE_U = np.repeat((_X + 1) / 2, NODES)
-_NODE_V = np.tile((_X + 1) / 2, NODES)
-_NODE_W = np.outer(_W / 2, _W / 2).ravel()
+# Both coordinates in the cell, and the weight, of every node.
+_NODES = np.stack(
+    [
+        np.repeat((_X + 1) / 2, NODES),
+        np.tile((_X + 1) / 2, NODES),
+        np.outer(_W / 2, _W / 2).ravel(),
+    ],
+    axis=-1,
+)
 
 
 def _cells(
@@ -388,10 +397,11 @@ def _rule(
     cell = lane // each
     node = lane - cell * each
     index = dr.gather(UInt, stored(UInt, point), cell)
-    u0, u1, v0, v1 = (dr.gather(Float, stored(Float, c), cell) for c in box.T)
-    a, b, w = (dr.gather(Float, stored(Float, n), node) for n in (_NODE_U, _NODE_V, _NODE_W))
+    boxes, nodes, viewers = (stored(Float, t.ravel()) for t in (box, _NODES, wo))
+    u0, u1, v0, v1 = (dr.gather(Float, boxes, 4 * cell + k) for k in range(4))
+    a, b, w = (dr.gather(Float, nodes, 3 * node + k) for k in range(3))
     Vec = dr.replace_shape_t(Float, (3, -1))
-    wo_ = Vec(*(dr.gather(Float, stored(Float, c), index) for c in wo.T))
+    wo_ = Vec(*(dr.gather(Float, viewers, 3 * index + k) for k in range(3)))
     turned = dr.gather(Float, stored(Float, side), index)
     wi, solid = chart(wo_, u0 + (u1 - u0) * a, v0 + (v1 - v0) * b, turned)
     solid = solid * ((u1 - u0) * (v1 - v0) * w)
@@ -410,6 +420,6 @@ def _rule(
             np.pi * dr.square(mean) * cosine,
             dr.select(reached, 0, mean * cosine),
         ]
-    values = [dr.block_sum(s * solid, each) for s in sums]
+    values = [s * solid for s in sums]
     dr.eval(values)
-    return np.stack([v.numpy() for v in values], -1)
+    return np.stack([v.numpy().reshape(-1, each).sum(axis=1) for v in values], -1)

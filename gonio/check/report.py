@@ -60,7 +60,7 @@ class Effort:
         return replace(
             self,
             population=max(self.population // 4, 512),
-            rounds=max(self.rounds // 2, 5),
+            rounds=max(self.rounds // 3, 4),
             albedos=max(self.albedos // 4, 128),
             confirmed=max(self.confirmed // 2, 4),
             pairs=max(self.pairs // 4, 256),

@@ -135,7 +135,7 @@ def _suspects(subject: Subject, effort: Effort) -> Array:
 def screen(subject: Subject, points: Array) -> list[Array]:
     """How suspicious points are (above 1): integral of the density, mean weight, shape; (points,) each."""
     parameters, wo = viewer(subject, points)
-    cut = hemisphere.partition(subject, parameters, wo, SCREEN_DEPTH, SCREEN_SAMPLES)
+    cut = hemisphere.partition(subject, parameters, wo, hemisphere.FEWER, SCREEN_SAMPLES)
     found = hemisphere.integrate(subject, parameters, wo, cut, INTEGRALS, 1)
     n = len(points)
     index = repeated(n, SCREEN_SAMPLES)
@@ -147,7 +147,7 @@ def screen(subject: Subject, points: Array) -> list[Array]:
     integral = np.abs(total[:, PDF] - kept) - error - np.where(kept < 1, QUASI, 0)
     albedo = total[:, :3].mean(axis=1) - total[:, UNREACHED]
     weight = np.abs(mean - albedo) - error - QUASI * 10 * scatter
-    cells = 2**SCREEN_DEPTH
+    cells = 2**hemisphere.FEWER
     # A quarter of the probes is spread evenly, whatever the sampler does
     drawn = np.bincount(cut.cell, minlength=n * cells).reshape(n, cells) / (0.75 * SCREEN_SAMPLES)
     shape = np.abs(drawn - found.cells[:, :, PDF]).max(axis=1) * cells - error * cells
@@ -159,8 +159,8 @@ def screen(subject: Subject, points: Array) -> list[Array]:
     return [np.where(np.isnan(score), np.inf, score) for score in scores]
 
 
-# Cells, samples, and the error of a mean of so many evenly spread samples (of a function like a step).
-SCREEN_DEPTH, SCREEN_SAMPLES = 4, 1024
+# Samples of a screening, and the error of a mean of so many evenly spread ones (of a function like a step).
+SCREEN_SAMPLES = hemisphere.FEWER_PROBES
 QUASI = 4e-3
 
 
@@ -456,7 +456,7 @@ def unreached(subject: Subject, points: Array, tolerance: float, levels: int) ->
     """Albedo in directions that the sampler never draws, (points,)."""
     parameters, wo = viewer(subject, points)
     fine = (hemisphere.DEPTH, hemisphere.PROBES)
-    depth, probes = fine if levels > 1 else (SCREEN_DEPTH, SCREEN_SAMPLES)
+    depth, probes = fine if levels > 1 else (hemisphere.FEWER, SCREEN_SAMPLES)
     cut = hemisphere.partition(subject, parameters, wo, depth, probes)
     result = hemisphere.integrate(subject, parameters, wo, cut, tolerance, levels)
     return np.asarray(result.total[:, UNREACHED])

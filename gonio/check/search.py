@@ -92,13 +92,14 @@ def specialised(
     rng: np.random.Generator, points: Array, special: Sequence[Array], share: float
 ) -> Array:
     """Points with a share of their coordinates at special values, or a tiny bit beside them."""
-    points = points.copy()
-    for number, values in enumerate(special):
-        if not len(values):
-            continue
-        chosen = rng.random(len(points)) < share
-        near = rng.random(len(points)) < 0.5
-        beside = 10.0 ** rng.uniform(-14, -1.5, len(points)) * rng.choice([-1.0, 1.0], len(points))
-        value = rng.choice(values, len(points)) + np.where(near, beside, 0)
-        points[:, number] = np.where(chosen, np.clip(value, 0, 1), points[:, number])
-    return points
+    count = min(points.shape[1], len(special))
+    shape = (len(points), count)
+    many = np.array([len(values) for values in special[:count]], np.intp)
+    chosen = (rng.random(shape) < share) & (many > 0)
+    beside = 10.0 ** rng.uniform(-14, -1.5, shape) * rng.choice([-1.0, 1.0], shape)
+    place = (np.cumsum(many) - many) + (rng.random(shape) * many).astype(np.intp)
+    value = np.concatenate([*special[:count], np.zeros(1)])[np.minimum(place, many.sum())]
+    value = np.clip(value + np.where(rng.random(shape) < 0.5, beside, 0), 0, 1)
+    found = points.copy()
+    found[:, :count] = np.where(chosen, value, points[:, :count])
+    return found

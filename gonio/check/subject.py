@@ -358,17 +358,19 @@ def _number(value: Any) -> str:
 # Dr.Jit takes NumPy's memory as it is, and compiles other kernels where it is not aligned like its own.
 ALIGNMENT = 64
 
+DTYPES = {"Float": np.float32, "Float64": np.float64, "UInt": np.uint32}
+
 
 def stored(Type: Any, values: NDArray[Any]) -> Any:
     """Numbers in the device's memory, so that kernels depend neither on them nor on their address."""
-    dtype = {"Float": np.float32, "Float64": np.float64, "UInt": np.uint32}[Type.__name__]
-    size = len(values)
-    buffer = np.empty(size * np.dtype(dtype).itemsize + ALIGNMENT, np.uint8)
+    values = np.asarray(values, DTYPES[Type.__name__])
+    buffer = np.empty(values.nbytes + ALIGNMENT, np.uint8)
     start = -buffer.ctypes.data % ALIGNMENT
-    aligned = buffer[start : start + size * np.dtype(dtype).itemsize].view(dtype)
+    aligned = buffer[start : start + values.nbytes].view(values.dtype)
     aligned[:] = values
     array = Type(aligned)
-    dr.make_opaque(array)  # one number alone would be compiled into the kernels
+    if len(values) == 1:  # one number alone would be compiled into the kernels
+        dr.make_opaque(array)
     return array
 
 
