@@ -23,6 +23,7 @@ from gonio import fit as fit
 from gonio import foreign as foreign
 from gonio import images as images
 from gonio import lang as lang
+from gonio import lights as lights
 from gonio import materials as materials
 from gonio import measured as measured
 from gonio import mitsuba as mitsuba

@@ -14,8 +14,9 @@ from support.tolerances import DOUBLE, DOUBLE_DIVIDED, SINGLE_PROMISED, decimals
 import gonio
 import gonio.mitsuba
 from gonio.arrays.elementwise import elementwise
-from gonio.bake import environment, image_light
+from gonio.bake import environment
 from gonio.bake.environment import Environment, coat_reflection, irradiance, reflected
+from gonio.lights import image_light
 
 RADIANCE = np.array([0.9, 0.5, 0.2])
 UP = np.array([0.0, 1.0, 0.0])

@@ -28,7 +28,7 @@ FLOORS = (
     {"parts", "arrays"},
     {"quadrature", "numeric_albedo"},
     {"model"},
-    {"models", "materials", "description", "citations", "reference", "plot", "measured"},
+    {"models", "materials", "description", "citations", "lights", "reference", "plot", "measured"},
     {"export", "fit"},
     {"mitsuba"},
     {"render", "check"},

@@ -12,7 +12,8 @@ import numpy as np
 
 import gonio
 from gonio.arrays.elementwise import elementwise
-from gonio.bake import environment, image_light
+from gonio.bake import environment
+from gonio.lights import image_light
 from gonio.render.picture import write_picture
 
 FOLDER = Path(__file__).parent.parent / "docs" / "images"

@@ -27,9 +27,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gonio.arrays.elementwise import elementwise
-from gonio.bake import image_light
 from gonio.files import check_place, replacing
 from gonio.images import write_linear
+from gonio.lights import image_light
 from gonio.parts import distribution, fresnel
 
 if TYPE_CHECKING:

@@ -228,8 +228,13 @@ def write_table(path: str | Path, table: Table) -> None:
             np.save(temporary, table)
             return
 
-        if table.shape[1] in {1, 3} and table.shape[1] != table.shape[0]:
-            picture = table[None]
-        else:
-            picture = table[..., None]
-        write_linear(temporary, picture)
+        write_linear(temporary, _picture(table))
+
+
+def _picture(table: Table) -> Table:
+    """A table as (rows, columns, channels); an .exr file has one channel or three."""
+    if table.ndim == 3:
+        return np.concatenate([table, np.zeros_like(table[..., :1])], axis=-1)
+    if table.shape[1] in {1, 3} and table.shape[1] != table.shape[0]:
+        return table[None]
+    return table[..., None]

@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from gonio.cli.program import echo_json, json_option, progress
+from gonio.cli.program import complete, echo_json, json_option, progress
 
 
 @click.group(
@@ -24,6 +24,8 @@ def command(ctx: click.Context) -> None:
       gonio bake distribution ggx -o ggx.exr
       gonio bake blur studio.hdr --alpha 0.2 -o rough.exr
       gonio bake harmonics sunsky
+      gonio bake cube studio.hdr -o studio.ktx2
+      gonio bake split-sum ue4
     """
     if ctx.invoked_subcommand is None:
         click.echo(ctx.get_help())
@@ -63,6 +65,39 @@ def _parse_numbers(option: str, text: str) -> list[float]:
         return [float(number) for number in text.split(",")]
     except ValueError:
         raise ValueError(f"{option} {text} is not a number, or three as in 0.2,0.9,1.1.") from None
+
+
+@command.command(short_help="F of many materials in one picture.")
+@click.argument("materials", nargs=-1, required=True, metavar="MATERIAL...")
+@click.option("--entries", type=click.IntRange(2, 1 << 14), default=128, show_default=True)
+@click.option("--bits", type=click.Choice(["8", "16"]), default="8", show_default=True)
+@click.option("-o", "--output", default="atlas.png", show_default=True, metavar="FILE.png")
+def atlas(materials: tuple[str, ...], entries: int, bits: str, output: str) -> None:
+    """Write the exact Fresnel reflectance of MATERIALs, a row for each, over cosines from 0 to 1.
+
+    A MATERIAL is a metal's symbol, such as Cu, or an index, such as 1.5. Says what rounding and
+    interpolation cost each row.
+
+    \b
+    Examples:
+      gonio bake atlas Cu Au Al 1.5 1.33
+      gonio bake atlas Cu Cr --bits 16 --entries 256 -o metals.png
+    """
+    from gonio.bake import atlas as atlases
+    from gonio.parts import metals
+
+    indices: dict[str, Any] = {}
+    for name in materials:
+        number = name.replace(".", "", 1).isdigit()
+        indices[name] = {"eta": float(name)} if number else dict(metals.metal(name))
+    made = atlases.fresnel_atlas(indices, entries=entries, bits=int(bits))
+    made.write(output)
+    for row, name in enumerate(made.names):
+        error = made.errors[name]
+        click.echo(
+            f"row {row}, {name}: largest error {error.largest:.2g}, at {error.at:.1f} degrees"
+        )
+    click.echo(output)
 
 
 @command.command(short_help="D for all widths and angles.")
@@ -145,3 +180,68 @@ def harmonics(environment: str, as_json: bool) -> None:
         return
     for name, colour in zip(environments.HARMONICS, found, strict=True):
         click.echo(f"{name:<10}  " + "  ".join(f"{value:10.6f}" for value in colour))
+
+
+@command.command(short_help="A cube map with prefiltered levels.")
+@click.argument("environment", metavar="NAME|FILE")
+@click.option("--size", type=int, default=256, show_default=True, help="Texels along a face.")
+@click.option(
+    "-o",
+    "--output",
+    default="environment.ktx2",
+    show_default=True,
+    metavar="PATH",
+    help="A .ktx2 file, or a folder for six .exr files a level.",
+)
+def cube(environment: str, size: int, output: str) -> None:
+    """Write an environment as a cube map whose 6 levels are blurred by GGX lobes, for --lit exports.
+
+    Level k has alpha = (k / 5)^2. Also says how far the cube is from the blurred picture between levels.
+
+    \b
+    Examples:
+      gonio bake cube studio.hdr -o studio.ktx2
+      gonio bake cube sunsky --size 128 -o sky/
+    """
+    from gonio.bake import cube as cubes
+    from gonio.bake import environment as environments
+
+    sky = environments.load(environment)
+    with progress("blurring") as step:
+        made = cubes.prefiltered(sky, size, progress=step)
+    paths = made.write(output.rstrip("/"))
+    click.echo("\n".join(map(str, paths)))
+    for alpha in (0.09, 0.49):  # half way between two levels
+        off = cubes.error(made, sky, alpha)
+        click.echo(f"alpha {alpha:.2f}, between two levels: {100 * off:.2g} % off on the mean")
+
+
+@command.command(
+    "split-sum", short_help="What a model's highlight reflects of light from everywhere."
+)
+@click.argument("model", metavar="MODEL", shell_complete=complete)
+@click.option("--size", type=click.IntRange(2, 1024), default=64, show_default=True)
+@click.option("-o", "--output", metavar="FILE", help="A .npy or .exr file (default: NAME.exr).")
+def split_sum(model: str, size: int, output: str | None) -> None:
+    """Write the split-sum table of a model's highlight, for --lit exports; tri-Ace's is the AmbientBRDF.
+
+    Two channels, A and B: the highlight reflects f0 A + f90 B. The viewer's cosine goes to the right, the
+    root of alpha down, both from 0 to 1 with values in the middles of the texels. A coat has its base's.
+
+    \b
+    Examples:
+      gonio bake split-sum ue4:light=image
+      gonio bake split-sum triace_blinn_phong --size 128 -o ambient_brdf.exr
+    """
+    from gonio.bake import split_sum as sums
+    from gonio.bake.tables import write_table
+    from gonio.materials import Material, load
+
+    found = load(model)
+    chosen = found.model if isinstance(found, Material) else found
+    target = output or f"{chosen.name}.exr"
+    with progress("integrating") as step:
+        table = sums.split_sum_table(chosen, size, progress=step)
+    write_table(target, table)
+    off = sums.split_sum_error(table, chosen)
+    click.echo(f"{target}: between texels at most {off:.2g} off")

@@ -12,10 +12,13 @@ import click
 
 from gonio.cli.program import check_params, complete, param_option, say
 from gonio.export import materialx
+from gonio.export.entry import Export
 from gonio.export.files import manifests, texts, write
+from gonio.export.lit import export_lit
 from gonio.export.targets import TARGETS
 from gonio.export.text import FUNCTIONS, export
 from gonio.export.tree import ExportError
+from gonio.lights.catalogue import listed, usual
 from gonio.materials import Material, library, load
 from gonio.model import Model
 from gonio.model import models as registered
@@ -139,8 +142,13 @@ def run_proof(
     rows: int,
     only: Sequence[str] = FUNCTIONS,
     progress: Callable[[str], None] = lambda text: None,
+    *,
+    lit: Sequence[str] | None = None,
 ) -> Proven:
     """Export models, compile and run them, and compare with the float64 models.
+
+    With `lit`, names of lights or none for the usual ones, the material function is compared too; what it
+    looks up is then computed by formulas.
 
     Raises:
         ProofError: a compiler or runtime is not installed.
@@ -154,11 +162,17 @@ def run_proof(
         raise ExportError(
             "MaterialX's documents are not run by --prove; prove essl, which has the same formulas."
         )
+
+    def exported(name: str, model: Model, language: str) -> Export:
+        if lit is None:
+            return export({name: model}, language, only=only)[0]
+        return export_lit(model, name, lit or usual(model), language, only=only, textures=False)
+
     pairs = [
         (model, way)
         for name, model in models.items()
         for language in runnable
-        for way in each_way(export({name: model}, language, only=only)[0])
+        for way in each_way(exported(name, model, language))
     ]
     proofs = compare(pairs, rows, progress=progress)
     return Proven(table(proofs).splitlines(), not all(p.holds for p in proofs))
@@ -183,7 +197,27 @@ def run_proof(
 )
 @click.option("--all", "everything", is_flag=True, help="Every model, one file each.")
 @click.option("--materials", is_flag=True, help="Every ready material, one file each.")
-@click.option("--only", metavar="NAME,...", help="Of eval, sample, pdf, albedo (default: all).")
+@click.option(
+    "--lit",
+    "lit",
+    multiple=True,
+    is_flag=False,
+    flag_value="",
+    metavar="[LIGHT,...]",
+    help="A whole material function, shade, with lights: directional, image, ... (docs/real_time.md).",
+)
+@click.option(
+    "--lookups",
+    type=click.Choice(["textures", "host"]),
+    default="textures",
+    show_default=True,
+    help="With --lit: how pictures and tables are looked up, or only declared for the host to define.",
+)
+@click.option(
+    "--only",
+    metavar="NAME,...",
+    help="Of eval, sample, pdf, albedo (default: all; with --lit eval).",
+)
 @click.option("--embed", is_flag=True, help="Also a function that gives the parameters' values.")
 @click.option("--load", is_flag=True, help="Also a function that takes the values from a buffer.")
 @click.option("--manifest", is_flag=True, help="Also a JSON file for programs that embed the text.")
@@ -209,6 +243,8 @@ def command(
     options: tuple[str, ...],
     everything: bool,
     materials: bool,
+    lit: tuple[str, ...],
+    lookups: str,
     only: str | None,
     embed: bool,
     load: bool,
@@ -237,16 +273,22 @@ def command(
       gonio export my_model.py --to slang
       gonio export gold --manifest                      names, kinds, ranges, options
       gonio export gold --to wgsl --load --manifest -o host/
+      gonio export ue4 --to hlsl --lit                  with lights
+      gonio export ue4 --to glsl --lit directional,image --prove
     """
     selection = choose(models, [*params, *options], everything, materials)
     to = [] if manifest and not languages else chosen_languages(languages, output)
-    functions = [name.strip() for name in only.split(",")] if only else list(FUNCTIONS)
+    lights = listed(lit) if lit else None
+    usual_functions = list(FUNCTIONS) if lights is None else ["eval"]
+    functions = [name.strip() for name in only.split(",")] if only else usual_functions
+    if lights is None and lookups != "textures":
+        raise click.UsageError("--lookups is for lights; give --lit as well.")
     if prove and (load or manifest):
         raise click.UsageError("--prove writes no file; leave out --load and --manifest.")
     if load and not to:
         raise click.UsageError("--load adds to a text; say in which language with --to.")
     if prove:
-        results = run_proof(selection.models, to, rows, functions, say)
+        results = run_proof(selection.models, to, rows, functions, say, lit=lights)
         click.echo("\n".join(results.lines))
         if results.failed:
             sys.exit(1)
@@ -259,6 +301,8 @@ def command(
         prefix=prefix,
         embed=embed,
         load=load,
+        lit=lights,
+        textures=lookups == "textures",
     )
     if manifest:
         files |= manifests(
@@ -266,6 +310,7 @@ def command(
             together=not (everything or materials),
             only=functions,
             prefix=prefix,
+            lit=lights,
         )
     if output is None and len(files) == 1:
         click.echo(next(iter(files.values())), nl=False)

@@ -32,6 +32,7 @@ from gonio.export.tree import (
 from gonio.export.values import Changed, Method, Static, Value, exact, is_number, spoken
 from gonio.export.vocabulary import RULES, widest
 from gonio.fields import Parameter
+from gonio.lights.lookups import Lookups
 from gonio.model import Model
 
 # Whole powers up to this are products; beyond it, a power of the absolute value.
@@ -58,6 +59,8 @@ class Calls(Expressions):
         if not isinstance(callee, Static):
             self.refuse(node, "this cannot be called.")
         function = callee.value
+        if isinstance(function, types.MethodType) and isinstance(function.__self__, Lookups):
+            return self._lookup(node, function)
         if isinstance(function, type) and hasattr(function, "_fields"):
             return self._record(node, function)
         if isinstance(function, types.FunctionType):
@@ -240,6 +243,7 @@ class Calls(Expressions):
             return (
                 ".parts." in function.__module__
                 or ".models." in function.__module__
+                or ".lights." in function.__module__
                 or (function.__module__ == library.__name__)
             )
         return "site-packages" not in path and "/lib/python" not in path and "<frozen" not in path
@@ -254,6 +258,17 @@ class Calls(Expressions):
         passed, kinds = self._typed(self._arguments(node, function, 0))
         made = self._made(node, function, kinds, None, "", True, passed)
         return Call(made, tuple(passed), made.result)
+
+    def _lookup(self, node: ast.Call, method: types.MethodType) -> Expr:
+        """A call of what the host supplies."""
+        declared = vars(Lookups)[method.__name__]
+        made = self.reader.lookup(declared)
+        arguments = self._arguments(node, declared, 1)
+        passed = tuple(
+            self._coerce(at, self._expr(at, value), kind)
+            for (at, value), (_, kind) in zip(arguments, made.parameters, strict=True)
+        )
+        return Call(made, passed, made.result)
 
     def _arguments(self, node: ast.Call, function: Any, skip: int) -> list[tuple[ast.expr, Value]]:
         """The arguments of a call in the order of the function's own; `skip` of them are given already."""

@@ -23,6 +23,19 @@ class Member:
 
 
 @dataclass(frozen=True)
+class Given:
+    """An argument of `shade` that its lights take, after params, normal, tangent and view."""
+
+    name: str
+    width: int
+    """How many numbers it is made of: 1, 3, or those of its struct."""
+    struct: str = ""
+    """Its type, if that is a struct of colours."""
+    members: tuple[str, ...] = ()
+    """Of the struct."""
+
+
+@dataclass(frozen=True)
 class Entry:
     """Names of what an export defines."""
 
@@ -37,7 +50,17 @@ class Entry:
     members: tuple[Member, ...]
     """In the order of declaration."""
     functions: tuple[str, ...]
-    """Those of "eval", "sample", "pdf" and "albedo" that were exported."""
+    """Those of "eval", "sample", "pdf" and "albedo" that were exported; "shade" in a lit one."""
+    given: tuple[Given, ...] = ()
+    """What `shade` takes besides."""
+    lookups: tuple[str, ...] = ()
+    """What the host looks up, by its name in the text; methods of an object where `host` says so."""
+    binds: tuple[str, ...] = ()
+    """Textures and samplers that the host binds."""
+    lights: tuple[str, ...] = ()
+    """The lights of `shade`, with their choices."""
+    host: bool = False
+    """Whether `shade` takes an object with the lookups as its last argument."""
 
 
 @dataclass(frozen=True)

@@ -183,6 +183,10 @@ class Collector(Protocol):
         """A function that multiplies a value with itself."""
         ...
 
+    def lookup(self, function: types.FunctionType) -> Function:
+        """What the host supplies under this declaration."""
+        ...
+
 
 class Expressions(ABC):
     """Reads the expressions of one function."""

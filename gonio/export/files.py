@@ -6,11 +6,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from gonio.export import materialx
+from gonio.export.lit import export_lit
 from gonio.export.manifest import loader, manifest, manifest_text
 from gonio.export.targets import TARGETS
 from gonio.export.text import FUNCTIONS, SHARED, export
 from gonio.export.tree import ExportError
 from gonio.files import replacing
+from gonio.lights.catalogue import usual
 from gonio.materials import Material
 from gonio.model import Model
 
@@ -24,17 +26,27 @@ def texts(
     prefix: str | None = None,
     embed: bool = False,
     load: bool = False,
+    lit: Sequence[str] | None = None,
+    textures: bool = True,
 ) -> dict[str, str]:
     """Source texts by file name: all models in one text per language, or a text for each of them.
 
     `load` adds the function that fills the parameters from a buffer (see `gonio.export.manifest.loader`).
+    With `lit`, names of lights, a text is a whole material function (see `gonio.export.lit`); with none of
+    them, it has the usual ones.
     """
     files: dict[str, str] = {}
+    if lit is not None and materialx.NAME in to:
+        raise ExportError(
+            "a MaterialX document is lit by its renderer; leave out --lit, or name another language."
+        )
     if materialx.NAME in to and (tuple(only) != FUNCTIONS or prefix or embed or load):
         raise ExportError(
             "a MaterialX node is always the same functions, under the model's name; leave out --only, "
             "--embed, --load and --prefix."
         )
+    if lit is not None and together and len(models) > 1:
+        raise ExportError("--lit makes a text of one model; export one at a time, or give --all.")
     groups = [dict(models)] if together else [{name: model} for name, model in models.items()]
     for group in groups:
         stem = next(iter(group)) if len(group) == 1 else prefix or SHARED
@@ -42,7 +54,22 @@ def texts(
             if language == materialx.NAME:
                 files |= materialx.files(group)
                 continue
-            made = export(group, language, only=only, prefix=prefix, embed=embed)
+            if lit is not None:
+                ((name, model),) = group.items()
+                made = [
+                    export_lit(
+                        model,
+                        name,
+                        lit or usual(model),
+                        language,
+                        only=only,
+                        prefix=prefix,
+                        embed=embed,
+                        textures=textures,
+                    )
+                ]
+            else:
+                made = export(group, language, only=only, prefix=prefix, embed=embed)
             loaders = [loader(one) for one in made] if load else []
             text = "\n".join([made[0].source, *loaders])
             files[f"{stem}.{TARGETS[language].extension}"] = text
@@ -55,11 +82,12 @@ def manifests(
     together: bool = True,
     only: Sequence[str] = FUNCTIONS,
     prefix: str | None = None,
+    lit: Sequence[str] | None = None,
 ) -> dict[str, str]:
     """What hosts have to know about the same exports, as JSON by file name."""
     shared = prefix or (SHARED if together and len(found) > 1 else None)
     return {
-        f"{name}.json": manifest_text(manifest(what, name, only=only, prefix=shared))
+        f"{name}.json": manifest_text(manifest(what, name, only=only, prefix=shared, lit=lit))
         for name, what in found.items()
     }
 

@@ -17,15 +17,38 @@ from typing import Any
 
 from gonio.description import module_notes, summary
 from gonio.export.entry import Entry, Export
+from gonio.export.lit import export_lit
 from gonio.export.printer import INDENT
 from gonio.export.read import Reader
 from gonio.export.targets import TARGETS, Target
 from gonio.export.text import FUNCTIONS, export
 from gonio.export.tree import Access, ExportError, Struct, walk
 from gonio.fields import ModelError, Option, Parameter, is_array
+from gonio.lights.catalogue import usual
+from gonio.lights.lookups import LAST_LEVEL
 from gonio.materials import Material
 from gonio.model import Child, Model
 from gonio.version import __version__
+
+# What a lit export's function takes: of the point, and of its lights.
+POINT: Mapping[str, str] = {
+    "normal": "of the surface, in the world, need not be unit",
+    "tangent": "the direction of growing u, in the world; (0, 0, 0) where there is none",
+    "view": "towards the viewer, unit, in the world",
+}
+ARGUMENTS: Mapping[str, str] = {
+    "light": "towards the light, unit, in the world",
+    "irradiance": "what a surface that faces the light receives, linear RGB",
+    "radiance": "of the uniform surrounding, linear RGB",
+    "sky": "nine spherical harmonics of the environment's radiance; gonio bake harmonics prints them",
+}
+BINDS: Mapping[str, str] = {
+    "environment_map": f"a cube map with {LAST_LEVEL + 1} levels, level k blurred by the GGX width "
+    f"(k / {LAST_LEVEL})^2; gonio bake cube makes it",
+    "split_sum_map": "a table of two channels over the viewer's cosine and the root of alpha; gonio bake "
+    "split-sum makes it for the model",
+    "linear_clamp": "a sampler: linear between texels and levels, clamped",
+}
 
 # Bytes of a four-component vector of floats, which each parameter has for itself.
 STRIDE = 16
@@ -50,6 +73,7 @@ def manifest(
     only: Sequence[str] = FUNCTIONS,
     prefix: str | None = None,
     refusals: bool = True,
+    lit: Sequence[str] | None = None,
 ) -> dict[str, Any]:
     """All that a host has to know about the export of a model, as plain dicts and lists.
 
@@ -59,18 +83,25 @@ def manifest(
         only: the functions that are exported.
         prefix: of what several models of one export share.
         refusals: find out which values of options are refused; takes a second for three layers of models.
+        lit: names of lights, for a lit export (`gonio.export.lit`); none of them: the usual ones.
 
     Returns:
         Names of struct and functions; under "parameters" path, width, kind, value, default, range, soft
         range, scale and byte offset of each; under "options" each value with the reason why it is refused,
         if it is, and with the changes that would allow it; under "models" what lies inside; under "hooks"
-        what a host gives per point. docs/embedding.md explains every entry.
+        what a host gives per point; under "lit" what `shade` takes and what the host binds.
+        docs/embedding.md explains every entry.
 
     Raises:
         ExportError: what cannot be exported.
     """
     model = what.model if isinstance(what, Material) else what
-    entry = export({name or model.name: model}, "wgsl", only=only, prefix=prefix)[0].entry
+    if lit is None:
+        entry = export({name or model.name: model}, "wgsl", only=only, prefix=prefix)[0].entry
+    else:
+        lights = lit or usual(model)
+        own = name or model.name
+        entry = export_lit(model, own, lights, "wgsl", only=only, prefix=prefix).entry
     module = inspect.getmodule(type(model))
     return {
         "gonio": __version__,
@@ -88,7 +119,34 @@ def manifest(
         "options": list(options(model, only, refusals=refusals)),
         "models": list(_models(model)),
         "hooks": _hooks(what) if isinstance(what, Material) else [],
+        **({"lit": _lit(entry)} if lit is not None else {}),
     }
+
+
+def _lit(entry: Entry) -> dict[str, Any]:
+    """What a host gives to `shade`, and what it binds."""
+    arguments: list[dict[str, Any]] = [
+        {"name": name, "width": 3, "doc": doc} for name, doc in POINT.items()
+    ]
+    for given in entry.given:
+        row: dict[str, Any] = {
+            "name": given.name,
+            "width": given.width,
+            "doc": ARGUMENTS[given.name],
+        }
+        if given.struct:
+            row |= {"struct": given.struct, "members": list(given.members)}
+        arguments.append(row)
+    return {
+        "lights": list(entry.lights),
+        "arguments": arguments,
+        "lookups": list(entry.lookups),
+        "binds": [{"name": name, "doc": BINDS[_ending(name, BINDS)]} for name in entry.binds],
+    }
+
+
+def _ending(name: str, known: Mapping[str, str]) -> str:
+    return next(end for end in known if name.endswith(end))
 
 
 def manifest_text(manifest: Mapping[str, Any]) -> str:
@@ -100,8 +158,9 @@ def manifest_text(manifest: Mapping[str, Any]) -> str:
 
 
 def _parameters(model: Model, entry: Entry) -> Iterator[dict[str, Any]]:
-    read = used(model, entry.functions)
     places = {member.path: index for index, member in enumerate(entry.members)}
+    functions = tuple(f for f in entry.functions if f in FUNCTIONS)
+    read = used(model, functions) if functions == entry.functions else frozenset(places)
     for path, declared, value in model.parameters():
         if is_array(value):
             raise ExportError(f"{path} is an array; a manifest has one value for it.")
@@ -122,7 +181,7 @@ def _parameters(model: Model, entry: Entry) -> Iterator[dict[str, Any]]:
             "offset": places[path] * STRIDE if path in places else None,
         }
         if path not in read:
-            row["unused_because"] = _unused_because(model, path, entry.functions)
+            row["unused_because"] = _unused_because(model, path, functions)
         yield row
 
 

@@ -12,10 +12,11 @@ import ast
 import inspect
 import types
 from collections.abc import Iterable
-from typing import Any, cast
+from typing import Any, cast, get_type_hints
 
+from gonio import lang
 from gonio.export import library
-from gonio.export.calls import PRODUCT_MAX, method_of, written
+from gonio.export.calls import ANNOTATED, PRODUCT_MAX, method_of, written
 from gonio.export.expressions import SIGNATURES, UNTESTED
 from gonio.export.names import snake
 from gonio.export.source import source
@@ -39,6 +40,9 @@ from gonio.export.tree import (
 from gonio.export.values import Static
 from gonio.fields import Option, Parameter
 from gonio.model import Child, Model
+
+# What the annotations of a declaration mean, which has no arguments to take its types from.
+OF_ANNOTATIONS: dict[Any, Type] = {**ANNOTATED, lang.Float: "float"}
 
 
 def camel(name: str) -> str:
@@ -170,7 +174,7 @@ class Reader:
         if owner is not None and function is not library.sampled_albedo:
             name = "eval" if method == UNTESTED else plain
             own = inspect.getattr_static(type(owner.model), name, None)
-            inherited = written(name, own) is not function
+            inherited = own is not None and written(name, own) is not function
         made.name = self._name(function, given, owner, plain, inherited)
         if inherited:
             made.method = f"{function.__module__.rpartition('.')[2]}_{plain}"
@@ -252,6 +256,28 @@ class Reader:
         return next(
             n for n in (wanted, *(f"{wanted}{i}" for i in range(2, 1000))) if n not in taken
         )
+
+    def lookup(self, function: types.FunctionType) -> Function:
+        """A function without a body, with the types of its annotations, which the host supplies."""
+        if function not in self._read:
+            hints = get_type_hints(function, include_extras=True)
+            kinds = {name: OF_ANNOTATIONS[kind] for name, kind in hints.items()}
+            result = kinds.pop("return")
+            doc = tuple((inspect.getdoc(function) or "").splitlines())
+            made = Function("", doc, tuple(kinds.items()), result, (), external=True)
+            made.name, made.method = self._name(function, (), None, function.__name__, False), ""
+            made.plain = function.__name__
+            self._read[function] = made
+            self.functions.append(made)
+        return self._read[function]
+
+    def of_annotation(self, kind: Any) -> Type:
+        """The type of an annotation: of the vocabulary, or the struct of a NamedTuple."""
+        if isinstance(kind, type) and hasattr(kind, "_fields"):
+            hints = get_type_hints(kind, include_extras=True)
+            given = tuple(OF_ANNOTATIONS[hints[name]] for name in cast(Any, kind)._fields)
+            return self.record(kind, given)
+        return OF_ANNOTATIONS[kind]
 
     def power(self, exponent: int, kind: Type) -> Function:
         """A function that multiplies a value with itself: right for negative values too."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -65,7 +65,7 @@ def export(
     Raises:
         ExportError: what cannot be exported, with its place; an unknown language or function.
     """
-    target = to if isinstance(to, Target) else _target(to)
+    target = to if isinstance(to, Target) else target_named(to)
     for name in only:
         if name not in FUNCTIONS:
             raise ExportError(f"no function {name!r}; there are {', '.join(FUNCTIONS)}.")
@@ -75,11 +75,7 @@ def export(
         raise ExportError(
             f"an {target.extension.upper()} file holds one shader; export one model at a time."
         )
-    for name in [*models, *([prefix] if prefix else [])]:
-        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or "__" in name:
-            raise ExportError(
-                f"the prefix {name!r} cannot begin a name; use letters, digits and single underscores."
-            )
+    check_prefixes([*models, *([prefix] if prefix else [])])
     # Names that begin with gl_ belong to OpenGL
     models = {legal(name).rstrip("_"): model for name, model in models.items()}
     shared = legal(prefix or (next(iter(models)) if len(models) == 1 else SHARED)).rstrip("_")
@@ -87,14 +83,24 @@ def export(
     roots = [reader.model(model, name, title=name) for name, model in models.items()]
     wanted = [reader.method(root, name) for root in roots for name in FUNCTIONS if name in only]
     functions = tidy(reader.functions, wanted, reader.sample, target.methods)
-    text = _Text(target, shared, reader, functions, roots, wanted, embed)
+    text = Text(target, shared, reader, functions, roots, wanted, embed)
     return [
         Export(target.name, text.source, text.entry(root, only), _albedo_error(root, only))
         for root in roots
     ]
 
 
-def _target(name: str) -> Target:
+def check_prefixes(names: Iterable[str]) -> None:
+    """Refuse what cannot begin the name of a function."""
+    for name in names:
+        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or "__" in name:
+            raise ExportError(
+                f"the prefix {name!r} cannot begin a name; use letters, digits and single underscores."
+            )
+
+
+def target_named(name: str) -> Target:
+    """The table of a language, or an ExportError that lists them."""
     if name not in TARGETS:
         did = did_you_mean(name, TARGETS)
         raise ExportError(f"no language {name!r}; {did}there are {', '.join(TARGETS)}.")
@@ -111,7 +117,7 @@ def _albedo_error(root: Struct, only: Sequence[str]) -> float:
     return 0.0 if closed or "albedo" not in only else SAMPLED_ALBEDO
 
 
-class _Text:
+class Text:
     """Puts the parts of one export in order."""
 
     def __init__(
@@ -124,6 +130,7 @@ class _Text:
         wanted: Sequence[Function],
         embed: bool,
     ) -> None:
+        """Write some functions, callees before callers, of which `wanted` are those that users call."""
         self.target = target
         self.prefix = prefix
         self.reader = reader
@@ -133,9 +140,17 @@ class _Text:
         self.embed = embed
         used = self._used_structs()
         self.structs = [s for s in reader.structs if s in used]
-        self.printer = Printer(target, prefix, functions, self.structs)
+        self.printer = self._printer()
         self.ports: dict[str, str] = {}  # what a shader calls its parameters, by path
         self.source = self._write()
+
+    @property
+    def namespace(self) -> str:
+        """Of the C++ header."""
+        return _namespace(self.prefix)
+
+    def _printer(self) -> Printer:
+        return Printer(self.target, self.prefix, self.functions, self.structs)
 
     def entry(self, root: Struct, only: Sequence[str]) -> Entry:
         """The names of what a model's part of the text defines."""
@@ -148,7 +163,7 @@ class _Text:
             root.prefix,
             root.name,
             self.reader.sample.name,
-            _namespace(self.prefix),
+            self.namespace,
             tuple(found),
             functions,
         )
@@ -172,7 +187,7 @@ class _Text:
             for name, text in self.target.helpers.items()
             if name in self.printer.helpers
         ]
-        namespace = _namespace(self.prefix)
+        namespace = self.namespace
         parts = [
             "\n".join(self._head()),
             *([self.target.head.format(namespace=namespace)] if self.target.head else []),
@@ -233,7 +248,9 @@ class _Text:
         blocks = [self.printer.struct(s) for s in plain]
         lines = comment(("What a renderer asks of a model.",))
         lines.append(f"interface {interface} {{")
-        for function in self.wanted[: len(self.wanted) // len(self.roots)]:
+        for function in self.wanted:
+            if function.owner is not self.roots[0]:
+                continue
             result = self.printer.type(function.result)
             parameters = ", ".join(
                 f"{self.printer.type(kind)} {legal(name, self.printer.reserved)}"
@@ -359,8 +376,7 @@ class _Text:
                     lines += [*paragraph, ""]
         lines += [
             f"{self.target.title}, made by gonio from {self._files()}.",
-            "wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose",
-            "normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.",
+            *self._conventions(),
         ]
         if self.target.note:
             lines.append(self.target.note)
@@ -369,6 +385,12 @@ class _Text:
                 "albedo has no closed form here; it takes many evaluations, for tables and previews."
             )
         return [f"// {self._licence()}", *comment(lines), *self._usage()]
+
+    def _conventions(self) -> list[str]:
+        return [
+            "wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose",
+            "normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.",
+        ]
 
     def _licence(self) -> str:
         own = all(type(m).__module__.startswith("gonio.") for r in self.roots for m in _nested(r))
@@ -383,7 +405,7 @@ class _Text:
         arguments = ", ".join(n for n, _ in first.parameters[1:])
         made = self.target.uninitialized.format(type=root.name, name=SELF)
         path, _ = next(iter(members(root)))
-        scope = f"{_namespace(self.prefix)}::" if self.target.constants_in_file else ""
+        scope = f"{self.namespace}::" if self.target.constants_in_file else ""
         call = f"{scope}{first.name}({SELF}, {arguments})"
         if self.target.methods:
             call = f"{SELF}.{first.method}({arguments})"

@@ -54,7 +54,7 @@ def tidy(
     for function in left:
         _rewrite(function, _without_arguments)
         function.body = _without_unused(function.body)
-        if function not in wanted:
+        if function not in wanted and not function.external:
             _drop_arguments(function, methods)
     left = _reachable(left, wanted)
     _drop_members(left, sample)

@@ -239,6 +239,8 @@ class Function:
     """Which arguments are exponents of `power`."""
     kept: tuple[bool, ...] = ()
     """Which arguments are left, once some were dropped because nothing reads them."""
+    external: bool = False
+    """Whether the host supplies it, so that it has no body here."""
 
 
 def walk(statements: tuple[Statement, ...]) -> Iterator[Expr]:

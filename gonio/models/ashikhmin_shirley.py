@@ -34,6 +34,7 @@ from gonio.parts.distribution import RANDOM_MARGIN, blinn_phong_alpha
 from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
 from gonio.parts.fresnel import schlick_weight, schlick_weight_half
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
+from gonio.parts.image import ImageLobes, schlick_albedo
 from gonio.parts.lobes import average, choose, shares
 from gonio.parts.masking import V_MAX
 from gonio.parts.roughness import at_most_blinn_phong
@@ -66,8 +67,23 @@ class AshikhminShirley(Model):
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """Eq. 4 and 5: BRDF value in 1/sr, without the cosine."""
         F = lerp(self.f0, 1, schlick_weight_half(wi, wo))
+        return self.eval_round(wi, wo) + F * self.highlight(wi, wo)
+
+    def highlight(self, wi: Vec3, wo: Vec3) -> Float:
+        """The highlight of Eq. 4 without F."""
         V = minimum(0.25 / cos_half(wi, wo) / maximum(wi.z, wo.z), V_MAX)
-        return self.eval_round(wi, wo) + F * (self._density(half_vector(wi, wo)) * V)
+        return self._density(half_vector(wi, wo)) * V
+
+    def highlight_albedo(self, split: Vec2) -> Color:
+        """What the highlight reflects of light from everywhere, from its table's A and B."""
+        return schlick_albedo(self.f0, 1, split)
+
+    def image_lobes(self, mu: Float) -> ImageLobes:
+        """The highlight and the diffuse part, for light from pictures."""
+        a = self.slope_widths()
+        # The light's factor of Eq. 5 integrates to 23 pi / 28 over the hemisphere.
+        matte = self.rho * (1 - self.f0) * self._below(mu)
+        return ImageLobes(sqrt(a.x * a.y), matte)
 
     def eval_round(self, wi: Vec3, wo: Vec3) -> Color:
         """The diffuse part, which is not stretched (Eq. 5)."""

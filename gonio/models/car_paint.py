@@ -35,6 +35,7 @@ from gonio.parts.coat import (
 from gonio.parts.distribution import ALPHA_MIN, RoundGGX, ggx_bound, pdf_visible
 from gonio.parts.frame import cos_half, half_vector, mirror
 from gonio.parts.fresnel import F_conductor_half, F_dielectric_entering, transmittance_entering
+from gonio.parts.image import ImageSurface
 from gonio.parts.interface import (
     LOBE_MIN,
     attenuation,
@@ -161,6 +162,10 @@ class CarPaint(Model):
         coat = pdf_ggx_lobe(RoundGGX(self.alpha), wi, wo)
         P = self._shares(wo, wo_t)
         return P.x * coat + P.y * below
+
+    def image_surface(self, mu: Float) -> ImageSurface:
+        """What the coat mirrors of a picture."""
+        return ImageSurface(F_dielectric_entering(mu, self.eta), self.alpha)
 
     def _normal(self) -> Vec3:
         return flake_normal(self.flake_x, self.flake_y, self.distance)

@@ -10,6 +10,7 @@ Deviation: base_color is linear here, the code takes it with a gamma of 2.2.
 from gonio.claims import Claims, at_most
 from gonio.lang import (
     INV_PI,
+    PI,
     Color,
     Float,
     Sample,
@@ -28,6 +29,13 @@ from gonio.parts.distribution import GGX, GTR1, RoundGGX
 from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
 from gonio.parts.fresnel import schlick_complement, schlick_weight, schlick_weight_half
 from gonio.parts.hemisphere import pdf_cosine, pdf_uniform, sample_cosine, sample_uniform
+from gonio.parts.image import (
+    ImageLobes,
+    burley_albedo,
+    lost_at_facets,
+    scattered_albedo,
+    schlick_albedo,
+)
 from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, shares
 from gonio.parts.masking import V_smith
 from gonio.parts.roughness import at_least_perceptual
@@ -99,9 +107,25 @@ class Disney(Model):
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """BRDF value in 1/sr, without the cosine."""
-        D = self._facets().D(half_vector(wi, wo))
         F = lerp(self._f0(), 1, schlick_weight_half(wi, wo))
-        return self.eval_round(wi, wo) + F * (D * self._V(wi, wo))
+        return self.eval_round(wi, wo) + F * self.highlight(wi, wo)
+
+    def highlight(self, wi: Vec3, wo: Vec3) -> Float:
+        """The highlight without F."""
+        return self._facets().D(half_vector(wi, wo)) * self._V(wi, wo)
+
+    def highlight_albedo(self, split: Vec2) -> Color:
+        """What the highlight reflects of light from everywhere, from its table's A and B."""
+        return schlick_albedo(self._f0(), 1, split)
+
+    def image_lobes(self, mu: Float) -> ImageLobes:
+        """The highlight and the diffuse part, without clearcoat, for light from pictures."""
+        widths = self.slope_widths()
+        scattered = scattered_albedo(mu, self.roughness)
+        flat = lerp(burley_albedo(mu, self.roughness), scattered, self.subsurface)
+        sheen = self._sheen() * PI * lost_at_facets(mu)
+        matte = (1 - self.metallic) * (flat * self.base_color + sheen)
+        return ImageLobes(sqrt(widths.x * widths.y), matte)
 
     def eval_round(self, wi: Vec3, wo: Vec3) -> Color:
         """All but the highlight: diffuse, sheen and clearcoat, which are not stretched."""

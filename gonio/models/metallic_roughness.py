@@ -12,6 +12,7 @@ from gonio.model import Model, option, param
 from gonio.parts.distribution import ALPHA_MIN, RoundGGX
 from gonio.parts.frame import cos_half, half_vector
 from gonio.parts.fresnel import schlick_complement, schlick_weight, schlick_weight_half
+from gonio.parts.image import ImageLobes, left_by_facets, schlick_albedo
 from gonio.parts.lobes import average, shares
 from gonio.parts.masking import V_smith, V_smith_correlated
 from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
@@ -50,16 +51,29 @@ class MetallicRoughness(Model):
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """BRDF value in 1/sr, without the cosine."""
-        facets = RoundGGX(self._alpha())
         f0 = self._f0()
         F = lerp(f0, 1, schlick_weight_half(wi, wo))
         # 1 - F without its cancellation
         k_d = (1 - f0) * schlick_complement(cos_half(wi, wo))
         diffuse = INV_PI * (1 - self.metallic) * self.base_color * k_d
+        return diffuse + F * self.highlight(wi, wo)
+
+    def highlight(self, wi: Vec3, wo: Vec3) -> Float:
+        """D G / (4 mu_i mu_o): the highlight without F."""
+        facets = RoundGGX(self._alpha())
         D = facets.D(half_vector(wi, wo))
         if self.masking == "smith":
-            return diffuse + F * (D * V_smith(facets, wi, wo))
-        return diffuse + F * (D * V_smith_correlated(facets, wi, wo))
+            return D * V_smith(facets, wi, wo)
+        return D * V_smith_correlated(facets, wi, wo)
+
+    def highlight_albedo(self, split: Vec2) -> Color:
+        """What the highlight reflects of light from everywhere, from its table's A and B."""
+        return schlick_albedo(self._f0(), 1, split)
+
+    def image_lobes(self, mu: Float) -> ImageLobes:
+        """The highlight and the diffuse part, for light from pictures."""
+        k_d = (1 - self._f0()) * left_by_facets(mu)
+        return ImageLobes(self._alpha(), (1 - self.metallic) * self.base_color * k_d)
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """Cosine-weighted or a visible GGX normal, by the estimated albedos."""

@@ -35,6 +35,7 @@ from gonio.parts.distribution import ALPHA_MIN, RoundGGX, ggx_bound, pdf_visible
 from gonio.parts.frame import cos_half, half_vector, mirror, sin2_half
 from gonio.parts.fresnel import F_conductor, F_conductor_half, transmittance_conductor
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
+from gonio.parts.image import ImageSurface
 from gonio.parts.interface import (
     LOBE_MIN,
     attenuation,
@@ -137,6 +138,14 @@ class Patina(Model):
         patina = P_coat.x * coat + P_coat.y * patina
         bare = pdf_ggx_lobe(RoundGGX(self._metal_alpha()), wi, wo)
         return P_bare.x * bare + P_bare.y * patina
+
+    def image_surface(self, mu: Float) -> ImageSurface:
+        """What the surface mirrors of a picture: the index is mixed as the patina grows (Elek)."""
+        bare, grown = self._bare(), self._grown()
+        eta = bare * self.metal_eta + grown * self.coat_eta
+        k = bare * self.metal_k + grown * self.coat_k
+        alpha = bare * self._metal_alpha() + grown * self.alpha
+        return ImageSurface(F_conductor(mu, eta, k), alpha)
 
     def _grown(self) -> Float:
         """extentFactor: 1 - smoothstep(extent - transition, extent + transition, growth)."""

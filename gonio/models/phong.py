@@ -35,6 +35,7 @@ from gonio.lang import (
 from gonio.model import Model, option, param
 from gonio.parts.frame import azimuth
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
+from gonio.parts.image import ImageLobes
 from gonio.parts.lobes import average, choose, shares
 from gonio.parts.roughness import at_most_phong
 from gonio.parts.special import expm1, log1p
@@ -135,12 +136,24 @@ class Phong(Model):
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """BRDF value in 1/sr, without the cosine."""
+        return self.rho * INV_PI + self.specular * self.highlight(wi, wo)
+
+    def highlight(self, wi: Vec3, wo: Vec3) -> Float:
+        """The highlight without its weight."""
         n = self.shininess
         if self.form == "classical":
-            highlight = lobe(wi, wo, n) / wi.z
-        else:
-            highlight = INV_TWO_PI * (n + 2) * lobe(wi, wo, n)
-        return self.rho * INV_PI + self.specular * highlight
+            return lobe(wi, wo, n) / wi.z
+        return INV_TWO_PI * (n + 2) * lobe(wi, wo, n)
+
+    def highlight_albedo(self, split: Vec2) -> Color:
+        """What the highlight reflects of light from everywhere, from its table's A and B."""
+        return self.specular * (split.x + split.y)
+
+    def image_lobes(self, mu: Float) -> ImageLobes:
+        """The highlight and the diffuse part, for light from pictures."""
+        # As wide as a Blinn-Phong lobe with four times its exponent
+        alpha = sqrt(2 / (4 * self.shininess + 2))
+        return ImageLobes(alpha, self.rho)
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """Cosine-weighted, or around the mirror direction, by the estimated albedos."""

@@ -24,6 +24,7 @@ from gonio.lang import (
     Vec3,
     clamp,
     select,
+    sqrt,
     vec2,
 )
 from gonio.model import Model, option, param
@@ -39,6 +40,7 @@ from gonio.parts.distribution import (
     pdf_visible,
 )
 from gonio.parts.hemisphere import pdf_grazing, sample_grazing
+from gonio.parts.image import ImageLobes, facet_cosine, schlick_albedo
 from gonio.parts.lobes import pdf_ggx_lobe, sample_ggx_lobe
 from gonio.parts.metals import metal
 from gonio.parts.roughness import at_least_alpha
@@ -192,6 +194,31 @@ class TorranceSparrow(Model):
             lost = ggx_loss.loss(wo.z, self.alpha)
             return single * (1 + self._F(1, 0) * (lost / (1 - lost)))
         return single
+
+    def highlight(self, wi: Vec3, wo: Vec3) -> Float:
+        """D G / (4 mu_i mu_o): what facets reflect once, without F."""
+        m = frame.half_vector(wi, wo)
+        return self._facets().D(m) * self._V(wi, wo, m, frame.cos_half(wi, wo))
+
+    def highlight_albedo(self, split: Vec2) -> Color:
+        """What the highlight reflects of light from everywhere, from its table's A and B."""
+        if self.fresnel in ("schlick", "white"):
+            f0, f90 = (self.f0, self.f90) if self.fresnel == "schlick" else (1, 1)
+            single = schlick_albedo(f0, f90, split)
+        else:
+            c = facet_cosine(split)
+            single = self._F(c, (1 - c) * (1 + c)) * (split.x + split.y)
+        lost = 1 - split.x - split.y
+        if self.compensation == "kulla_conty":
+            return single + self._colour() * lost
+        if self.compensation == "turquin":
+            return single * (1 + self._F(1, 0) * (lost / (1 - lost)))
+        return single
+
+    def image_lobes(self, mu: Float) -> ImageLobes:
+        """The highlight, for light from pictures."""
+        a = self.slope_widths()
+        return ImageLobes(sqrt(a.x * a.y), 0)
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """Visible normals where the masking has them, else normals; a grazing lobe for Kulla-Conty."""

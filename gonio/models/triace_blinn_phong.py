@@ -14,9 +14,10 @@ from gonio.parts import cltc
 from gonio.parts.distribution import RoundGGX, blinn_phong_alpha
 from gonio.parts.frame import tangential_dot
 from gonio.parts.fresnel import schlick_weight, schlick_weight_half
+from gonio.parts.image import ImageLobes, schlick_albedo
 from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, shares
 from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
-from gonio.parts.oren_nayar import s_over_t_fujii
+from gonio.parts.oren_nayar import G_fujii, s_over_t_fujii
 from gonio.parts.roughness import at_most_blinn_phong
 from gonio.parts.triace import blinn_phong_highlight
 from gonio.quadrature import NumericAlbedo
@@ -54,13 +55,29 @@ class TriAceBlinnPhong(Model):
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """Eq. 1 without the cosine and the factor pi: BRDF value in 1/sr."""
         F = lerp(self.f0, 1, schlick_weight_half(wi, wo))
-        highlight = blinn_phong_highlight(wi, wo, self.shininess)
         diffuse = self.rho * (1 - self.f0) * INV_PI
         if self.diffuse == "oren_nayar":
             n = self.shininess
             shape = s_over_t_fujii(tangential_dot(wi, wo), wi, wo)
             diffuse = diffuse * (1 - 1 / (2 + 0.65 * n) + 1 / (2.22222 + 0.1 * n) * shape)
-        return diffuse + F * highlight
+        return diffuse + F * self.highlight(wi, wo)
+
+    def highlight(self, wi: Vec3, wo: Vec3) -> Float:
+        """The highlight of Eq. 1 without F."""
+        return blinn_phong_highlight(wi, wo, self.shininess)
+
+    def highlight_albedo(self, split: Vec2) -> Color:
+        """What the highlight reflects of light from everywhere, from its table's A and B."""
+        return schlick_albedo(self.f0, 1, split)
+
+    def image_lobes(self, mu: Float) -> ImageLobes:
+        """The highlight and the diffuse part, for light from pictures."""
+        matte = self.rho * (1 - self.f0)
+        if self.diffuse == "oren_nayar":
+            n = self.shininess
+            shape = 1 - 1 / (2 + 0.65 * n) + INV_PI * G_fujii(mu) / (2.22222 + 0.1 * n)
+            matte = matte * shape
+        return ImageLobes(blinn_phong_alpha(self.shininess), matte)
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """Cosine-weighted, or the GGX lobe of the same width, whose longer tail bounds the weights."""

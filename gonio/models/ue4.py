@@ -14,6 +14,7 @@ from gonio.model import Model, option, param
 from gonio.parts.distribution import ALPHA_MIN, RoundGGX
 from gonio.parts.frame import half_vector
 from gonio.parts.fresnel import schlick_weight, schlick_weight_half
+from gonio.parts.image import ImageLobes, schlick_albedo
 from gonio.parts.lobes import average, shares
 from gonio.parts.masking import V_schlick, schlick_k_ggx, schlick_k_ue4
 from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
@@ -56,11 +57,22 @@ class UE4(Model):
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """BRDF value in 1/sr, without the cosine."""
-        alpha = self._alpha()
         F = lerp(self._f0(), 1, schlick_weight_half(wi, wo))
-        D = RoundGGX(alpha).D(half_vector(wi, wo))
         diffuse = INV_PI * (1 - self.metallic) * self.base_color
-        return diffuse + F * (D * V_schlick(wi, wo, self._k()))
+        return diffuse + F * self.highlight(wi, wo)
+
+    def highlight(self, wi: Vec3, wo: Vec3) -> Float:
+        """D G / (4 mu_i mu_o): the highlight without F."""
+        D = RoundGGX(self._alpha()).D(half_vector(wi, wo))
+        return D * V_schlick(wi, wo, self._k())
+
+    def highlight_albedo(self, split: Vec2) -> Color:
+        """What the highlight reflects of light from everywhere, from its table's A and B."""
+        return schlick_albedo(self._f0(), 1, split)
+
+    def image_lobes(self, mu: Float) -> ImageLobes:
+        """The highlight and the diffuse part, for light from pictures."""
+        return ImageLobes(self._alpha(), (1 - self.metallic) * self.base_color)
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """Cosine-weighted or a visible GGX normal, by the estimated albedos."""

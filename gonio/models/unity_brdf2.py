@@ -12,6 +12,7 @@ from gonio.claims import Claims, Place, at_most, kink
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, lerp, maximum, sqrt
 from gonio.model import Model, param
 from gonio.parts.frame import cos_half, half_vector
+from gonio.parts.image import ImageLobes
 from gonio.parts.lobes import average, shares
 from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
 from gonio.parts.roughness import at_least_perceptual
@@ -50,13 +51,24 @@ class UnityBRDF2(Model):
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """BRDF value in 1/sr, without the cosine."""
+        return INV_PI * self._diffuse() + self._specular() * self.highlight(wi, wo)
+
+    def highlight(self, wi: Vec3, wo: Vec3) -> Float:
+        """The highlight without its colour."""
         a = self.roughness * self.roughness
         m = half_vector(wi, wo)
         c = cos_half(wi, wo)
         # (N.H)^2 (a^2 - 1) + 1.00001, without its cancellation
         d = m.x * m.x + m.y * m.y + a * a * m.z * m.z + D_UNITY
-        highlight = a * a / (4 * maximum(c * c, COS2_UNITY) * (a + 0.5) * d * d)
-        return INV_PI * (self._diffuse() + self._specular() * highlight)
+        return INV_PI * (a * a / (4 * maximum(c * c, COS2_UNITY) * (a + 0.5) * d * d))
+
+    def highlight_albedo(self, split: Vec2) -> Color:
+        """What the highlight reflects of light from everywhere, from its table's A and B."""
+        return self._specular() * (split.x + split.y)
+
+    def image_lobes(self, mu: Float) -> ImageLobes:
+        """The highlight and the diffuse part, for light from pictures."""
+        return ImageLobes(self._alpha(), self._diffuse())
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """Cosine-weighted or a visible GGX normal, by the estimated albedos."""

@@ -17,6 +17,7 @@ from gonio.model import Model, param
 from gonio.parts.distribution import RoundGGX
 from gonio.parts.frame import half_vector
 from gonio.parts.fresnel import schlick_weight, schlick_weight_half
+from gonio.parts.image import ImageLobes, burley_albedo, schlick_albedo
 from gonio.parts.lobes import average, shares
 from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
 from gonio.parts.roughness import at_least_perceptual
@@ -57,16 +58,29 @@ class UnityStandard(Model):
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """BRDF value in 1/sr, without the cosine."""
-        r, alpha = self.roughness, self._alpha()
+        r = self.roughness
         # F90 = 0.5 + 2 roughness cos^2(theta_d), and 2 cos^2(theta_d) = 1 + dot(wi, wo)
         rise = r * (1 + dot(wi, wo)) - 0.5
         burley = (1 + rise * schlick_weight(wi.z)) * (1 + rise * schlick_weight(wo.z))
+        F = lerp(self._f0(), 1, schlick_weight_half(wi, wo))
+        return INV_PI * burley * self._diffuse() + F * self.highlight(wi, wo)
+
+    def highlight(self, wi: Vec3, wo: Vec3) -> Float:
+        """D V: the highlight without F."""
+        alpha = self._alpha()
         lambda_v = wi.z * lerp(alpha, 1, wo.z)
         lambda_l = wo.z * lerp(alpha, 1, wi.z)
-        V = 0.5 / (lambda_v + lambda_l)
         D = RoundGGX(alpha).D(half_vector(wi, wo))
-        F = lerp(self._f0(), 1, schlick_weight_half(wi, wo))
-        return INV_PI * burley * self._diffuse() + F * (D * V)
+        return D * (0.5 / (lambda_v + lambda_l))
+
+    def highlight_albedo(self, split: Vec2) -> Color:
+        """What the highlight reflects of light from everywhere, from its table's A and B."""
+        return schlick_albedo(self._f0(), 1, split)
+
+    def image_lobes(self, mu: Float) -> ImageLobes:
+        """The highlight and the diffuse part, for light from pictures."""
+        matte = self._diffuse() * burley_albedo(mu, self.roughness)
+        return ImageLobes(self._alpha(), matte)
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """Cosine-weighted or a visible GGX normal, by the estimated albedos."""

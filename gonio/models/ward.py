@@ -12,6 +12,7 @@ from gonio.model import Model, option, param
 from gonio.parts.distribution import Beckmann
 from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
+from gonio.parts.image import ImageLobes
 from gonio.parts.lobes import average, choose, shares
 from gonio.parts.masking import V_MAX
 from gonio.parts.roughness import at_least_alpha
@@ -57,17 +58,27 @@ class Ward(Model):
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """BRDF value in 1/sr, without the cosine."""
+        return self.eval_round(wi, wo) + self.specular * self.highlight(wi, wo)
+
+    def highlight(self, wi: Vec3, wo: Vec3) -> Float:
+        """The highlight without its weight."""
         m = half_vector(wi, wo)
         D = self._facets().D(m)
         z2 = m.z * m.z
         if self.form == "balanced":
             c = cos_half(wi, wo)
-            highlight = D * minimum(0.25 / c / c, V_MAX)
-        elif self.form == "dur":
-            highlight = D * (z2 * z2 * minimum(0.25 / wi.z / wo.z, V_MAX))
-        else:
-            highlight = D * (z2 * z2 * (0.25 / (sqrt(wi.z) * sqrt(wo.z))))
-        return self.eval_round(wi, wo) + self.specular * highlight
+            return D * minimum(0.25 / c / c, V_MAX)
+        if self.form == "dur":
+            return D * (z2 * z2 * minimum(0.25 / wi.z / wo.z, V_MAX))
+        return D * (z2 * z2 * (0.25 / (sqrt(wi.z) * sqrt(wo.z))))
+
+    def highlight_albedo(self, split: Vec2) -> Color:
+        """What the highlight reflects of light from everywhere, from its table's A and B."""
+        return self.specular * (split.x + split.y)
+
+    def image_lobes(self, mu: Float) -> ImageLobes:
+        """The highlight and the diffuse part, for light from pictures."""
+        return ImageLobes(sqrt(self.alpha_x * self.alpha_y), self.rho)
 
     def eval_round(self, wi: Vec3, wo: Vec3) -> Color:
         """The diffuse part, which is not stretched."""

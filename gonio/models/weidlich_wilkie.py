@@ -9,7 +9,7 @@ both crossings, the compression of solid angles, and the light that bounces betw
 """
 
 from gonio.claims import Claims, Place, at_most, kink
-from gonio.lang import Color, Float, Sample, Vec2, Vec3, maximum, select
+from gonio.lang import Color, Float, Sample, Vec2, Vec3, exp, maximum, safe_sqrt, select
 from gonio.model import Model, child, option, param
 from gonio.parts.coat import attenuation_least, optical_depth, usual_cos_half
 from gonio.parts.distribution import ALPHA_MIN, RoundBeckmann, RoundGGX
@@ -20,9 +20,12 @@ from gonio.parts.fresnel import (
     transmittance_entering,
     transmittance_lazanyi,
 )
+from gonio.parts.image import ImageCoat
 from gonio.parts.interface import (
     LOBE_MIN,
     attenuation,
+    critical_cosine,
+    diffuse_reflectance,
     diffuse_return,
     gather,
     leave,
@@ -132,6 +135,32 @@ class WeidlichWilkie(Model):
         cos_h = cos_half(wi, wo)
         coat = self._F(cos_h) * self._facets().D(half_vector(wi, wo)) * self._V(wi, wo)
         return below + coat
+
+    def image_coat(self, wo: Vec3) -> ImageCoat:
+        """The coat as light from a picture sees it, which comes from the mirror direction or all sides."""
+        wo_t = refract(wo, self.eta - 1)
+        tau, compression = self._optical_depth(), self._compression()
+        T = self._T(wo.z)
+        # In the mirror direction wi' is as steep as wo', and solid angles are eta^2 times as wide outside.
+        stretch = self.eta * self.eta * compression
+        glossy = T * T * stretch * attenuation(tau, wo_t, wo_t)
+        inward = self._T(usual_cos_half(wo))
+        through = inward * inward
+        if self.transmission == "both_ways":
+            through = T * (1 - diffuse_reflectance(self.eta))
+        # Mean of 1 / mu_i' over diffuse light from outside: 2 eta^2 (1 - sqrt(1 - 1 / eta^2))
+        slant = 2 / (1 + safe_sqrt(1 - 1 / (self.eta * self.eta)))
+        matte = through * compression * exp(-tau * (slant + 1 / wo_t.z))
+        if self.bounces == "diffuse":
+            matte = matte / (1 - self.base.mean_albedo() * diffuse_return(tau, self.eta))
+        least = 0
+        if self.interface == "rough" and self.roughness_clamp == "on":
+            least = self.alpha
+        reflected = 0
+        if self.interface == "rough":
+            reflected = self._F(wo.z)
+        c = critical_cosine(self.eta - 1)
+        return ImageCoat(reflected, glossy, matte, wo_t, least, (1 - c) / (1 + c))
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """The coat by visible normals or the base below, chosen by what the coat reflects and absorbs."""

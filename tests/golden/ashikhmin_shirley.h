@@ -201,15 +201,20 @@ inline float ashikhmin_shirley_density(const AshikhminShirley& params, Vec3 m) {
     return norm * expf(-(params.shininess_x * x2 + params.shininess_y * y2) * steep);
 }
 
+// The highlight of Eq. 4 without F.
+inline float ashikhmin_shirley_highlight(const AshikhminShirley& params, Vec3 wi, Vec3 wo) {
+    float V = fminf(0.25f / ashikhmin_shirley_cos_half(wi, wo) / fmaxf(wi.z, wo.z), V_MAX);
+    return ashikhmin_shirley_density(params, ashikhmin_shirley_half_vector(wi, wo)) * V;
+}
+
 // Eq. 4 and 5: BRDF value in 1/sr, without the cosine.
 inline Vec3 ashikhmin_shirley_eval(const AshikhminShirley& params, Vec3 wi, Vec3 wo) {
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
     Vec3 F = lerp(params.f0, splat(1.0f), splat(ashikhmin_shirley_schlick_weight_half(wi, wo)));
-    float V = fminf(0.25f / ashikhmin_shirley_cos_half(wi, wo) / fmaxf(wi.z, wo.z), V_MAX);
     return ashikhmin_shirley_eval_round(params, wi, wo)
-        + F * (ashikhmin_shirley_density(params, ashikhmin_shirley_half_vector(wi, wo)) * V);
+        + F * ashikhmin_shirley_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

@@ -106,20 +106,25 @@ float ashikhmin_shirley_density(AshikhminShirley params, float3 m) {
     return norm * exp(-(params.shininess_x * x2 + params.shininess_y * y2) * steep);
 }
 
-// Eq. 4 and 5: BRDF value in 1/sr, without the cosine.
-float3 ashikhmin_shirley_eval(AshikhminShirley params, float3 wi, float3 wo) {
-    const float mu_min = 1.0e-18;  // cosine of the horizon
+// The highlight of Eq. 4 without F.
+float ashikhmin_shirley_highlight(AshikhminShirley params, float3 wi, float3 wo) {
     // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
     // it still is a float32. It is reached at cosines of 5e-16.
     const float V_MAX = 1.0e30;
+    float V = min(0.25 / ashikhmin_shirley_cos_half(wi, wo) / max(wi.z, wo.z), V_MAX);
+    return ashikhmin_shirley_density(params, ashikhmin_shirley_half_vector(wi, wo)) * V;
+}
+
+// Eq. 4 and 5: BRDF value in 1/sr, without the cosine.
+float3 ashikhmin_shirley_eval(AshikhminShirley params, float3 wi, float3 wo) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return float3(0.0, 0.0, 0.0);
     }
     float3 F = lerp(params.f0, float3(1.0, 1.0, 1.0),
         (ashikhmin_shirley_schlick_weight_half(wi, wo)).xxx);
-    float V = min(0.25 / ashikhmin_shirley_cos_half(wi, wo) / max(wi.z, wo.z), V_MAX);
     return ashikhmin_shirley_eval_round(params, wi, wo)
-        + F * (ashikhmin_shirley_density(params, ashikhmin_shirley_half_vector(wi, wo)) * V);
+        + F * ashikhmin_shirley_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

@@ -106,19 +106,24 @@ fn ashikhmin_shirley_density(params: AshikhminShirley, m: vec3f) -> f32 {
     return norm * exp(-(params.shininess_x * x2 + params.shininess_y * y2) * steep);
 }
 
-// Eq. 4 and 5: BRDF value in 1/sr, without the cosine.
-fn ashikhmin_shirley_eval(params: AshikhminShirley, wi: vec3f, wo: vec3f) -> vec3f {
-    const mu_min = 1.0e-18;  // cosine of the horizon
+// The highlight of Eq. 4 without F.
+fn ashikhmin_shirley_highlight(params: AshikhminShirley, wi: vec3f, wo: vec3f) -> f32 {
     // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
     // it still is a float32. It is reached at cosines of 5e-16.
     const V_MAX = 1.0e30;
+    let V = min(0.25 / ashikhmin_shirley_cos_half(wi, wo) / max(wi.z, wo.z), V_MAX);
+    return ashikhmin_shirley_density(params, ashikhmin_shirley_half_vector(wi, wo)) * V;
+}
+
+// Eq. 4 and 5: BRDF value in 1/sr, without the cosine.
+fn ashikhmin_shirley_eval(params: AshikhminShirley, wi: vec3f, wo: vec3f) -> vec3f {
+    const mu_min = 1.0e-18;  // cosine of the horizon
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
     let F = mix(params.f0, vec3f(1.0), vec3f(ashikhmin_shirley_schlick_weight_half(wi, wo)));
-    let V = min(0.25 / ashikhmin_shirley_cos_half(wi, wo) / max(wi.z, wo.z), V_MAX);
     return ashikhmin_shirley_eval_round(params, wi, wo)
-        + F * (ashikhmin_shirley_density(params, ashikhmin_shirley_half_vector(wi, wo)) * V);
+        + F * ashikhmin_shirley_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

@@ -140,12 +140,6 @@ struct Disney {
     float clearcoat_gloss;  // 0 for a satin clearcoat, 1 for a glossy one; 0 to 1, default 1
 };
 
-// Facets of GGX, also called Trowbridge-Reitz.
-struct DisneyGGX {
-    float alpha_x;  // width of the slopes along x
-    float alpha_y;  // width of the slopes along y
-};
-
 // Generalised Trowbridge-Reitz with exponent 1: the facets of Disney's clearcoat.
 struct DisneyGTR1 {
     float alpha;  // width of the slopes
@@ -156,6 +150,12 @@ struct DisneyRoundGGX {
     float alpha;  // width of the slopes
 };
 
+// Facets of GGX, also called Trowbridge-Reitz.
+struct DisneyGGX {
+    float alpha_x;  // width of the slopes along x
+    float alpha_y;  // width of the slopes along y
+};
+
 // Which of two lobes a sample is taken from.
 struct DisneyChoice {
     bool is_first;  // Whether it is the first one
@@ -163,32 +163,6 @@ struct DisneyChoice {
 };
 
 // ---- evaluation ----------------------------------------------------------------------------
-
-// Those of the highlight.
-inline DisneyGGX disney_facets(const Disney& params) {
-    float alpha = params.roughness * params.roughness;
-    float aspect = sqrtf(1.0f - 0.9f * params.anisotropic);
-    return DisneyGGX{fmaxf(alpha / aspect, ALPHA_DISNEY), fmaxf(alpha * aspect, ALPHA_DISNEY)};
-}
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline Vec3 disney_half_vector(Vec3 wi, Vec3 wo) {
-    Vec3 h = wi + wo;
-    return h / length(h);  // which disney_cos_half needs as well
-}
-
-// Square of m in units of the widths: D falls with its square.
-inline float disney_ggx_spread(DisneyGGX ggx, Vec3 m) {
-    Vec3 v = Vec3{m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z};
-    return dot(v, v);
-}
-
-// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-inline float disney_ggx_D(DisneyGGX ggx, Vec3 m) {
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    float s = disney_ggx_spread(ggx, m);
-    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
-}
 
 // The base colour's hue and saturation, with a luminance of 1.
 inline Vec3 disney_tint(const Disney& params) {
@@ -248,6 +222,12 @@ inline DisneyGTR1 disney_coat(const Disney& params) {
     return DisneyGTR1{lerp(COAT_ALPHA_SATIN, COAT_ALPHA_GLOSS, params.clearcoat_gloss)};
 }
 
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline Vec3 disney_half_vector(Vec3 wi, Vec3 wo) {
+    Vec3 h = wi + wo;
+    return h / length(h);  // which disney_cos_half needs as well
+}
+
 // `D` for alpha up to 0.5, where nothing cancels in its norm.
 inline float disney_gtr1_D_narrow(DisneyGTR1 gtr1, Vec3 m) {
     float a2 = gtr1.alpha * gtr1.alpha;
@@ -290,10 +270,36 @@ inline Vec3 disney_eval_round(const Disney& params, Vec3 wi, Vec3 wo) {
     return base + F_c * (D_c * V_c);
 }
 
+// Those of the highlight.
+inline DisneyGGX disney_facets(const Disney& params) {
+    float alpha = params.roughness * params.roughness;
+    float aspect = sqrtf(1.0f - 0.9f * params.anisotropic);
+    return DisneyGGX{fmaxf(alpha / aspect, ALPHA_DISNEY), fmaxf(alpha * aspect, ALPHA_DISNEY)};
+}
+
+// Square of m in units of the widths: D falls with its square.
+inline float disney_ggx_spread(DisneyGGX ggx, Vec3 m) {
+    Vec3 v = Vec3{m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z};
+    return dot(v, v);
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+inline float disney_ggx_D(DisneyGGX ggx, Vec3 m) {
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    float s = disney_ggx_spread(ggx, m);
+    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
+}
+
 // Masking of the highlight, G / (4 mu_i mu_o).
 inline float disney_V(const Disney& params, Vec3 wi, Vec3 wo) {
     float alpha_g = (0.5f + 0.5f * params.roughness) * (0.5f + 0.5f * params.roughness);
     return disney_V_smith(DisneyRoundGGX{alpha_g}, wi, wo);
+}
+
+// The highlight without F.
+inline float disney_highlight(const Disney& params, Vec3 wi, Vec3 wo) {
+    return disney_ggx_D(disney_facets(params), disney_half_vector(wi, wo))
+        * disney_V(params, wi, wo);
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -301,9 +307,8 @@ inline Vec3 disney_eval(const Disney& params, Vec3 wi, Vec3 wo) {
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
-    float D = disney_ggx_D(disney_facets(params), disney_half_vector(wi, wo));
     Vec3 F = lerp(disney_f0(params), splat(1.0f), splat(disney_schlick_weight_half(wi, wo)));
-    return disney_eval_round(params, wi, wo) + F * (D * disney_V(params, wi, wo));
+    return disney_eval_round(params, wi, wo) + F * disney_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

@@ -37,12 +37,6 @@ struct Disney {
     float clearcoat_gloss;  // 0 for a satin clearcoat, 1 for a glossy one; 0 to 1, default 1
 };
 
-// Facets of GGX, also called Trowbridge-Reitz.
-struct DisneyGGX {
-    float alpha_x;  // width of the slopes along x
-    float alpha_y;  // width of the slopes along y
-};
-
 // Generalised Trowbridge-Reitz with exponent 1: the facets of Disney's clearcoat.
 struct DisneyGTR1 {
     float alpha;  // width of the slopes
@@ -53,6 +47,12 @@ struct DisneyRoundGGX {
     float alpha;  // width of the slopes
 };
 
+// Facets of GGX, also called Trowbridge-Reitz.
+struct DisneyGGX {
+    float alpha_x;  // width of the slopes along x
+    float alpha_y;  // width of the slopes along y
+};
+
 // Which of two lobes a sample is taken from.
 struct DisneyChoice {
     bool is_first;  // Whether it is the first one
@@ -60,39 +60,6 @@ struct DisneyChoice {
 };
 
 // ---- evaluation ----------------------------------------------------------------------------
-
-// Those of the highlight.
-DisneyGGX disney_facets(Disney params) {
-    // The reference code's numbers: smallest width of the highlight, F0 at specular 1, and for the clearcoat
-    // its widths without and with gloss, that of its masking, F0 (index 1.5), and strength.
-    const float ALPHA_DISNEY = 0.001;
-    float alpha = params.roughness * params.roughness;
-    float aspect = sqrt(1.0 - 0.9 * params.anisotropic);
-    DisneyGGX result;
-    result.alpha_x = max(alpha / aspect, ALPHA_DISNEY);
-    result.alpha_y = max(alpha * aspect, ALPHA_DISNEY);
-    return result;
-}
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-float3 disney_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
-    return h / length(h);  // which disney_cos_half needs as well
-}
-
-// Square of m in units of the widths: D falls with its square.
-float disney_ggx_spread(DisneyGGX ggx, float3 m) {
-    float3 v = float3(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
-    return dot(v, v);
-}
-
-// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-float disney_ggx_D(DisneyGGX ggx, float3 m) {
-    const float inv_pi = 0.31830987;
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    float s = disney_ggx_spread(ggx, m);
-    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
-}
 
 // The base colour's hue and saturation, with a luminance of 1.
 float3 disney_tint(Disney params) {
@@ -161,6 +128,12 @@ DisneyGTR1 disney_coat(Disney params) {
     return result;
 }
 
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+float3 disney_half_vector(float3 wi, float3 wo) {
+    float3 h = wi + wo;
+    return h / length(h);  // which disney_cos_half needs as well
+}
+
 // `D` for alpha up to 0.5, where nothing cancels in its norm.
 float disney_gtr1_D_narrow(DisneyGTR1 gtr1, float3 m) {
     const float inv_pi = 0.31830987;
@@ -210,6 +183,33 @@ float3 disney_eval_round(Disney params, float3 wi, float3 wo) {
     return base + F_c * (D_c * V_c);
 }
 
+// Those of the highlight.
+DisneyGGX disney_facets(Disney params) {
+    // The reference code's numbers: smallest width of the highlight, F0 at specular 1, and for the clearcoat
+    // its widths without and with gloss, that of its masking, F0 (index 1.5), and strength.
+    const float ALPHA_DISNEY = 0.001;
+    float alpha = params.roughness * params.roughness;
+    float aspect = sqrt(1.0 - 0.9 * params.anisotropic);
+    DisneyGGX result;
+    result.alpha_x = max(alpha / aspect, ALPHA_DISNEY);
+    result.alpha_y = max(alpha * aspect, ALPHA_DISNEY);
+    return result;
+}
+
+// Square of m in units of the widths: D falls with its square.
+float disney_ggx_spread(DisneyGGX ggx, float3 m) {
+    float3 v = float3(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
+    return dot(v, v);
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+float disney_ggx_D(DisneyGGX ggx, float3 m) {
+    const float inv_pi = 0.31830987;
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    float s = disney_ggx_spread(ggx, m);
+    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
+}
+
 // Masking of the highlight, G / (4 mu_i mu_o).
 float disney_V(Disney params, float3 wi, float3 wo) {
     float alpha_g = (0.5 + 0.5 * params.roughness) * (0.5 + 0.5 * params.roughness);
@@ -218,16 +218,21 @@ float disney_V(Disney params, float3 wi, float3 wo) {
     return disney_V_smith(round_ggx, wi, wo);
 }
 
+// The highlight without F.
+float disney_highlight(Disney params, float3 wi, float3 wo) {
+    return disney_ggx_D(disney_facets(params), disney_half_vector(wi, wo))
+        * disney_V(params, wi, wo);
+}
+
 // BRDF value in 1/sr, without the cosine.
 float3 disney_eval(Disney params, float3 wi, float3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return float3(0.0, 0.0, 0.0);
     }
-    float D = disney_ggx_D(disney_facets(params), disney_half_vector(wi, wo));
     float3 F = lerp(disney_f0(params), float3(1.0, 1.0, 1.0),
         (disney_schlick_weight_half(wi, wo)).xxx);
-    return disney_eval_round(params, wi, wo) + F * (D * disney_V(params, wi, wo));
+    return disney_eval_round(params, wi, wo) + F * disney_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

@@ -36,12 +36,6 @@ struct Disney {
     clearcoat_gloss: f32,  // 0 for a satin clearcoat, 1 for a glossy one; 0 to 1, default 1
 }
 
-// Facets of GGX, also called Trowbridge-Reitz.
-struct DisneyGGX {
-    alpha_x: f32,  // width of the slopes along x
-    alpha_y: f32,  // width of the slopes along y
-}
-
 // Generalised Trowbridge-Reitz with exponent 1: the facets of Disney's clearcoat.
 struct DisneyGTR1 {
     alpha: f32,  // width of the slopes
@@ -52,6 +46,12 @@ struct DisneyRoundGGX {
     alpha: f32,  // width of the slopes
 }
 
+// Facets of GGX, also called Trowbridge-Reitz.
+struct DisneyGGX {
+    alpha_x: f32,  // width of the slopes along x
+    alpha_y: f32,  // width of the slopes along y
+}
+
 // Which of two lobes a sample is taken from.
 struct DisneyChoice {
     is_first: bool,  // Whether it is the first one
@@ -59,36 +59,6 @@ struct DisneyChoice {
 }
 
 // ---- evaluation ----------------------------------------------------------------------------
-
-// Those of the highlight.
-fn disney_facets(params: Disney) -> DisneyGGX {
-    // The reference code's numbers: smallest width of the highlight, F0 at specular 1, and for the clearcoat
-    // its widths without and with gloss, that of its masking, F0 (index 1.5), and strength.
-    const ALPHA_DISNEY = 0.001;
-    let alpha = params.roughness * params.roughness;
-    let aspect = sqrt(1.0 - 0.9 * params.anisotropic);
-    return DisneyGGX(max(alpha / aspect, ALPHA_DISNEY), max(alpha * aspect, ALPHA_DISNEY));
-}
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-fn disney_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    let h = wi + wo;
-    return h / length(h);  // which disney_cos_half needs as well
-}
-
-// Square of m in units of the widths: D falls with its square.
-fn disney_ggx_spread(ggx: DisneyGGX, m: vec3f) -> f32 {
-    let v = vec3f(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
-    return dot(v, v);
-}
-
-// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-fn disney_ggx_D(ggx: DisneyGGX, m: vec3f) -> f32 {
-    const inv_pi = 0.31830987;
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    let s = disney_ggx_spread(ggx, m);
-    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
-}
 
 // The base colour's hue and saturation, with a luminance of 1.
 fn disney_tint(params: Disney) -> vec3f {
@@ -152,6 +122,12 @@ fn disney_coat(params: Disney) -> DisneyGTR1 {
     return DisneyGTR1(mix(COAT_ALPHA_SATIN, COAT_ALPHA_GLOSS, params.clearcoat_gloss));
 }
 
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn disney_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    let h = wi + wo;
+    return h / length(h);  // which disney_cos_half needs as well
+}
+
 // `D` for alpha up to 0.5, where nothing cancels in its norm.
 fn disney_gtr1_D_narrow(gtr1: DisneyGTR1, m: vec3f) -> f32 {
     const inv_pi = 0.31830987;
@@ -199,10 +175,40 @@ fn disney_eval_round(params: Disney, wi: vec3f, wo: vec3f) -> vec3f {
     return base + F_c * (D_c * V_c);
 }
 
+// Those of the highlight.
+fn disney_facets(params: Disney) -> DisneyGGX {
+    // The reference code's numbers: smallest width of the highlight, F0 at specular 1, and for the clearcoat
+    // its widths without and with gloss, that of its masking, F0 (index 1.5), and strength.
+    const ALPHA_DISNEY = 0.001;
+    let alpha = params.roughness * params.roughness;
+    let aspect = sqrt(1.0 - 0.9 * params.anisotropic);
+    return DisneyGGX(max(alpha / aspect, ALPHA_DISNEY), max(alpha * aspect, ALPHA_DISNEY));
+}
+
+// Square of m in units of the widths: D falls with its square.
+fn disney_ggx_spread(ggx: DisneyGGX, m: vec3f) -> f32 {
+    let v = vec3f(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
+    return dot(v, v);
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+fn disney_ggx_D(ggx: DisneyGGX, m: vec3f) -> f32 {
+    const inv_pi = 0.31830987;
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    let s = disney_ggx_spread(ggx, m);
+    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
+}
+
 // Masking of the highlight, G / (4 mu_i mu_o).
 fn disney_V(params: Disney, wi: vec3f, wo: vec3f) -> f32 {
     let alpha_g = (0.5 + 0.5 * params.roughness) * (0.5 + 0.5 * params.roughness);
     return disney_V_smith(DisneyRoundGGX(alpha_g), wi, wo);
+}
+
+// The highlight without F.
+fn disney_highlight(params: Disney, wi: vec3f, wo: vec3f) -> f32 {
+    return disney_ggx_D(disney_facets(params), disney_half_vector(wi, wo))
+        * disney_V(params, wi, wo);
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -211,9 +217,8 @@ fn disney_eval(params: Disney, wi: vec3f, wo: vec3f) -> vec3f {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
-    let D = disney_ggx_D(disney_facets(params), disney_half_vector(wi, wo));
     let F = mix(disney_f0(params), vec3f(1.0), vec3f(disney_schlick_weight_half(wi, wo)));
-    return disney_eval_round(params, wi, wo) + F * (D * disney_V(params, wi, wo));
+    return disney_eval_round(params, wi, wo) + F * disney_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

@@ -82,12 +82,12 @@ inline Vec3 lerp(Vec3 a, Vec3 b, Vec3 c) {
     return Vec3{lerp(a.x, b.x, c.x), lerp(a.y, b.y, c.y), lerp(a.z, b.z, c.z)};
 }
 
+constexpr float F0_DIELECTRIC = 0.04f;  // Reflectance of every dielectric at normal incidence.
 // Sharpest facets: a float32 direction is good to 6e-8, a thousandth of this width, so the shape of the
 // highlight is still resolved. The peak of D, 3e7, and its derivatives fit into a float32.
 constexpr float ALPHA_MIN = 1.0e-4f;
 // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
 constexpr float RANDOM_MARGIN = 5.9604645e-8f;
-constexpr float F0_DIELECTRIC = 0.04f;  // Reflectance of every dielectric at normal incidence.
 constexpr float two_pi = 6.2831855f;
 constexpr float inv_pi = 0.31830987f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
@@ -142,10 +142,6 @@ struct MetallicRoughnessGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
-inline float metallic_roughness_alpha(const MetallicRoughness& params) {
-    return fmaxf(params.roughness * params.roughness, ALPHA_MIN);
-}
-
 inline Vec3 metallic_roughness_f0(const MetallicRoughness& params) {
     return lerp(splat(F0_DIELECTRIC), params.base_color, splat(params.metallic));
 }
@@ -179,6 +175,10 @@ inline float metallic_roughness_schlick_complement(float c) {
     return c * ((1.0f + k) * (1.0f + k2) + k2 * k2);
 }
 
+inline float metallic_roughness_alpha(const MetallicRoughness& params) {
+    return fmaxf(params.roughness * params.roughness, ALPHA_MIN);
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 metallic_roughness_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
@@ -205,20 +205,25 @@ inline float metallic_roughness_V_smith_correlated(MetallicRoughnessRoundGGX fac
         + wi.z * metallic_roughness_round_ggx_area(facets, wo));
 }
 
+// D G / (4 mu_i mu_o): the highlight without F.
+inline float metallic_roughness_highlight(const MetallicRoughness& params, Vec3 wi, Vec3 wo) {
+    MetallicRoughnessRoundGGX facets = MetallicRoughnessRoundGGX{metallic_roughness_alpha(params)};
+    float D = metallic_roughness_round_ggx_D(facets, metallic_roughness_half_vector(wi, wo));
+    return D * metallic_roughness_V_smith_correlated(facets, wi, wo);
+}
+
 // BRDF value in 1/sr, without the cosine.
 inline Vec3 metallic_roughness_eval(const MetallicRoughness& params, Vec3 wi, Vec3 wo) {
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
-    MetallicRoughnessRoundGGX facets = MetallicRoughnessRoundGGX{metallic_roughness_alpha(params)};
     Vec3 f0 = metallic_roughness_f0(params);
     Vec3 F = lerp(f0, splat(1.0f), splat(metallic_roughness_schlick_weight_half(wi, wo)));
     // 1 - F without its cancellation
     Vec3 k_d = (1.0f - f0)
         * metallic_roughness_schlick_complement(metallic_roughness_cos_half(wi, wo));
     Vec3 diffuse = inv_pi * (1.0f - params.metallic) * params.base_color * k_d;
-    float D = metallic_roughness_round_ggx_D(facets, metallic_roughness_half_vector(wi, wo));
-    return diffuse + F * (D * metallic_roughness_V_smith_correlated(facets, wi, wo));
+    return diffuse + F * metallic_roughness_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

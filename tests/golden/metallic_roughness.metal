@@ -49,13 +49,6 @@ struct MetallicRoughnessGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
-inline float metallic_roughness_alpha(MetallicRoughness params) {
-    // Sharpest facets: a float32 direction is good to 6e-8, a thousandth of this width, so the shape of the
-    // highlight is still resolved. The peak of D, 3e7, and its derivatives fit into a float32.
-    const float ALPHA_MIN = 1.0e-4;
-    return max(params.roughness * params.roughness, ALPHA_MIN);
-}
-
 inline float3 metallic_roughness_f0(MetallicRoughness params) {
     const float F0_DIELECTRIC = 0.04;  // Reflectance of every dielectric at normal incidence.
     return mix(float3(F0_DIELECTRIC), params.base_color, float3(params.metallic));
@@ -90,6 +83,13 @@ inline float metallic_roughness_schlick_complement(float c) {
     return c * ((1.0 + k) * (1.0 + k2) + k2 * k2);
 }
 
+inline float metallic_roughness_alpha(MetallicRoughness params) {
+    // Sharpest facets: a float32 direction is good to 6e-8, a thousandth of this width, so the shape of the
+    // highlight is still resolved. The peak of D, 3e7, and its derivatives fit into a float32.
+    const float ALPHA_MIN = 1.0e-4;
+    return max(params.roughness * params.roughness, ALPHA_MIN);
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline float3 metallic_roughness_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
@@ -117,6 +117,13 @@ inline float metallic_roughness_V_smith_correlated(MetallicRoughnessRoundGGX fac
         + wi.z * metallic_roughness_round_ggx_area(facets, wo));
 }
 
+// D G / (4 mu_i mu_o): the highlight without F.
+inline float metallic_roughness_highlight(MetallicRoughness params, float3 wi, float3 wo) {
+    MetallicRoughnessRoundGGX facets = MetallicRoughnessRoundGGX{metallic_roughness_alpha(params)};
+    float D = metallic_roughness_round_ggx_D(facets, metallic_roughness_half_vector(wi, wo));
+    return D * metallic_roughness_V_smith_correlated(facets, wi, wo);
+}
+
 // BRDF value in 1/sr, without the cosine.
 inline float3 metallic_roughness_eval(MetallicRoughness params, float3 wi, float3 wo) {
     const float inv_pi = 0.31830987;
@@ -124,15 +131,13 @@ inline float3 metallic_roughness_eval(MetallicRoughness params, float3 wi, float
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return float3(0.0);
     }
-    MetallicRoughnessRoundGGX facets = MetallicRoughnessRoundGGX{metallic_roughness_alpha(params)};
     float3 f0 = metallic_roughness_f0(params);
     float3 F = mix(f0, float3(1.0), float3(metallic_roughness_schlick_weight_half(wi, wo)));
     // 1 - F without its cancellation
     float3 k_d = (1.0 - f0)
         * metallic_roughness_schlick_complement(metallic_roughness_cos_half(wi, wo));
     float3 diffuse = inv_pi * (1.0 - params.metallic) * params.base_color * k_d;
-    float D = metallic_roughness_round_ggx_D(facets, metallic_roughness_half_vector(wi, wo));
-    return diffuse + F * (D * metallic_roughness_V_smith_correlated(facets, wi, wo));
+    return diffuse + F * metallic_roughness_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

@@ -46,13 +46,6 @@ struct MetallicRoughnessGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
-fn metallic_roughness_alpha(params: MetallicRoughness) -> f32 {
-    // Sharpest facets: a float32 direction is good to 6e-8, a thousandth of this width, so the shape of the
-    // highlight is still resolved. The peak of D, 3e7, and its derivatives fit into a float32.
-    const ALPHA_MIN = 1.0e-4;
-    return max(params.roughness * params.roughness, ALPHA_MIN);
-}
-
 fn metallic_roughness_f0(params: MetallicRoughness) -> vec3f {
     const F0_DIELECTRIC = 0.04;  // Reflectance of every dielectric at normal incidence.
     return mix(vec3f(F0_DIELECTRIC), params.base_color, vec3f(params.metallic));
@@ -87,6 +80,13 @@ fn metallic_roughness_schlick_complement(c: f32) -> f32 {
     return c * ((1.0 + k) * (1.0 + k2) + k2 * k2);
 }
 
+fn metallic_roughness_alpha(params: MetallicRoughness) -> f32 {
+    // Sharpest facets: a float32 direction is good to 6e-8, a thousandth of this width, so the shape of the
+    // highlight is still resolved. The peak of D, 3e7, and its derivatives fit into a float32.
+    const ALPHA_MIN = 1.0e-4;
+    return max(params.roughness * params.roughness, ALPHA_MIN);
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn metallic_roughness_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
@@ -114,6 +114,13 @@ fn metallic_roughness_V_smith_correlated(facets: MetallicRoughnessRoundGGX, wi: 
         + wi.z * metallic_roughness_round_ggx_area(facets, wo));
 }
 
+// D G / (4 mu_i mu_o): the highlight without F.
+fn metallic_roughness_highlight(params: MetallicRoughness, wi: vec3f, wo: vec3f) -> f32 {
+    let facets = MetallicRoughnessRoundGGX(metallic_roughness_alpha(params));
+    let D = metallic_roughness_round_ggx_D(facets, metallic_roughness_half_vector(wi, wo));
+    return D * metallic_roughness_V_smith_correlated(facets, wi, wo);
+}
+
 // BRDF value in 1/sr, without the cosine.
 fn metallic_roughness_eval(params: MetallicRoughness, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
@@ -121,15 +128,13 @@ fn metallic_roughness_eval(params: MetallicRoughness, wi: vec3f, wo: vec3f) -> v
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
-    let facets = MetallicRoughnessRoundGGX(metallic_roughness_alpha(params));
     let f0 = metallic_roughness_f0(params);
     let F = mix(f0, vec3f(1.0), vec3f(metallic_roughness_schlick_weight_half(wi, wo)));
     // 1 - F without its cancellation
     let k_d = (1.0 - f0) * metallic_roughness_schlick_complement(metallic_roughness_cos_half(wi,
         wo));
     let diffuse = inv_pi * (1.0 - params.metallic) * params.base_color * k_d;
-    let D = metallic_roughness_round_ggx_D(facets, metallic_roughness_half_vector(wi, wo));
-    return diffuse + F * (D * metallic_roughness_V_smith_correlated(facets, wi, wo));
+    return diffuse + F * metallic_roughness_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

@@ -159,14 +159,18 @@ inline float phong_lobe(Vec3 wi, Vec3 wo, float exponent) {
     return c > 0.0f ? expf(exponent * log_cos) : 0.0f;
 }
 
+// The highlight without its weight.
+inline float phong_highlight(const Phong& params, Vec3 wi, Vec3 wo) {
+    float n = params.shininess;
+    return inv_two_pi * (n + 2.0f) * phong_lobe(wi, wo, n);
+}
+
 // BRDF value in 1/sr, without the cosine.
 inline Vec3 phong_eval(const Phong& params, Vec3 wi, Vec3 wo) {
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
-    float n = params.shininess;
-    float highlight = inv_two_pi * (n + 2.0f) * phong_lobe(wi, wo, n);
-    return params.rho * inv_pi + params.specular * highlight;
+    return params.rho * inv_pi + params.specular * phong_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

@@ -90,17 +90,21 @@ float phong_lobe(float3 wi, float3 wo, float exponent) {
     return c > 0.0 ? exp(exponent * log_cos) : 0.0;
 }
 
+// The highlight without its weight.
+float phong_highlight(Phong params, float3 wi, float3 wo) {
+    const float inv_two_pi = 0.15915494;
+    float n = params.shininess;
+    return inv_two_pi * (n + 2.0) * phong_lobe(wi, wo, n);
+}
+
 // BRDF value in 1/sr, without the cosine.
 float3 phong_eval(Phong params, float3 wi, float3 wo) {
     const float inv_pi = 0.31830987;
-    const float inv_two_pi = 0.15915494;
     const float mu_min = 1.0e-18;  // cosine of the horizon
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return float3(0.0, 0.0, 0.0);
     }
-    float n = params.shininess;
-    float highlight = inv_two_pi * (n + 2.0) * phong_lobe(wi, wo, n);
-    return params.rho * inv_pi + params.specular * highlight;
+    return params.rho * inv_pi + params.specular * phong_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

@@ -90,17 +90,21 @@ fn phong_lobe(wi: vec3f, wo: vec3f, exponent: f32) -> f32 {
     return select(0.0, exp(exponent * log_cos), c > 0.0);
 }
 
+// The highlight without its weight.
+fn phong_highlight(params: Phong, wi: vec3f, wo: vec3f) -> f32 {
+    const inv_two_pi = 0.15915494;
+    let n = params.shininess;
+    return inv_two_pi * (n + 2.0) * phong_lobe(wi, wo, n);
+}
+
 // BRDF value in 1/sr, without the cosine.
 fn phong_eval(params: Phong, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
-    const inv_two_pi = 0.15915494;
     const mu_min = 1.0e-18;  // cosine of the horizon
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
-    let n = params.shininess;
-    let highlight = inv_two_pi * (n + 2.0) * phong_lobe(wi, wo, n);
-    return params.rho * inv_pi + params.specular * highlight;
+    return params.rho * inv_pi + params.specular * phong_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

@@ -120,9 +120,8 @@ vec3 triace_blinn_phong_eval(TriaceBlinnPhong params, vec3 wi, vec3 wo) {
         return vec3(0.0);
     }
     vec3 F = mix(params.f0, vec3(1.0), vec3(triace_blinn_phong_schlick_weight_half(wi, wo)));
-    float highlight = triace_blinn_phong_blinn_phong_highlight(wi, wo, params.shininess);
     vec3 diffuse = params.rho * (1.0 - params.f0) * inv_pi;
-    return diffuse + F * highlight;
+    return diffuse + F * triace_blinn_phong_blinn_phong_highlight(wi, wo, params.shininess);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

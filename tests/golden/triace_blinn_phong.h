@@ -209,9 +209,8 @@ inline Vec3 triace_blinn_phong_eval(const TriaceBlinnPhong& params, Vec3 wi, Vec
         return splat(0.0f);
     }
     Vec3 F = lerp(params.f0, splat(1.0f), splat(triace_blinn_phong_schlick_weight_half(wi, wo)));
-    float highlight = triace_blinn_phong_blinn_phong_highlight(wi, wo, params.shininess);
     Vec3 diffuse = params.rho * (1.0f - params.f0) * inv_pi;
-    return diffuse + F * highlight;
+    return diffuse + F * triace_blinn_phong_blinn_phong_highlight(wi, wo, params.shininess);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

@@ -121,9 +121,8 @@ float3 triace_blinn_phong_eval(TriaceBlinnPhong params, float3 wi, float3 wo) {
     }
     float3 F = lerp(params.f0, float3(1.0, 1.0, 1.0),
         (triace_blinn_phong_schlick_weight_half(wi, wo)).xxx);
-    float highlight = triace_blinn_phong_blinn_phong_highlight(wi, wo, params.shininess);
     float3 diffuse = params.rho * (1.0 - params.f0) * inv_pi;
-    return diffuse + F * highlight;
+    return diffuse + F * triace_blinn_phong_blinn_phong_highlight(wi, wo, params.shininess);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

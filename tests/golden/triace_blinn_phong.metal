@@ -123,9 +123,8 @@ inline float3 triace_blinn_phong_eval(TriaceBlinnPhong params, float3 wi, float3
         return float3(0.0);
     }
     float3 F = mix(params.f0, float3(1.0), float3(triace_blinn_phong_schlick_weight_half(wi, wo)));
-    float highlight = triace_blinn_phong_blinn_phong_highlight(wi, wo, params.shininess);
     float3 diffuse = params.rho * (1.0 - params.f0) * inv_pi;
-    return diffuse + F * highlight;
+    return diffuse + F * triace_blinn_phong_blinn_phong_highlight(wi, wo, params.shininess);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

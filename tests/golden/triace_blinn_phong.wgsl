@@ -120,9 +120,8 @@ fn triace_blinn_phong_eval(params: TriaceBlinnPhong, wi: vec3f, wo: vec3f) -> ve
         return vec3f(0.0);
     }
     let F = mix(params.f0, vec3f(1.0), vec3f(triace_blinn_phong_schlick_weight_half(wi, wo)));
-    let highlight = triace_blinn_phong_blinn_phong_highlight(wi, wo, params.shininess);
     let diffuse = params.rho * (1.0 - params.f0) * inv_pi;
-    return diffuse + F * highlight;
+    return diffuse + F * triace_blinn_phong_blinn_phong_highlight(wi, wo, params.shininess);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

@@ -76,13 +76,13 @@ inline Vec3 lerp(Vec3 a, Vec3 b, Vec3 c) {
     return Vec3{lerp(a.x, b.x, c.x), lerp(a.y, b.y, c.y), lerp(a.z, b.z, c.z)};
 }
 
+// F0 of a dielectric with specular = 1; the default of 0.5 gives 0.04.
+constexpr float F0_SPECULAR = 0.08f;
 // Sharpest facets: a float32 direction is good to 6e-8, a thousandth of this width, so the shape of the
 // highlight is still resolved. The peak of D, 3e7, and its derivatives fit into a float32.
 constexpr float ALPHA_MIN = 1.0e-4f;
 // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
 constexpr float RANDOM_MARGIN = 5.9604645e-8f;
-// F0 of a dielectric with specular = 1; the default of 0.5 gives 0.04.
-constexpr float F0_SPECULAR = 0.08f;
 constexpr float two_pi = 6.2831855f;
 constexpr float inv_pi = 0.31830987f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
@@ -138,10 +138,6 @@ struct Ue4GGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
-inline float ue4_alpha(const Ue4& params) {
-    return fmaxf(params.roughness * params.roughness, ALPHA_MIN);
-}
-
 inline Vec3 ue4_f0(const Ue4& params) {
     return lerp(splat(F0_SPECULAR * params.specular), params.base_color, splat(params.metallic));
 }
@@ -165,6 +161,10 @@ inline float ue4_schlick_weight_half(Vec3 wi, Vec3 wo) {
     float k = ue4_sin2_half(wi, wo) / (1.0f + ue4_cos_half(wi, wo));
     float k2 = k * k;
     return k2 * k2 * k;
+}
+
+inline float ue4_alpha(const Ue4& params) {
+    return fmaxf(params.roughness * params.roughness, ALPHA_MIN);
 }
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
@@ -191,16 +191,20 @@ inline float ue4_V_schlick(Vec3 wi, Vec3 wo, float k) {
     return 0.25f / ((wi.z * (1.0f - k) + k) * (wo.z * (1.0f - k) + k));
 }
 
+// D G / (4 mu_i mu_o): the highlight without F.
+inline float ue4_highlight(const Ue4& params, Vec3 wi, Vec3 wo) {
+    float D = ue4_round_ggx_D(Ue4RoundGGX{ue4_alpha(params)}, ue4_half_vector(wi, wo));
+    return D * ue4_V_schlick(wi, wo, ue4_schlick_k_ue4(params.roughness));
+}
+
 // BRDF value in 1/sr, without the cosine.
 inline Vec3 ue4_eval(const Ue4& params, Vec3 wi, Vec3 wo) {
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
-    float alpha = ue4_alpha(params);
     Vec3 F = lerp(ue4_f0(params), splat(1.0f), splat(ue4_schlick_weight_half(wi, wo)));
-    float D = ue4_round_ggx_D(Ue4RoundGGX{alpha}, ue4_half_vector(wi, wo));
     Vec3 diffuse = inv_pi * (1.0f - params.metallic) * params.base_color;
-    return diffuse + F * (D * ue4_V_schlick(wi, wo, ue4_schlick_k_ue4(params.roughness)));
+    return diffuse + F * ue4_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

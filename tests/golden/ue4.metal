@@ -52,13 +52,6 @@ struct Ue4GGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
-inline float ue4_alpha(Ue4 params) {
-    // Sharpest facets: a float32 direction is good to 6e-8, a thousandth of this width, so the shape of the
-    // highlight is still resolved. The peak of D, 3e7, and its derivatives fit into a float32.
-    const float ALPHA_MIN = 1.0e-4;
-    return max(params.roughness * params.roughness, ALPHA_MIN);
-}
-
 inline float3 ue4_f0(Ue4 params) {
     // F0 of a dielectric with specular = 1; the default of 0.5 gives 0.04.
     const float F0_SPECULAR = 0.08;
@@ -86,6 +79,13 @@ inline float ue4_schlick_weight_half(float3 wi, float3 wo) {
     return k2 * k2 * k;
 }
 
+inline float ue4_alpha(Ue4 params) {
+    // Sharpest facets: a float32 direction is good to 6e-8, a thousandth of this width, so the shape of the
+    // highlight is still resolved. The peak of D, 3e7, and its derivatives fit into a float32.
+    const float ALPHA_MIN = 1.0e-4;
+    return max(params.roughness * params.roughness, ALPHA_MIN);
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline float3 ue4_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
@@ -111,6 +111,12 @@ inline float ue4_V_schlick(float3 wi, float3 wo, float k) {
     return 0.25 / ((wi.z * (1.0 - k) + k) * (wo.z * (1.0 - k) + k));
 }
 
+// D G / (4 mu_i mu_o): the highlight without F.
+inline float ue4_highlight(Ue4 params, float3 wi, float3 wo) {
+    float D = ue4_round_ggx_D(Ue4RoundGGX{ue4_alpha(params)}, ue4_half_vector(wi, wo));
+    return D * ue4_V_schlick(wi, wo, ue4_schlick_k_ue4(params.roughness));
+}
+
 // BRDF value in 1/sr, without the cosine.
 inline float3 ue4_eval(Ue4 params, float3 wi, float3 wo) {
     const float inv_pi = 0.31830987;
@@ -118,11 +124,9 @@ inline float3 ue4_eval(Ue4 params, float3 wi, float3 wo) {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return float3(0.0);
     }
-    float alpha = ue4_alpha(params);
     float3 F = mix(ue4_f0(params), float3(1.0), float3(ue4_schlick_weight_half(wi, wo)));
-    float D = ue4_round_ggx_D(Ue4RoundGGX{alpha}, ue4_half_vector(wi, wo));
     float3 diffuse = inv_pi * (1.0 - params.metallic) * params.base_color;
-    return diffuse + F * (D * ue4_V_schlick(wi, wo, ue4_schlick_k_ue4(params.roughness)));
+    return diffuse + F * ue4_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

@@ -49,13 +49,6 @@ struct Ue4GGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
-fn ue4_alpha(params: Ue4) -> f32 {
-    // Sharpest facets: a float32 direction is good to 6e-8, a thousandth of this width, so the shape of the
-    // highlight is still resolved. The peak of D, 3e7, and its derivatives fit into a float32.
-    const ALPHA_MIN = 1.0e-4;
-    return max(params.roughness * params.roughness, ALPHA_MIN);
-}
-
 fn ue4_f0(params: Ue4) -> vec3f {
     // F0 of a dielectric with specular = 1; the default of 0.5 gives 0.04.
     const F0_SPECULAR = 0.08;
@@ -83,6 +76,13 @@ fn ue4_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
     return k2 * k2 * k;
 }
 
+fn ue4_alpha(params: Ue4) -> f32 {
+    // Sharpest facets: a float32 direction is good to 6e-8, a thousandth of this width, so the shape of the
+    // highlight is still resolved. The peak of D, 3e7, and its derivatives fit into a float32.
+    const ALPHA_MIN = 1.0e-4;
+    return max(params.roughness * params.roughness, ALPHA_MIN);
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn ue4_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
@@ -108,6 +108,12 @@ fn ue4_V_schlick(wi: vec3f, wo: vec3f, k: f32) -> f32 {
     return 0.25 / ((wi.z * (1.0 - k) + k) * (wo.z * (1.0 - k) + k));
 }
 
+// D G / (4 mu_i mu_o): the highlight without F.
+fn ue4_highlight(params: Ue4, wi: vec3f, wo: vec3f) -> f32 {
+    let D = ue4_round_ggx_D(Ue4RoundGGX(ue4_alpha(params)), ue4_half_vector(wi, wo));
+    return D * ue4_V_schlick(wi, wo, ue4_schlick_k_ue4(params.roughness));
+}
+
 // BRDF value in 1/sr, without the cosine.
 fn ue4_eval(params: Ue4, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
@@ -115,11 +121,9 @@ fn ue4_eval(params: Ue4, wi: vec3f, wo: vec3f) -> vec3f {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
-    let alpha = ue4_alpha(params);
     let F = mix(ue4_f0(params), vec3f(1.0), vec3f(ue4_schlick_weight_half(wi, wo)));
-    let D = ue4_round_ggx_D(Ue4RoundGGX(alpha), ue4_half_vector(wi, wo));
     let diffuse = inv_pi * (1.0 - params.metallic) * params.base_color;
-    return diffuse + F * (D * ue4_V_schlick(wi, wo, ue4_schlick_k_ue4(params.roughness)));
+    return diffuse + F * ue4_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

@@ -135,6 +135,14 @@ struct UnityBrdf2GGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+inline Vec3 unity_brdf2_diffuse(const UnityBrdf2& params) {
+    return (1.0f - F0_DIELECTRIC) * (1.0f - params.metallic) * params.base_color;
+}
+
+inline Vec3 unity_brdf2_specular(const UnityBrdf2& params) {
+    return lerp(splat(F0_DIELECTRIC), params.base_color, splat(params.metallic));
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 unity_brdf2_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
@@ -147,12 +155,14 @@ inline float unity_brdf2_cos_half(Vec3 wi, Vec3 wo) {
     return 0.5f * length(wi + wo);
 }
 
-inline Vec3 unity_brdf2_diffuse(const UnityBrdf2& params) {
-    return (1.0f - F0_DIELECTRIC) * (1.0f - params.metallic) * params.base_color;
-}
-
-inline Vec3 unity_brdf2_specular(const UnityBrdf2& params) {
-    return lerp(splat(F0_DIELECTRIC), params.base_color, splat(params.metallic));
+// The highlight without its colour.
+inline float unity_brdf2_highlight(const UnityBrdf2& params, Vec3 wi, Vec3 wo) {
+    float a = params.roughness * params.roughness;
+    Vec3 m = unity_brdf2_half_vector(wi, wo);
+    float c = unity_brdf2_cos_half(wi, wo);
+    // (N.H)^2 (a^2 - 1) + 1.00001, without its cancellation
+    float d = m.x * m.x + m.y * m.y + a * a * m.z * m.z + D_UNITY;
+    return inv_pi * (a * a / (4.0f * fmaxf(c * c, COS2_UNITY) * (a + 0.5f) * d * d));
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -160,13 +170,8 @@ inline Vec3 unity_brdf2_eval(const UnityBrdf2& params, Vec3 wi, Vec3 wo) {
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
-    float a = params.roughness * params.roughness;
-    Vec3 m = unity_brdf2_half_vector(wi, wo);
-    float c = unity_brdf2_cos_half(wi, wo);
-    // (N.H)^2 (a^2 - 1) + 1.00001, without its cancellation
-    float d = m.x * m.x + m.y * m.y + a * a * m.z * m.z + D_UNITY;
-    float highlight = a * a / (4.0f * fmaxf(c * c, COS2_UNITY) * (a + 0.5f) * d * d);
-    return inv_pi * (unity_brdf2_diffuse(params) + unity_brdf2_specular(params) * highlight);
+    return inv_pi * unity_brdf2_diffuse(params)
+        + unity_brdf2_specular(params) * unity_brdf2_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

@@ -47,6 +47,17 @@ struct UnityBrdf2GGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+float3 unity_brdf2_diffuse(UnityBrdf2 params) {
+    const float F0_DIELECTRIC = 0.04;  // Unity's dielectric reflectance (linear colour space).
+    return (1.0 - F0_DIELECTRIC) * (1.0 - params.metallic) * params.base_color;
+}
+
+float3 unity_brdf2_specular(UnityBrdf2 params) {
+    const float F0_DIELECTRIC = 0.04;  // Unity's dielectric reflectance (linear colour space).
+    return lerp(float3(F0_DIELECTRIC, F0_DIELECTRIC, F0_DIELECTRIC), params.base_color,
+        float3(params.metallic, params.metallic, params.metallic));
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 float3 unity_brdf2_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
@@ -59,34 +70,29 @@ float unity_brdf2_cos_half(float3 wi, float3 wo) {
     return 0.5 * length(wi + wo);
 }
 
-float3 unity_brdf2_diffuse(UnityBrdf2 params) {
-    const float F0_DIELECTRIC = 0.04;  // Unity's dielectric reflectance (linear colour space).
-    return (1.0 - F0_DIELECTRIC) * (1.0 - params.metallic) * params.base_color;
-}
-
-float3 unity_brdf2_specular(UnityBrdf2 params) {
-    const float F0_DIELECTRIC = 0.04;  // Unity's dielectric reflectance (linear colour space).
-    return lerp(float3(F0_DIELECTRIC, F0_DIELECTRIC, F0_DIELECTRIC), params.base_color,
-        float3(params.metallic, params.metallic, params.metallic));
+// The highlight without its colour.
+float unity_brdf2_highlight(UnityBrdf2 params, float3 wi, float3 wo) {
+    // Unity's limits: of (wo.H)^2, and what its 1.00001 adds to the denominator of D.
+    const float COS2_UNITY = 0.1;
+    const float D_UNITY = 1.0e-5;
+    const float inv_pi = 0.31830987;
+    float a = params.roughness * params.roughness;
+    float3 m = unity_brdf2_half_vector(wi, wo);
+    float c = unity_brdf2_cos_half(wi, wo);
+    // (N.H)^2 (a^2 - 1) + 1.00001, without its cancellation
+    float d = m.x * m.x + m.y * m.y + a * a * m.z * m.z + D_UNITY;
+    return inv_pi * (a * a / (4.0 * max(c * c, COS2_UNITY) * (a + 0.5) * d * d));
 }
 
 // BRDF value in 1/sr, without the cosine.
 float3 unity_brdf2_eval(UnityBrdf2 params, float3 wi, float3 wo) {
     const float inv_pi = 0.31830987;
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    // Unity's limits: of (wo.H)^2, and what its 1.00001 adds to the denominator of D.
-    const float COS2_UNITY = 0.1;
-    const float D_UNITY = 1.0e-5;
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return float3(0.0, 0.0, 0.0);
     }
-    float a = params.roughness * params.roughness;
-    float3 m = unity_brdf2_half_vector(wi, wo);
-    float c = unity_brdf2_cos_half(wi, wo);
-    // (N.H)^2 (a^2 - 1) + 1.00001, without its cancellation
-    float d = m.x * m.x + m.y * m.y + a * a * m.z * m.z + D_UNITY;
-    float highlight = a * a / (4.0 * max(c * c, COS2_UNITY) * (a + 0.5) * d * d);
-    return inv_pi * (unity_brdf2_diffuse(params) + unity_brdf2_specular(params) * highlight);
+    return inv_pi * unity_brdf2_diffuse(params)
+        + unity_brdf2_specular(params) * unity_brdf2_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

@@ -47,6 +47,16 @@ struct UnityBrdf2GGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+fn unity_brdf2_diffuse(params: UnityBrdf2) -> vec3f {
+    const F0_DIELECTRIC = 0.04;  // Unity's dielectric reflectance (linear colour space).
+    return (1.0 - F0_DIELECTRIC) * (1.0 - params.metallic) * params.base_color;
+}
+
+fn unity_brdf2_specular(params: UnityBrdf2) -> vec3f {
+    const F0_DIELECTRIC = 0.04;  // Unity's dielectric reflectance (linear colour space).
+    return mix(vec3f(F0_DIELECTRIC), params.base_color, vec3f(params.metallic));
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn unity_brdf2_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
@@ -59,33 +69,29 @@ fn unity_brdf2_cos_half(wi: vec3f, wo: vec3f) -> f32 {
     return 0.5 * length(wi + wo);
 }
 
-fn unity_brdf2_diffuse(params: UnityBrdf2) -> vec3f {
-    const F0_DIELECTRIC = 0.04;  // Unity's dielectric reflectance (linear colour space).
-    return (1.0 - F0_DIELECTRIC) * (1.0 - params.metallic) * params.base_color;
-}
-
-fn unity_brdf2_specular(params: UnityBrdf2) -> vec3f {
-    const F0_DIELECTRIC = 0.04;  // Unity's dielectric reflectance (linear colour space).
-    return mix(vec3f(F0_DIELECTRIC), params.base_color, vec3f(params.metallic));
+// The highlight without its colour.
+fn unity_brdf2_highlight(params: UnityBrdf2, wi: vec3f, wo: vec3f) -> f32 {
+    // Unity's limits: of (wo.H)^2, and what its 1.00001 adds to the denominator of D.
+    const COS2_UNITY = 0.1;
+    const D_UNITY = 1.0e-5;
+    const inv_pi = 0.31830987;
+    let a = params.roughness * params.roughness;
+    let m = unity_brdf2_half_vector(wi, wo);
+    let c = unity_brdf2_cos_half(wi, wo);
+    // (N.H)^2 (a^2 - 1) + 1.00001, without its cancellation
+    let d = m.x * m.x + m.y * m.y + a * a * m.z * m.z + D_UNITY;
+    return inv_pi * (a * a / (4.0 * max(c * c, COS2_UNITY) * (a + 0.5) * d * d));
 }
 
 // BRDF value in 1/sr, without the cosine.
 fn unity_brdf2_eval(params: UnityBrdf2, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
     const mu_min = 1.0e-18;  // cosine of the horizon
-    // Unity's limits: of (wo.H)^2, and what its 1.00001 adds to the denominator of D.
-    const COS2_UNITY = 0.1;
-    const D_UNITY = 1.0e-5;
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
-    let a = params.roughness * params.roughness;
-    let m = unity_brdf2_half_vector(wi, wo);
-    let c = unity_brdf2_cos_half(wi, wo);
-    // (N.H)^2 (a^2 - 1) + 1.00001, without its cancellation
-    let d = m.x * m.x + m.y * m.y + a * a * m.z * m.z + D_UNITY;
-    let highlight = a * a / (4.0 * max(c * c, COS2_UNITY) * (a + 0.5) * d * d);
-    return inv_pi * (unity_brdf2_diffuse(params) + unity_brdf2_specular(params) * highlight);
+    return inv_pi * unity_brdf2_diffuse(params)
+        + unity_brdf2_specular(params) * unity_brdf2_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

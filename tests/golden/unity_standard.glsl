@@ -50,30 +50,11 @@ struct UnityStandardGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
-float unity_standard_alpha(UnityStandard params) {
-    const float ALPHA_UNITY = 0.002;
-    return max(params.roughness * params.roughness, ALPHA_UNITY);
-}
-
 // (1 - cos_theta)^5 of Schlick's approximation.
 float unity_standard_schlick_weight(float cos_theta) {
     float k = 1.0 - cos_theta;
     float k2 = k * k;
     return k2 * k2 * k;
-}
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-vec3 unity_standard_half_vector(vec3 wi, vec3 wo) {
-    vec3 h = wi + wo;
-    return h / length(h);  // which unity_standard_cos_half needs as well
-}
-
-// Density of facets, in 1/sr. Walter et al., Eq. 33.
-float unity_standard_round_ggx_D(UnityStandardRoundGGX round_ggx, vec3 m) {
-    const float inv_pi = 0.31830987;
-    vec3 v = vec3(m.x, m.y, round_ggx.alpha * m.z);
-    float s = dot(v, v);
-    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
 }
 
 vec3 unity_standard_f0(UnityStandard params) {
@@ -109,6 +90,35 @@ vec3 unity_standard_diffuse(UnityStandard params) {
     return (1.0 - F0_DIELECTRIC) * (1.0 - params.metallic) * params.base_color;
 }
 
+float unity_standard_alpha(UnityStandard params) {
+    const float ALPHA_UNITY = 0.002;
+    return max(params.roughness * params.roughness, ALPHA_UNITY);
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+vec3 unity_standard_half_vector(vec3 wi, vec3 wo) {
+    vec3 h = wi + wo;
+    return h / length(h);  // which unity_standard_cos_half needs as well
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+float unity_standard_round_ggx_D(UnityStandardRoundGGX round_ggx, vec3 m) {
+    const float inv_pi = 0.31830987;
+    vec3 v = vec3(m.x, m.y, round_ggx.alpha * m.z);
+    float s = dot(v, v);
+    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
+}
+
+// D V: the highlight without F.
+float unity_standard_highlight(UnityStandard params, vec3 wi, vec3 wo) {
+    float alpha = unity_standard_alpha(params);
+    float lambda_v = wi.z * mix(alpha, 1.0, wo.z);
+    float lambda_l = wo.z * mix(alpha, 1.0, wi.z);
+    float D = unity_standard_round_ggx_D(UnityStandardRoundGGX(alpha),
+        unity_standard_half_vector(wi, wo));
+    return D * (0.5 / (lambda_v + lambda_l));
+}
+
 // BRDF value in 1/sr, without the cosine.
 vec3 unity_standard_eval(UnityStandard params, vec3 wi, vec3 wo) {
     const float inv_pi = 0.31830987;
@@ -117,19 +127,14 @@ vec3 unity_standard_eval(UnityStandard params, vec3 wi, vec3 wo) {
         return vec3(0.0);
     }
     float r = params.roughness;
-    float alpha = unity_standard_alpha(params);
     // F90 = 0.5 + 2 roughness cos^2(theta_d), and 2 cos^2(theta_d) = 1 + dot(wi, wo)
     float rise = r * (1.0 + dot(wi, wo)) - 0.5;
     float burley = (1.0 + rise * unity_standard_schlick_weight(wi.z))
         * (1.0 + rise * unity_standard_schlick_weight(wo.z));
-    float lambda_v = wi.z * mix(alpha, 1.0, wo.z);
-    float lambda_l = wo.z * mix(alpha, 1.0, wi.z);
-    float V = 0.5 / (lambda_v + lambda_l);
-    float D = unity_standard_round_ggx_D(UnityStandardRoundGGX(alpha),
-        unity_standard_half_vector(wi, wo));
     vec3 F = mix(unity_standard_f0(params), vec3(1.0),
         vec3(unity_standard_schlick_weight_half(wi, wo)));
-    return inv_pi * burley * unity_standard_diffuse(params) + F * (D * V);
+    return inv_pi * burley * unity_standard_diffuse(params)
+        + F * unity_standard_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

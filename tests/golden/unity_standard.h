@@ -137,28 +137,11 @@ struct UnityStandardGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
-inline float unity_standard_alpha(const UnityStandard& params) {
-    return fmaxf(params.roughness * params.roughness, ALPHA_UNITY);
-}
-
 // (1 - cos_theta)^5 of Schlick's approximation.
 inline float unity_standard_schlick_weight(float cos_theta) {
     float k = 1.0f - cos_theta;
     float k2 = k * k;
     return k2 * k2 * k;
-}
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline Vec3 unity_standard_half_vector(Vec3 wi, Vec3 wo) {
-    Vec3 h = wi + wo;
-    return h / length(h);  // which unity_standard_cos_half needs as well
-}
-
-// Density of facets, in 1/sr. Walter et al., Eq. 33.
-inline float unity_standard_round_ggx_D(UnityStandardRoundGGX round_ggx, Vec3 m) {
-    Vec3 v = Vec3{m.x, m.y, round_ggx.alpha * m.z};
-    float s = dot(v, v);
-    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
 }
 
 inline Vec3 unity_standard_f0(const UnityStandard& params) {
@@ -191,25 +174,47 @@ inline Vec3 unity_standard_diffuse(const UnityStandard& params) {
     return (1.0f - F0_DIELECTRIC) * (1.0f - params.metallic) * params.base_color;
 }
 
+inline float unity_standard_alpha(const UnityStandard& params) {
+    return fmaxf(params.roughness * params.roughness, ALPHA_UNITY);
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline Vec3 unity_standard_half_vector(Vec3 wi, Vec3 wo) {
+    Vec3 h = wi + wo;
+    return h / length(h);  // which unity_standard_cos_half needs as well
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+inline float unity_standard_round_ggx_D(UnityStandardRoundGGX round_ggx, Vec3 m) {
+    Vec3 v = Vec3{m.x, m.y, round_ggx.alpha * m.z};
+    float s = dot(v, v);
+    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
+}
+
+// D V: the highlight without F.
+inline float unity_standard_highlight(const UnityStandard& params, Vec3 wi, Vec3 wo) {
+    float alpha = unity_standard_alpha(params);
+    float lambda_v = wi.z * lerp(alpha, 1.0f, wo.z);
+    float lambda_l = wo.z * lerp(alpha, 1.0f, wi.z);
+    float D = unity_standard_round_ggx_D(UnityStandardRoundGGX{alpha},
+        unity_standard_half_vector(wi, wo));
+    return D * (0.5f / (lambda_v + lambda_l));
+}
+
 // BRDF value in 1/sr, without the cosine.
 inline Vec3 unity_standard_eval(const UnityStandard& params, Vec3 wi, Vec3 wo) {
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
     float r = params.roughness;
-    float alpha = unity_standard_alpha(params);
     // F90 = 0.5 + 2 roughness cos^2(theta_d), and 2 cos^2(theta_d) = 1 + dot(wi, wo)
     float rise = r * (1.0f + dot(wi, wo)) - 0.5f;
     float burley = (1.0f + rise * unity_standard_schlick_weight(wi.z))
         * (1.0f + rise * unity_standard_schlick_weight(wo.z));
-    float lambda_v = wi.z * lerp(alpha, 1.0f, wo.z);
-    float lambda_l = wo.z * lerp(alpha, 1.0f, wi.z);
-    float V = 0.5f / (lambda_v + lambda_l);
-    float D = unity_standard_round_ggx_D(UnityStandardRoundGGX{alpha},
-        unity_standard_half_vector(wi, wo));
     Vec3 F = lerp(unity_standard_f0(params), splat(1.0f),
         splat(unity_standard_schlick_weight_half(wi, wo)));
-    return inv_pi * burley * unity_standard_diffuse(params) + F * (D * V);
+    return inv_pi * burley * unity_standard_diffuse(params)
+        + F * unity_standard_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

@@ -53,30 +53,11 @@ struct UnityStandardGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
-inline float unity_standard_alpha(UnityStandard params) {
-    const float ALPHA_UNITY = 0.002;
-    return max(params.roughness * params.roughness, ALPHA_UNITY);
-}
-
 // (1 - cos_theta)^5 of Schlick's approximation.
 inline float unity_standard_schlick_weight(float cos_theta) {
     float k = 1.0 - cos_theta;
     float k2 = k * k;
     return k2 * k2 * k;
-}
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline float3 unity_standard_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
-    return h / length(h);  // which unity_standard_cos_half needs as well
-}
-
-// Density of facets, in 1/sr. Walter et al., Eq. 33.
-inline float unity_standard_round_ggx_D(UnityStandardRoundGGX round_ggx, float3 m) {
-    const float inv_pi = 0.31830987;
-    float3 v = float3(m.x, m.y, round_ggx.alpha * m.z);
-    float s = dot(v, v);
-    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
 }
 
 inline float3 unity_standard_f0(UnityStandard params) {
@@ -112,6 +93,35 @@ inline float3 unity_standard_diffuse(UnityStandard params) {
     return (1.0 - F0_DIELECTRIC) * (1.0 - params.metallic) * params.base_color;
 }
 
+inline float unity_standard_alpha(UnityStandard params) {
+    const float ALPHA_UNITY = 0.002;
+    return max(params.roughness * params.roughness, ALPHA_UNITY);
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline float3 unity_standard_half_vector(float3 wi, float3 wo) {
+    float3 h = wi + wo;
+    return h / length(h);  // which unity_standard_cos_half needs as well
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+inline float unity_standard_round_ggx_D(UnityStandardRoundGGX round_ggx, float3 m) {
+    const float inv_pi = 0.31830987;
+    float3 v = float3(m.x, m.y, round_ggx.alpha * m.z);
+    float s = dot(v, v);
+    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
+}
+
+// D V: the highlight without F.
+inline float unity_standard_highlight(UnityStandard params, float3 wi, float3 wo) {
+    float alpha = unity_standard_alpha(params);
+    float lambda_v = wi.z * mix(alpha, 1.0, wo.z);
+    float lambda_l = wo.z * mix(alpha, 1.0, wi.z);
+    float D = unity_standard_round_ggx_D(UnityStandardRoundGGX{alpha},
+        unity_standard_half_vector(wi, wo));
+    return D * (0.5 / (lambda_v + lambda_l));
+}
+
 // BRDF value in 1/sr, without the cosine.
 inline float3 unity_standard_eval(UnityStandard params, float3 wi, float3 wo) {
     const float inv_pi = 0.31830987;
@@ -120,19 +130,14 @@ inline float3 unity_standard_eval(UnityStandard params, float3 wi, float3 wo) {
         return float3(0.0);
     }
     float r = params.roughness;
-    float alpha = unity_standard_alpha(params);
     // F90 = 0.5 + 2 roughness cos^2(theta_d), and 2 cos^2(theta_d) = 1 + dot(wi, wo)
     float rise = r * (1.0 + dot(wi, wo)) - 0.5;
     float burley = (1.0 + rise * unity_standard_schlick_weight(wi.z))
         * (1.0 + rise * unity_standard_schlick_weight(wo.z));
-    float lambda_v = wi.z * mix(alpha, 1.0, wo.z);
-    float lambda_l = wo.z * mix(alpha, 1.0, wi.z);
-    float V = 0.5 / (lambda_v + lambda_l);
-    float D = unity_standard_round_ggx_D(UnityStandardRoundGGX{alpha},
-        unity_standard_half_vector(wi, wo));
     float3 F = mix(unity_standard_f0(params), float3(1.0),
         float3(unity_standard_schlick_weight_half(wi, wo)));
-    return inv_pi * burley * unity_standard_diffuse(params) + F * (D * V);
+    return inv_pi * burley * unity_standard_diffuse(params)
+        + F * unity_standard_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

@@ -50,30 +50,11 @@ struct UnityStandardGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
-fn unity_standard_alpha(params: UnityStandard) -> f32 {
-    const ALPHA_UNITY = 0.002;
-    return max(params.roughness * params.roughness, ALPHA_UNITY);
-}
-
 // (1 - cos_theta)^5 of Schlick's approximation.
 fn unity_standard_schlick_weight(cos_theta: f32) -> f32 {
     let k = 1.0 - cos_theta;
     let k2 = k * k;
     return k2 * k2 * k;
-}
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-fn unity_standard_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    let h = wi + wo;
-    return h / length(h);  // which unity_standard_cos_half needs as well
-}
-
-// Density of facets, in 1/sr. Walter et al., Eq. 33.
-fn unity_standard_round_ggx_D(round_ggx: UnityStandardRoundGGX, m: vec3f) -> f32 {
-    const inv_pi = 0.31830987;
-    let v = vec3f(m.x, m.y, round_ggx.alpha * m.z);
-    let s = dot(v, v);
-    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
 }
 
 fn unity_standard_f0(params: UnityStandard) -> vec3f {
@@ -109,6 +90,35 @@ fn unity_standard_diffuse(params: UnityStandard) -> vec3f {
     return (1.0 - F0_DIELECTRIC) * (1.0 - params.metallic) * params.base_color;
 }
 
+fn unity_standard_alpha(params: UnityStandard) -> f32 {
+    const ALPHA_UNITY = 0.002;
+    return max(params.roughness * params.roughness, ALPHA_UNITY);
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn unity_standard_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    let h = wi + wo;
+    return h / length(h);  // which unity_standard_cos_half needs as well
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+fn unity_standard_round_ggx_D(round_ggx: UnityStandardRoundGGX, m: vec3f) -> f32 {
+    const inv_pi = 0.31830987;
+    let v = vec3f(m.x, m.y, round_ggx.alpha * m.z);
+    let s = dot(v, v);
+    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
+}
+
+// D V: the highlight without F.
+fn unity_standard_highlight(params: UnityStandard, wi: vec3f, wo: vec3f) -> f32 {
+    let alpha = unity_standard_alpha(params);
+    let lambda_v = wi.z * mix(alpha, 1.0, wo.z);
+    let lambda_l = wo.z * mix(alpha, 1.0, wi.z);
+    let D = unity_standard_round_ggx_D(UnityStandardRoundGGX(alpha),
+        unity_standard_half_vector(wi, wo));
+    return D * (0.5 / (lambda_v + lambda_l));
+}
+
 // BRDF value in 1/sr, without the cosine.
 fn unity_standard_eval(params: UnityStandard, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
@@ -117,19 +127,14 @@ fn unity_standard_eval(params: UnityStandard, wi: vec3f, wo: vec3f) -> vec3f {
         return vec3f(0.0);
     }
     let r = params.roughness;
-    let alpha = unity_standard_alpha(params);
     // F90 = 0.5 + 2 roughness cos^2(theta_d), and 2 cos^2(theta_d) = 1 + dot(wi, wo)
     let rise = r * (1.0 + dot(wi, wo)) - 0.5;
     let burley = (1.0 + rise * unity_standard_schlick_weight(wi.z))
         * (1.0 + rise * unity_standard_schlick_weight(wo.z));
-    let lambda_v = wi.z * mix(alpha, 1.0, wo.z);
-    let lambda_l = wo.z * mix(alpha, 1.0, wi.z);
-    let V = 0.5 / (lambda_v + lambda_l);
-    let D = unity_standard_round_ggx_D(UnityStandardRoundGGX(alpha),
-        unity_standard_half_vector(wi, wo));
     let F = mix(unity_standard_f0(params), vec3f(1.0),
         vec3f(unity_standard_schlick_weight_half(wi, wo)));
-    return inv_pi * burley * unity_standard_diffuse(params) + F * (D * V);
+    return inv_pi * burley * unity_standard_diffuse(params)
+        + F * unity_standard_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

@@ -40,6 +40,12 @@ struct WardChoice {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// The diffuse part, which is not stretched.
+vec3 ward_eval_round(Ward params) {
+    const float inv_pi = 0.31830987;
+    return params.rho * inv_pi;
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 ward_half_vector(vec3 wi, vec3 wo) {
     vec3 h = wi + wo;
@@ -63,26 +69,24 @@ float ward_beckmann_D(WardBeckmann beckmann, vec3 m) {
     return inv_pi / (beckmann.alpha_x * beckmann.alpha_y) * inv_cos2 * inv_cos2 * exp(-slope2);
 }
 
-// The diffuse part, which is not stretched.
-vec3 ward_eval_round(Ward params) {
-    const float inv_pi = 0.31830987;
-    return params.rho * inv_pi;
+// The highlight without its weight.
+float ward_highlight(Ward params, vec3 wi, vec3 wo) {
+    // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
+    // it still is a float32. It is reached at cosines of 5e-16.
+    const float V_MAX = 1.0e30;
+    vec3 m = ward_half_vector(wi, wo);
+    float D = ward_beckmann_D(ward_facets(params), m);
+    float z2 = m.z * m.z;
+    return D * (z2 * z2 * min(0.25 / wi.z / wo.z, V_MAX));
 }
 
 // BRDF value in 1/sr, without the cosine.
 vec3 ward_eval(Ward params, vec3 wi, vec3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
-    // it still is a float32. It is reached at cosines of 5e-16.
-    const float V_MAX = 1.0e30;
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3(0.0);
     }
-    vec3 m = ward_half_vector(wi, wo);
-    float D = ward_beckmann_D(ward_facets(params), m);
-    float z2 = m.z * m.z;
-    float highlight = D * (z2 * z2 * min(0.25 / wi.z / wo.z, V_MAX));
-    return ward_eval_round(params) + params.specular * highlight;
+    return ward_eval_round(params) + params.specular * ward_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

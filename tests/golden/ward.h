@@ -66,13 +66,13 @@ inline Vec3 operator/(Vec3 a, float b) {
     return Vec3{a.x / b, a.y / b, a.z / b};
 }
 
+constexpr float two_pi = 6.2831855f;
+constexpr float inv_pi = 0.31830987f;
+constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
 // Square of the cosine below which exp(-tan^2 / alpha^2) is 0 in any precision, for alpha up to 3.2.
 constexpr float COS2_MIN = 1.0e-6f;
 // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
 constexpr float RANDOM_MARGIN = 5.9604645e-8f;
-constexpr float two_pi = 6.2831855f;
-constexpr float inv_pi = 0.31830987f;
-constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
 // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
 // it still is a float32. It is reached at cosines of 5e-16.
 constexpr float V_MAX = 1.0e30f;
@@ -121,6 +121,11 @@ struct WardChoice {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// The diffuse part, which is not stretched.
+inline Vec3 ward_eval_round(const Ward& params) {
+    return params.rho * inv_pi;
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 ward_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
@@ -141,9 +146,12 @@ inline float ward_beckmann_D(WardBeckmann beckmann, Vec3 m) {
     return inv_pi / (beckmann.alpha_x * beckmann.alpha_y) * inv_cos2 * inv_cos2 * expf(-slope2);
 }
 
-// The diffuse part, which is not stretched.
-inline Vec3 ward_eval_round(const Ward& params) {
-    return params.rho * inv_pi;
+// The highlight without its weight.
+inline float ward_highlight(const Ward& params, Vec3 wi, Vec3 wo) {
+    Vec3 m = ward_half_vector(wi, wo);
+    float D = ward_beckmann_D(ward_facets(params), m);
+    float z2 = m.z * m.z;
+    return D * (z2 * z2 * fminf(0.25f / wi.z / wo.z, V_MAX));
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -151,11 +159,7 @@ inline Vec3 ward_eval(const Ward& params, Vec3 wi, Vec3 wo) {
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
-    Vec3 m = ward_half_vector(wi, wo);
-    float D = ward_beckmann_D(ward_facets(params), m);
-    float z2 = m.z * m.z;
-    float highlight = D * (z2 * z2 * fminf(0.25f / wi.z / wo.z, V_MAX));
-    return ward_eval_round(params) + params.specular * highlight;
+    return ward_eval_round(params) + params.specular * ward_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

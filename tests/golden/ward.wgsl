@@ -40,6 +40,12 @@ struct WardChoice {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// The diffuse part, which is not stretched.
+fn ward_eval_round(params: Ward) -> vec3f {
+    const inv_pi = 0.31830987;
+    return params.rho * inv_pi;
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn ward_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
@@ -63,26 +69,24 @@ fn ward_beckmann_D(beckmann: WardBeckmann, m: vec3f) -> f32 {
     return inv_pi / (beckmann.alpha_x * beckmann.alpha_y) * inv_cos2 * inv_cos2 * exp(-slope2);
 }
 
-// The diffuse part, which is not stretched.
-fn ward_eval_round(params: Ward) -> vec3f {
-    const inv_pi = 0.31830987;
-    return params.rho * inv_pi;
+// The highlight without its weight.
+fn ward_highlight(params: Ward, wi: vec3f, wo: vec3f) -> f32 {
+    // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
+    // it still is a float32. It is reached at cosines of 5e-16.
+    const V_MAX = 1.0e30;
+    let m = ward_half_vector(wi, wo);
+    let D = ward_beckmann_D(ward_facets(params), m);
+    let z2 = m.z * m.z;
+    return D * (z2 * z2 * min(0.25 / wi.z / wo.z, V_MAX));
 }
 
 // BRDF value in 1/sr, without the cosine.
 fn ward_eval(params: Ward, wi: vec3f, wo: vec3f) -> vec3f {
     const mu_min = 1.0e-18;  // cosine of the horizon
-    // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
-    // it still is a float32. It is reached at cosines of 5e-16.
-    const V_MAX = 1.0e30;
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
-    let m = ward_half_vector(wi, wo);
-    let D = ward_beckmann_D(ward_facets(params), m);
-    let z2 = m.z * m.z;
-    let highlight = D * (z2 * z2 * min(0.25 / wi.z / wo.z, V_MAX));
-    return ward_eval_round(params) + params.specular * highlight;
+    return ward_eval_round(params) + params.specular * ward_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

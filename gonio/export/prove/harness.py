@@ -29,15 +29,33 @@ class Results:
 
 Runner = Callable[[Sequence[Export], Sequence[Rows]], Results]
 
+STAND_IN = "StandIn"
+"""Type of the object that stands for a host's lookups."""
+
 GIVEN = 8
 """Columns before the parameters: wi, wo and u."""
 
-WIDTHS = {"eval": 3, "sample": 4, "pdf": 1, "albedo": 3}
+WIDTHS = {"eval": 3, "sample": 4, "pdf": 1, "albedo": 3, "shade": 3}
+
+POINT = {"normal": 3, "tangent": 3, "view": 3}
+"""What shade takes first; a lit export's rows end with these and with what its lights take."""
 
 
 def input_columns(entry: Entry) -> int:
     """How many numbers a row of inputs has."""
+    return point_column(entry) + sum(lit_columns(entry).values())
+
+
+def point_column(entry: Entry) -> int:
+    """Where the columns of a lit export's point begin."""
     return GIVEN + sum(member.width for member in entry.members)
+
+
+def lit_columns(entry: Entry) -> dict[str, int]:
+    """Name and width of what shade takes besides the parameters."""
+    if "shade" not in entry.functions:
+        return {}
+    return POINT | {given.name: given.width for given in entry.given}
 
 
 def output_columns(entry: Entry) -> int:
@@ -88,7 +106,8 @@ def statements(entry: Entry, dialect: Dialect) -> list[str]:
         return numbers[0] if width == 1 else (d.vec2 if width == 2 else d.vec3).format(*numbers)
 
     places = {"wi": (0, 3), "wo": (3, 3), "u": (6, 2)}
-    used = {name for f in entry.functions for name in _ARGUMENTS[f].split(", ")}
+    called = [f for f in entry.functions if f != "shade"]
+    used = {name for f in called for name in _ARGUMENTS[f].split(", ")}
     lines = [
         d.variable.format(
             type=d.vec2_type if width == 2 else d.vec3_type, name=name, value=read(start, width)
@@ -101,13 +120,15 @@ def statements(entry: Entry, dialect: Dialect) -> list[str]:
     for member in entry.members:
         lines.append(f"params.{member.place} = {read(column, member.width)};")
         column += member.width
+    lines += _point(entry, d, read)
     column = 0
     for function in WIDTHS:
         if function not in entry.functions:
             continue
-        call = d.call.format(
-            prefix=d.scope + entry.prefix, function=function, arguments=_ARGUMENTS[function]
+        arguments = _ARGUMENTS.get(function) or ", ".join(
+            [*lit_columns(entry), *(["host"] if entry.host else [])]
         )
+        call = d.call.format(prefix=d.scope + entry.prefix, function=function, arguments=arguments)
         kind = {
             "sample": d.scope + entry.sample_struct,
             "pdf": "float",
@@ -121,6 +142,25 @@ def statements(entry: Entry, dialect: Dialect) -> list[str]:
         for part in parts:
             lines.append(d.write.format(column, part))
             column += 1
+    return lines
+
+
+def _point(entry: Entry, d: Dialect, read: Callable[[int, int], str]) -> list[str]:
+    """Statements that read what shade takes."""
+    structs = {given.name: given for given in entry.given if given.struct}
+    lines, column = [], point_column(entry)
+    for name, width in lit_columns(entry).items():
+        if name in structs:
+            lines.append(d.declaration.format(type=d.scope + structs[name].struct, name=name))
+            for i, member in enumerate(structs[name].members):
+                lines.append(f"{name}.{member} = {read(column + 3 * i, 3)};")
+        else:
+            kind = "float" if width == 1 else d.vec3_type
+            value = read(column, width)
+            lines.append(d.variable.format(type=kind, name=name, value=value))
+        column += width
+    if entry.host:
+        lines.append(d.declaration.format(type=d.scope + STAND_IN, name="host"))
     return lines
 
 

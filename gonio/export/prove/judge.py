@@ -18,6 +18,7 @@ import numpy.typing as npt
 from gonio.export import library
 from gonio.export.entry import Entry
 from gonio.export.prove.harness import GIVEN
+from gonio.export.prove.lit import shaded
 from gonio.export.prove.rows import LAST_RANDOM, clipped, with_parameters
 from gonio.export.prove.tools import Rows
 from gonio.lang import MU_MIN
@@ -130,6 +131,8 @@ def evaluate(model: Model, entry: Entry, function: str, rows: Rows, dtype: Any) 
     """What the model computes for the rows, shape (N, width), in a precision."""
     if function == "sampled albedo":
         return _sampled_albedo(model, entry, rows, dtype)
+    if function == "shade":
+        return np.asarray(shaded(model, entry, entry.lights, rows, dtype), np.float64)
     made = getattr(with_parameters(model, entry.members, rows, dtype), function)(
         *arguments(function, rows, dtype)
     )
@@ -290,6 +293,8 @@ def _judge_values(
     # Below the horizon everything is exactly 0
     lower = np.minimum(rows[:, 2], rows[:, 5])
     below = lower <= MU_MIN if function in {"eval", "pdf"} else rows[:, 5] < 0
+    if function == "shade":  # where the horizon is, the frame's last digits decide
+        below = np.zeros(len(rows), bool)
 
     def allowed(rounding: Array, chosen: Any) -> Array:
         usual = device.factor * rounding + (device.relative + summing) * scale[chosen]

@@ -20,6 +20,7 @@ from gonio.claims import UNBOUNDED
 from gonio.export.entry import Entry, Export
 from gonio.export.prove import judge, rows
 from gonio.export.prove.harness import GIVEN, WIDTHS, split
+from gonio.export.prove.lit import lit_rows, with_stand_ins
 from gonio.export.prove.runners import RUNNERS
 from gonio.export.prove.tools import ProofError, Rows
 from gonio.model import Model
@@ -95,7 +96,8 @@ def prove(
     found: dict[tuple[int, str], Proof] = {}
     known = {} if known is None else known
     languages = list(dict.fromkeys(export.language for _, export in pairs))
-    inputs = [rows.rows_for(m, e.entry.members, count, seed) for m, e in pairs]
+    inputs = [_inputs(m, e, count, seed) for m, e in pairs]
+    pairs = [(m, with_stand_ins(e)) for m, e in pairs]
     for language in languages:
         if language not in RUNNERS:
             raise ProofError(f"nothing can run {language!r}; there are {', '.join(RUNNERS)}.")
@@ -108,12 +110,19 @@ def prove(
         for job, outputs in zip(jobs, results.outputs, strict=True):
             model, export = pairs[job.number]
             progress(f"{language}: comparing {export.entry.prefix}")
-            computed = known.setdefault((id(model), export.entry.members), {})
+            entry = export.entry
+            computed = known.setdefault((id(model), entry.members, entry.lights), {})
             for proof in _compare(model, job, outputs, results.device, seconds, computed):
                 found[job.number, proof.function] = proof
     order = ["compile", *WIDTHS]
     keys = sorted(found, key=lambda key: (key[0], order.index(key[1])))
     return [found[key] for key in keys]
+
+
+def _inputs(model: Model, export: Export, count: int, seed: int) -> Rows:
+    if "shade" in export.entry.functions:
+        return lit_rows(model, export.entry, count, seed)
+    return rows.rows_for(model, export.entry.members, count, seed)
 
 
 @dataclass(frozen=True)

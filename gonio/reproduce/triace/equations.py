@@ -10,7 +10,7 @@ import numpy as np
 import gonio
 from gonio import conversions
 from gonio.arrays.elementwise import elementwise
-from gonio.bake import image_light
+from gonio.lights import image_light
 from gonio.parts import fresnel
 from gonio.reproduce.measure import gray, hemisphere, largest_difference, random_pairs
 from gonio.reproduce.sheet import Sheet

@@ -11,7 +11,8 @@ import numpy as np
 import gonio
 from gonio import plot
 from gonio.arrays.elementwise import elementwise
-from gonio.bake import environment, image_light
+from gonio.bake import environment
+from gonio.lights import image_light
 from gonio.materials import load
 from gonio.model import Model
 from gonio.parts import distribution, fresnel

@@ -8,7 +8,7 @@ import numpy as np
 
 import gonio
 from gonio.arrays.elementwise import elementwise
-from gonio.bake import image_light
+from gonio.lights import image_light
 from gonio.materials import load
 from gonio.model import Model
 from gonio.reproduce.measure import albedo_by_quadrature, directions

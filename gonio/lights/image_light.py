@@ -49,6 +49,12 @@ def harmonic_linear_scale(mu: Float, shininess: Float) -> Float:
     return f + (f - 1) * (1 - mu)
 
 
+def harmonic_linear_scale_halved(mu: Float, shininess: Float) -> Float:
+    """Eq. 29 with half its effect, for the average case (caption of Figure 10)."""
+    f = oren_nayar_f(shininess)
+    return f + 0.5 * (f - 1) * (1 - mu)
+
+
 def in_plane_integral(mu: Float, shininess: Float) -> Float:
     """What Eq. 27 and 28 fit: the integral of Eq. 25 over the viewer's half plane, exact.
 

@@ -1,0 +1,92 @@
+"""F of many materials in one picture, a row for each, with 8 or 16 bits, and what that costs.
+
+    atlas = gonio.bake.atlas.fresnel_atlas({"copper": metal("Cu"), "glass": {"eta": 1.5}}, bits=8)
+    atlas.errors["copper"].largest
+    atlas.write("atlas.png")
+
+Source: Elek, "Layered materials in real-time rendering", CESCG 2010, section 3.1: 128 entries of 8 bits for
+each material, hundreds of them in one texture.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gonio.bake.tables import FRESNEL_ENTRIES, Table, TableError, fresnel_error, fresnel_table
+from gonio.files import check_place, replacing
+
+BITS = (8, 16)
+
+
+@dataclass(frozen=True)
+class Atlas:
+    """Rows of F, as a texture holds them."""
+
+    codes: NDArray[Any]
+    """Shape (materials, entries, 3), whole numbers of the chosen bits; the largest one is 1."""
+    names: tuple[str, ...]
+    """Of the rows, from the top."""
+    errors: Mapping[str, TableError]
+    """How far each row, interpolated, is from its exact F."""
+
+    @property
+    def values(self) -> Table:
+        """What a shader reads."""
+        return np.asarray(self.codes / np.iinfo(self.codes.dtype).max, np.float32)
+
+    def write(self, path: str | Path) -> None:
+        """Write a .png with the atlas's bits.
+
+        Raises:
+            ValueError: another suffix.
+            FileNotFoundError: the folder does not exist.
+        """
+        import mitsuba as mi
+
+        path = Path(path)
+        if path.suffix.lower() != ".png":
+            raise ValueError(f"cannot write {path.name!r}; the suffix must be .png.")
+        check_place(path)
+        kind = mi.Struct.Type.UInt8 if self.codes.dtype == np.uint8 else mi.Struct.Type.UInt16
+        picture = mi.Bitmap(self.codes)
+        picture.set_srgb_gamma(False)
+        # By way of memory: Mitsuba opens no files whose names are not UTF-8.
+        stored = mi.MemoryStream()
+        whole = picture.convert(mi.Bitmap.PixelFormat.RGB, kind, False)
+        whole.write(stored, mi.Bitmap.FileFormat.PNG)
+        with replacing(path) as temporary:
+            temporary.write_bytes(stored.raw_buffer())
+
+
+def fresnel_atlas(
+    materials: Mapping[str, Mapping[str, Any]], *, entries: int = FRESNEL_ENTRIES, bits: int = 8
+) -> Atlas:
+    """The exact F of some materials at evenly spaced cosines from 0 to 1, rounded to whole numbers.
+
+    Args:
+        materials: eta, and k of metals, by name; numbers or triples.
+        entries: how many cosines, at least 2.
+        bits: 8 or 16.
+
+    Raises:
+        ValueError: no material, or an argument out of its range.
+    """
+    if bits not in BITS:
+        raise ValueError(f"bits={bits} is out of range; allowed are 8 and 16.")
+    if not materials:
+        raise ValueError("no material; name one, such as Cu or 1.5.")
+    most = 2**bits - 1
+    rows, errors = [], {}
+    for name, index in materials.items():
+        table = np.broadcast_to(fresnel_table(**index, entries=entries), (entries, 3))
+        codes = np.rint(np.clip(table, 0, 1) * most)
+        rows.append(codes)
+        errors[name] = fresnel_error(np.asarray(codes / most, np.float32), **index)
+    kind = np.uint8 if bits == 8 else np.uint16
+    return Atlas(np.stack(rows).astype(kind), tuple(materials), errors)

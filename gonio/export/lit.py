@@ -1,0 +1,301 @@
+"""A whole material function: a model with the light on it, in one text.
+
+    from gonio.export.lit import export_lit
+    made = export_lit(gonio.model("ue4"), "ue4", ["directional", "image"], "wgsl")
+    made.source, made.entry
+
+`shade` takes a normal, a tangent and directions in the world, and gives the radiance towards the viewer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, get_type_hints
+
+from gonio.export.entry import Export, Given
+from gonio.export.lookups import OBJECTS, definitions, resources
+from gonio.export.names import legal
+from gonio.export.printer import Printer
+from gonio.export.read import Reader
+from gonio.export.targets import Target
+from gonio.export.text import FUNCTIONS, Text, check_prefixes, target_named
+from gonio.export.tidy import tidy
+from gonio.export.tree import (
+    SELF,
+    Assign,
+    Call,
+    ExportError,
+    Expr,
+    Function,
+    Operation,
+    Return,
+    Statement,
+    Struct,
+    Type,
+    Variable,
+    rebuilt,
+    walk,
+)
+from gonio.export.values import Static
+from gonio.lights import frames
+from gonio.lights.catalogue import COMMON, Chosen, chosen
+from gonio.lights.lookups import Lookups
+from gonio.model import Model
+
+# What shade takes of the point, before what its lights take.
+POINT = ("normal", "tangent", "view")
+
+# Helpers that every lit export has besides.
+HELPERS = (frames.mapped_normal, frames.world_flake_normal)
+
+
+def export_lit(
+    model: Model,
+    name: str,
+    lights: Sequence[str],
+    to: str | Target,
+    *,
+    only: Sequence[str] = ("eval",),
+    prefix: str | None = None,
+    embed: bool = False,
+    textures: bool = True,
+) -> Export:
+    """Source code of a model with the light on it, in one language.
+
+    Args:
+        model: with its options.
+        name: that its functions begin with.
+        lights: of `gonio.lights`, with their choices: "directional", "harmonics:dc=cheap".
+        to: the language, or a table of your own.
+        only: which of the model's own functions stand in the text as well.
+        prefix: of what is not the model's own; by default its name.
+        embed: also write a function that gives the parameters the model has.
+        textures: write lookups with textures; else the host defines them.
+
+    Raises:
+        ExportError: what cannot be exported, an unknown language or choice.
+        ModelError: a light that is not there, or that the model cannot have.
+    """
+    target = to if isinstance(to, Target) else target_named(to)
+    if target.shader:
+        raise ExportError(
+            f"{target.title} lights its surfaces itself, by closures; export the model without --lit."
+        )
+    for function in only:
+        if function not in FUNCTIONS:
+            raise ExportError(f"no function {function!r}; there are {', '.join(FUNCTIONS)}.")
+    taken = chosen(model, lights)
+    check_prefixes([name, *([prefix] if prefix else [])])
+    name = legal(name).rstrip("_")
+    shared = legal(prefix or name).rstrip("_")
+    reader = Reader(shared, target.library, [name])
+    root = reader.model(model, name, title=name)
+    wanted = [reader.method(root, f) for f in FUNCTIONS if f in only]
+    shade = _shade(reader, root, taken)
+    helpers = [_helper(reader, function) for function in HELPERS]
+    functions = tidy(
+        reader.functions,
+        [*wanted, *shade.lights, shade.function, *helpers],
+        reader.sample,
+        target.methods,
+    )
+    lookups = [f for f in functions if f.external]
+    if target.name in OBJECTS:
+        _with_host(functions, OBJECTS[target.name])
+    text = _LitText(
+        target,
+        shared,
+        reader,
+        functions,
+        [root],
+        [*wanted, shade.function],
+        embed,
+        lookups,
+        textures,
+    )
+    entry = replace(
+        text.entry(root, [f for f in FUNCTIONS if f in only]),
+        given=tuple(_described(text.printer, n, k) for n, k in shade.given),
+        lights=tuple(lights),
+        lookups=tuple(f.name if target.name not in OBJECTS else f.plain for f in lookups),
+        binds=tuple(resources(lookups, shared, target.name)) if textures else (),
+        host=bool(lookups) and target.name in OBJECTS,
+    )
+    return Export(target.name, text.source, replace(entry, functions=(*entry.functions, "shade")))
+
+
+@dataclass(frozen=True)
+class _Shade:
+    function: Function
+    lights: list[Function]
+    given: list[tuple[str, Type]]
+
+
+def _shade(reader: Reader, root: Struct, taken: Sequence[Chosen]) -> _Shade:
+    """The function that adds up the lights, and these."""
+    frame_of = _helper(reader, frames.surface_frame)
+    frame = frame_of.result
+    to_local = _helper(reader, frames.to_local)
+    arguments: dict[str, Type] = {}
+    parts: list[tuple[Function, list[str]]] = []
+    for light in taken:
+        own = {n: reader.of_annotation(k) for n, k in light.form.arguments.items()}
+        arguments |= own
+        given: list[Type | Static] = [frame, "vec3"]
+        given += _given(light, own)
+        made = reader.function_for(light.form.function, given, owner=root)
+        parts.append((made, list(own)))
+    first = [Variable(SELF, root), Variable("frame", frame), Variable("wo", "vec3")]
+    calls: list[Expr] = [
+        Call(f, (*first, *(Variable(n, arguments[n]) for n in own)), f.result) for f, own in parts
+    ]
+    total = calls[0]
+    for call in calls[1:]:
+        total = Operation("+", total, call, "vec3")
+    normal, tangent, view = (Variable(n, "vec3") for n in POINT)
+    body: tuple[Statement, ...] = (
+        Assign("frame", Call(frame_of, (normal, tangent), frame)),
+        Assign("wo", Call(to_local, (Variable("frame", frame), view), "vec3")),
+        Return(total),
+    )
+    doc = (
+        "Radiance towards the viewer, linear RGB.",
+        "",
+        "normal, tangent: as the mesh has them, in the world; view: towards the viewer, unit.",
+        *_argument_docs(taken),
+    )
+    point: list[tuple[str, Type]] = [(n, "vec3") for n in POINT]
+    parameters: tuple[tuple[str, Type], ...] = ((SELF, root), *point, *arguments.items())
+    name = f"{root.prefix}_shade"
+    function = Function(name, doc, parameters, "vec3", body, root, "shade", "shade")
+    reader.functions.append(function)
+    return _Shade(function, [f for f, _ in parts], list(arguments.items()))
+
+
+def _given(light: Chosen, own: Mapping[str, Type]) -> list[Type | Static]:
+    """Types of a light's own arguments; what it looks up and what was chosen is known now."""
+    found: list[Type | Static] = []
+    code = light.form.function.__code__
+    for name in code.co_varnames[COMMON : code.co_argcount + code.co_kwonlyargcount]:
+        if name in own:
+            found.append(own[name])
+        else:
+            found.append(Static(light.choices[name] if name in light.choices else Lookups()))
+    return found
+
+
+def _argument_docs(taken: Sequence[Chosen]) -> list[str]:
+    """What the lights' docstrings say of their arguments, each sentence once."""
+    said: dict[str, None] = {}
+    for light in taken:
+        paragraphs = (light.form.function.__doc__ or "").split("\n\n")[1:]
+        for paragraph in paragraphs:
+            said[" ".join(paragraph.split())] = None
+    return list(said)
+
+
+def _described(printer: Printer, name: str, kind: Type) -> Given:
+    if isinstance(kind, Struct):
+        members = tuple(printer.member(kind, m.name) for m in kind.members)
+        return Given(name, 3 * len(members), kind.name, members)
+    return Given(name, 1 if kind == "float" else 3)
+
+
+def _helper(reader: Reader, function: Any) -> Function:
+    hints = get_type_hints(function, include_extras=True)
+    del hints["return"]
+    return reader.function_for(function, [reader.of_annotation(kind) for kind in hints.values()])
+
+
+def _with_host(functions: Sequence[Function], host: Struct) -> None:
+    """Hand the host's object down to what looks things up; lookups become its methods."""
+    asking: set[int] = set()
+    variable = Variable("host", host)
+
+    def passed(expr: Expr) -> Expr:
+        expr = rebuilt(expr, passed)
+        if isinstance(expr, Call) and id(expr.function) in asking and not expr.function.external:
+            return replace(expr, arguments=(*expr.arguments, variable))
+        return expr
+
+    for function in functions:
+        if function.external:
+            function.name = f"host.{function.plain}"
+            asking.add(id(function))
+        elif any(isinstance(e, Call) and id(e.function) in asking for e in walk(function.body)):
+            asking.add(id(function))
+            function.parameters = (*function.parameters, ("host", host))
+            function.body = tuple(_changed(s, passed) for s in function.body)
+
+
+def _changed(statement: Statement, change: Any) -> Statement:
+    for part in ("condition", "value"):
+        if hasattr(statement, part):
+            statement = replace(statement, **{part: change(getattr(statement, part))})
+    return statement
+
+
+class _LitPrinter(Printer):
+    """Writes functions that take the host's object as templates."""
+
+    def function(self, function: Function) -> list[str]:
+        lines = super().function(function)
+        if not any(
+            name == "host" and isinstance(kind, Struct) for name, kind in function.parameters
+        ):
+            return lines
+        start = next(i for i, line in enumerate(lines) if not line.startswith("//"))
+        return [*lines[:start], "template <class Host>", *lines[start:]]
+
+
+class _LitText(Text):
+    """The text of a lit export."""
+
+    def __init__(
+        self,
+        target: Target,
+        prefix: str,
+        reader: Reader,
+        functions: Sequence[Function],
+        roots: Sequence[Struct],
+        wanted: Sequence[Function],
+        embed: bool,
+        lookups: Sequence[Function],
+        textures: bool,
+    ) -> None:
+        self.lookups, self.textures = lookups, textures
+        super().__init__(target, prefix, reader, functions, roots, wanted, embed)
+
+    def _printer(self) -> Printer:
+        return _LitPrinter(self.target, self.prefix, self.functions, self.structs)
+
+    def _under_headings(self, functions: Sequence[Function]) -> list[list[str]]:
+        written = [f for f in functions if not f.external]
+        blocks = super()._under_headings(written)
+        if self.lookups:
+            blocks = [*definitions(self.printer, self.lookups, self.textures), *blocks]
+        return blocks
+
+    def _purposes(self) -> dict[int, str]:
+        found = super()._purposes()
+        return {id(f): "light" for f in self.functions} | found
+
+    def _used_structs(self) -> set[Struct]:
+        return {s for s in super()._used_structs() if s not in OBJECTS.values()}
+
+    def _usage(self) -> list[str]:
+        root, shade = self.roots[0], self.wanted[-1]
+        made = self.target.uninitialized.format(type=root.name, name=SELF)
+        scope = f"{self.namespace}::" if self.target.constants_in_file else ""
+        arguments = ", ".join(n for n, _ in shade.parameters[1:])
+        call = f"{scope}{shade.name}({SELF}, {arguments})"
+        if self.target.methods:
+            call = f"{SELF}.shade({arguments})"
+        return [f"// Usage: {scope}{made} ... {call}"]
+
+    def _conventions(self) -> list[str]:
+        return [
+            *super()._conventions(),
+            "shade gives the radiance towards the viewer; its normal and directions are in the world.",
+        ]

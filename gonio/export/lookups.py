@@ -1,0 +1,201 @@
+"""What a host supplies to lights, in each language: declarations, and functions with textures.
+
+Most languages have textures as global names, and a lookup is a function. C++, CUDA and Metal have none, or
+not everywhere: there a lookup is a method of an object that the host passes in, of any type.
+
+Level k of the environment map is blurred by alpha = (k / LAST_LEVEL)^2; the table's axes are mu and the
+root of alpha, with values in the middles of its texels, so that clamped coordinates need no correction.
+`gonio bake` writes both that way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+
+from gonio.export.comments import comment
+from gonio.export.printer import INDENT, Printer
+from gonio.export.tree import Function, Struct
+from gonio.lights.lookups import LAST_LEVEL
+
+# What hosts bind: resources by lookup.
+MAPS: Mapping[str, str] = MappingProxyType(
+    {"environment": "environment_map", "split_sum": "split_sum_map"}
+)
+
+# Languages where the host passes an object, and how functions take it.
+OBJECTS: Mapping[str, Struct] = MappingProxyType(
+    {
+        "cpp": Struct("const Host&", ()),
+        "cuda": Struct("const Host&", ()),
+        "msl": Struct("thread const Host&", ()),
+    }
+)
+
+# A lookup's statements, after the language's own words for textures: {map} is its resource.
+_LEVEL = f"{LAST_LEVEL}.0 * sqrt(alpha)"
+_GLSL = {
+    "environment": ("return textureLod({map}, direction, " + _LEVEL + ").rgb;",),
+    "split_sum": ("return textureLod({map}, vec2(mu, sqrt(alpha)), 0.0).rg;",),
+}
+_HLSL = {
+    "environment": ("return {map}.SampleLevel({p}_linear_clamp, direction, " + _LEVEL + ").rgb;",),
+    "split_sum": ("return {map}.SampleLevel({p}_linear_clamp, float2(mu, sqrt(alpha)), 0.0).rg;",),
+}
+_WGSL = {
+    "environment": (
+        "return textureSampleLevel({map}, {p}_linear_clamp, direction, " + _LEVEL + ").rgb;",
+    ),
+    "split_sum": (
+        "return textureSampleLevel({map}, {p}_linear_clamp, vec2f(mu, sqrt(alpha)), 0.0).rg;",
+    ),
+}
+_MSL = {
+    "environment": (
+        "constexpr sampler smooth(filter::linear, mip_filter::linear);",
+        "return {map}.sample(smooth, direction, level(" + _LEVEL + ")).rgb;",
+    ),
+    "split_sum": (
+        "constexpr sampler smooth(filter::linear, address::clamp_to_edge);",
+        "return {map}.sample(smooth, float2(mu, sqrt(alpha)), level(0.0)).rg;",
+    ),
+}
+_CUDA = {
+    "environment": (
+        f"float level = {LAST_LEVEL}.0f * sqrtf(alpha);",
+        "float4 c = texCubemapLod<float4>({map}, direction.x, direction.y, direction.z, level);",
+        "return Vec3{{c.x, c.y, c.z}};",
+    ),
+    "split_sum": (
+        "float2 c = tex2D<float2>({map}, mu, sqrtf(alpha));",
+        "return Vec2{{c.x, c.y}};",
+    ),
+}
+_BODIES: Mapping[str, Mapping[str, Sequence[str]]] = {
+    "glsl": _GLSL,
+    "essl": _GLSL,
+    "hlsl": _HLSL,
+    "slang": _HLSL,
+    "wgsl": _WGSL,
+    "msl": _MSL,
+    "cuda": _CUDA,
+}
+_RESOURCES = {
+    "glsl": {
+        "environment": "layout(binding = 0) uniform samplerCube {map};",
+        "split_sum": "layout(binding = 1) uniform sampler2D {map};",
+    },
+    "essl": {
+        "environment": "uniform highp samplerCube {map};",
+        "split_sum": "uniform highp sampler2D {map};",
+    },
+    "hlsl": {
+        "environment": "TextureCube<float4> {map} : register(t0);",
+        "split_sum": "Texture2D<float4> {map} : register(t1);",
+    },
+    "slang": {
+        "environment": "TextureCube<float4> {map};",
+        "split_sum": "Texture2D<float4> {map};",
+    },
+    "wgsl": {
+        "environment": "@group(1) @binding(0) var {map}: texture_cube<f32>;",
+        "split_sum": "@group(1) @binding(1) var {map}: texture_2d<f32>;",
+    },
+    "msl": {
+        "environment": "texturecube<float> {map};",
+        "split_sum": "texture2d<float> {map};",
+    },
+    "cuda": {
+        "environment": "cudaTextureObject_t {map};  // a cube map with levels",
+        "split_sum": "cudaTextureObject_t {map};  // normalized coordinates, clamped",
+    },
+}
+_SAMPLERS = {
+    "hlsl": "SamplerState {p}_linear_clamp : register(s0);",
+    "slang": "SamplerState {p}_linear_clamp;",
+    "wgsl": "@group(1) @binding(2) var {p}_linear_clamp: sampler;",
+}
+
+
+def resources(lookups: Sequence[Function], prefix: str, language: str) -> list[str]:
+    """Names that the host binds, with textures; empty in a language without."""
+    if language not in _RESOURCES:
+        return []
+    apart = language not in OBJECTS
+    names = [f"{prefix}_{MAPS[f.plain]}" if apart else MAPS[f.plain] for f in lookups]
+    return [*names, *([f"{prefix}_linear_clamp"] if language in _SAMPLERS else [])]
+
+
+def definitions(printer: Printer, lookups: Sequence[Function], textures: bool) -> list[list[str]]:
+    """The text about lookups, in blocks: with textures, or what the host has to define."""
+    language = printer.target.name
+    if language in OBJECTS:
+        return [_object(printer, lookups, textures and language in _BODIES)]
+    if textures:
+        return [*_samplers(printer), *(_with_texture(printer, f) for f in lookups)]
+    heads = [_head(printer, f) for f in lookups]
+    return [_without(printer, f, head) for f, head in zip(lookups, heads, strict=True)]
+
+
+def _head(printer: Printer, function: Function, name: str = "") -> str:
+    parameters = [
+        printer.target.parameter.format(type=printer.type(kind), name=n)
+        for n, kind in function.parameters
+    ]
+    return printer.target.function.format(
+        result=printer.type(function.result),
+        name=name or function.name,
+        parameters=", ".join(parameters),
+    ).removesuffix(" {")
+
+
+def _samplers(printer: Printer) -> list[list[str]]:
+    text = _SAMPLERS.get(printer.target.name)
+    if text is None:
+        return []
+    note = comment(("Linear between texels and levels, clamped at the edges.",))
+    return [[*note, text.format(p=printer.prefix)]]
+
+
+def _filled(printer: Printer, function: Function, apart: bool) -> dict[str, str]:
+    name = MAPS[function.plain]
+    return {"map": f"{printer.prefix}_{name}" if apart else name, "p": printer.prefix}
+
+
+def _with_texture(printer: Printer, function: Function) -> list[str]:
+    language, names = printer.target.name, _filled(printer, function, True)
+    body = [line.format(**names) for line in _BODIES[language][function.plain]]
+    resource = _RESOURCES[language][function.plain].format(**names)
+    lines = [resource, "", *comment(function.doc), f"{_head(printer, function)} {{"]
+    return [*lines, *(INDENT + line for line in body), "}"]
+
+
+def _without(printer: Printer, function: Function, head: str) -> list[str]:
+    """A prototype; a comment where the language has none."""
+    doc = comment((*function.doc, "The host defines it."))
+    prototypes = printer.target.name not in ("wgsl", "slang")
+    return [*doc, f"{head};" if prototypes else f"// {head}"]
+
+
+def _object(printer: Printer, lookups: Sequence[Function], textures: bool) -> list[str]:
+    """What Host has to be, and in a language with textures one that uses them."""
+    language = printer.target.name
+    said = ["Host is an object of yours with these methods:"]
+    said += [f"    {_head(printer, f, f.plain).replace('inline ', '')} const" for f in lookups]
+    if not textures:
+        return comment(said)
+    struct = f"{''.join(p.capitalize() for p in printer.prefix.split('_'))}Textures"
+    lines = comment([*said, f"such as {struct}, which has them with textures."])
+    guard = language == "cuda"
+    lines += ["#ifdef __CUDACC__"] if guard else []
+    lines.append(f"struct {struct} {{")
+    filled = [_filled(printer, f, False) for f in lookups]
+    for function, names in zip(lookups, filled, strict=True):
+        lines.append(INDENT + _RESOURCES[language][function.plain].format(**names))
+    for function, names in zip(lookups, filled, strict=True):
+        head = _head(printer, function, function.plain)
+        head = head.replace("__host__ __device__ inline", "__device__").replace("inline ", "")
+        body = [line.format(**names) for line in _BODIES[language][function.plain]]
+        inside = [*comment(function.doc), f"{head} const {{", *(INDENT + b for b in body), "}"]
+        lines += ["", *(INDENT + line for line in inside)]
+    return [*lines, "};", *(["#endif"] if guard else [])]

@@ -1,0 +1,60 @@
+"""F of many materials in one picture of few bits."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from gonio.bake.atlas import fresnel_atlas
+from gonio.cli import main
+from gonio.images import read_image
+from gonio.parts.metals import metal
+
+MATERIALS = {"copper": metal("Cu"), "chromium": metal("Cr"), "glass": {"eta": 1.5}}
+
+
+@pytest.mark.parametrize(("bits", "rounding"), [(8, 0.5 / 255), (16, 0.5 / 65535)])
+def test_rounding_costs_half_a_step_and_is_stated(bits: int, rounding: float) -> None:
+    made = fresnel_atlas(MATERIALS, bits=bits)
+    assert made.values.shape == (3, 128, 3)
+    # Glass at the normal and in the horizon: 0.04 and 1
+    np.testing.assert_allclose(made.values[2, [-1, 0]].T, [[0.04, 1]] * 3, atol=rounding + 1e-7)
+    # Chromium's F turns so fast near the horizon that interpolation costs 1.2e-3 of its own.
+    assert made.errors["chromium"].largest < rounding + 1.5e-3
+    assert made.errors["glass"].largest < rounding + 3e-4
+    if bits == 8:
+        assert made.errors["copper"].largest > 0.8 * rounding
+    else:
+        assert made.errors["copper"].largest < 1.2e-4
+
+
+@pytest.mark.parametrize("bits", ["8", "16"])
+def test_the_command_writes_a_picture_that_holds_the_rows(bits: str, tmp_path: Path) -> None:
+    target = tmp_path / "atlas.png"
+    done = CliRunner().invoke(
+        main, ["bake", "atlas", "Cu", "1.5", "--bits", bits, "-o", str(target)]
+    )
+    assert done.exit_code == 0, done.output
+    assert "row 1, 1.5: largest error" in done.output
+    import mitsuba as mi
+
+    stored = np.array(mi.Bitmap(str(target)))
+    assert stored.dtype == (np.uint8 if bits == "8" else np.uint16)
+    expected = fresnel_atlas({"Cu": metal("Cu"), "1.5": {"eta": 1.5}}, bits=int(bits))
+    np.testing.assert_array_equal(stored, expected.codes)
+    assert read_image(target).pixels.shape[:2] == (2, 128)
+
+
+def test_what_is_no_material_is_one_line(tmp_path: Path) -> None:
+    target = tmp_path / "atlas.png"
+    done = CliRunner().invoke(main, ["bake", "atlas", "Xx", "-o", str(target)])
+    assert done.exit_code != 0
+    assert done.output.count("\n") == 1
+    assert not target.exists()
+    with pytest.raises(ValueError, match="allowed are 8 and 16"):
+        fresnel_atlas(MATERIALS, bits=10)
+    with pytest.raises(ValueError, match="no material"):
+        fresnel_atlas({})
