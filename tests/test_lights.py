@@ -529,6 +529,14 @@ def test_the_command_writes_a_material_function_and_what_to_bind(tmp_path: Path)
         assert reason in done.output
 
 
+def test_all_languages_are_those_that_can_be_lit(tmp_path: Path) -> None:
+    done = CliRunner().invoke(main, ["export", "eon", "--lit", "--to", "all", "-o", f"{tmp_path}/"])
+    assert done.exit_code == 0, done.output
+    assert "OSL and MaterialX are left out" in done.output
+    suffixes = {TARGETS[name].extension for name in LANGUAGES}
+    assert {path.suffix for path in tmp_path.iterdir()} == {f".{s}" for s in suffixes}
+
+
 def test_a_lit_export_is_proven_by_the_command() -> None:
     done = CliRunner().invoke(
         main, ["export", "eon", "--lit", "--to", "cpp", "--prove", "--rows", "200"]

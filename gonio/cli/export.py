@@ -281,6 +281,9 @@ def command(
     lights = listed(lit) if lit else None
     usual_functions = list(FUNCTIONS) if lights is None else ["eval"]
     functions = [name.strip() for name in only.split(",")] if only else usual_functions
+    if lights is not None and "all" in ",".join(languages).split(","):
+        to = [name for name in to if name in TARGETS and not TARGETS[name].shader]
+        selection.notes.append("OSL and MaterialX are left out: their renderers light surfaces.")
     if lights is None and lookups != "textures":
         raise click.UsageError("--lookups is for lights; give --lit as well.")
     if prove and (load or manifest):
