@@ -31,20 +31,19 @@ def layered(model: TriAceLayered, frame: Frame, wo: Vec3, sky: Harmonics, host: 
     f0 = f0_from_eta(model.top_eta)
     F_top = F_schlick(mu, f0, 1)
     F_bottom = f0_between(model.top_eta, model.bottom_eta) * (1 - f0)
-    T = 1
-    if model.top_transmission == "on":
-        T = 1 - F_top
+    T = 1 - F_top if model.top_transmission == "on" else 1
     depth = optical_depth(model.sigma_a, model.thickness)
     top = F_top * host.environment(mirrored, blinn_phong_alpha(model.top_shininess))
 
     seen = host.environment(mirrored, blinn_phong_alpha(model.bottom_shininess))
     glossy = T * F_bottom * specular_image_absorption(depth, mu) * seen
     bands = irradiance_bands(sky, frame.normal)
-    light = bands.constant + bands.linear + bands.quadratic
     if model.diffuse == "oren_nayar":
         constant = harmonic_dc_scale(mu, model.bottom_shininess) * bands.constant
         rest = harmonic_linear_scale(mu, model.bottom_shininess)
         light = constant + rest * (bands.linear + bands.quadratic)
+    else:
+        light = bands.constant + bands.linear + bands.quadratic
     matte = T * (1 - F_bottom) * INV_PI * model.rho * maximum(light, 0)
     below = glossy + matte * diffuse_image_absorption(depth, mu)
     return select(wo.z > 0, top + below, 0)

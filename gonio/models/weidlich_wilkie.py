@@ -144,21 +144,18 @@ class WeidlichWilkie(Model):
         # In the mirror direction wi' is as steep as wo', and solid angles are eta^2 times as wide outside.
         stretch = self.eta * self.eta * compression
         glossy = T * T * stretch * attenuation(tau, wo_t, wo_t)
-        inward = self._T(usual_cos_half(wo))
-        through = inward * inward
         if self.transmission == "both_ways":
             through = T * (1 - diffuse_reflectance(self.eta))
+        else:
+            usual = self._T(usual_cos_half(wo))
+            through = usual * usual
         # Mean of 1 / mu_i' over diffuse light from outside: 2 eta^2 (1 - sqrt(1 - 1 / eta^2))
         slant = 2 / (1 + safe_sqrt(1 - 1 / (self.eta * self.eta)))
         matte = through * compression * exp(-tau * (slant + 1 / wo_t.z))
         if self.bounces == "diffuse":
             matte = matte / (1 - self.base.mean_albedo() * diffuse_return(tau, self.eta))
-        least = 0
-        if self.interface == "rough" and self.roughness_clamp == "on":
-            least = self.alpha
-        reflected = 0
-        if self.interface == "rough":
-            reflected = self._F(wo.z)
+        reflected = self._F(wo.z) if self.interface == "rough" else 0
+        least = self.alpha if self.interface == "rough" and self.roughness_clamp == "on" else 0
         c = critical_cosine(self.eta - 1)
         return ImageCoat(reflected, glossy, matte, wo_t, least, (1 - c) / (1 + c))
 
