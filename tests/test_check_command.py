@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -189,6 +190,37 @@ def test_a_mitsuba_bsdf_from_a_file(tmp_path: Path) -> None:
     result = run("--mitsuba", str(path), "--quick", "--only", "energy")
     assert result.exit_code == 0, result.output
     assert result.stdout.startswith("grey: pass")
+
+
+def test_textures_of_every_kind_are_looked_at_all_over() -> None:
+    """A checkerboard sets no flag; its darker squares are in the middle of the first period."""
+    squares = {f"color{k}": {"type": "rgb", "value": [v] * 3} for k, v in ((0, 0.1), (1, 0.9))}
+    model = {"type": "diffuse", "reflectance": {"type": "checkerboard", **squares}}
+    result = run("--mitsuba", json.dumps(model), "--quick", "--only", "energy", "--json")
+    (energy,) = json.loads(result.stdout)
+    assert energy["findings"][0]["measured"] == pytest.approx(0.9, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        {"type": "mask", "opacity": 0.5, "nested": {"type": "diffuse"}},
+        {"type": "principled", "spec_trans": 0.7, "roughness": 0.3},
+        {"type": "principledthin", "spec_trans": 0.5, "roughness": 0.4, "diff_trans": 0.8},
+        {"type": "roughdielectric", "alpha": 0.3},
+    ],
+    ids=lambda model: str(model["type"]),
+)
+def test_reflection_of_plug_ins_that_also_transmit_follows_its_density(
+    model: dict[str, Any],
+) -> None:
+    """Mitsuba tests these samplers itself; delta and transmitted samples count as lost here."""
+    result = run("--mitsuba", json.dumps(model), "--quick", "--only", "sampling", "--json")
+    assert result.exit_code == 0, result.output
+    scope, sampling = json.loads(result.stdout)
+    assert scope["findings"][0]["text"].startswith("not checked: ")
+    wasted = next(f for f in sampling["findings"] if f["what"] == "wasted samples")
+    assert wasted["measured"] > 0.4
 
 
 def test_what_is_left_out_of_a_mitsuba_bsdf_is_named() -> None:

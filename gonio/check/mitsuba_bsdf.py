@@ -20,12 +20,15 @@ import numpy as np
 
 from gonio import backend
 from gonio.check.report import NOTE, Finding, Report
-from gonio.check.subject import Array, FreeNumber, Size, stored
+from gonio.check.subject import Array, FreeNumber, Size, compute, even, stored, vectors
 from gonio.claims import Claims, Kink, WhiteFurnace
 from gonio.fields import Parameter
 
 # Hair's plug-ins are called so.
 FIBRES = "hair"
+
+# Places at which is looked for a texture, and what roundings change there.
+PLACES, SAME = 256, 1e-5
 
 # Divides f cos(theta_i); far below any cosine that float32 directions of the search have.
 COSINE_MIN = 1e-30
@@ -82,14 +85,24 @@ class MitsubaSubject:
             )
             if flags & bits
         ]
-        # SpatiallyVarying is not set by every plug-in whose children are textures
-        textured = flags & int(mi.BSDFFlags.SpatiallyVarying) or "bitmap" in repr(self.bsdf).lower()
-        self.parameters: tuple[FreeNumber, ...] = (
-            tuple(FreeNumber(name, 0, Parameter(0.5, 0, 1, name), ()) for name in ("u", "v"))
-            if textured
-            else ()
-        )
         self.context = mi.BSDFContext()
+        self.parameters: tuple[FreeNumber, ...] = ()
+        # SpatiallyVarying is not set by every plug-in whose children are textures
+        if flags & int(mi.BSDFFlags.SpatiallyVarying) or self._varies():
+            self.parameters = tuple(
+                FreeNumber(name, 0, Parameter(0.5, 0, 1, name), ()) for name in ("u", "v")
+            )
+
+    def _varies(self) -> bool:
+        """Whether value or density change with uv, at one pair of directions."""
+        places = even(PLACES)
+        module = compute()
+        bound = _Bound(self, module.Float, [stored(module.Float, c) for c in places.T])
+        up = np.tile([[0.48, 0.36, 0.8]], (PLACES, 1))
+        w = vectors(module.Float, up)
+        f, pdf = bound.eval(w, w), bound.pdf(w, w)
+        columns = [np.broadcast_to(c.numpy(), PLACES) for c in (*f, pdf)]
+        return any(np.ptp(c) > SAME * np.abs(c).max() for c in columns)
 
     def prepare(self) -> None:
         """It has been loaded; that is all."""
@@ -208,10 +221,12 @@ class _Bound:
         )
         pdf = self.Float(dr.detach(bs.pdf))
         wi = self._out(bs.wo)
-        delta = (bs.sampled_type & mi.UInt32(int(mi.BSDFFlags.Delta))) != 0
+        # principledthin has transmitted samples that go up, with a weight of 0
+        others = int(mi.BSDFFlags.Delta) | int(mi.BSDFFlags.Transmission)
+        left_out = (bs.sampled_type & mi.UInt32(others)) != 0
         # Mitsuba marks what is of no use by a weight of 0 as well; what is transmitted is not judged
         below = (wi.z <= 0) & (self.subject.transmits | (dr.max(self._out(weight)) == 0))
-        used = (pdf > 0) & (wo.z > 0) & ~below & ~type(wo.z > 0)(delta)
+        used = (pdf > 0) & (wo.z > 0) & ~below & ~type(wo.z > 0)(left_out)
         up = type(wi)(0, 0, 1)
         return dr.select(used, wi, up), dr.select(used, pdf, 0)
 
