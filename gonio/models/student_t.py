@@ -1,0 +1,100 @@
+"""Student-t: facets whose slopes have tails of any length, between Beckmann's and longer than GGX's.
+
+Source: Ribardière, Bringier, Meneveaux, Simonot, "STD: Student's t-distribution of slopes for microfacet
+based BSDFs", Computer Graphics Forum 36(2), 2017: D and its samples. gamma = 2 is GGX, and large gammas
+come near Beckmann. Burley's GTR, "Physically-based shading at Disney", 2012, has the same family of tails.
+Deviation: G is Cook and Torrance's, which is exact for V-cavities of any facets and needs no fit.
+"""
+
+from gonio.claims import Claims, Place, at_most, kink
+from gonio.lang import (
+    INV_PI,
+    TWO_PI,
+    Color,
+    Float,
+    Sample,
+    Vec2,
+    Vec3,
+    cos,
+    exp,
+    lerp,
+    log,
+    maximum,
+    normalize,
+    safe_sqrt,
+    sin,
+    vec2,
+    vec3,
+)
+from gonio.model import Model, param
+from gonio.parts.distribution import RANDOM_MARGIN
+from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
+from gonio.parts.fresnel import schlick_weight_half
+from gonio.parts.masking import V_cook_torrance
+from gonio.parts.roughness import at_least_alpha
+from gonio.parts.special import expm1
+
+# Range of gamma: at 1.5 the mean slope has no end, and at 40 D is Beckmann's to a percent.
+GAMMA_MIN, GAMMA_MAX = 1.55, 40.0
+
+# Smallest width, below which a float32 has no digits left for the slopes.
+ALPHA_LEAST = 1e-3
+
+
+class StudentT(Model):
+    """Metals and plastics whose highlights have the tail that was measured. Reciprocal."""
+
+    albedo_rule = "half_vectors"
+
+    f0: Color = param((0.9, 0.9, 0.9), 0, 1, "reflectance at normal incidence, linear RGB")
+    alpha: Float = param(
+        0.3, ALPHA_LEAST, 1, "slope width: GGX's alpha at gamma = 2", rougher=at_least_alpha
+    )
+    gamma: Float = param(
+        2, GAMMA_MIN, GAMMA_MAX, "tail: 2 is GGX's, smaller is longer, 40 is nearly Beckmann's"
+    )
+    caveats = (
+        "Loses what facets reflect more than once.",
+        "Wastes the samples that a facet mirrors below the horizon.",
+    )
+    claims = Claims(
+        wasted=at_most(0.54),
+        float32=at_most(2e-5),
+        numeric_albedo=at_most(3e-4),
+        kinks=(kink(Place.EQUAL_COSINES), kink(Place.ELSEWHERE)),
+    )
+
+    def eval(self, wi: Vec3, wo: Vec3) -> Color:
+        """F D G / (4 mu_i mu_o): BRDF value in 1/sr, without the cosine."""
+        m, cos_h = half_vector(wi, wo), cos_half(wi, wo)
+        F = lerp(self.f0, 1, schlick_weight_half(wi, wo))
+        return F * (self._D(m) * V_cook_torrance(wi, wo, m.z, cos_h))
+
+    def sample(self, wo: Vec3, u: Vec2) -> Sample:
+        """wo mirrored at a normal by its density."""
+        wi = mirror(wo, self._normal(u))
+        return Sample(wi, self.pdf(wi, wo))
+
+    def pdf(self, wi: Vec3, wo: Vec3) -> Float:
+        """Density of `sample` in 1/sr."""
+        m = half_vector(wi, wo)
+        return pdf_mirror(self._D(m) * m.z, cos_half(wi, wo))
+
+    def slope_widths(self) -> Vec2:
+        """As the facets' slopes."""
+        return vec2(self.alpha, self.alpha)
+
+    def _D(self, m: Vec3) -> Float:
+        """1 / (pi a^2 z^4 (1 + tan^2 / ((g - 1) a^2))^g), its powers as one exponential."""
+        a2, z2 = self.alpha * self.alpha, m.z * m.z
+        slope2 = (m.x * m.x + m.y * m.y) / ((self.gamma - 1) * a2)
+        # z^4 (1 + t)^g = z^(4 - 2 g) (z^2 + slope2)^g, finite in the horizon
+        inside = (2 - self.gamma) * log(z2) + self.gamma * log(z2 + slope2)
+        return INV_PI / a2 * exp(-inside)
+
+    def _normal(self, u: Vec2) -> Vec3:
+        """tan^2 = (g - 1) a^2 ((1 - u)^(1 / (1 - g)) - 1)."""
+        spread = expm1(log(maximum(1 - u.x, RANDOM_MARGIN)) / (1 - self.gamma))
+        tangent = self.alpha * safe_sqrt((self.gamma - 1) * spread)
+        phi = TWO_PI * u.y
+        return normalize(vec3(tangent * cos(phi), tangent * sin(phi), 1))
