@@ -304,6 +304,20 @@ class Lambert(Model):
     ) -> None: ...
     rho: Any
 
+class LambertSphere(Model):
+    """Chalk and other powders: flatter than Lambert, brighter back to the light. Reciprocal.
+
+    Parameters:
+        rho: albedo of a single ball, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
+    """
+
+    def __init__(
+        self,
+        *,
+        rho: _Color = (0.8, 0.8, 0.8),
+    ) -> None: ...
+    rho: Any
+
 class LommelSeeliger(Model):
     """Dark dust that scatters light once; a full moon without dark limbs. Reciprocal.
 
@@ -510,6 +524,50 @@ class QONFujii(Model):
     ) -> None: ...
     rho: Any
     sigma: Any
+
+class StudentT(Model):
+    """Metals and plastics whose highlights have the tail that was measured. Reciprocal.
+
+    Parameters:
+        f0: reflectance at normal incidence, linear RGB; 0 to 1, default (0.9, 0.9, 0.9)
+        alpha: slope width: GGX's alpha at gamma = 2; 0.001 to 1, default 0.3
+        gamma: tail: 2 is GGX's, smaller is longer, 40 is nearly Beckmann's; 1.55 to 40, default 2
+    """
+
+    def __init__(
+        self,
+        *,
+        f0: _Color = (0.9, 0.9, 0.9),
+        alpha: _Number = 0.3,
+        gamma: _Number = 2.0,
+    ) -> None: ...
+    f0: Any
+    alpha: Any
+    gamma: Any
+
+class Sum(Model):
+    """Two models added, such as a diffuse one and a highlight. Reciprocal if both are.
+
+    Parameters:
+        first: one of the two, such as what is diffuse; a model or its name, default 'lambert'
+        second: the other one, such as a highlight, or another sum; a model or its name, default
+            'torrance_sparrow'
+        first_weight: what the first one is multiplied by; 0 to 1, default (0.5, 0.5, 0.5)
+        second_weight: what the second one is multiplied by; 0 to 1, default (0.5, 0.5, 0.5)
+    """
+
+    def __init__(
+        self,
+        *,
+        first: Model | str = "lambert",
+        second: Model | str = "torrance_sparrow",
+        first_weight: _Color = (0.5, 0.5, 0.5),
+        second_weight: _Color = (0.5, 0.5, 0.5),
+    ) -> None: ...
+    first: Model
+    second: Model
+    first_weight: Any
+    second_weight: Any
 
 class TorranceSparrow(Model):
     """Rough metal, or the reflection of a rough dielectric. Reciprocal; loses energy when rough.

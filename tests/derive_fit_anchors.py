@@ -97,6 +97,49 @@ def charlie(p, wi, wo):
     return [rho * d / (4 * (wi[2] + wo[2] - wi[2] * wo[2])) for rho in p["rho"]]
 
 
+def lambert_sphere(p, wi, wo):
+    """d'Eon 2021: a Lambertian ball's phase function once, Hapke's H of 1981 for the rest.
+
+    The phase function is integrated over the ball here: the light that a patch n gets and gives is
+    max(n.wi, 0) max(n.wo, 0), over pi for Lambert, and over pi again for the ball's cross-section.
+    """
+    x = acos(dot(wi, wo))
+    # In the frame whose pole is across both: n = (s cos a, s sin a, c), wi at a = 0 and wo at a = x
+    over_pole = quad(lambda c: 1 - c**2, [-1, 1])
+    over_azimuth = quad(lambda a: cos(a) * cos(a - x), [x - pi / 2, pi / 2])
+    phase = over_pole * over_azimuth / pi / pi
+    # phase / pi is the part per steradian; the half space reflects w p / (mu_i + mu_o)
+    h = lambda mu, w: (1 + 2 * mu) / (1 + 2 * mu * sqrt(1 - w))  # noqa: E731
+    return [
+        w * (phase + (h(wi[2], w) * h(wo[2], w) - 1) / (4 * pi)) / (wi[2] + wo[2]) for w in p["rho"]
+    ]
+
+
+def cook_torrance_g(wi, wo, m):
+    """Cook & Torrance 1982."""
+    return min(1, *(2 * m[2] * w[2] / dot(wo, m) for w in (wi, wo)))
+
+
+def student_t(p, wi, wo):
+    """Ribardière et al. 2017, D of slopes; G of Cook & Torrance 1982; F of Schlick 1994."""
+    m, a, g = half(wi, wo), p["alpha"], p["gamma"]
+    tan2 = 1 / m[2] ** 2 - 1
+    d = (g - 1) ** g * a ** (2 * g - 2) / (pi * m[2] ** 4 * ((g - 1) * a**2 + tan2) ** g)
+    f = d * cook_torrance_g(wi, wo, m) / (4 * wi[2] * wo[2])
+    return [f * (f0 + (1 - f0) * (1 - dot(wi, m)) ** 5) for f0 in p["f0"]]
+
+
+def sum_(p, wi, wo):
+    """w1 f1 + w2 f2 of Minnaert's law and Ward's model, Ngan, Durand, Matusik 2005, section 3."""
+
+    def of(which):
+        return {k.partition(".")[2]: v for k, v in p.items() if k.startswith(f"{which}.")}
+
+    first, second = minnaert(of("first"), wi, wo), ward(of("second"), wi, wo)
+    weights = zip(p["first_weight"], p["second_weight"], strict=True)
+    return [a * f + b * g for (a, b), f, g in zip(weights, first, second, strict=True)]
+
+
 RHO, F0 = [0.9, 0.35, 0.04], [0.02, 0.3, 0.95]
 GRAINS = {"asymmetry": -0.3, "opposition": 0.9, "opposition_width": 0.05}
 SETS = {
@@ -126,6 +169,22 @@ SETS = {
     charlie: [
         "estevez2017 Eq. 2; neubelt2013 the sheen's masking",
         [{"rho": RHO, "alpha": a} for a in (0.1, 0.5, 1.0)],
+    ],
+    lambert_sphere: ["deon2021 section 3; hapke1981 Eq. 8 and 16", [{"rho": [0.9, 0.35, 1.0]}]],
+    student_t: [
+        "ribardiere2017 Eq. of D; cook1982 G; schlick1994 F",
+        [{"f0": F0, "alpha": a, "gamma": g} for a, g in ((0.1, 1.6), (0.3, 2.0), (0.5, 12.0))],
+    ],
+    sum_: [
+        "ngan2005 section 3; minnaert1941 the law; duer2006 Eq. 1",
+        [
+            {
+                "first": "minnaert", "first.rho": RHO, "first.k": 0.7, "second": "ward",
+                "second.rho": [0.0, 0.0, 0.0], "second.specular": F0, "second.alpha_x": 0.2,
+                "second.alpha_y": 0.3, "second.form": "dur", "first_weight": [1.0, 0.5, 0.25],
+                "second_weight": [0.1, 1.0, 0.6],
+            }
+        ],
     ],
 }  # fmt: skip
 PAIRS = [
@@ -170,7 +229,7 @@ def main():
     """Write the table."""
     rows = []
     for model, (publications, sets) in SETS.items():
-        name = model.__name__
+        name = model.__name__.rstrip("_")
         for p in sets:
             exact = {
                 k: v
@@ -182,7 +241,7 @@ def main():
             }
             for wi, wo in PAIRS:
                 value = model(exact, [mpf(x) for x in wi], [mpf(x) for x in wo])
-                source = f"{BY_FORMULA}; {publications}; {HERE} {name}"
+                source = f"{BY_FORMULA}; {publications}; {HERE} {model.__name__}"
                 rows.append(row(name, p, wi, wo, "eval", value, source))
     for name, p, theta, value, integrand in closed_forms():
         if integrand is not None:

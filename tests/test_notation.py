@@ -74,6 +74,7 @@ TEXTS = {
     "weidlich_wilkie:base=plain.toml": ("base.roughness", 0.25),
     "weidlich_wilkie:base=my_clay.py,base.rho=0.125": ("base.rho", 0.125),
     "weidlich_wilkie:base=gold,base.alpha=0.5": ("base.alpha", 0.5),
+    "lambert:rho=0.25+plain.toml:roughness=1e+0+gold:alpha=0.5": ("second.second.alpha", 0.5),
     "weidlich_wilkie:base=weidlich_wilkie,base.base=eon,base.base.roughness=1": (
         "base.base.roughness",
         1,
@@ -177,6 +178,8 @@ def test_hex_colours_are_srgb() -> None:
         ("weidlich_wilkie:base=eno", "did you mean the model 'eon'"),
         ("weidlich_wilkie:base.rho=red", "rho=red is not one or three numbers"),
         ("weidlich_wilkie:base.base.rho=1", "has no"),
+        ("lambert+", "nothing on one side of a plus sign"),
+        ("lambert+goldd", "did you mean the material 'gold'"),
         ("goldd", "did you mean the material 'gold'"),
         ("eon:rho=#12345", "rho=#12345 is not one or three numbers"),
     ],

@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 
 from gonio.fields import Option
-from gonio.fit import METRICS, Problem
-from gonio.fit.problem import columns
+from gonio.fit import METRICS, Problem, columns
 from gonio.foreign.expressions import Array
 from gonio.foreign.function import Foreign, probe
 from gonio.measured import Measurement, measurement
@@ -140,7 +139,7 @@ class _Fitter:
                 if number == 0 and begin is not None
                 else problem.start()
                 if number == 0
-                else problem.random(rng)
+                else problem.random(rng, 1)[0]
             )
             x = np.clip(x, low + 1e-3 * width, high - 1e-3 * width)
             result = least_squares(
@@ -312,18 +311,18 @@ def _relations(
             rows.append(x)
         table = np.stack(rows)
         for k, column in enumerate(free):
-            low, high = column.declared.low, column.declared.high
+            low, high, path = column.low, column.high, column.places[0][0]
             width = high - low if np.isfinite(high) else 1.0
-            if np.ptp(table[:, k]) < RELATED * width or column.path in found:
+            if np.ptp(table[:, k]) < RELATED * width or path in found:
                 continue
             for text, turn in SCALES.items():
                 with np.errstate(all="ignore"):
                     expected = np.clip(turn(steps), low, high)
                 if np.abs(expected - table[:, k]).max() < RELATED * max(width, 1e-9):
-                    found[column.path] = text.format(name)
+                    found[path] = text.format(name)
                     break
             else:
-                found[column.path] = f"a function of {name}"
+                found[path] = f"a function of {name}"
     for path, p, value in model.parameters():
         if path not in found and not p.is_default(value):
             numbers = np.atleast_1d(value)

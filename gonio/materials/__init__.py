@@ -4,6 +4,7 @@
     gonio.load("gold:alpha=0.3")                    # a ready material, changed
     gonio.load("oak.toml"), gonio.load("my_model.py:rho=0.5")
     gonio.load("paint.binary:scale=0.5")            # measured reflection, of any format that gonio reads
+    gonio.load("lambert:rho=0.2+gold:alpha=0.1")    # a sum, as the model sum
 
 The same texts work wherever a command takes a MODEL.
 """
@@ -11,12 +12,12 @@ The same texts work wherever a command takes a MODEL.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from gonio import measured
 from gonio.materials import model_file, notation, toml_file
-from gonio.materials.material import Material, MaterialError
+from gonio.materials.material import Material, MaterialError, inside
 from gonio.model import Model, model, models
 from gonio.suggestions import did_you_mean
 
@@ -103,6 +104,9 @@ def load_series(name: str) -> list[Material]:
 
 
 def _load(text: str, params: Iterable[str], folder: Path, depth: int) -> Model | Material:
+    terms = notation.terms(text)
+    if len(terms) > 1 and not (folder / notation.split(text)[0]).exists():
+        return notation.assign(_sum([_load(t, (), folder, depth) for t in terms]), params, load)
     name, pieces = notation.split(text)
     start = _start(name, folder, depth)
 
@@ -113,6 +117,17 @@ def _load(text: str, params: Iterable[str], folder: Path, depth: int) -> Model |
     named = {piece.partition("=")[0].strip() for piece in pieces}
     outside = [p for p in params if p.partition("=")[0].strip() not in named]
     return notation.assign(start, [*outside, *pieces], resolve)
+
+
+def _sum(terms: Sequence[Model | Material]) -> Model | Material:
+    """Terms as sums of two, one in the other, with all weights 1."""
+    if len(terms) == 1:
+        return terms[0]
+    parts = {"first": terms[0], "second": _sum(terms[1:])}
+    plain = {n: t.model if isinstance(t, Material) else t for n, t in parts.items()}
+    made = model("sum", first_weight=1.0, second_weight=1.0, **plain)
+    given = {n: t if isinstance(t, Material) else Material(t.name, t) for n, t in parts.items()}
+    return inside(made, given, made.name)
 
 
 def _start(name: str, folder: Path, depth: int) -> Model | Material:

@@ -41,6 +41,19 @@ def split(text: str) -> tuple[str, list[str]]:
     return found[1], pieces
 
 
+def terms(text: str) -> list[str]:
+    """What a sum such as "lambert:rho=0.2+torrance_sparrow" adds; one text if it is no sum.
+
+    Raises:
+        ModelError: nothing on one side of a plus sign.
+    """
+    # The plus sign of 1e+5 or of +.5 is a number's
+    found = [term.strip() for term in re.split(r"\+(?!\.?\d)", text)]
+    if len(found) > 1 and not all(found):
+        raise ModelError(f"{text!r} has nothing on one side of a plus sign; write model+model.")
+    return found
+
+
 def assign(
     start: Model | Material, assignments: Iterable[str], resolve: Resolve
 ) -> Model | Material:

@@ -1,0 +1,462 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sum: the light of two models on one surface, each with a weight; nested, of any number of them.
+//
+// f = w1 f1 + w2 f2. Measured materials are often fitted with such sums: Lambert and one or more lobes.
+// Sources: Ngan, Durand, Matusik, "Experimental analysis of BRDF models", EGSR 2005, section 3; Lafortune,
+// Foo, Torrance, Greenberg, "Non-linear approximation of reflectance functions", SIGGRAPH 1997, Eq. 8.
+//
+// Lambert: ideal diffuse reflection.
+//
+// Source: Johann Heinrich Lambert, "Photometria", 1760.
+//
+// Torrance-Sparrow: mirrors of microscopic size, with every published choice of D, G and F.
+//
+// f = F D G / (4 mu_i mu_o). Also called Cook-Torrance, whose own paper prints 1 / pi in place of 1 / 4.
+//
+// Sources:
+// Torrance, Sparrow, "Theory for off-specular reflection from roughened surfaces", JOSA 57, 1967;
+// Cook, Torrance, "A reflectance model for computer graphics", 1982;
+// Walter et al., "Microfacet models for refraction through rough surfaces", EGSR 2007;
+// Kulla, Conty, "Revisiting physically based shading at Imageworks", SIGGRAPH 2017 course;
+// Turquin, "Practical multiple scattering compensation for microfacet models", 2019.
+// Those of D, G and F are named in gonio.parts.distribution, masking and fresnel.
+//
+// C++, made by gonio from gonio/models/sum.py, gonio/models/lambert.py, gonio/models/torrance_sparrow.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: gonio_sum::Sum params; params.first.rho = ...; ... gonio_sum::sum_eval(params, wi, wo)
+
+#pragma once
+#include <math.h>
+
+namespace gonio_sum {
+
+struct Vec2 {
+    float x, y;
+};
+
+struct Vec3 {
+    float x, y, z;
+};
+
+struct Bool3 {
+    bool x, y, z;
+};
+
+inline Vec3 splat(float a) {
+    return Vec3{a, a, a};
+}
+
+inline float fract(float a) {
+    return a - floorf(a);
+}
+
+inline float dot(Vec3 a, Vec3 b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+inline float length(Vec3 a) {
+    return sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
+}
+
+inline Vec3 normalize(Vec3 a) {
+    float inv = 1.0f / sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
+    return Vec3{a.x * inv, a.y * inv, a.z * inv};
+}
+
+inline Vec3 select(Bool3 c, Vec3 yes, Vec3 no) {
+    return Vec3{c.x ? yes.x : no.x, c.y ? yes.y : no.y, c.z ? yes.z : no.z};
+}
+
+inline Vec3 operator+(Vec3 a, Vec3 b) {
+    return Vec3{a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+inline Vec3 operator+(Vec3 a, float b) {
+    return Vec3{a.x + b, a.y + b, a.z + b};
+}
+
+inline Vec3 operator+(float a, Vec3 b) {
+    return Vec3{a + b.x, a + b.y, a + b.z};
+}
+
+inline Vec3 operator-(Vec3 a, Vec3 b) {
+    return Vec3{a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+inline Vec3 operator-(Vec3 a, float b) {
+    return Vec3{a.x - b, a.y - b, a.z - b};
+}
+
+inline Vec3 operator*(Vec3 a, Vec3 b) {
+    return Vec3{a.x * b.x, a.y * b.y, a.z * b.z};
+}
+
+inline Vec3 operator*(Vec3 a, float b) {
+    return Vec3{a.x * b, a.y * b, a.z * b};
+}
+
+inline Vec3 operator*(float a, Vec3 b) {
+    return Vec3{a * b.x, a * b.y, a * b.z};
+}
+
+inline Vec3 operator/(Vec3 a, Vec3 b) {
+    return Vec3{a.x / b.x, a.y / b.y, a.z / b.z};
+}
+
+inline Vec3 operator/(Vec3 a, float b) {
+    return Vec3{a.x / b, a.y / b, a.z / b};
+}
+
+inline Bool3 operator>(Vec3 a, Vec3 b) {
+    return Bool3{a.x > b.x, a.y > b.y, a.z > b.z};
+}
+
+inline Vec3 absolute(Vec3 a) {
+    return Vec3{fabsf(a.x), fabsf(a.y), fabsf(a.z)};
+}
+
+inline Vec3 sqrt(Vec3 a) {
+    return Vec3{sqrtf(a.x), sqrtf(a.y), sqrtf(a.z)};
+}
+
+constexpr float two_pi = 6.2831855f;
+constexpr float inv_pi = 0.31830987f;
+constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
+// Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
+// is reached at the edge of total internal reflection, where the true derivative is infinite.
+constexpr float ROOT_MIN = 1.0e-16f;
+// Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
+constexpr float NEAR_NORMAL = 0.75f;
+// Added to the first lobe's weight, so that two black lobes still leave something to choose and the
+// reciprocal of their sum has a derivative; no albedo that can be seen is that small.
+constexpr float BLACK = 1.0e-12f;
+// The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+// its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+constexpr float SHARE_LEAST = 0.1f;
+constexpr float ESTIMATE_TRUST = 50.0f;
+// Smallest probability that is divided by: a random number falls below it once in a million million.
+constexpr float SHARE_MIN = 1.0e-12f;
+// The largest float32 below 1, up to which random numbers go.
+constexpr float RANDOM_MAX = 0.99999994f;
+// Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+constexpr float RANDOM_MARGIN = 5.9604645e-8f;
+// Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+constexpr float ALBEDO_SAMPLES = 987.0f;
+constexpr float GOLDEN = 0.618034f;
+// Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+constexpr float HORIZON = 1.0e-6f;
+
+// A sampled direction and its density.
+struct SumSample {
+    Vec3 wi;  // direction towards the light, unit, local frame
+    float pdf;  // its density in 1/sr; 0 marks a wasted sample
+};
+
+// Parameters of lambert: Ideal diffuse: the same radiance in every direction. Reciprocal; the albedo is
+// rho.
+struct SumFirst {
+    Vec3 rho;  // albedo, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
+};
+
+// Parameters of torrance_sparrow: Rough metal, or the reflection of a rough dielectric. Reciprocal; loses
+// energy when rough. Exported with distribution='ggx', masking='smith_correlated', fresnel='conductor',
+// compensation='none'.
+struct SumSecond {
+    // width of the facets' slopes: GGX's alpha, Beckmann's m; 0.0001 to 1, default 0.3
+    float alpha;
+    // 0 round, 1 smoothest along y; only ggx and beckmann have it; 0 to 1, default 0
+    float anisotropy;
+    // index of refraction; the default is gold's; 0.01 to 20, default (0.143037, 0.375306, 1.44204)
+    Vec3 eta;
+    // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299, 2.38556,
+    // 1.60336)
+    Vec3 k;
+};
+
+// sum: Two models added, such as a diffuse one and a highlight. Reciprocal if both are.
+struct Sum {
+    SumFirst first;  // one of the two, such as what is diffuse
+    SumSecond second;  // the other one, such as a highlight, or another sum
+    Vec3 first_weight;  // what the first one is multiplied by; 0 to 1, default (0.5, 0.5, 0.5)
+    Vec3 second_weight;  // what the second one is multiplied by; 0 to 1, default (0.5, 0.5, 0.5)
+};
+
+// Which of two lobes a sample is taken from.
+struct SumChoice {
+    bool is_first;  // Whether it is the first one
+    Vec2 u;  // Fresh random numbers, made of those that chose
+};
+
+// ---- evaluation ----------------------------------------------------------------------------
+
+// rho / pi.
+inline Vec3 sum_first_eval_above(const SumFirst& params) {
+    return params.rho * inv_pi;
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline Vec3 sum_half_vector(Vec3 wi, Vec3 wo) {
+    Vec3 h = wi + wo;
+    return h / length(h);  // which sum_cos_half needs as well
+}
+
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+inline float sum_cos_half(Vec3 wi, Vec3 wo) {
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return 0.5f * length(wi + wo);
+}
+
+// 1 - sum_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
+inline float sum_sin2_half(Vec3 wi, Vec3 wo) {
+    Vec3 apart = wi - wo;
+    return 0.25f * dot(apart, apart);
+}
+
+// Exact reflectance of a conductor, eta + i k, at a facet, from both sum_cos_half and sum_sin2_half.
+inline Vec3 sum_F_conductor_half(float cos_h, float sin2_h, Vec3 eta, Vec3 k) {
+    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
+    float c = cos_h;
+    // A trace of absorption keeps the roots below from 0
+    Vec3 contrast_re = (eta - 1.0f) * (eta + 1.0f) - k * k;
+    Vec3 half_im = eta * k + ROOT_MIN;
+    float c2 = c * c;
+    // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
+    Vec3 w_re = c > NEAR_NORMAL ? (eta - k) * (eta + k) - sin2_h : contrast_re + c2;
+    Vec3 im = 2.0f * half_im;
+    Vec3 w_abs = sqrt(w_re * w_re + im * im);
+    // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
+    Vec3 large = sqrt(0.5f * (w_abs + absolute(w_re)));
+    Vec3 g_re = select(w_re > splat(0.0f), large, half_im / large);
+    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2_h|^2 = p -+ cross sin2_h
+    Vec3 cross = 2.0f * c * g_re;
+    Vec3 s_abs2 = c2 + w_abs + cross;
+    Vec3 p = c2 * w_abs + sin2_h * sin2_h;
+    // Quotients before their squares: for a matched index in the horizon these would leave a float32
+    Vec3 r_re = contrast_re / s_abs2;
+    Vec3 r_im = im / s_abs2;
+    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2_h));
+}
+
+// Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
+//
+// Burley, appendix B, without its lower limit.
+inline Vec2 sum_anisotropic_alpha(float alpha, float anisotropy) {
+    float aspect = sqrtf(1.0f - 0.9f * anisotropy);
+    return Vec2{alpha / aspect, alpha * aspect};
+}
+
+// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+inline float sum_D_ggx(Vec3 m, float alpha_x, float alpha_y) {
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    Vec3 v = Vec3{m.x / alpha_x, m.y / alpha_y, m.z};
+    float s = dot(v, v);
+    return inv_pi / (alpha_x * alpha_y * s * s);
+}
+
+inline float sum_second_D(const SumSecond& params, Vec3 m) {
+    Vec2 a = sum_anisotropic_alpha(params.alpha, params.anisotropy);
+    return sum_D_ggx(m, a.x, a.y);
+}
+
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
+inline float sum_ggx_length(Vec3 w, float alpha_x, float alpha_y) {
+    return length(Vec3{alpha_x * w.x, alpha_y * w.y, w.z});
+}
+
+// G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
+inline float sum_V_smith_correlated_ggx(Vec3 wi, Vec3 wo, float alpha_x, float alpha_y) {
+    float length_i = sum_ggx_length(wi, alpha_x, alpha_y);
+    float length_o = sum_ggx_length(wo, alpha_x, alpha_y);
+    return 0.5f / (wo.z * length_i + wi.z * length_o);
+}
+
+inline float sum_second_V_smith(const SumSecond& params, Vec3 wi, Vec3 wo) {
+    Vec2 a = sum_anisotropic_alpha(params.alpha, params.anisotropy);
+    return sum_V_smith_correlated_ggx(wi, wo, a.x, a.y);
+}
+
+// BRDF value in 1/sr, without the cosine.
+inline Vec3 sum_second_eval_above(const SumSecond& params, Vec3 wi, Vec3 wo) {
+    Vec3 m = sum_half_vector(wi, wo);
+    float cos_h = sum_cos_half(wi, wo);
+    Vec3 single = sum_F_conductor_half(cos_h, sum_sin2_half(wi, wo), params.eta, params.k)
+        * (sum_second_D(params, m) * sum_second_V_smith(params, wi, wo));
+    return single;
+}
+
+// BRDF value in 1/sr, without the cosine.
+inline Vec3 sum_eval(const Sum& params, Vec3 wi, Vec3 wo) {
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return splat(0.0f);
+    }
+    Vec3 first = params.first_weight * sum_first_eval_above(params.first);
+    return first + params.second_weight * sum_second_eval_above(params.second, wi, wo);
+}
+
+// ---- sampling ------------------------------------------------------------------------------
+
+// Mean of the three channels, by which lobes are weighed against each other.
+inline float sum_average(Vec3 color) {
+    return (color.x + color.y + color.z) / 3.0f;
+}
+
+inline float sum_raised(float probability) {
+    return fmaxf(probability, fminf(SHARE_LEAST, ESTIMATE_TRUST * probability));
+}
+
+// Probabilities of two lobes with the given albedos; the first is certain if both are black.
+inline Vec2 sum_lobes_shares(float first, float second) {
+    float lifted = first + BLACK;
+    float inv = 1.0f / (lifted + second);
+    float a = sum_raised(lifted * inv);
+    float b = sum_raised(second * inv);
+    // The smaller one by itself: 1 minus a probability near 1 has no digits left.
+    bool smaller = lifted < second;
+    return Vec2{smaller ? a : 1.0f - b, smaller ? 1.0f - a : b};
+}
+
+// Probabilities of the two.
+inline Vec2 sum_shares(const Sum& params) {
+    return sum_lobes_shares(sum_average(params.first_weight), sum_average(params.second_weight));
+}
+
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+inline SumChoice sum_choose(float probability, Vec2 u) {
+    bool first = u.x < probability;
+    float below = u.x / fmaxf(probability, SHARE_MIN);
+    float above = (u.x - probability) / fmaxf(1.0f - probability, SHARE_MIN);
+    return SumChoice{first, Vec2{fminf(fmaxf(first ? below : above, 0.0f), RANDOM_MAX), u.y}};
+}
+
+// A direction with density cos(theta) / pi.
+inline Vec3 sum_sample_cosine(Vec2 u) {
+    float r = sqrtf(fmaxf(u.x, 0.0f));
+    float phi = two_pi * u.y;
+    return Vec3{r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u.x, 0.0f))};
+}
+
+// Density of sum_sample_cosine in 1/sr, for w above the horizon.
+inline float sum_pdf_cosine(Vec3 w) {
+    return w.z * inv_pi;
+}
+
+// Cosine-weighted, which is exact here.
+inline SumSample sum_first_sample(Vec3 wo, Vec2 u) {
+    if (wo.z <= mu_min) {  // in the horizon or below
+        return SumSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
+    }
+    Vec3 wi = sum_sample_cosine(u);
+    return SumSample{wi, wi.z > mu_min ? sum_pdf_cosine(wi) : 0.0f};
+}
+
+// A normal with density G1(wo) max(wo . m, 0) sum_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+inline Vec3 sum_sample_ggx_visible(Vec3 wo, float alpha_x, float alpha_y, Vec2 u) {
+    Vec3 w = normalize(Vec3{alpha_x * wo.x, alpha_y * wo.y, wo.z});
+    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = fminf(u.x, 1.0f - RANDOM_MARGIN);
+    float drop = u1 * (1.0f + w.z);
+    float r = sqrtf(fmaxf(drop * (2.0f - drop), 0.0f));
+    float phi = two_pi * u.y;
+    Vec3 h = Vec3{r * cosf(phi) + w.x, r * sinf(phi) + w.y, (1.0f - u1) * (1.0f + w.z)};
+    return normalize(Vec3{alpha_x * h.x, alpha_y * h.y, h.z});
+}
+
+// Visible normals need Smith's G1, and a G that is no larger than it.
+//
+// With Cook-Torrance's or Kelemen's G their weights grow like alpha / mu_o in the horizon, but those of all
+// normals are at most 2.
+inline Vec3 sum_second_sample_m(const SumSecond& params, Vec3 wo, Vec2 u) {
+    Vec2 a = sum_anisotropic_alpha(params.alpha, params.anisotropy);
+    return sum_sample_ggx_visible(wo, a.x, a.y, u);
+}
+
+// wo mirrored at a facet with normal m; it may leave below the horizon.
+inline Vec3 sum_mirror(Vec3 wo, Vec3 m) {
+    return 2.0f * dot(wo, m) * m - wo;
+}
+
+// Density of wo mirrored at sum_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
+inline float sum_pdf_ggx_visible(Vec3 wo, Vec3 m, float alpha_x, float alpha_y) {
+    return sum_D_ggx(m, alpha_x, alpha_y) / (2.0f * (wo.z + sum_ggx_length(wo, alpha_x, alpha_y)));
+}
+
+inline float sum_second_pdf_m(const SumSecond& params, Vec3 wo, Vec3 m) {
+    Vec2 a = sum_anisotropic_alpha(params.alpha, params.anisotropy);
+    return sum_pdf_ggx_visible(wo, m, a.x, a.y);
+}
+
+// Density of sum_second_sample in 1/sr.
+inline float sum_second_pdf(const SumSecond& params, Vec3 wi, Vec3 wo) {
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return 0.0f;
+    }
+    Vec3 m = sum_half_vector(wi, wo);
+    float specular = sum_second_pdf_m(params, wo, m);
+    return specular;
+}
+
+// Visible normals where the masking has them, else normals; a grazing lobe for Kulla-Conty.
+inline SumSample sum_second_sample(const SumSecond& params, Vec3 wo, Vec2 u) {
+    if (wo.z <= mu_min) {  // in the horizon or below
+        return SumSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
+    }
+    Vec3 wi = sum_mirror(wo, sum_second_sample_m(params, wo, u));
+    return SumSample{wi, sum_second_pdf(params, wi, wo)};
+}
+
+// cos(theta_i) / pi.
+inline float sum_first_pdf(Vec3 wi, Vec3 wo) {
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return 0.0f;
+    }
+    return sum_pdf_cosine(wi);
+}
+
+// Density of sum_sample in 1/sr.
+inline float sum_pdf(const Sum& params, Vec3 wi, Vec3 wo) {
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return 0.0f;
+    }
+    Vec2 P = sum_shares(params);
+    return P.x * sum_first_pdf(wi, wo) + P.y * sum_second_pdf(params.second, wi, wo);
+}
+
+// One of the two, in proportion to their weights.
+inline SumSample sum_sample(const Sum& params, Vec3 wo, Vec2 u) {
+    if (wo.z <= mu_min) {  // in the horizon or below
+        return SumSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
+    }
+    SumChoice choose_result = sum_choose(sum_shares(params).x, u);
+    bool on_first = choose_result.is_first;
+    Vec2 v = choose_result.u;
+    Vec3 w_first = sum_first_sample(wo, v).wi;
+    Vec3 w_second = sum_second_sample(params.second, wo, v).wi;
+    Vec3 wi = on_first ? w_first : w_second;
+    return SumSample{wi, sum_pdf(params, wi, wo)};
+}
+
+// ---- albedo --------------------------------------------------------------------------------
+
+// Directional albedo of a model without a closed form: the mean weight of its own samples.
+//
+// For tables and previews; the random numbers are a Fibonacci lattice.
+inline Vec3 sum_albedo(const Sum& params, Vec3 wo) {
+    if (wo.z < 0.0f) {  // below the horizon
+        return splat(0.0f);
+    }
+    Vec3 w = Vec3{wo.x, wo.y, fmaxf(wo.z, HORIZON)};
+    Vec3 total = Vec3{0.0f, 0.0f, 0.0f};
+    for (int i_step = 0; i_step < 987; ++i_step) {
+        float i = float(i_step);
+        Vec2 u = Vec2{(i + 0.5f) / ALBEDO_SAMPLES, fract((i + 0.5f) * GOLDEN)};
+        SumSample drawn = sum_sample(params, w, u);
+        float weight = drawn.pdf > 0.0f ? drawn.wi.z / fmaxf(drawn.pdf, mu_min) : 0.0f;
+        total = total + sum_eval(params, drawn.wi, w) * weight;
+    }
+    return total / ALBEDO_SAMPLES;
+}
+
+}  // namespace gonio_sum

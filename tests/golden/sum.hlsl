@@ -1,0 +1,400 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sum: the light of two models on one surface, each with a weight; nested, of any number of them.
+//
+// f = w1 f1 + w2 f2. Measured materials are often fitted with such sums: Lambert and one or more lobes.
+// Sources: Ngan, Durand, Matusik, "Experimental analysis of BRDF models", EGSR 2005, section 3; Lafortune,
+// Foo, Torrance, Greenberg, "Non-linear approximation of reflectance functions", SIGGRAPH 1997, Eq. 8.
+//
+// Lambert: ideal diffuse reflection.
+//
+// Source: Johann Heinrich Lambert, "Photometria", 1760.
+//
+// Torrance-Sparrow: mirrors of microscopic size, with every published choice of D, G and F.
+//
+// f = F D G / (4 mu_i mu_o). Also called Cook-Torrance, whose own paper prints 1 / pi in place of 1 / 4.
+//
+// Sources:
+// Torrance, Sparrow, "Theory for off-specular reflection from roughened surfaces", JOSA 57, 1967;
+// Cook, Torrance, "A reflectance model for computer graphics", 1982;
+// Walter et al., "Microfacet models for refraction through rough surfaces", EGSR 2007;
+// Kulla, Conty, "Revisiting physically based shading at Imageworks", SIGGRAPH 2017 course;
+// Turquin, "Practical multiple scattering compensation for microfacet models", 2019.
+// Those of D, G and F are named in gonio.parts.distribution, masking and fresnel.
+//
+// HLSL, made by gonio from gonio/models/sum.py, gonio/models/lambert.py, gonio/models/torrance_sparrow.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: Sum params; params.first.rho = ...; ... sum_eval(params, wi, wo)
+
+float3 sum_select(bool3 condition, float3 yes, float3 no) {
+    return float3(condition.x ? yes.x : no.x, condition.y ? yes.y : no.y, condition.z ? yes.z : no.z);
+}
+
+// A sampled direction and its density.
+struct SumSample {
+    float3 wi;  // direction towards the light, unit, local frame
+    float pdf;  // its density in 1/sr; 0 marks a wasted sample
+};
+
+// Parameters of lambert: Ideal diffuse: the same radiance in every direction. Reciprocal; the albedo is
+// rho.
+struct SumFirst {
+    float3 rho;  // albedo, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
+};
+
+// Parameters of torrance_sparrow: Rough metal, or the reflection of a rough dielectric. Reciprocal; loses
+// energy when rough. Exported with distribution='ggx', masking='smith_correlated', fresnel='conductor',
+// compensation='none'.
+struct SumSecond {
+    // width of the facets' slopes: GGX's alpha, Beckmann's m; 0.0001 to 1, default 0.3
+    float alpha;
+    // 0 round, 1 smoothest along y; only ggx and beckmann have it; 0 to 1, default 0
+    float anisotropy;
+    // index of refraction; the default is gold's; 0.01 to 20, default (0.143037, 0.375306, 1.44204)
+    float3 eta;
+    // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299, 2.38556,
+    // 1.60336)
+    float3 k;
+};
+
+// sum: Two models added, such as a diffuse one and a highlight. Reciprocal if both are.
+struct Sum {
+    SumFirst first;  // one of the two, such as what is diffuse
+    SumSecond second;  // the other one, such as a highlight, or another sum
+    float3 first_weight;  // what the first one is multiplied by; 0 to 1, default (0.5, 0.5, 0.5)
+    float3 second_weight;  // what the second one is multiplied by; 0 to 1, default (0.5, 0.5, 0.5)
+};
+
+// Which of two lobes a sample is taken from.
+struct SumChoice {
+    bool is_first;  // Whether it is the first one
+    float2 u;  // Fresh random numbers, made of those that chose
+};
+
+// ---- evaluation ----------------------------------------------------------------------------
+
+// rho / pi.
+float3 sum_first_eval_above(SumFirst params) {
+    const float inv_pi = 0.31830987;
+    return params.rho * inv_pi;
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+float3 sum_half_vector(float3 wi, float3 wo) {
+    float3 h = wi + wo;
+    return h / length(h);  // which sum_cos_half needs as well
+}
+
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+float sum_cos_half(float3 wi, float3 wo) {
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return 0.5 * length(wi + wo);
+}
+
+// 1 - sum_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
+float sum_sin2_half(float3 wi, float3 wo) {
+    float3 apart = wi - wo;
+    return 0.25 * dot(apart, apart);
+}
+
+// Exact reflectance of a conductor, eta + i k, at a facet, from both sum_cos_half and sum_sin2_half.
+float3 sum_F_conductor_half(float cos_h, float sin2_h, float3 eta, float3 k) {
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
+    // is reached at the edge of total internal reflection, where the true derivative is infinite.
+    const float ROOT_MIN = 1.0e-16;
+    // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
+    const float NEAR_NORMAL = 0.75;
+    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
+    float c = cos_h;
+    // A trace of absorption keeps the roots below from 0
+    float3 contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
+    float3 half_im = eta * k + ROOT_MIN;
+    float c2 = c * c;
+    // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
+    float3 w_re = c > NEAR_NORMAL ? (eta - k) * (eta + k) - sin2_h : contrast_re + c2;
+    float3 im = 2.0 * half_im;
+    float3 w_abs = sqrt(w_re * w_re + im * im);
+    // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
+    float3 large = sqrt(0.5 * (w_abs + abs(w_re)));
+    float3 g_re = sum_select(w_re > float3(0.0, 0.0, 0.0), large, half_im / large);
+    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2_h|^2 = p -+ cross sin2_h
+    float3 cross = 2.0 * c * g_re;
+    float3 s_abs2 = c2 + w_abs + cross;
+    float3 p = c2 * w_abs + sin2_h * sin2_h;
+    // Quotients before their squares: for a matched index in the horizon these would leave a float32
+    float3 r_re = contrast_re / s_abs2;
+    float3 r_im = im / s_abs2;
+    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2_h));
+}
+
+// Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
+//
+// Burley, appendix B, without its lower limit.
+float2 sum_anisotropic_alpha(float alpha, float anisotropy) {
+    float aspect = sqrt(1.0 - 0.9 * anisotropy);
+    return float2(alpha / aspect, alpha * aspect);
+}
+
+// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+float sum_D_ggx(float3 m, float alpha_x, float alpha_y) {
+    const float inv_pi = 0.31830987;
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    float3 v = float3(m.x / alpha_x, m.y / alpha_y, m.z);
+    float s = dot(v, v);
+    return inv_pi / (alpha_x * alpha_y * s * s);
+}
+
+float sum_second_D(SumSecond params, float3 m) {
+    float2 a = sum_anisotropic_alpha(params.alpha, params.anisotropy);
+    return sum_D_ggx(m, a.x, a.y);
+}
+
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
+float sum_ggx_length(float3 w, float alpha_x, float alpha_y) {
+    return length(float3(alpha_x * w.x, alpha_y * w.y, w.z));
+}
+
+// G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
+float sum_V_smith_correlated_ggx(float3 wi, float3 wo, float alpha_x, float alpha_y) {
+    float length_i = sum_ggx_length(wi, alpha_x, alpha_y);
+    float length_o = sum_ggx_length(wo, alpha_x, alpha_y);
+    return 0.5 / (wo.z * length_i + wi.z * length_o);
+}
+
+float sum_second_V_smith(SumSecond params, float3 wi, float3 wo) {
+    float2 a = sum_anisotropic_alpha(params.alpha, params.anisotropy);
+    return sum_V_smith_correlated_ggx(wi, wo, a.x, a.y);
+}
+
+// BRDF value in 1/sr, without the cosine.
+float3 sum_second_eval_above(SumSecond params, float3 wi, float3 wo) {
+    float3 m = sum_half_vector(wi, wo);
+    float cos_h = sum_cos_half(wi, wo);
+    float3 single = sum_F_conductor_half(cos_h, sum_sin2_half(wi, wo), params.eta, params.k)
+        * (sum_second_D(params, m) * sum_second_V_smith(params, wi, wo));
+    return single;
+}
+
+// BRDF value in 1/sr, without the cosine.
+float3 sum_eval(Sum params, float3 wi, float3 wo) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return float3(0.0, 0.0, 0.0);
+    }
+    float3 first = params.first_weight * sum_first_eval_above(params.first);
+    return first + params.second_weight * sum_second_eval_above(params.second, wi, wo);
+}
+
+// ---- sampling ------------------------------------------------------------------------------
+
+// Mean of the three channels, by which lobes are weighed against each other.
+float sum_average(float3 color) {
+    return (color.x + color.y + color.z) / 3.0;
+}
+
+float sum_raised(float probability) {
+    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+    const float SHARE_LEAST = 0.1;
+    const float ESTIMATE_TRUST = 50.0;
+    return max(probability, min(SHARE_LEAST, ESTIMATE_TRUST * probability));
+}
+
+// Probabilities of two lobes with the given albedos; the first is certain if both are black.
+float2 sum_lobes_shares(float first, float second) {
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose and the
+    // reciprocal of their sum has a derivative; no albedo that can be seen is that small.
+    const float BLACK = 1.0e-12;
+    float lifted = first + BLACK;
+    float inv = 1.0 / (lifted + second);
+    float a = sum_raised(lifted * inv);
+    float b = sum_raised(second * inv);
+    // The smaller one by itself: 1 minus a probability near 1 has no digits left.
+    bool smaller = lifted < second;
+    return float2(smaller ? a : 1.0 - b, smaller ? 1.0 - a : b);
+}
+
+// Probabilities of the two.
+float2 sum_shares(Sum params) {
+    return sum_lobes_shares(sum_average(params.first_weight), sum_average(params.second_weight));
+}
+
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+SumChoice sum_choose(float probability, float2 u) {
+    // Smallest probability that is divided by: a random number falls below it once in a million million.
+    const float SHARE_MIN = 1.0e-12;
+    // The largest float32 below 1, up to which random numbers go.
+    const float RANDOM_MAX = 0.99999994;
+    bool first = u.x < probability;
+    float below = u.x / max(probability, SHARE_MIN);
+    float above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
+    SumChoice result;
+    result.is_first = first;
+    result.u = float2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y);
+    return result;
+}
+
+// A direction with density cos(theta) / pi.
+float3 sum_sample_cosine(float2 u) {
+    const float two_pi = 6.2831855;
+    float r = sqrt(max(u.x, 0.0));
+    float phi = two_pi * u.y;
+    return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
+}
+
+// Density of sum_sample_cosine in 1/sr, for w above the horizon.
+float sum_pdf_cosine(float3 w) {
+    const float inv_pi = 0.31830987;
+    return w.z * inv_pi;
+}
+
+// Cosine-weighted, which is exact here.
+SumSample sum_first_sample(float3 wo, float2 u) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
+        SumSample result;
+        result.wi = float3(0.0, 0.0, 1.0);
+        result.pdf = 0.0;
+        return result;
+    }
+    float3 wi = sum_sample_cosine(u);
+    SumSample result;
+    result.wi = wi;
+    result.pdf = wi.z > mu_min ? sum_pdf_cosine(wi) : 0.0;
+    return result;
+}
+
+// A normal with density G1(wo) max(wo . m, 0) sum_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
+float3 sum_sample_ggx_visible(float3 wo, float alpha_x, float alpha_y, float2 u) {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const float RANDOM_MARGIN = 5.9604645e-8;
+    const float two_pi = 6.2831855;
+    float3 w = normalize(float3(alpha_x * wo.x, alpha_y * wo.y, wo.z));
+    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    float drop = u1 * (1.0 + w.z);
+    float r = sqrt(max(drop * (2.0 - drop), 0.0));
+    float phi = two_pi * u.y;
+    float3 h = float3(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
+    return normalize(float3(alpha_x * h.x, alpha_y * h.y, h.z));
+}
+
+// Visible normals need Smith's G1, and a G that is no larger than it.
+//
+// With Cook-Torrance's or Kelemen's G their weights grow like alpha / mu_o in the horizon, but those of all
+// normals are at most 2.
+float3 sum_second_sample_m(SumSecond params, float3 wo, float2 u) {
+    float2 a = sum_anisotropic_alpha(params.alpha, params.anisotropy);
+    return sum_sample_ggx_visible(wo, a.x, a.y, u);
+}
+
+// wo mirrored at a facet with normal m; it may leave below the horizon.
+float3 sum_mirror(float3 wo, float3 m) {
+    return 2.0 * dot(wo, m) * m - wo;
+}
+
+// Density of wo mirrored at sum_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
+float sum_pdf_ggx_visible(float3 wo, float3 m, float alpha_x, float alpha_y) {
+    return sum_D_ggx(m, alpha_x, alpha_y) / (2.0 * (wo.z + sum_ggx_length(wo, alpha_x, alpha_y)));
+}
+
+float sum_second_pdf_m(SumSecond params, float3 wo, float3 m) {
+    float2 a = sum_anisotropic_alpha(params.alpha, params.anisotropy);
+    return sum_pdf_ggx_visible(wo, m, a.x, a.y);
+}
+
+// Density of sum_second_sample in 1/sr.
+float sum_second_pdf(SumSecond params, float3 wi, float3 wo) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return 0.0;
+    }
+    float3 m = sum_half_vector(wi, wo);
+    float specular = sum_second_pdf_m(params, wo, m);
+    return specular;
+}
+
+// Visible normals where the masking has them, else normals; a grazing lobe for Kulla-Conty.
+SumSample sum_second_sample(SumSecond params, float3 wo, float2 u) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
+        SumSample result;
+        result.wi = float3(0.0, 0.0, 1.0);
+        result.pdf = 0.0;
+        return result;
+    }
+    float3 wi = sum_mirror(wo, sum_second_sample_m(params, wo, u));
+    SumSample result;
+    result.wi = wi;
+    result.pdf = sum_second_pdf(params, wi, wo);
+    return result;
+}
+
+// cos(theta_i) / pi.
+float sum_first_pdf(float3 wi, float3 wo) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return 0.0;
+    }
+    return sum_pdf_cosine(wi);
+}
+
+// Density of sum_sample in 1/sr.
+float sum_pdf(Sum params, float3 wi, float3 wo) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return 0.0;
+    }
+    float2 P = sum_shares(params);
+    return P.x * sum_first_pdf(wi, wo) + P.y * sum_second_pdf(params.second, wi, wo);
+}
+
+// One of the two, in proportion to their weights.
+SumSample sum_sample(Sum params, float3 wo, float2 u) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
+        SumSample result;
+        result.wi = float3(0.0, 0.0, 1.0);
+        result.pdf = 0.0;
+        return result;
+    }
+    SumChoice choose_result = sum_choose(sum_shares(params).x, u);
+    bool on_first = choose_result.is_first;
+    float2 v = choose_result.u;
+    float3 w_first = sum_first_sample(wo, v).wi;
+    float3 w_second = sum_second_sample(params.second, wo, v).wi;
+    float3 wi = on_first ? w_first : w_second;
+    SumSample result;
+    result.wi = wi;
+    result.pdf = sum_pdf(params, wi, wo);
+    return result;
+}
+
+// ---- albedo --------------------------------------------------------------------------------
+
+// Directional albedo of a model without a closed form: the mean weight of its own samples.
+//
+// For tables and previews; the random numbers are a Fibonacci lattice.
+float3 sum_albedo(Sum params, float3 wo) {
+    // Steps of the rule in sum_albedo: a Fibonacci number, and the golden ratio.
+    const float ALBEDO_SAMPLES = 987.0;
+    const float GOLDEN = 0.618034;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const float HORIZON = 1.0e-6;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z < 0.0) {  // below the horizon
+        return float3(0.0, 0.0, 0.0);
+    }
+    float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
+    float3 total = float3(0.0, 0.0, 0.0);
+    for (int i_step = 0; i_step < 987; ++i_step) {
+        float i = float(i_step);
+        float2 u = float2((i + 0.5) / ALBEDO_SAMPLES, frac((i + 0.5) * GOLDEN));
+        SumSample drawn = sum_sample(params, w, u);
+        float weight = drawn.pdf > 0.0 ? drawn.wi.z / max(drawn.pdf, mu_min) : 0.0;
+        total = total + sum_eval(params, drawn.wi, w) * weight;
+    }
+    return total / ALBEDO_SAMPLES;
+}
