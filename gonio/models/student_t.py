@@ -23,7 +23,6 @@ from gonio.lang import (
     normalize,
     safe_sqrt,
     sin,
-    vec2,
     vec3,
 )
 from gonio.model import Model, param
@@ -33,6 +32,7 @@ from gonio.parts.fresnel import schlick_weight_half
 from gonio.parts.masking import V_cook_torrance
 from gonio.parts.roughness import at_least_alpha
 from gonio.parts.special import expm1
+from gonio.quadrature import NumericAlbedo
 
 # Range of gamma: at 1.5 the mean slope has no end, and at 40 D is Beckmann's to a percent.
 GAMMA_MIN, GAMMA_MAX = 1.55, 40.0
@@ -44,7 +44,7 @@ ALPHA_LEAST = 1e-3
 class StudentT(Model):
     """Metals and plastics whose highlights have the tail that was measured. Reciprocal."""
 
-    albedo_rule = "half_vectors"
+    numeric = NumericAlbedo("half_vectors")
 
     f0: Color = param((0.9, 0.9, 0.9), 0, 1, "reflectance at normal incidence, linear RGB")
     alpha: Float = param(
@@ -79,10 +79,6 @@ class StudentT(Model):
         """Density of `sample` in 1/sr."""
         m = half_vector(wi, wo)
         return pdf_mirror(self._D(m) * m.z, cos_half(wi, wo))
-
-    def slope_widths(self) -> Vec2:
-        """As the facets' slopes."""
-        return vec2(self.alpha, self.alpha)
 
     def _D(self, m: Vec3) -> Float:
         """1 / (pi a^2 z^4 (1 + tan^2 / ((g - 1) a^2))^g), its powers as one exponential."""

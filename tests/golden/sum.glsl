@@ -63,6 +63,12 @@ struct Sum {
     vec3 second_weight;  // what the second one is multiplied by; 0 to 1, default (0.5, 0.5, 0.5)
 };
 
+// Facets of GGX, also called Trowbridge-Reitz.
+struct SumGGX {
+    float alpha_x;  // width of the slopes along x
+    float alpha_y;  // width of the slopes along y
+};
+
 // Which of two lobes a sample is taken from.
 struct SumChoice {
     bool is_first;  // Whether it is the first one
@@ -133,35 +139,39 @@ vec2 sum_anisotropic_alpha(float alpha, float anisotropy) {
     return vec2(alpha / aspect, alpha * aspect);
 }
 
-// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-float sum_D_ggx(vec3 m, float alpha_x, float alpha_y) {
+// D and its widths.
+SumGGX sum_second_facets(SumSecond params) {
+    vec2 a = sum_anisotropic_alpha(params.alpha, params.anisotropy);
+    return SumGGX(a.x, a.y);
+}
+
+// Square of m in units of the widths: D falls with its square.
+float sum_ggx_spread(SumGGX ggx, vec3 m) {
+    vec3 v = vec3(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
+    return dot(v, v);
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+float sum_ggx_D(SumGGX ggx, vec3 m) {
     const float inv_pi = 0.31830987;
     // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    vec3 v = vec3(m.x / alpha_x, m.y / alpha_y, m.z);
-    float s = dot(v, v);
-    return inv_pi / (alpha_x * alpha_y * s * s);
+    float s = sum_ggx_spread(ggx, m);
+    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
 }
 
-float sum_second_D(SumSecond params, vec3 m) {
-    vec2 a = sum_anisotropic_alpha(params.alpha, params.anisotropy);
-    return sum_D_ggx(m, a.x, a.y);
-}
-
-// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
-float sum_ggx_length(vec3 w, float alpha_x, float alpha_y) {
-    return length(vec3(alpha_x * w.x, alpha_y * w.y, w.z));
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
+float sum_ggx_area(SumGGX ggx, vec3 w) {
+    return length(vec3(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
 }
 
 // G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
-float sum_V_smith_correlated_ggx(vec3 wi, vec3 wo, float alpha_x, float alpha_y) {
-    float length_i = sum_ggx_length(wi, alpha_x, alpha_y);
-    float length_o = sum_ggx_length(wo, alpha_x, alpha_y);
-    return 0.5 / (wo.z * length_i + wi.z * length_o);
+float sum_V_smith_correlated(SumGGX facets, vec3 wi, vec3 wo) {
+    return 0.5 / (wo.z * sum_ggx_area(facets, wi) + wi.z * sum_ggx_area(facets, wo));
 }
 
-float sum_second_V_smith(SumSecond params, vec3 wi, vec3 wo) {
-    vec2 a = sum_anisotropic_alpha(params.alpha, params.anisotropy);
-    return sum_V_smith_correlated_ggx(wi, wo, a.x, a.y);
+// G / (4 mu_i mu_o).
+float sum_second_V(SumSecond params, vec3 wi, vec3 wo) {
+    return sum_V_smith_correlated(sum_second_facets(params), wi, wo);
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -169,7 +179,7 @@ vec3 sum_second_eval_above(SumSecond params, vec3 wi, vec3 wo) {
     vec3 m = sum_half_vector(wi, wo);
     float cos_h = sum_cos_half(wi, wo);
     vec3 single = sum_F_conductor_half(cos_h, sum_sin2_half(wi, wo), params.eta, params.k)
-        * (sum_second_D(params, m) * sum_second_V_smith(params, wi, wo));
+        * (sum_ggx_D(sum_second_facets(params), m) * sum_second_V(params, wi, wo));
     return single;
 }
 
@@ -253,29 +263,41 @@ SumSample sum_first_sample(vec3 wo, vec2 u) {
     return SumSample(wi, wi.z > mu_min ? sum_pdf_cosine(wi) : 0.0);
 }
 
-// A normal with density G1(wo) max(wo . m, 0) sum_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
-vec3 sum_sample_ggx_visible(vec3 wo, float alpha_x, float alpha_y, vec2 u) {
+// The smaller width.
+float sum_ggx_least(SumGGX ggx) {
+    return min(ggx.alpha_x, ggx.alpha_y);
+}
+
+// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
+//
+// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
+// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
+float sum_ggx_bound(float least, vec3 wo) {
+    float s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
+    float a2 = least * least;
+    float s2 = s * s;
+    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+//
+// With a bound below 1 (see sum_ggx_bound) without those that mirror wo below the horizon, or most.
+vec3 sum_ggx_sample_visible(SumGGX ggx, vec3 wo, vec2 u, float bound) {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const float RANDOM_MARGIN = 5.9604645e-8;
     const float two_pi = 6.2831855;
-    vec3 w = normalize(vec3(alpha_x * wo.x, alpha_y * wo.y, wo.z));
-    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    vec3 w = normalize(vec3(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
     // u = 1 would be the facet opposite to w, whose half vector has no direction
     float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    float drop = u1 * (1.0 + w.z);
+    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
+    float height = 1.0 + bound * w.z;
+    float drop = u1 * height;
     float r = sqrt(max(drop * (2.0 - drop), 0.0));
     float phi = two_pi * u.y;
-    vec3 h = vec3(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
-    return normalize(vec3(alpha_x * h.x, alpha_y * h.y, h.z));
-}
-
-// Visible normals need Smith's G1, and a G that is no larger than it.
-//
-// With Cook-Torrance's or Kelemen's G their weights grow like alpha / mu_o in the horizon, but those of all
-// normals are at most 2.
-vec3 sum_second_sample_m(SumSecond params, vec3 wo, vec2 u) {
-    vec2 a = sum_anisotropic_alpha(params.alpha, params.anisotropy);
-    return sum_sample_ggx_visible(wo, a.x, a.y, u);
+    // z + w.z as a sum of positive terms
+    float z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    vec3 h = vec3(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
+    return normalize(vec3(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -283,14 +305,44 @@ vec3 sum_mirror(vec3 wo, vec3 m) {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
-// Density of wo mirrored at sum_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
-float sum_pdf_ggx_visible(vec3 wo, vec3 m, float alpha_x, float alpha_y) {
-    return sum_D_ggx(m, alpha_x, alpha_y) / (2.0 * (wo.z + sum_ggx_length(wo, alpha_x, alpha_y)));
+// wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
+//
+// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
+// both, no weight grows.
+vec3 sum_sample_ggx_lobe(SumGGX facets, vec3 wo, vec2 u) {
+    vec3 w = sum_mirror(wo,
+        sum_ggx_sample_visible(facets, wo, u, sum_ggx_bound(sum_ggx_least(facets), wo)));
+    return vec3(w.x, w.y, abs(w.z));
 }
 
-float sum_second_pdf_m(SumSecond params, vec3 wo, vec3 m) {
-    vec2 a = sum_anisotropic_alpha(params.alpha, params.anisotropy);
-    return sum_pdf_ggx_visible(wo, m, a.x, a.y);
+// wo mirrored at a visible normal, or at any.
+//
+// Visible normals need Smith's G1, and a G that is no larger than it. With the G of grooves their weights
+// grow like alpha / mu_o in the horizon, but those of all normals are at most 2.
+vec3 sum_second_sample_facets(SumSecond params, vec3 wo, vec2 u) {
+    return sum_sample_ggx_lobe(sum_second_facets(params), wo, u);
+}
+
+// Density of sum_sample_ggx_lobe in 1/sr.
+float sum_pdf_ggx_lobe(SumGGX facets, vec3 wi, vec3 wo) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    float bound = sum_ggx_bound(sum_ggx_least(facets), wo);
+    float straight = sum_ggx_D(facets, sum_half_vector(wi, wo));
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    float fall = wo.z - wi.z;
+    vec3 image = vec3(wi.x, wi.y, fall > 0.0 ? -wi.z : wi.z);
+    // The least lift, for two that are equally high but for their last digits
+    vec3 higher = vec3(wo.x, wo.y, wo.z + mu_min);
+    vec3 m = sum_half_vector(image, higher);
+    // Where the cap of sum_ggx_sample_visible ends
+    bool left = fall > (1.0 - bound) * wo.z * sum_ggx_spread(facets, m);
+    float folded = left ? sum_ggx_D(facets, m) : 0.0;
+    return 0.5 * (straight + folded) / (bound * wo.z + sum_ggx_area(facets, wo));
+}
+
+// Density of sum_second_sample_facets.
+float sum_second_pdf_facets(SumSecond params, vec3 wi, vec3 wo) {
+    return sum_pdf_ggx_lobe(sum_second_facets(params), wi, wo);
 }
 
 // Density of sum_second_sample in 1/sr.
@@ -299,8 +351,7 @@ float sum_second_pdf(SumSecond params, vec3 wi, vec3 wo) {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
-    vec3 m = sum_half_vector(wi, wo);
-    float specular = sum_second_pdf_m(params, wo, m);
+    float specular = sum_second_pdf_facets(params, wi, wo);
     return specular;
 }
 
@@ -310,7 +361,7 @@ SumSample sum_second_sample(SumSecond params, vec3 wo, vec2 u) {
     if (wo.z <= mu_min) {  // in the horizon or below
         return SumSample(vec3(0.0, 0.0, 1.0), 0.0);
     }
-    vec3 wi = sum_mirror(wo, sum_second_sample_m(params, wo, u));
+    vec3 wi = sum_second_sample_facets(params, wo, u);
     return SumSample(wi, sum_second_pdf(params, wi, wo));
 }
 

@@ -183,6 +183,12 @@ struct Sum {
     Vec3 second_weight;  // what the second one is multiplied by; 0 to 1, default (0.5, 0.5, 0.5)
 };
 
+// Facets of GGX, also called Trowbridge-Reitz.
+struct SumGGX {
+    float alpha_x;  // width of the slopes along x
+    float alpha_y;  // width of the slopes along y
+};
+
 // Which of two lobes a sample is taken from.
 struct SumChoice {
     bool is_first;  // Whether it is the first one
@@ -247,34 +253,38 @@ inline Vec2 sum_anisotropic_alpha(float alpha, float anisotropy) {
     return Vec2{alpha / aspect, alpha * aspect};
 }
 
-// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-inline float sum_D_ggx(Vec3 m, float alpha_x, float alpha_y) {
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    Vec3 v = Vec3{m.x / alpha_x, m.y / alpha_y, m.z};
-    float s = dot(v, v);
-    return inv_pi / (alpha_x * alpha_y * s * s);
-}
-
-inline float sum_second_D(const SumSecond& params, Vec3 m) {
+// D and its widths.
+inline SumGGX sum_second_facets(const SumSecond& params) {
     Vec2 a = sum_anisotropic_alpha(params.alpha, params.anisotropy);
-    return sum_D_ggx(m, a.x, a.y);
+    return SumGGX{a.x, a.y};
 }
 
-// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
-inline float sum_ggx_length(Vec3 w, float alpha_x, float alpha_y) {
-    return length(Vec3{alpha_x * w.x, alpha_y * w.y, w.z});
+// Square of m in units of the widths: D falls with its square.
+inline float sum_ggx_spread(SumGGX ggx, Vec3 m) {
+    Vec3 v = Vec3{m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z};
+    return dot(v, v);
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+inline float sum_ggx_D(SumGGX ggx, Vec3 m) {
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    float s = sum_ggx_spread(ggx, m);
+    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
+}
+
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
+inline float sum_ggx_area(SumGGX ggx, Vec3 w) {
+    return length(Vec3{ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z});
 }
 
 // G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
-inline float sum_V_smith_correlated_ggx(Vec3 wi, Vec3 wo, float alpha_x, float alpha_y) {
-    float length_i = sum_ggx_length(wi, alpha_x, alpha_y);
-    float length_o = sum_ggx_length(wo, alpha_x, alpha_y);
-    return 0.5f / (wo.z * length_i + wi.z * length_o);
+inline float sum_V_smith_correlated(SumGGX facets, Vec3 wi, Vec3 wo) {
+    return 0.5f / (wo.z * sum_ggx_area(facets, wi) + wi.z * sum_ggx_area(facets, wo));
 }
 
-inline float sum_second_V_smith(const SumSecond& params, Vec3 wi, Vec3 wo) {
-    Vec2 a = sum_anisotropic_alpha(params.alpha, params.anisotropy);
-    return sum_V_smith_correlated_ggx(wi, wo, a.x, a.y);
+// G / (4 mu_i mu_o).
+inline float sum_second_V(const SumSecond& params, Vec3 wi, Vec3 wo) {
+    return sum_V_smith_correlated(sum_second_facets(params), wi, wo);
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -282,7 +292,7 @@ inline Vec3 sum_second_eval_above(const SumSecond& params, Vec3 wi, Vec3 wo) {
     Vec3 m = sum_half_vector(wi, wo);
     float cos_h = sum_cos_half(wi, wo);
     Vec3 single = sum_F_conductor_half(cos_h, sum_sin2_half(wi, wo), params.eta, params.k)
-        * (sum_second_D(params, m) * sum_second_V_smith(params, wi, wo));
+        * (sum_ggx_D(sum_second_facets(params), m) * sum_second_V(params, wi, wo));
     return single;
 }
 
@@ -351,26 +361,38 @@ inline SumSample sum_first_sample(Vec3 wo, Vec2 u) {
     return SumSample{wi, wi.z > mu_min ? sum_pdf_cosine(wi) : 0.0f};
 }
 
-// A normal with density G1(wo) max(wo . m, 0) sum_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
-inline Vec3 sum_sample_ggx_visible(Vec3 wo, float alpha_x, float alpha_y, Vec2 u) {
-    Vec3 w = normalize(Vec3{alpha_x * wo.x, alpha_y * wo.y, wo.z});
-    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    float u1 = fminf(u.x, 1.0f - RANDOM_MARGIN);
-    float drop = u1 * (1.0f + w.z);
-    float r = sqrtf(fmaxf(drop * (2.0f - drop), 0.0f));
-    float phi = two_pi * u.y;
-    Vec3 h = Vec3{r * cosf(phi) + w.x, r * sinf(phi) + w.y, (1.0f - u1) * (1.0f + w.z)};
-    return normalize(Vec3{alpha_x * h.x, alpha_y * h.y, h.z});
+// The smaller width.
+inline float sum_ggx_least(SumGGX ggx) {
+    return fminf(ggx.alpha_x, ggx.alpha_y);
 }
 
-// Visible normals need Smith's G1, and a G that is no larger than it.
+// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
 //
-// With Cook-Torrance's or Kelemen's G their weights grow like alpha / mu_o in the horizon, but those of all
-// normals are at most 2.
-inline Vec3 sum_second_sample_m(const SumSecond& params, Vec3 wo, Vec2 u) {
-    Vec2 a = sum_anisotropic_alpha(params.alpha, params.anisotropy);
-    return sum_sample_ggx_visible(wo, a.x, a.y, u);
+// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
+// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
+inline float sum_ggx_bound(float least, Vec3 wo) {
+    float s = 1.0f + sqrtf(fmaxf(wo.x * wo.x + wo.y * wo.y, 0.0f));
+    float a2 = least * least;
+    float s2 = s * s;
+    return (1.0f - a2) * s2 / (s2 + a2 * wo.z * wo.z);
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+//
+// With a bound below 1 (see sum_ggx_bound) without those that mirror wo below the horizon, or most.
+inline Vec3 sum_ggx_sample_visible(SumGGX ggx, Vec3 wo, Vec2 u, float bound) {
+    Vec3 w = normalize(Vec3{ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z});
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = fminf(u.x, 1.0f - RANDOM_MARGIN);
+    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
+    float height = 1.0f + bound * w.z;
+    float drop = u1 * height;
+    float r = sqrtf(fmaxf(drop * (2.0f - drop), 0.0f));
+    float phi = two_pi * u.y;
+    // z + w.z as a sum of positive terms
+    float z = (1.0f - u1) * height + (1.0f - bound) * w.z;
+    Vec3 h = Vec3{r * cosf(phi) + w.x, r * sinf(phi) + w.y, z};
+    return normalize(Vec3{ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z});
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -378,14 +400,43 @@ inline Vec3 sum_mirror(Vec3 wo, Vec3 m) {
     return 2.0f * dot(wo, m) * m - wo;
 }
 
-// Density of wo mirrored at sum_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
-inline float sum_pdf_ggx_visible(Vec3 wo, Vec3 m, float alpha_x, float alpha_y) {
-    return sum_D_ggx(m, alpha_x, alpha_y) / (2.0f * (wo.z + sum_ggx_length(wo, alpha_x, alpha_y)));
+// wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
+//
+// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
+// both, no weight grows.
+inline Vec3 sum_sample_ggx_lobe(SumGGX facets, Vec3 wo, Vec2 u) {
+    Vec3 w = sum_mirror(wo,
+        sum_ggx_sample_visible(facets, wo, u, sum_ggx_bound(sum_ggx_least(facets), wo)));
+    return Vec3{w.x, w.y, fabsf(w.z)};
 }
 
-inline float sum_second_pdf_m(const SumSecond& params, Vec3 wo, Vec3 m) {
-    Vec2 a = sum_anisotropic_alpha(params.alpha, params.anisotropy);
-    return sum_pdf_ggx_visible(wo, m, a.x, a.y);
+// wo mirrored at a visible normal, or at any.
+//
+// Visible normals need Smith's G1, and a G that is no larger than it. With the G of grooves their weights
+// grow like alpha / mu_o in the horizon, but those of all normals are at most 2.
+inline Vec3 sum_second_sample_facets(const SumSecond& params, Vec3 wo, Vec2 u) {
+    return sum_sample_ggx_lobe(sum_second_facets(params), wo, u);
+}
+
+// Density of sum_sample_ggx_lobe in 1/sr.
+inline float sum_pdf_ggx_lobe(SumGGX facets, Vec3 wi, Vec3 wo) {
+    float bound = sum_ggx_bound(sum_ggx_least(facets), wo);
+    float straight = sum_ggx_D(facets, sum_half_vector(wi, wo));
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    float fall = wo.z - wi.z;
+    Vec3 image = Vec3{wi.x, wi.y, fall > 0.0f ? -wi.z : wi.z};
+    // The least lift, for two that are equally high but for their last digits
+    Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
+    Vec3 m = sum_half_vector(image, higher);
+    // Where the cap of sum_ggx_sample_visible ends
+    bool left = fall > (1.0f - bound) * wo.z * sum_ggx_spread(facets, m);
+    float folded = left ? sum_ggx_D(facets, m) : 0.0f;
+    return 0.5f * (straight + folded) / (bound * wo.z + sum_ggx_area(facets, wo));
+}
+
+// Density of sum_second_sample_facets.
+inline float sum_second_pdf_facets(const SumSecond& params, Vec3 wi, Vec3 wo) {
+    return sum_pdf_ggx_lobe(sum_second_facets(params), wi, wo);
 }
 
 // Density of sum_second_sample in 1/sr.
@@ -393,8 +444,7 @@ inline float sum_second_pdf(const SumSecond& params, Vec3 wi, Vec3 wo) {
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0f;
     }
-    Vec3 m = sum_half_vector(wi, wo);
-    float specular = sum_second_pdf_m(params, wo, m);
+    float specular = sum_second_pdf_facets(params, wi, wo);
     return specular;
 }
 
@@ -403,7 +453,7 @@ inline SumSample sum_second_sample(const SumSecond& params, Vec3 wo, Vec2 u) {
     if (wo.z <= mu_min) {  // in the horizon or below
         return SumSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
-    Vec3 wi = sum_mirror(wo, sum_second_sample_m(params, wo, u));
+    Vec3 wi = sum_second_sample_facets(params, wo, u);
     return SumSample{wi, sum_second_pdf(params, wi, wo)};
 }
 

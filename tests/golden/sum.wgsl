@@ -62,6 +62,12 @@ struct Sum {
     second_weight: vec3f,  // what the second one is multiplied by; 0 to 1, default (0.5, 0.5, 0.5)
 }
 
+// Facets of GGX, also called Trowbridge-Reitz.
+struct SumGGX {
+    alpha_x: f32,  // width of the slopes along x
+    alpha_y: f32,  // width of the slopes along y
+}
+
 // Which of two lobes a sample is taken from.
 struct SumChoice {
     is_first: bool,  // Whether it is the first one
@@ -132,35 +138,39 @@ fn sum_anisotropic_alpha(alpha: f32, anisotropy: f32) -> vec2f {
     return vec2f(alpha / aspect, alpha * aspect);
 }
 
-// GGX, also called Trowbridge-Reitz. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-fn sum_D_ggx(m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
+// D and its widths.
+fn sum_second_facets(params: SumSecond) -> SumGGX {
+    let a = sum_anisotropic_alpha(params.alpha, params.anisotropy);
+    return SumGGX(a.x, a.y);
+}
+
+// Square of m in units of the widths: D falls with its square.
+fn sum_ggx_spread(ggx: SumGGX, m: vec3f) -> f32 {
+    let v = vec3f(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
+    return dot(v, v);
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+fn sum_ggx_D(ggx: SumGGX, m: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    let v = vec3f(m.x / alpha_x, m.y / alpha_y, m.z);
-    let s = dot(v, v);
-    return inv_pi / (alpha_x * alpha_y * s * s);
+    let s = sum_ggx_spread(ggx, m);
+    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
 }
 
-fn sum_second_D(params: SumSecond, m: vec3f) -> f32 {
-    let a = sum_anisotropic_alpha(params.alpha, params.anisotropy);
-    return sum_D_ggx(m, a.x, a.y);
-}
-
-// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's terms for GGX are made.
-fn sum_ggx_length(w: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    return length(vec3f(alpha_x * w.x, alpha_y * w.y, w.z));
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
+fn sum_ggx_area(ggx: SumGGX, w: vec3f) -> f32 {
+    return length(vec3f(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
 }
 
 // G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
-fn sum_V_smith_correlated_ggx(wi: vec3f, wo: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    let length_i = sum_ggx_length(wi, alpha_x, alpha_y);
-    let length_o = sum_ggx_length(wo, alpha_x, alpha_y);
-    return 0.5 / (wo.z * length_i + wi.z * length_o);
+fn sum_V_smith_correlated(facets: SumGGX, wi: vec3f, wo: vec3f) -> f32 {
+    return 0.5 / (wo.z * sum_ggx_area(facets, wi) + wi.z * sum_ggx_area(facets, wo));
 }
 
-fn sum_second_V_smith(params: SumSecond, wi: vec3f, wo: vec3f) -> f32 {
-    let a = sum_anisotropic_alpha(params.alpha, params.anisotropy);
-    return sum_V_smith_correlated_ggx(wi, wo, a.x, a.y);
+// G / (4 mu_i mu_o).
+fn sum_second_V(params: SumSecond, wi: vec3f, wo: vec3f) -> f32 {
+    return sum_V_smith_correlated(sum_second_facets(params), wi, wo);
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -168,7 +178,7 @@ fn sum_second_eval_above(params: SumSecond, wi: vec3f, wo: vec3f) -> vec3f {
     let m = sum_half_vector(wi, wo);
     let cos_h = sum_cos_half(wi, wo);
     let single = sum_F_conductor_half(cos_h, sum_sin2_half(wi, wo), params.eta, params.k)
-        * (sum_second_D(params, m) * sum_second_V_smith(params, wi, wo));
+        * (sum_ggx_D(sum_second_facets(params), m) * sum_second_V(params, wi, wo));
     return single;
 }
 
@@ -251,29 +261,41 @@ fn sum_first_sample(wo: vec3f, u: vec2f) -> SumSample {
     return SumSample(wi, select(0.0, sum_pdf_cosine(wi), wi.z > mu_min));
 }
 
-// A normal with density G1(wo) max(wo . m, 0) sum_D_ggx(m) / mu_o. Dupuy and Benyoub, Listing 3.
-fn sum_sample_ggx_visible(wo: vec3f, alpha_x: f32, alpha_y: f32, u: vec2f) -> vec3f {
+// The smaller width.
+fn sum_ggx_least(ggx: SumGGX) -> f32 {
+    return min(ggx.alpha_x, ggx.alpha_y);
+}
+
+// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
+//
+// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
+// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
+fn sum_ggx_bound(least: f32, wo: vec3f) -> f32 {
+    let s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
+    let a2 = least * least;
+    let s2 = s * s;
+    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+//
+// With a bound below 1 (see sum_ggx_bound) without those that mirror wo below the horizon, or most.
+fn sum_ggx_sample_visible(ggx: SumGGX, wo: vec3f, u: vec2f, bound: f32) -> vec3f {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const RANDOM_MARGIN = 5.9604645e-8;
     const two_pi = 6.2831855;
-    let w = normalize(vec3f(alpha_x * wo.x, alpha_y * wo.y, wo.z));
-    // A spherical cap: z = 1 - u (1 + w.z), and 1 - z^2 from its factors
+    let w = normalize(vec3f(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
     // u = 1 would be the facet opposite to w, whose half vector has no direction
     let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    let drop = u1 * (1.0 + w.z);
+    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
+    let height = 1.0 + bound * w.z;
+    let drop = u1 * height;
     let r = sqrt(max(drop * (2.0 - drop), 0.0));
     let phi = two_pi * u.y;
-    let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, (1.0 - u1) * (1.0 + w.z));
-    return normalize(vec3f(alpha_x * h.x, alpha_y * h.y, h.z));
-}
-
-// Visible normals need Smith's G1, and a G that is no larger than it.
-//
-// With Cook-Torrance's or Kelemen's G their weights grow like alpha / mu_o in the horizon, but those of all
-// normals are at most 2.
-fn sum_second_sample_m(params: SumSecond, wo: vec3f, u: vec2f) -> vec3f {
-    let a = sum_anisotropic_alpha(params.alpha, params.anisotropy);
-    return sum_sample_ggx_visible(wo, a.x, a.y, u);
+    // z + w.z as a sum of positive terms
+    let z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
+    return normalize(vec3f(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -281,14 +303,44 @@ fn sum_mirror(wo: vec3f, m: vec3f) -> vec3f {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
-// Density of wo mirrored at sum_sample_ggx_visible, in 1/sr: G1(wo) D / (4 mu_o).
-fn sum_pdf_ggx_visible(wo: vec3f, m: vec3f, alpha_x: f32, alpha_y: f32) -> f32 {
-    return sum_D_ggx(m, alpha_x, alpha_y) / (2.0 * (wo.z + sum_ggx_length(wo, alpha_x, alpha_y)));
+// wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
+//
+// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
+// both, no weight grows.
+fn sum_sample_ggx_lobe(facets: SumGGX, wo: vec3f, u: vec2f) -> vec3f {
+    let w = sum_mirror(wo,
+        sum_ggx_sample_visible(facets, wo, u, sum_ggx_bound(sum_ggx_least(facets), wo)));
+    return vec3f(w.x, w.y, abs(w.z));
 }
 
-fn sum_second_pdf_m(params: SumSecond, wo: vec3f, m: vec3f) -> f32 {
-    let a = sum_anisotropic_alpha(params.alpha, params.anisotropy);
-    return sum_pdf_ggx_visible(wo, m, a.x, a.y);
+// wo mirrored at a visible normal, or at any.
+//
+// Visible normals need Smith's G1, and a G that is no larger than it. With the G of grooves their weights
+// grow like alpha / mu_o in the horizon, but those of all normals are at most 2.
+fn sum_second_sample_facets(params: SumSecond, wo: vec3f, u: vec2f) -> vec3f {
+    return sum_sample_ggx_lobe(sum_second_facets(params), wo, u);
+}
+
+// Density of sum_sample_ggx_lobe in 1/sr.
+fn sum_pdf_ggx_lobe(facets: SumGGX, wi: vec3f, wo: vec3f) -> f32 {
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    let bound = sum_ggx_bound(sum_ggx_least(facets), wo);
+    let straight = sum_ggx_D(facets, sum_half_vector(wi, wo));
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    let fall = wo.z - wi.z;
+    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, fall > 0.0));
+    // The least lift, for two that are equally high but for their last digits
+    let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
+    let m = sum_half_vector(image, higher);
+    // Where the cap of sum_ggx_sample_visible ends
+    let left = fall > (1.0 - bound) * wo.z * sum_ggx_spread(facets, m);
+    let folded = select(0.0, sum_ggx_D(facets, m), left);
+    return 0.5 * (straight + folded) / (bound * wo.z + sum_ggx_area(facets, wo));
+}
+
+// Density of sum_second_sample_facets.
+fn sum_second_pdf_facets(params: SumSecond, wi: vec3f, wo: vec3f) -> f32 {
+    return sum_pdf_ggx_lobe(sum_second_facets(params), wi, wo);
 }
 
 // Density of sum_second_sample in 1/sr.
@@ -297,8 +349,7 @@ fn sum_second_pdf(params: SumSecond, wi: vec3f, wo: vec3f) -> f32 {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
-    let m = sum_half_vector(wi, wo);
-    let specular = sum_second_pdf_m(params, wo, m);
+    let specular = sum_second_pdf_facets(params, wi, wo);
     return specular;
 }
 
@@ -308,7 +359,7 @@ fn sum_second_sample(params: SumSecond, wo: vec3f, u: vec2f) -> SumSample {
     if (wo.z <= mu_min) {  // in the horizon or below
         return SumSample(vec3f(0.0, 0.0, 1.0), 0.0);
     }
-    let wi = sum_mirror(wo, sum_second_sample_m(params, wo, u));
+    let wi = sum_second_sample_facets(params, wo, u);
     return SumSample(wi, sum_second_pdf(params, wi, wo));
 }
 
