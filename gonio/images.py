@@ -421,13 +421,15 @@ def _placed(pixels: Pixels, header: dict[str, Any]) -> Pixels:
     return result
 
 
-def write_linear(path: Path, pixels: NDArray[Any]) -> None:
-    """Write numbers, (height, width) or (height, width, channels): .exr of float32, or .hdr."""
+def write_linear(path: Path, pixels: NDArray[Any], *, half: bool = False) -> None:
+    """Write numbers, (height, width) or (height, width, channels): .exr of float32 or `half`, or .hdr."""
     import mitsuba as mi
 
     # By way of memory: Mitsuba opens no files whose names are not UTF-8.
     stored = mi.MemoryStream()
     bitmap = mi.Bitmap(np.ascontiguousarray(pixels, np.float32))
+    if half:
+        bitmap = bitmap.convert(component_format=mi.Struct.Type.Float16)
     formats = {".exr": mi.Bitmap.FileFormat.OpenEXR, ".hdr": mi.Bitmap.FileFormat.RGBE}
     bitmap.write(stored, formats[path.suffix.lower()])
     path.write_bytes(stored.raw_buffer())

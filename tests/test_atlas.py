@@ -9,6 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from gonio.bake.atlas import fresnel_atlas
+from gonio.bake.tables import distribution_table
 from gonio.cli import main
 from gonio.images import read_image
 from gonio.parts.metals import metal
@@ -58,3 +59,23 @@ def test_what_is_no_material_is_one_line(tmp_path: Path) -> None:
         fresnel_atlas(MATERIALS, bits=10)
     with pytest.raises(ValueError, match="no material"):
         fresnel_atlas({})
+
+
+def test_a_distribution_of_16_bits_is_off_by_half_a_step_and_says_so(tmp_path: Path) -> None:
+    target = tmp_path / "ggx.exr"
+    command = ["bake", "distribution", "ggx", "--size", "64", "-o", str(target)]
+    said = []
+    for bits in ("32", "16"):
+        done = CliRunner().invoke(main, [*command, "--bits", bits])
+        assert done.exit_code == 0, done.output
+        said.append(float(done.output.split("largest error ")[1].split()[0]))
+    assert abs(said[1] - said[0]) <= 2**-11 + 1e-3 * said[0]
+    import mitsuba as mi
+
+    picture = mi.Bitmap(str(target))
+    assert picture.component_format() == mi.Struct.Type.Float16
+    exact = distribution_table("ggx", 64)
+    stored = np.array(picture, np.float32).reshape(64, 64)
+    # A half has 11 digits; below 6e-5 its steps are 6e-8 wide
+    np.testing.assert_allclose(stored, exact, rtol=2**-11, atol=6e-8)
+    assert (stored != exact).any()

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gonio.bake.environment import Environment
+from gonio.bake.tables import HALF_MAX
 from gonio.files import check_place, replacing
 from gonio.images import write_linear
 from gonio.lights.lookups import LAST_LEVEL
@@ -33,9 +34,6 @@ SIZE = 256
 """Texels along a face of the sharpest level."""
 
 FACES = ("+x", "-x", "+y", "-y", "+z", "-z")
-
-# Largest number of a half float; brighter suns are cut off in files of 16 bits.
-HALF_MAX = 65504.0
 
 
 @dataclass(frozen=True)
@@ -190,6 +188,7 @@ def ktx2(cube: Cube) -> bytes:
 
 def _half(level: Floats) -> NDArray[np.float16]:
     alpha = np.ones((*level.shape[:-1], 1))
+    # Brighter suns are cut off in files of 16 bits.
     return np.concatenate([np.minimum(level, HALF_MAX), alpha], axis=-1).astype("<f2")
 
 

@@ -35,6 +35,9 @@ DISTRIBUTION_ENTRIES = 512
 # 1 / (pi ALPHA_LOW^2) is 35,400; a 16 bit float ends at 65,504.
 ALPHA_LOW = 0.003
 
+# Largest number of a 16 bit float.
+HALF_MAX = 65504.0
+
 # theta = (pi / 2) u^EXPONENT
 EXPONENT = 8
 
@@ -211,10 +214,16 @@ def _interpolated(table: Table, place: ArrayLike) -> Floats:
 # --- files -----------------------------------------------------------------------------------------------
 
 
-def write_table(path: str | Path, table: Table) -> None:
+def in_halves(table: Table) -> Table:
+    """The table as a texture of 16 bit floats holds it."""
+    return np.minimum(table, HALF_MAX).astype(np.float16).astype(np.float32)
+
+
+def write_table(path: str | Path, table: Table, bits: int = 32) -> None:
     """Write a table as .npy, or as an .exr picture with the first axis downwards.
 
-    A table of F becomes a picture one pixel high, with the cosine to the right.
+    A table of F becomes a picture one pixel high, with the cosine to the right. bits: 32, or 16 for half
+    floats.
 
     Raises:
         ValueError: another suffix.
@@ -223,12 +232,13 @@ def write_table(path: str | Path, table: Table) -> None:
     path = Path(path)
     if path.suffix not in {".npy", ".exr"}:
         raise ValueError(f"cannot write {path.name!r}; the suffix must be .npy or .exr.")
+    stored = table if bits == 32 else in_halves(table)
     with replacing(path) as temporary:
         if path.suffix == ".npy":
-            np.save(temporary, table)
+            np.save(temporary, stored if bits == 32 else stored.astype(np.float16))
             return
 
-        write_linear(temporary, _picture(table))
+        write_linear(temporary, _picture(stored), half=bits == 16)
 
 
 def _picture(table: Table) -> Table:

@@ -110,8 +110,9 @@ def atlas(materials: tuple[str, ...], entries: int, bits: str, output: str) -> N
     show_default=True,
     help="The angle is a quarter turn times u to this power; with 1 sharp highlights are lost.",
 )
+@click.option("--bits", type=click.Choice(["16", "32"]), default="32", show_default=True)
 @click.option("-o", "--output", metavar="FILE", help="A .npy or .exr file (default: NAME.npy).")
-def distribution(kind: str, size: int, output: str | None, exponent: float) -> None:
+def distribution(kind: str, size: int, output: str | None, exponent: float, bits: str) -> None:
     """Write D over u (to the right, theta = 90 degrees times u^8) and width (downwards).
 
     DISTRIBUTION is beckmann, ggx, blinn_phong or gaussian. Row v, from 0 to 1, has alpha = 0.003^(1 - v).
@@ -119,15 +120,16 @@ def distribution(kind: str, size: int, output: str | None, exponent: float) -> N
     \b
     Examples:
       gonio bake distribution
-      gonio bake distribution ggx --size 256 -o ggx.exr
+      gonio bake distribution ggx --size 256 --bits 16 -o ggx.exr
       gonio bake distribution beckmann --exponent 1 -o linear.exr
     """
     from gonio.bake import tables
 
     table = tables.distribution_table(kind, size, exponent)
     target = output or f"{kind}.npy"
-    tables.write_table(target, table)
-    error = tables.distribution_error(table, kind, exponent)
+    tables.write_table(target, table, int(bits))
+    stored = table if bits == "32" else tables.in_halves(table)
+    error = tables.distribution_error(stored, kind, exponent)
     click.echo(
         f"{target}: largest error {error.largest:.2g} of the peak, at {error.at:.1f} degrees; "
         f"of the integral {error.mean:.2g}"
