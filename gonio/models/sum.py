@@ -30,7 +30,6 @@ class Sum(Model):
     )
     claims = Claims(
         energy=at_most(2),
-        wasted=at_most(0.74),
         float32=at_most(5e-5),
         numeric_albedo=at_most(0.01),
     )
