@@ -58,7 +58,7 @@ class StudentT(Model):
         "Wastes the samples that a facet mirrors below the horizon.",
     )
     claims = Claims(
-        wasted=at_most(0.54),
+        wasted=at_most(0.575),
         float32=at_most(2e-5),
         numeric_albedo=at_most(3e-4),
         kinks=(kink(Place.EQUAL_COSINES), kink(Place.ELSEWHERE)),
