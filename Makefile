@@ -18,7 +18,7 @@ PROVE_PACKAGES := glslangValidator=glslang-tools spirv-opt=spirv-tools libEGL.so
 # The browser in which 'gonio view' is tested, and what builds its script again.
 VIEW_PACKAGES := chromium=chromium node=nodejs npm=npm
 
-.PHONY: help demo test format docs bench golden layers clean
+.PHONY: help demo test format docs bench field golden layers clean
 
 help:
 	@sed -n '2,5s/^# *//p' Makefile
@@ -45,6 +45,10 @@ bench: $(VENV)/.installed
 golden: $(VENV)/.installed
 	$(BIN)/python tools/make_golden.py
 	$(BIN)/python tools/make_stubs.py
+
+# BRDF_EXPLORER=FOLDER judges its .brdf files as well.
+field: $(VENV)/.installed-test
+	$(BIN)/python tools/make_field_page.py $(if $(BRDF_EXPLORER),--brdf-explorer $(BRDF_EXPLORER))
 
 layers: $(VENV)/.installed
 	$(BIN)/python tools/make_layers_page.py

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from support import faulty
 
 import gonio
 from gonio import fit, foreign
@@ -332,6 +333,37 @@ def test_planted_mistakes_are_named(tmp_path: Path, name: str) -> None:
     best = terms.identify(code)[0]
     assert best.exact, (str(best), best.misfit)
     assert words in str(best)
+
+
+def cases() -> list[tuple[faulty.Language, str]]:
+    """Every fault in every language; those of the first round are looked at each time."""
+    return [
+        (language, name)
+        for k in range(len(faulty.PLANTED))
+        for j, language in enumerate(faulty.LANGUAGES)
+        for name in [list(faulty.PLANTED)[(j + k) % len(faulty.PLANTED)]]
+    ]
+
+
+@pytest.mark.parametrize(
+    "number", range(len(faulty.PLANTED)), ids=lambda k: f"round {k}" if k else "first round"
+)
+def test_planted_mistakes_are_named_in_every_language(
+    tmp_path: Path, number: int, request: pytest.FixtureRequest
+) -> None:
+    if number and not request.config.getoption("--long"):
+        pytest.skip("every fault in every language: --long")
+    count = len(faulty.LANGUAGES)
+    for language, name in cases()[number * count : (number + 1) * count]:
+        if tools.locate(language.tool) is None:
+            continue
+        changed, words = faulty.PLANTED[name]
+        path = write(tmp_path, f"a.{language.ending}", faulty.shader(language, **changed))
+        ranges = [] if language.ending == "brdf" else ["roughness=0.1..1"]
+        code = foreign.load(path, function=language.name, returns="f", ranges=ranges)
+        best = terms.identify(code)[0]
+        assert best.exact, (language.ending, name, str(best), best.misfit)
+        assert words in str(best), (language.ending, name, str(best))
 
 
 # Diffuse formulas, each with the sentence that names it. Sources: Oren and Nayar 1994, Eq. 30; Fujii 2012.

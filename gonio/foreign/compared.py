@@ -111,7 +111,7 @@ class Comparison:
             "  by the larger angle: "
             + ", ".join(
                 f"{a:g}-{b:g} degrees {d:.2g}"
-                + (f" ({1 / (1 - d):.3g} times)" if 0.1 < d < 1 else "")
+                + (f" ({1 / (1 - d):.3g} times)" if 0.1 < d < 0.999 else "")
                 for a, b, d in self.bands
             ),
         ]
@@ -128,7 +128,7 @@ def _times(found: Comparison) -> str:
     code, model = found.code_value, found.model_value
     if not np.isfinite(code):
         return "not a number"
-    if code <= 0 or model <= 0:
+    if min(code, model) < FLOOR:
         return f"{code:.4g} instead of {model:.4g}"
     ratio = code / model
     if abs(ratio - 1) < 0.1:

@@ -85,7 +85,7 @@ def load(
     elif (parts := python_code.split_python(text)) is not None:
         source, function = python_code.read(text), parts[1]
     else:
-        source = read(file, include)
+        source = read(file, include, defines)
     foreign = start(source, function or named, text, "value")
     foreign.returns = told or Returns()
     foreign.raw(*probe(8))
@@ -148,5 +148,5 @@ class _Start:
                 f"calls them; give --{kind} FILE.cpp#FUNCTION."
             )
         else:
-            source = read(file, self.include)
+            source = read(file, self.include, self.defines)
         return self(source, name, text, kind, strict=False)

@@ -7,6 +7,7 @@ parameters the albedo is above 1, and not above 1 without the factor.
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,13 @@ NODES = 24
 
 # Albedos that are integrated so coarsely are right to this.
 COARSE = 0.03
+
+
+_PI = r"(?:\b(?:M_)?(?:PI|pi|Pi)\b|\b3\.14\d*)"
+_OVER_PI = (
+    rf"(?i)/\s*\(?\s*{_PI}|(?:inv|one_?over|reciprocal|rcp)_?pi\b|_1_pi\b|pi_?inv\b|\b0?\.318\d*"
+)
+_TIMES_PI = rf"{_PI}f?\s*\*|\*\s*{_PI}"
 
 
 def random_values(foreign: Foreign, count: int, rng: np.random.Generator) -> dict[str, Array]:
@@ -82,5 +90,9 @@ def measure(foreign: Foreign) -> Returns:
     cosine = int(with_cosine < RECIPROCAL < without or with_cosine < 0.1 * without)
     values = random_values(foreign, SETTINGS, np.random.default_rng(5))
     largest = float(albedos(foreign, values, cosine).max())
-    factor = np.pi if 1.5 < largest <= np.pi * (1 + COARSE) else 1.0
+    # Code that divides by pi itself, and gains energy, is wrong rather than pi f
+    divides = any(re.search(_OVER_PI, f.body) for f in foreign.source.called(foreign.function))
+    times = re.search(_TIMES_PI, foreign.function.body) is not None
+    plain = divides and not times
+    factor = np.pi if 1.5 < largest <= np.pi * (1 + COARSE) and not plain else 1.0
     return Returns(float(factor), cosine)

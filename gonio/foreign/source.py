@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from gonio.foreign.conditions import active
 from gonio.suggestions import did_you_mean
 
 
@@ -34,6 +35,16 @@ LANGUAGES = {
 
 ENDINGS = {ending: language for language, endings in LANGUAGES.items() for ending in endings}
 
+
+# Macros that compilers of a language have by themselves.
+_PREDEFINED = {
+    "essl": ("GL_ES=1", "__VERSION__=300"),
+    "glsl": ("__VERSION__=450",),
+    "brdf": ("__VERSION__=450",),
+    "msl": ("__METAL__=1", "__METAL_VERSION__=320"),
+    "cpp": ("__cplusplus=201703",),
+    "osl": ("OSL_VERSION_MAJOR=1",),
+}
 
 # So many lines are left for each file in the numbers that #line gives.
 FILE_LINES = 100_000
@@ -134,26 +145,37 @@ class Source:
             ):
                 return f
         names = list(dict.fromkeys(f.name for f in own))
+        if re.search(rf"\b{re.escape(parts[-1])}\s*\([^;{{]*\)\s*\{{", self.text):
+            raise ForeignError(
+                f"{self.path}: {name} is left out by an #if; -D NAME turns on what it asks for."
+            )
         raise ForeignError(
             f"{self.path} defines no function {name!r}; {did_you_mean(parts[-1], names)}"
             f"it has {', '.join(names) or 'none'}."
         )
 
-    def reached(self, function: Function) -> set[str]:
-        """All words in a function and in those that it may call."""
+    def called(self, function: Function) -> list[Function]:
+        """A function and those that it may call."""
         by_name: dict[str, list[Function]] = {}
         for f in self.functions:
             by_name.setdefault(f.name, []).append(f)
-        words: set[str] = set()
+        found: list[Function] = []
         waiting, seen = [function], set()
         while waiting:
             f = waiting.pop()
             if id(f) in seen:
                 continue
             seen.add(id(f))
-            new = set(re.findall(r"[A-Za-z_]\w*", f.body))
-            words |= new
-            waiting += [g for word in new for g in by_name.get(word, [])]
+            found.append(f)
+            for word in set(re.findall(r"[A-Za-z_]\w*", f.body)):
+                waiting += by_name.get(word, [])
+        return found
+
+    def reached(self, function: Function) -> set[str]:
+        """All words in a function and in those that it may call."""
+        words: set[str] = set()
+        for f in self.called(function):
+            words |= set(re.findall(r"[A-Za-z_]\w*", f.body))
         # Macros may hold names of uniforms
         for macro, value in re.findall(r"^[ \t]*#[ \t]*define[ \t]+(\w+)(.*)$", self.text, re.M):
             if macro in words:
@@ -179,12 +201,15 @@ def language_of(path: Path, text: str) -> str:
     return language
 
 
-def read(path: str | Path, include: Sequence[str | Path] = ()) -> Source:
+def read(
+    path: str | Path, include: Sequence[str | Path] = (), defines: Sequence[str] = ()
+) -> Source:
     """Read a file of foreign code.
 
     Args:
         path: of a language that LANGUAGES has.
         include: folders in which #include is looked for, beside that of the file.
+        defines: macros, NAME or NAME=VALUE, which decide what lies between #if and #endif.
 
     Raises:
         ForeignError: there is no such file, it is no text, or in no known language.
@@ -199,11 +224,12 @@ def read(path: str | Path, include: Sequence[str | Path] = ()) -> Source:
     if language in (*SHADERS, "wgsl"):
         text = _included(text, path, [Path(p) for p in include], files, language)
     bare = blank_comments(text)
+    if language in SHADERS:
+        bare, text = _without_main(bare, text)
+    bare = active(bare, [*defines, *_PREDEFINED.get(language, ())])
     if language == "osl":
         text = _osl(bare)
         bare = text
-    if language in SHADERS:
-        bare, text = _without_main(bare, text)
     if language in (*SHADERS, "hlsl"):
         bare, text, found = _uniforms(bare, text, language)
         uniforms += found
@@ -565,6 +591,7 @@ def _argument(piece: str, language: str) -> Variable:
 
 def _structs(bare: str, language: str) -> dict[str, tuple[Variable, ...]]:
     """Members of all structs, by name."""
+    bare = re.sub(r"^[ \t]*#[^\n]*", lambda m: " " * len(m[0]), bare, flags=re.M)
     found: dict[str, tuple[Variable, ...]] = {}
     for match in re.finditer(
         r"\b(?:struct|class)\s+(?:alignas\s*\([^)]*\)\s*)?(\w+)\s*(?::[^{;]*)?\{", bare

@@ -1,0 +1,315 @@
+"""Writes docs/field.md: shading code of others, judged. 'make field' runs it.
+
+Everything is fetched into a folder of its own: packages of npm by 'npm pack', MaterialX by pip, and BRDF
+Explorer's files from --brdf-explorer FOLDER. None of their code goes into gonio's repository; the page has
+commands, numbers, pictures of differences, and a sentence on each.
+"""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import subprocess
+import tarfile
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import gonio
+from gonio import foreign
+from gonio.foreign import maps
+
+ROOT = Path(__file__).parent.parent
+
+# Packages of npm, with the versions that the page was made of.
+PACKAGES = {
+    "three": "0.187.0",
+    "@babylonjs/core": "9.35.0",
+    "glsl-diffuse-oren-nayar": "1.0.2",
+}
+
+THREE = "package/src/renderers/shaders/ShaderChunk"
+BABYLON = "package/Shaders/ShadersInclude"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One function of the field."""
+
+    title: str
+    origin: str
+    """Package and version, or a key of PACKAGES."""
+    code: str
+    """As on the command line; {field} is the folder of fetched files."""
+    says: str
+    """What the code says it is."""
+    verdict: str
+    """What it is, with {albedo}, {largest} and {at80} from the measurement."""
+    model: str = ""
+    """What it is compared with, and drawn over."""
+    options: dict[str, Any] = field(default_factory=dict)
+    """Of `gonio.foreign.load`."""
+    energy: bool = True
+    other: str = ""
+    """Another target, which is compared with it."""
+
+
+EON_NODE = {"uniforms": ["energy_compensation=1"], "mapping": ["color=rho"]}
+
+ENTRIES = (
+    Entry(
+        "MaterialX: oren_nayar_diffuse_bsdf with energy compensation, GLSL",
+        "materialx",
+        "materialx#oren_nayar_diffuse_bsdf",
+        "EON, the energy-preserving Oren-Nayar model (Portsmouth, Kutz, Hill).",
+        "The cosine between light and viewer is cut at 0, so that what scatters forward is too bright: "
+        "{at80} in the mirror direction at 80 degrees, roughness 1; the albedo reaches {albedo}, "
+        "where EON has "
+        "at most 1. Backwards it is EON. GLSL and Slang agree to {targets}.",
+        "eon",
+        EON_NODE,
+        other="slang",
+    ),
+    Entry(
+        "MaterialX: sheen_bsdf, mode conty_kulla, GLSL",
+        "materialx",
+        "materialx#sheen_bsdf",
+        "Imageworks' sheen (Estevez and Kulla 2017).",
+        "By itself it reflects up to {albedo} of the light, at grazing angles and small roughness.",
+        "charlie",
+        {"mapping": ["color=rho roughness=alpha"], "ranges": ["alpha=0.05..1"]},
+    ),
+    Entry(
+        "MaterialX: conductor_bsdf, GLSL and Slang",
+        "materialx",
+        "materialx#conductor_bsdf",
+        "GGX with Smith's masking, Fresnel of a metal, and compensation of what multiple scattering "
+        "loses.",
+        "The largest albedo is {albedo}. GLSL and Slang agree to {targets}.",
+        options={"ranges": ["roughness=0.05..1"], "uniforms": ["thinfilm_thickness=0"]},
+        other="slang",
+    ),
+    Entry(
+        "MaterialX: gltf_pbr, GLSL",
+        "materialx",
+        "materialx#gltf_pbr",
+        "glTF 2.0's metallic-roughness material with its extensions.",
+        "The largest albedo over all angles and parameters is {albedo}, {where}.",
+        options={
+            "ranges": ["roughness=0.1..1", "clearcoat_roughness=0.1..1", "sheen_roughness=0.1..1"],
+            "uniforms": ["anisotropy_strength=0", "iridescence=0"],
+        },
+    ),
+    Entry(
+        "three.js: BRDF_EON",
+        "three",
+        "{field}/three.glsl#BRDF_EON",
+        "EON with the paper's fitted albedo.",
+        "It differs from EON with the fitted albedo by at most {largest}; the largest albedo is "
+        "{albedo}.",
+        "eon:albedo_form=fitted",
+        {"defines": ["USE_DIFFUSE_ROUGHNESS"], "mapping": ["diffuseColor=rho"]},
+    ),
+    Entry(
+        "three.js: BRDF_Sheen",
+        "three",
+        "{field}/three.glsl#BRDF_Sheen",
+        "Imageworks' distribution with Neubelt and Pettineo's visibility.",
+        "With alpha = sheenRoughness^2 it is charlie but for two cuts: sin^2 is at least 0.0078 "
+        "(for half "
+        "precision), so that it is not black in the mirror direction, and the visibility is at most "
+        "1, which "
+        "keeps grazing angles down; the largest albedo is {albedo} still. At sheenRoughness 0 it is "
+        "not a number.",
+        "charlie",
+        {
+            "defines": ["USE_SHEEN"],
+            "mapping": ["sheenColor=rho sheenRoughness=sqrt(alpha)"],
+            "ranges": ["alpha=0.05..1"],
+        },
+    ),
+    Entry(
+        "Babylon.js: diffuseBRDF_EON",
+        "@babylonjs/core",
+        "{field}/babylon.glsl#diffuseBRDF_EON",
+        "EON with the paper's fitted albedo.",
+        "It differs from EON with the fitted albedo by at most {largest}; the largest albedo is "
+        "{albedo}.",
+        "eon:albedo_form=fitted",
+        {"mapping": ["albedo=rho"]},
+    ),
+    Entry(
+        "Babylon.js: diffuseBRDF_Burley",
+        "@babylonjs/core",
+        "{field}/babylon.glsl#diffuseBRDF_Burley",
+        "Burley's diffuse term (2012), whose colour is multiplied later.",
+        "It differs from Burley's with a white colour by at most {largest}; the largest albedo is "
+        "{albedo}, as large as Burley's own.",
+        "burley_diffuse:rho=1",
+        {"returns": "f"},
+    ),
+    Entry(
+        "npm: glsl-diffuse-oren-nayar",
+        "glsl-diffuse-oren-nayar",
+        "{field}/glsl-diffuse-oren-nayar/package/index.glsl#orenNayarDiffuse",
+        "The Oren-Nayar model, times the cosine.",
+        "In Oren and Nayar's A (1994, Eq. 30) the term 0.5 sigma^2 / (sigma^2 + 0.33) is "
+        "subtracted, and that "
+        "of interreflection has a factor of 0.17; here the first is added and the factor is "
+        "missing. The "
+        "albedo reaches {albedo}.",
+        "oren_nayar",
+        {"mapping": ["roughness=sigma albedo=rho"], "returns": "f cos", "ranges": ["sigma=0..1.5"]},
+    ),
+)
+
+
+def main() -> None:
+    """Fetch, measure, write."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument(
+        "--folder", type=Path, default=ROOT / "build" / "field", help="For what is fetched."
+    )
+    parser.add_argument(
+        "--brdf-explorer", type=Path, help="The folder of BRDF Explorer's .brdf files."
+    )
+    parser.add_argument("--output", type=Path, default=ROOT / "docs" / "field.md")
+    parser.add_argument("--only", help="Entries whose title has this word.")
+    given = parser.parse_args()
+    given.folder.mkdir(parents=True, exist_ok=True)
+    fetch(given.folder)
+    entries = [*ENTRIES, *(_explorer(given.brdf_explorer) if given.brdf_explorer else ())]
+    chosen = [e for e in entries if not given.only or given.only.lower() in e.title.lower()]
+    pictures = given.output.parent / "images"
+    parts = []
+    for number, entry in enumerate(chosen):
+        print(f"{number + 1} of {len(chosen)}: {entry.title}", flush=True)
+        parts.append(_section(entry, given.folder, pictures))
+    given.output.write_text("\n\n".join([HEAD.strip(), *parts]) + "\n", encoding="utf-8")
+
+
+def fetch(folder: Path) -> None:
+    """npm's packages, unpacked; shaders that are strings of JavaScript as files."""
+    for name, version in PACKAGES.items():
+        plain = name.replace("@", "").replace("/", "-")
+        target = folder / plain
+        if target.is_dir():
+            continue
+        if shutil.which("npm") is None:
+            raise SystemExit("npm is needed to fetch packages; apt-get install npm")
+        subprocess.run(["npm", "pack", "--silent", f"{name}@{version}"], cwd=folder, check=True)
+        with tarfile.open(folder / f"{plain}-{version}.tgz") as archive:
+            archive.extractall(target, filter="data")
+    chunks = ("common", "bsdfs", "lights_physical_pars_fragment")
+    three = [_string(folder / "three" / THREE / f"{name}.glsl.js") for name in chunks]
+    (folder / "three.glsl").write_text("\n".join(three), encoding="utf-8")
+    names = ("helperFunctions", "pbrBRDFFunctions")
+    babylon = [_string(folder / "babylonjs-core" / BABYLON / f"{name}.js") for name in names]
+    (folder / "babylon.glsl").write_text("\n".join(babylon), encoding="utf-8")
+
+
+def _string(path: Path) -> str:
+    text = path.read_text(encoding="utf-8")
+    return text[text.index("`") + 1 : text.rindex("`")]
+
+
+def _explorer(folder: Path) -> Sequence[Entry]:
+    """Every .brdf file of a folder; the energy of each."""
+    return [
+        Entry(
+            f"BRDF Explorer: {path.name}",
+            "BRDF Explorer",
+            str(path),
+            "See the file's own comments.",
+            "The largest albedo over all angles and parameters is {albedo}.",
+            options={"returns": "f"},
+        )
+        for path in sorted(folder.rglob("*.brdf"))
+    ]
+
+
+def _section(entry: Entry, folder: Path, pictures: Path) -> str:
+    """Measure one entry and describe it."""
+    code = foreign.load(entry.code.format(field=folder), **entry.options)
+    found: dict[str, str] = {}
+    shown = entry.code.format(field="build/field")
+    commands = []
+    options = _options(entry.options)
+    if entry.energy:
+        reports = foreign.check(code, only=["energy"])
+        largest = next(f for r in reports for f in r.findings if f.what == "largest albedo")
+        found["albedo"] = f"{largest.measured:.3g}"
+        found["where"] = f"at {(largest.replay or '').partition('wo = ')[2]}"
+        commands.append(f"gonio check {shown}{options} --only energy")
+    picture = ""
+    if entry.model:
+        model, _ = gonio.materials.load_model(entry.model)
+        difference = foreign.compare(code, model)
+        found["largest"] = f"{difference.largest:.2g}"
+        found["at80"] = f"{_forward(code, model):.3g} times too bright"
+        name = "field_" + "".join(c if c.isalnum() else "_" for c in entry.title.lower()) + ".png"
+        maps.write(pictures / name, code, [(model, difference)])
+        picture = f"\n![where it differs from {entry.model}](images/{name})\n"
+        commands.append(f"gonio compare {shown} {entry.model}{options} -o difference.png")
+    if entry.other:
+        other = foreign.load(f"{entry.code}@{entry.other}", **entry.options)
+        found["targets"] = f"{foreign.compare(code, other).largest:.2g}"
+        commands.append(f"gonio compare {shown} {shown}@{entry.other}{options}")
+    lines = "\n".join(f"    {command}" for command in commands)
+    return (
+        f"## {entry.title}\n\n{_origin(entry.origin)}\n\n{lines}\n{picture}\n"
+        f"**It says:** {entry.says}\n\n**It is:** {entry.verdict.format(**found)}"
+    )
+
+
+def _forward(code: foreign.Foreign, model: Any) -> float:
+    """How many times too bright code is in the mirror direction at 80 degrees, at the roughest."""
+    import numpy as np
+
+    a = np.radians(80)
+    wi = np.array([[-np.sin(a), 0, np.cos(a)]])
+    values = {n: p.high if p.width == 1 else (0.8,) * 3 for n, p in code.parameters.items()}
+    known = {n: v for n, v in values.items() if n in model.fields}
+    return float(
+        code.brdf(wi, wi * [-1, 1, 1], values)[0, 0]
+        / np.asarray(model.replace(**known).eval(wi, wi * [-1, 1, 1]))[0, 0]
+    )
+
+
+def _options(given: dict[str, Any]) -> str:
+    words: dict[str, Callable[[Any], str]] = {
+        "mapping": lambda v: "".join(f' --map "{x}"' for x in v),
+        "ranges": lambda v: "".join(f" --range {x}" for x in v),
+        "uniforms": lambda v: "".join(f" --uniform {x}" for x in v),
+        "defines": lambda v: "".join(f" -D {x}" for x in v),
+        "returns": lambda v: f' --returns "{v}"',
+    }
+    return "".join(words[name](value) for name, value in given.items())
+
+
+def _origin(name: str) -> str:
+    if name in PACKAGES:
+        return f"`{name}` {PACKAGES[name]} of npm."
+    if name == "materialx":
+        return f"`materialx` {metadata.version('MaterialX')} of PyPI."
+    return f"{name}."
+
+
+HEAD = """
+# The field: shading code of others, judged
+
+Made by `make field`, which fetches the packages that are named (none of their code is in gonio), runs
+the commands below, and writes this page. Every number is measured by these commands: `gonio check` searches
+for the largest directional albedo over all angles and parameters, `gonio compare` for the largest
+difference, of the larger value. Pictures: on the left both angles in the plane of incidence, then all
+around the normal for the viewer with the largest difference, red where the code is too bright; on the right
+the largest difference over a parameter.
+
+These are good libraries, and most of what they do is right; a gain of energy in a corner of the parameters
+may never be seen. What is said here is meant to be checked and, where it is a fault, to be mended.
+"""
+
+if __name__ == "__main__":
+    main()
