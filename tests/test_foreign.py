@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from PIL import Image
 from support import faulty
 
 import gonio
@@ -267,6 +268,31 @@ def test_uniforms_macros_and_main_of_a_whole_shader(tmp_path: Path) -> None:
     )
     assert not fixed.parameters
     assert fixed.brdf(wi, wo)[0, 0] == pytest.approx(0.2 / np.pi)
+
+
+@needs_gl
+def test_textures_are_pictures_or_values_and_conditions_decide_what_is_read(tmp_path: Path) -> None:
+    text = (
+        "#ifdef OTHER\nstruct S { mat3 nothing; };\nfloat f(S s) { return 0.0; }\n#else\n"
+        "struct S { float rho; };\nuniform sampler2D lut;\nuniform sampler2D mask;\n"
+        "uniform float gain = 0.25;\n"
+        "vec3 f(vec3 L, vec3 V, S s) { return gain * s.rho * texture(lut, vec2(0.25, 0.75)).rgb\n"
+        "    + texture(mask, vec2(0.5)).rgb; }\n#endif\n"
+    )
+    path = write(tmp_path, "a.glsl", text)
+    picture = np.zeros((2, 2, 3), np.uint8)
+    picture[0, 0] = (255, 51, 0)  # the top left texel, whose v is the larger
+    Image.fromarray(picture).save(tmp_path / "lut.png")
+    given = [f"lut={tmp_path}/lut.png", "mask=0.5/0.25/0.125"]
+    code = foreign.load(path, function="f", textures=given, returns="f")
+    found = code.brdf(*probe(3), {"s.rho": 0.5, "rho": 0.5})[0]
+    assert code.parameters["gain"].default == 0.25
+    assert found == pytest.approx([0.125 + 0.5, 0.125 * 0.2 + 0.25, 0.125], abs=1e-5)
+    black = foreign.load(path, function="f", returns="f")
+    assert not black.brdf(*probe(3)).any()
+    for wrong, words in ((["none=1"], "no sampler2D 'none'"), (["lut=a/b"], "--texture a/b")):
+        with pytest.raises(ForeignError, match=words):
+            foreign.load(path, function="f", textures=wrong)
 
 
 @needs_gl

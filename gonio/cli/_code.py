@@ -30,12 +30,20 @@ class Code:
     sample: str | None
     pdf: str | None
     albedo: str | None
+    textures: tuple[str, ...]
     seconds: float
 
     @property
     def given(self) -> bool:
         """Whether any of them was given."""
-        lists = (self.mapping, self.ranges, self.uniforms, self.defines, self.include)
+        lists = (
+            self.mapping,
+            self.ranges,
+            self.uniforms,
+            self.defines,
+            self.include,
+            self.textures,
+        )
         words = (self.function, self.returns, self.signature, self.sample, self.pdf, self.albedo)
         return any(lists) or any(word is not None for word in words)
 
@@ -87,6 +95,7 @@ class Code:
             sample=self.sample,
             pdf=self.pdf,
             albedo=self.albedo,
+            textures=self.textures,
             seconds=self.seconds,
         )
 
@@ -135,6 +144,13 @@ OPTIONS = (
     ),
     click.option("--pdf", metavar="NAME", help="Of code: the density of its samples."),
     click.option("--albedo", metavar="NAME", help="Of code: its directional albedo."),
+    click.option(
+        "--texture",
+        "textures",
+        multiple=True,
+        metavar="NAME=FILE|VALUE",
+        help="What a sampler of GLSL reads: a picture, 0.5 or 0.8/0.3/0.1 (default: black).",
+    ),
     click.option(
         "--time-limit",
         "seconds",

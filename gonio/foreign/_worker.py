@@ -269,6 +269,21 @@ def opengl(file: str) -> tuple[str, Call]:
     program = context.program(vertex_shader=CORNERS.format(version=version), fragment_shader=text)
     quad = context.buffer(np.array([-1, -1, 1, -1, -1, 1, 1, 1], np.float32).tobytes())
     array = context.vertex_array(program, [(quad, "2f", "corner")])
+    kept = []
+    pictures = os.path.join(os.path.dirname(file), "textures.npz")
+    if os.path.exists(pictures):
+        with np.load(pictures) as stored:
+            for unit, name in enumerate(stored.files, 1):
+                if name not in program:
+                    continue
+                texels = np.ascontiguousarray(stored[name], np.float32)
+                size = (texels.shape[1], texels.shape[0])
+                picture = context.texture(size, 4, texels.tobytes(), dtype="f4")
+                picture.build_mipmaps()
+                picture.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
+                picture.use(unit)
+                program[name] = unit
+                kept.append(picture)
 
     def call(rows: Rows) -> Rows:
         count = len(rows)

@@ -20,6 +20,8 @@ from gonio.foreign.process import MEMORY, SECONDS, Running
 from gonio.foreign.returned import measure
 from gonio.foreign.roles import match
 from gonio.foreign.source import ForeignError, Source, read
+from gonio.foreign.textures import check as check_textures
+from gonio.foreign.textures import parse as parse_textures
 
 
 def load(
@@ -36,6 +38,7 @@ def load(
     sample: str | None = None,
     pdf: str | None = None,
     albedo: str | None = None,
+    textures: Iterable[str] = (),
     seconds: float = SECONDS,
     memory: int = MEMORY,
 ) -> Foreign:
@@ -54,6 +57,7 @@ def load(
         sample: the function that draws directions, of the same file or as FILE#FUNCTION.
         pdf: that of their density.
         albedo: that of the directional albedo.
+        textures: each "NAME=FILE.png" or "NAME=VALUE", for samplers of GLSL.
         seconds: after which a call is given up.
         memory: that it may use, in bytes.
 
@@ -76,6 +80,7 @@ def load(
         tuple(include),
         seconds,
         memory,
+        parse_textures(textures),
     )
     if materialx.is_materialx(text):
         source = materialx.read(text if named or not function else f"{text}#{function}")
@@ -86,6 +91,7 @@ def load(
         source, function = python_code.read(text), parts[1]
     else:
         source = read(file, include, defines)
+    check_textures(source, start.textures)
     foreign = start(source, function or named, text, "value")
     foreign.returns = told or Returns()
     foreign.raw(*probe(8))
@@ -109,6 +115,7 @@ class _Start:
     include: tuple[str, ...]
     seconds: float
     memory: int
+    textures: dict[str, str]
 
     def __call__(
         self, source: Source, name: str | None, label: str, kind: str, strict: bool = True
@@ -132,6 +139,7 @@ class _Start:
             defines=self.defines,
             seconds=self.seconds,
             memory=self.memory,
+            textures=self.textures,
         )
         return Foreign(source, found, matched, running, label=label)
 

@@ -328,7 +328,7 @@ def _callable(code: str, stage: Any, name: str, target: str) -> str:
                       code, flags=re.M | re.S)  # fmt: skip
         # GLSL ES has no blocks between stages
         single = re.findall(r"^in\s+(\w+)\s+(\w+);", code, re.M)
-        code = re.sub(r"^(?:uniform|in)\s+(?=\w+\s+\w+\s*[;=\[])", "", code, flags=re.M)
+        code = re.sub(r"^(?:uniform|in)\s+(?!sampler)(?=\w+\s+\w+\s*[;=\[])", "", code, flags=re.M)
         code = re.sub(r"^out\s+(?=vec4\s)", "", code, flags=re.M)
         code = re.sub(r"^(precision\s+\w+\s+\w+;)", "", code, flags=re.M)
         code = re.sub(r"\bvoid\s+main\s*\(\s*\)", "void gonio_pixel()", code)

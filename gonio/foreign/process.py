@@ -9,7 +9,7 @@ import sys
 import tempfile
 import threading
 import weakref
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import IO
 
@@ -21,6 +21,7 @@ from gonio.export.prove.native import FLAGS, METAL_FLAGS
 from gonio.foreign.harness import OUTPUTS, OWN
 from gonio.foreign.library import wrapper
 from gonio.foreign.source import FILE_LINES, ForeignError, Source
+from gonio.foreign.textures import write as write_textures
 
 Singles = NDArray[np.float32]
 
@@ -51,6 +52,7 @@ class Running:
         defines: Sequence[str] = (),
         seconds: float = SECONDS,
         memory: int = MEMORY,
+        textures: Mapping[str, str] | None = None,
     ) -> None:
         """Compile and start.
 
@@ -62,6 +64,7 @@ class Running:
             defines: macros, NAME or NAME=VALUE.
             seconds: for each call.
             memory: in bytes.
+            textures: files or values by the names of samplers.
 
         Raises:
             ForeignError: it does not compile, or a tool is missing.
@@ -70,6 +73,7 @@ class Running:
         self._folder = tempfile.TemporaryDirectory(prefix="gonio-")
         folder = Path(self._folder.name)
         try:
+            write_textures(folder, source, dict(textures or {}))
             kind, file = _compiled(source, text, folder, include, defines)
             self._command = [sys.executable, "-P", str(Path(__file__).with_name("_worker.py"))]
             self._command += [kind, str(file), str(columns), str(memory)]

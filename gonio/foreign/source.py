@@ -113,6 +113,8 @@ class Source:
     """In the order in which their lines are counted."""
     entry: str = ""
     """The function of generated text, which is in no file."""
+    textures: tuple[str, ...] = ()
+    """Names of its sampler2D."""
     module: str = ""
     """Of Python, if it was named by its module."""
 
@@ -241,8 +243,22 @@ def read(
     if language not in (*SHADERS, "wgsl"):
         seen += "".join(_headers(bare, path, [Path(p) for p in include], set()))
     return Source(
-        path, language, text, functions, _structs(seen, language), tuple(uniforms), tuple(files)
+        path,
+        language,
+        text,
+        functions,
+        _structs(seen, language),
+        tuple(uniforms),
+        tuple(files),
+        textures=_samplers(bare, language),
     )
+
+
+def _samplers(bare: str, language: str) -> tuple[str, ...]:
+    if language not in SHADERS:
+        return ()
+    found = re.findall(r"\buniform\s+(?:(?:high|medium|low)p\s+)?sampler2D\s+(\w+)\s*;", bare)
+    return tuple(dict.fromkeys(found))
 
 
 def of_text(
@@ -252,7 +268,17 @@ def of_text(
     bare = blank_comments(text)
     functions = tuple(_functions(bare, language))
     structs = _structs(bare, language)
-    return Source(path, language, text, functions, structs, tuple(uniforms), (path,), entry)
+    return Source(
+        path,
+        language,
+        text,
+        functions,
+        structs,
+        tuple(uniforms),
+        (path,),
+        entry,
+        _samplers(bare, language),
+    )
 
 
 def _text(path: Path) -> str:
@@ -392,7 +418,8 @@ def _uniforms(bare: str, text: str, language: str) -> tuple[str, str, list[Varia
             if _depth(bare, m.start()) == 0:
                 edits.append((m.start(1), m.end(1), ""))
                 if m[2] not in ("out",):
-                    found.append(Variable(m[4], m[3], array=(m[5] or "")[1:-1]))
+                    numbers = tuple(float(x) for x in re.findall(r"(?<!\w)-?\d+\.?\d*", m[6] or ""))
+                    found.append(Variable(m[4], m[3], array=(m[5] or "")[1:-1], default=numbers))
         for m in re.finditer(rf"{layout}uniform\s+\w+\s*(\{{)([^}}]*)(\}})\s*;", bare):
             edits += [(m.start(), m.end(1), ""), (m.start(3), m.end(), "")]
             found += [v for v in _members(m[2], language) if not v.array]

@@ -111,6 +111,11 @@ def _scope(foreign: Foreign, subject: ForeignSubject) -> Report:
     if re.search(short, blank_comments(foreign.source.text)):
         text = "it is declared; what was measured is what this machine has, which may be float32"
         findings.append(Finding("half precision", 0.0, NOTE, text))
+    words = foreign.source.reached(foreign.function)
+    for name in foreign.source.textures:
+        if name in words:
+            text = f"{name} is black unless --texture {name}=FILE.png or a value was given"
+            findings.append(Finding("texture", 0.0, NOTE, text))
     findings += [Finding("assumed", 0.0, NOTE, note) for note in foreign.matched.notes]
     points = np.random.default_rng(1).random((512, dimensions(subject)))
     values = np.abs(foreign.brdf(*_places(subject, points)))

@@ -1,0 +1,87 @@
+"""Textures of foreign code: pictures as they are stored, or one value everywhere."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gonio.foreign.source import SHADERS, ForeignError, Source
+from gonio.images import ImageError, read_image
+from gonio.suggestions import did_you_mean
+
+Texels = NDArray[np.float32]
+
+FILE = "textures.npz"
+
+
+def parse(texts: Iterable[str]) -> dict[str, str]:
+    """What --texture says: NAME=FILE.png, NAME=0.5 or NAME=0.8/0.3/0.1.
+
+    Raises:
+        ForeignError: something else, or a name twice.
+    """
+    found: dict[str, str] = {}
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not (name and equals and value) or name in found:
+            raise ForeignError(
+                f"--texture {text!r} is not NAME=FILE.png or NAME=VALUE, once for each texture."
+            )
+        found[name] = value
+    return found
+
+
+def check(source: Source, given: dict[str, str]) -> None:
+    """Raise a ForeignError for textures that the code does not have, or a language without them."""
+    if not given:
+        return
+    if source.language not in SHADERS:
+        raise ForeignError(
+            f"{source.path}: textures are read for GLSL alone; write a constant into the code instead."
+        )
+    for name in given:
+        if name not in source.textures:
+            raise ForeignError(
+                f"{source.path} has no sampler2D {name!r}; {did_you_mean(name, source.textures)}it has "
+                f"{', '.join(source.textures) or 'none'}."
+            )
+
+
+def texels(value: str) -> Texels:
+    """Rows of RGBA numbers, (height, width, 4), the first row at v = 0.
+
+    Raises:
+        ForeignError: neither numbers nor a picture that can be read.
+    """
+    try:
+        numbers = [float(x) for x in value.split("/")]
+    except ValueError:
+        try:
+            pixels = np.asarray(read_image(Path(value)).pixels, np.float32)
+        except (ImageError, OSError) as error:
+            raise ForeignError(f"--texture {value}: {error}.") from None
+        pixels = pixels[..., None] if pixels.ndim == 2 else pixels
+        return _filled(np.repeat(pixels, 3, axis=2) if pixels.shape[2] == 1 else pixels)[
+            ::-1
+        ].copy()
+    if len(numbers) not in (1, 3, 4):
+        raise ForeignError(f"--texture {value}: a value has 1, 3 or 4 numbers.")
+    numbers = numbers * 3 if len(numbers) == 1 else numbers
+    return _filled(np.array(numbers, np.float32).reshape(1, 1, -1))
+
+
+def _filled(pixels: Texels) -> Texels:
+    """With an opacity of 1 where there is none."""
+    if pixels.shape[2] >= 4:
+        return np.ascontiguousarray(pixels[..., :4], np.float32)
+    more = np.ones((*pixels.shape[:2], 4 - pixels.shape[2]), np.float32)
+    return np.concatenate([pixels, more], axis=2).astype(np.float32)
+
+
+def write(folder: Path, source: Source, given: dict[str, str]) -> None:
+    """Put all textures of the code where its process looks for them; those not given are black."""
+    if source.textures:
+        np.savez(folder / FILE, **{n: texels(given.get(n, "0")) for n in source.textures})
