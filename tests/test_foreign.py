@@ -250,6 +250,19 @@ def test_glsl_errors_stand_at_the_users_line_in_included_files_too(tmp_path: Pat
         foreign.load(write(tmp_path, "outer.glsl", text), function="f")
 
 
+@pytest.mark.parametrize("ending", ["hlsl", "wgsl", "metal", "osl", "cu", "brdf"])
+def test_mistakes_stand_at_the_users_line_in_every_language(tmp_path: Path, ending: str) -> None:
+    language = next(k for k in faulty.LANGUAGES if k.ending == ending)
+    if tools.locate(language.tool) is None:
+        pytest.skip(f"needs {language.tool}")
+    text = faulty.shader(language, alpha="unheard_of")
+    line = 1 + text.partition("unheard_of")[0].count("\n")
+    path = write(tmp_path, f"a.{ending}", text)
+    with pytest.raises(ForeignError, match=rf"a\.{ending}:{line}: .*unheard_of") as error:
+        foreign.load(path, function=language.name)
+    assert "\n" not in str(error.value)
+
+
 @needs_gl
 def test_uniforms_macros_and_main_of_a_whole_shader(tmp_path: Path) -> None:
     text = (
@@ -605,8 +618,8 @@ def test_nodes_and_materials_of_materialx_are_code_in_each_target(tmp_path: Path
     np.testing.assert_allclose(smooth, np.tile(np.array(rho) / np.pi, (len(wi), 1)), rtol=1e-5)
     material = foreign.load(path)  # the only one
     np.testing.assert_allclose(material.brdf(wi, wo), 0.5 * code.brdf(wi, wo), rtol=1e-5)
-    for target in ("essl", "slang"):
-        if target == "slang" and tools.locate("slangc") is None:
+    for target, tool in {"essl": "moderngl", "slang": "slangc", "msl": "g++"}.items():
+        if tools.locate(tool) is None:
             continue
         other = foreign.load(f"{path}#clay@{target}")
         np.testing.assert_allclose(other.brdf(wi, wo), code.brdf(wi, wo), rtol=1e-5)

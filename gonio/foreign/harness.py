@@ -200,6 +200,8 @@ def text(source: Source, function: Function, matched: Matched, defines: Sequence
         )
     scopes = [s for s in function.scope if s != function.owner]
     head = f'#include "{source.path.resolve()}"\n'
+    if source.language == "msl":
+        head = f'#line 1 "{source.path.resolve()}"\n{source.text}\n'
     if source.language == "osl":
         place = f'#line 1 "{source.path.resolve()}"'
         head = f"namespace osl {{\n{place}\n{source.text}\n}}\nusing namespace osl;\n"

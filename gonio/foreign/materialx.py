@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
-from gonio.foreign.source import ForeignError, Source, Variable, of_text
+from gonio.foreign.source import ForeignError, Source, Variable, of_text, swizzled
 from gonio.suggestions import did_you_mean
 
 # The library of MaterialX itself, in place of a file: materialx#oren_nayar_diffuse_bsdf.
@@ -26,6 +26,7 @@ TARGETS = {
     "glsl": ("PyMaterialXGenGlsl", "GlslShaderGenerator", "glsl"),
     "essl": ("PyMaterialXGenGlsl", "EsslShaderGenerator", "essl"),
     "slang": ("PyMaterialXGenSlang", "SlangShaderGenerator", "slang"),
+    "msl": ("PyMaterialXGenMsl", "MslShaderGenerator", "msl"),
 }
 
 # What can be asked for its values, by the type of its output.
@@ -97,7 +98,9 @@ def read(text: str) -> Source:
     stage = shader.getStage("pixel")
     uniforms = list(_uniforms(document, stage, target))
     made = re.sub(r"\W", "_", name or node.getName())
-    code = _callable(shader.getSourceCode("pixel"), stage, made, target)
+    text = shader.getSourceCode("pixel")
+    made_callable = _callable_msl if target == "msl" else _callable
+    code = made_callable(text, uniforms, made, target)
     language = TARGETS[target][2]
     title = f"{Path(file).name}#{name or node.getName()}@{target}"
     return of_text(Path(title), language, code, uniforms, entry=made)
@@ -241,7 +244,7 @@ def _uniforms(document: Any, stage: Any, target: str) -> Iterable[Variable]:
         words = {"integer": "int", "boolean": "bool", "float": "float"}
         yield Variable(
             port.getVariable(),
-            words.get(kind) or _VECTORS[width][target == "slang"],
+            words.get(kind) or _VECTORS[width][target in ("slang", "msl")],
             default=default,
             low=None if kind in ("integer", "boolean") else low,
             high=None if kind in ("integer", "boolean") else high,
@@ -301,8 +304,9 @@ def _range(name: str, default: tuple[float, ...], element: Any) -> tuple[float, 
     return min([low, *numbers]), max([high, *numbers])
 
 
-def _callable(code: str, stage: Any, name: str, target: str) -> str:
+def _callable(code: str, uniforms: Iterable[Variable], name: str, target: str) -> str:
     """The shader with globals for what comes from outside, and a function that calls it."""
+    del uniforms  # they are globals already
     slang = target == "slang"
     vec = _VECTORS[3][slang]
     members = [
@@ -365,6 +369,47 @@ def _callable(code: str, stage: Any, name: str, target: str) -> str:
     return (
         f"{missing}{code}\n{vec} {name}({vec} L, {vec} V, {vec} N, {vec} X)\n{{\n{body}\n"
         f"    {call};\n    return {result}.xyz;\n}}\n"
+    )
+
+
+def _callable_msl(code: str, uniforms: Iterable[Variable], name: str, target: str) -> str:
+    """Metal's shader, whose inputs are structs: they are filled from variables of the file."""
+    del target
+    members = re.findall(
+        r"(\w+)\s+(\w+)\s*(?:\[\[\w+\]\])?\s*;", _block(code, r"struct\s+VertexData")
+    )
+    lines = [
+        f"    vd.{m} = {value};" for kind, m in members if (value := _vertex(m, kind, "float3"))
+    ]
+    head = re.search(
+        r"\bfragment\s+PixelOutputs\s+FragmentMain\s*\(((?:[^()]|\([^()]*\))*)\)", code
+    )
+    given = []
+    for piece in (head[1] if head else "").split(","):
+        words = re.findall(r"\w+", re.sub(r"\[\[.*", "", piece))
+        if len(words) < 2 or words[-2] == "VertexData":
+            given += ["vd"] * (len(words) >= 2)
+            continue
+        kind, variable = words[-2], f"gonio_{words[-1]}"
+        given.append(variable)
+        lines.append(f"    {kind if kind in code else 'auto'} {variable}{{}};")
+        if kind == "PrivateUniforms":
+            lines += [
+                f"    {variable}.u_viewPosition = V;",
+                f"    {variable}.u_numActiveLightSources = 1;",
+            ]
+        elif kind == "PublicUniforms":
+            lines += [f"    {variable}.{u.name} = ::{u.name};" for u in uniforms]
+        elif kind == "LightData_pixel":
+            light = f"    {variable}.u_lightData[0]"
+            lines += [f"{light}.type = {LIGHT_NUMBER};", f"{light}.direction = -L;"]
+            lines += [f"{light}.color = float3(1.0);", f"{light}.intensity = 1.0;"]
+    variables = "".join(f"static {u.type} {u.name};\n" for u in uniforms)
+    body = "\n".join(lines)
+    missing = "" if "bool u_refractionTwoSided" in code else _TWO_SIDED[1]
+    return swizzled(
+        f"{missing}{code}\n{variables}float3 {name}(float3 L, float3 V, float3 N, float3 X)\n{{\n"
+        f"    VertexData vd{{}};\n{body}\n    return FragmentMain({', '.join(given)}).out1.xyz;\n}}\n"
     )
 
 

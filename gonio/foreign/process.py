@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gonio.export.prove import tools
-from gonio.export.prove.native import FLAGS, METAL_FLAGS
+from gonio.export.prove.native import FLAGS
 from gonio.foreign.harness import OUTPUTS, OWN
 from gonio.foreign.library import wrapper
 from gonio.foreign.source import FILE_LINES, ForeignError, Source
@@ -36,6 +36,7 @@ ROWS = 1 << 18
 START = 120.0
 
 CUDA = Path(__file__).with_name("cuda_words.h")
+METAL = Path(__file__).with_name("metal")
 OSL = Path(__file__).with_name("osl_words.h")
 
 
@@ -236,7 +237,7 @@ def _compiled(
         (folder / "code.cpp").write_text(text, encoding="utf-8")
         kinds = {
             "cuda": ["-include", str(CUDA)],
-            "msl": list(METAL_FLAGS),
+            "msl": ["-fsingle-precision-constant", "-Wno-attributes", "-x", "c++", f"-I{METAL}"],
             "osl": ["-include", str(OSL), "-fsingle-precision-constant"],
         }
         more = kinds.get(language, [])
@@ -272,13 +273,15 @@ def _run(command: Sequence[str], folder: Path, source: Source) -> None:
         raise _refused(source, done.stdout + done.stderr)
 
 
-# What compilers write: g++ FILE:12:3:, slangc FILE(12), Mesa 0:12(3), NVIDIA 0(12), naga wgsl:12:3.
+# What compilers write: g++ FILE:12:3:, slangc FILE(12) or, from 2026 on, --> FILE:12:3 below the message,
+# Mesa 0:12(3), NVIDIA 0(12), naga wgsl:12:3.
 _PLACES = (
     re.compile(r"^\s*(?P<file>[^\s:()]*?\.\w+):(?P<line>\d+)(?::\d+)?:.*\berror\b"),
     re.compile(r"^\s*(?P<file>[^\s:()]*?\.\w+)\((?P<line>\d+)[^)]*\).*\berror\b"),
     re.compile(r"(?:^|ERROR:\s*)\d+:(?P<line>\d+)(?:\(\d+\))?:"),
     re.compile(r"^\d+\((?P<line>\d+)\)\s*:"),
     re.compile(r"wgsl:(?P<line>\d+):\d+"),
+    re.compile(r"^\s*-+>\s*(?P<file>[^\s:()]*?\.\w+):(?P<line>\d+)(?::\d+)?\s*$"),
 )
 
 
@@ -286,6 +289,12 @@ def _refused(source: Source, message: str) -> ForeignError:
     """The first complaint of a compiler, at the line of the user's file."""
     lines = [line for line in message.splitlines() if line.strip()]
     errors = [line for line in lines if re.search(r"\berror\b", line, re.I)] or lines
+    # wgpu puts naga's sentence below its own
+    errors = [line for line in errors if line.strip() != "Validation Error"] or errors
+    # slangc says only below what is undefined
+    below = next((m[1] for line in lines if (m := re.match(r"\s*\|\s*\^+\s*(.+)", line))), "")
+    if below and errors[0].startswith("error["):
+        errors = [f"error: {below}", *errors]
     if source.entry:
         said = (
             re.sub(r"^.*?\berror\b[^:]*:\s*", "", errors[0], flags=re.I) if errors else "no message"

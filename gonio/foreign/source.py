@@ -232,6 +232,8 @@ def read(
     if language == "osl":
         text = _osl(bare)
         bare = text
+    if language == "msl":
+        text = swizzled(text)
     if language in (*SHADERS, "hlsl"):
         bare, text, found = _uniforms(bare, text, language)
         uniforms += found
@@ -332,6 +334,11 @@ def _brdf(path: Path, text: str) -> tuple[str, list[Variable]]:
     if not any(kept):
         raise ForeignError(f"{path} has no '::begin shader'.")
     return "\n".join(kept), found
+
+
+def swizzled(text: str) -> str:
+    """MSL as C++: components that are read together are functions of the stand-in's vectors."""
+    return re.sub(r"\.([xyzw]{2,4}|[rgba]{2,4})\b(?!\s*\()", r".\1()", text)
 
 
 def _osl(bare: str) -> str:

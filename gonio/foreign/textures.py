@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,4 +85,5 @@ def _filled(pixels: Texels) -> Texels:
 def write(folder: Path, source: Source, given: dict[str, str]) -> None:
     """Put all textures of the code where its process looks for them; those not given are black."""
     if source.textures:
-        np.savez(folder / FILE, **{n: texels(given.get(n, "0")) for n in source.textures})
+        found: dict[str, Any] = {n: texels(given.get(n, "0")) for n in source.textures}
+        np.savez(folder / FILE, **found)
