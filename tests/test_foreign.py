@@ -213,6 +213,37 @@ def test_gonios_exports_read_back_are_the_model(ending: str, function: str, tool
     np.testing.assert_allclose(found, expected, rtol=3e-6)
 
 
+# Models that others are at some setting of their parameters or options: either name is right.
+TWINS = {
+    "qon_footnote": {"qon_footnote", "qon"},
+    "lambert": {"lambert", "hapke", "minnaert"},
+    "triace_oren_nayar": {"triace_oren_nayar", "qon", "oren_nayar"},
+}
+
+
+@pytest.mark.parametrize("name", sorted(gonio.models()))
+def test_every_export_read_back_is_named_with_its_parameters(
+    name: str, request: pytest.FixtureRequest
+) -> None:
+    if not request.config.getoption("--long"):
+        pytest.skip("every model in every language: --long")
+    for ending, _, tool in CASES:
+        if tools.locate(tool) is None:
+            continue
+        function = f"{name}_eval"
+        if ending == "slang":
+            function = f"{type(gonio.model(name)).__name__}.eval"
+        elif ending == "h":
+            function = f"gonio_{name}::{function}"
+        code = foreign.load(f"{GOLDEN}/{name}.{ending}", function=function, returns="f")
+        found = foreign.identify(code)
+        assert found.exact, (ending, found.lines())
+        if found.models and found.models[0].exact:
+            best = found.models[0]
+            assert best.model.name in TWINS.get(name, {name}), (ending, found.lines())
+            assert not any("a function of" in text for text in best.relations.values())
+
+
 @needs_gxx
 def test_crashes_endless_loops_and_errors_are_one_sentence_each(tmp_path: Path) -> None:
     head = "struct V { float x, y, z; };\n"

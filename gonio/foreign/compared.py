@@ -157,7 +157,7 @@ def links(foreign: Foreign, model: Model | Foreign) -> dict[str, tuple[Parameter
     """
     found = {}
     for path, declared in _declared(model).items():
-        own = foreign.parameters.get(path)
+        own = foreign.parameters.get(path) or foreign.parameters.get(path.replace(".", "_"))
         if own is None:
             continue
         if own.width == 3 and declared.width == 1:

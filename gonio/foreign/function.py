@@ -163,6 +163,8 @@ class Foreign:
         """
         n = len(wi)
         given: dict[str, Any] = dict(environment(wi, wo))
+        # Code has base_rho where a model has base.rho
+        values = {name.replace(".", "_"): value for name, value in values.items()} | dict(values)
         if random is not None:
             # A third number that has nothing to do with the two
             third = np.modf(np.abs(np.sin(random @ [12.9898, 78.233])) * 43758.5453)[0]

@@ -194,6 +194,14 @@ def identify(
         if progress is not None:
             progress(done, total)
 
+    # With the same names for everything no fit is needed, whose many numbers may have several best ones
+    for cls in chosen if foreign.parameters else ():
+        model = cls()
+        for factor, size in FACTORS.items():
+            same = _same_names(fitter, model, size)
+            if same is not None and same < EXACT and not thorough:
+                names_of = {name: name for name in foreign.parameters}
+                return [Found(model, factor, same, names_of)]
     for done, cls in enumerate(chosen):
         tell(done)
         model = _begin(cls, values)
@@ -260,10 +268,16 @@ def _begin(cls: type[Model], values: Mapping[str, Any], model: Model | None = No
     model = model or cls()
     given = {}
     for path, p, _ in model.parameters():
-        if path in values and np.ndim(values[path]) == (1 if p.width == 3 else 0):
-            value = np.clip(values[path], p.low, p.high)
+        name = as_code(path)
+        if name in values and np.ndim(values[name]) == (1 if p.width == 3 else 0):
+            value = np.clip(values[name], p.low, p.high)
             given[path] = tuple(map(float, value)) if p.width == 3 else float(value)
     return model.replace(**given) if list(model.parameters()) else None
+
+
+def as_code(path: str) -> str:
+    """The name that code has for a parameter of an inner model: base_rho for base.rho."""
+    return path.replace(".", "_")
 
 
 def _options(
@@ -297,7 +311,7 @@ def _relations(
     """How the model's parameters come from the code's; numbers where they do not."""
     foreign = fitter.foreign
     found: dict[str, str] = {}
-    if _same_names(fitter, model, factor):
+    if _same_names(fitter, model, factor) is not None:
         return {name: name for name in foreign.parameters}
     free = columns(model)
     base = {c.name: v for c, v in zip(free, _numbers(model, free), strict=True)}
@@ -331,16 +345,18 @@ def _relations(
     return found
 
 
-def _same_names(fitter: _Fitter, model: Model, factor: float) -> bool:
-    """Whether the model's parameters are the code's of the same names, and none else is needed.
+def _same_names(fitter: _Fitter, model: Model, factor: float) -> float | None:
+    """The misfit if the model's parameters are the code's of the same names, and none else is needed.
 
-    Fitted numbers that the values hardly depend on would hide that.
+    Fitted numbers that the values hardly depend on would hide that. None if they are not.
     """
     foreign = fitter.foreign
-    declared = {path: p for path, p, _ in model.parameters()}
+    paths = {as_code(path): path for path, _, _ in model.parameters()}
+    declared = {as_code(path): p for path, p, _ in model.parameters()}
     if not set(foreign.parameters) <= set(declared):
-        return False
+        return None
     rng = np.random.default_rng(9)
+    worst = 0.0
     for _ in range(3):
         values: dict[str, Any] = {}
         for name, p in foreign.parameters.items():
@@ -348,11 +364,14 @@ def _same_names(fitter: _Fitter, model: Model, factor: float) -> bool:
             t = low + (min(high, low + 100) - low) * rng.uniform(0.1, 0.9, declared[name].width)
             values[name] = tuple(map(float, t)) if p.width == 3 else float(t[0])
         code = fitter.data(values) / factor
-        truth = np.asarray(model.replace(**values).eval(fitter.wi, fitter.wo), np.float64)
+        given = {paths[name]: value for name, value in values.items()}
+        truth = np.asarray(model.replace(**given).eval(fitter.wi, fitter.wo), np.float64)
         scale = float(np.sqrt(np.mean(code**2)))
-        if not np.sqrt(np.mean((code - truth) ** 2)) <= 5 * EXACT * scale:
-            return False
-    return True
+        off = float(np.sqrt(np.mean((code - truth) ** 2)))
+        if not off <= 5 * EXACT * scale:
+            return None
+        worst = max(worst, off / max(scale, 1e-30))
+    return worst
 
 
 def _numbers(model: Model, free: Any) -> list[float]:

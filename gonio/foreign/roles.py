@@ -289,6 +289,8 @@ def _random(leaf: Leaf) -> str:
 def _guess(source: Source, leaf: Leaf, ranges: Container[str]) -> str:
     """The role that a name suggests, else a parameter of that name."""
     last = leaf.variable.shown or leaf.place.rpartition(".")[2]
+    # A struct inside of a struct: params.base.rho is base_rho, beside params.rho
+    name = leaf.variable.shown or "_".join(leaf.place.split(".")[1:]) or last
     plain, bare = _plain(last)
     default = leaf.variable.default
     if leaf.variable.fixed and last not in ranges:
@@ -318,7 +320,7 @@ def _guess(source: Source, leaf: Leaf, ranges: Container[str]) -> str:
             f"{source.path}: cannot tell what {leaf.place} ({leaf.type}) is; say it with "
             f'--map "{last}=(0.5, 0.5)".'
         )
-    return last
+    return name
 
 
 def _declared(
