@@ -196,12 +196,12 @@ def identify(
 
     # With the same names for everything no fit is needed, whose many numbers may have several best ones
     for cls in chosen if foreign.parameters else ():
-        model = cls()
+        plain = cls()
         for factor, size in FACTORS.items():
-            same = _same_names(fitter, model, size)
+            same = _same_names(fitter, plain, size)
             if same is not None and same < EXACT and not thorough:
                 names_of = {name: name for name in foreign.parameters}
-                return [Found(model, factor, same, names_of)]
+                return [Found(plain, factor, same, names_of)]
     for done, cls in enumerate(chosen):
         tell(done)
         model = _begin(cls, values)
@@ -376,4 +376,5 @@ def _same_names(fitter: _Fitter, model: Model, factor: float) -> float | None:
 
 def _numbers(model: Model, free: Any) -> list[float]:
     values = {path: np.atleast_1d(v) for path, _, v in model.parameters()}
-    return [float(values[c.path][c.channel % len(values[c.path])]) for c in free]
+    places = [column.places[0] for column in free]
+    return [float(values[path][channel % len(values[path])]) for path, channel in places]
