@@ -8,7 +8,9 @@ import drjit as dr
 import numpy as np
 import pytest
 from drjit.llvm.ad import Array2f, Array3f, Float
+from mpmath import mp
 from support import hard
+from support.tolerances import SINGLE_PROMISED
 
 import gonio
 from gonio import reference
@@ -210,6 +212,66 @@ def faults(name: str, chosen: dict[str, str], seed: int = 0) -> dict[str, int]:
 @pytest.mark.parametrize(("name", "chosen"), CASES)
 def test_hard_inputs_leave_everything_finite(name: str, chosen: dict[str, str]) -> None:
     assert faults(name, chosen) == {}
+
+
+def facets(wi: Any, wo: Any, alpha: Any) -> Any:
+    """White GGX with height-correlated Smith: Walter et al. 2007, Eq. 33, and Heitz 2014, Eq. 99."""
+    h = [a + b for a, b in zip(wi, wo, strict=True)]
+    cos2 = h[2] ** 2 / sum(x * x for x in h)
+    D = alpha**2 / (mp.pi * (cos2 * (alpha**2 - 1) + 1) ** 2)
+
+    def Lambda(mu: Any) -> Any:
+        return (mp.sqrt(1 + alpha**2 * (1 / mu**2 - 1)) - 1) / 2
+
+    return D / (1 + Lambda(wi[2]) + Lambda(wo[2])) / (4 * wi[2] * wo[2])
+
+
+@pytest.mark.parametrize("alpha", [0.3, 1e-3])
+@pytest.mark.parametrize("mu", [1e-5, 9e-7, 1.1e-7])
+def test_derivatives_near_the_horizon_are_those_of_40_digits(mu: float, alpha: float) -> None:
+    """By the width, and by turning wi about the normal, which tilts the half vector by 1 / (4 mu)."""
+    mp.dps = 60
+    wi = [float(np.float32(v)) for v in (1.0, 0.0, 3 * mu)]
+    wo = [float(np.float32(v)) for v in (-1.0, mu, mu)]
+    width = float(np.float32(alpha))
+    given = {"wi": Array3f(*wi), "alpha": Float(width)}
+    dr.enable_grad(given)
+    model = gonio.model("torrance_sparrow", fresnel="white", alpha=width)
+    bound = model.bind(
+        Float,
+        lambda p, declared, v: (
+            given["alpha"] if p == "alpha" else Array3f(v) if declared.width == 3 else Float(v)
+        ),
+    )
+    dr.backward(Array3f(bound.eval(given["wi"], Array3f(*wo))).x)
+
+    def turned(angle: Any) -> Any:
+        w = (mp.cos(angle), mp.sin(angle), mp.mpf(wi[2]))
+        return facets(w, [mp.mpf(v) for v in wo], mp.mpf(width))
+
+    def wider(a: Any) -> Any:
+        return facets([mp.mpf(v) for v in wi], [mp.mpf(v) for v in wo], a)
+
+    step = mp.mpf(mu) * mp.mpf("1e-12")
+    by_angle = (turned(step) - turned(-step)) / (2 * step)
+    by_width = mp.diff(wider, mp.mpf(width))
+    assert float(dr.grad(given["wi"]).y[0]) == pytest.approx(float(by_angle), rel=SINGLE_PROMISED)
+    assert float(dr.grad(given["alpha"])[0]) == pytest.approx(float(by_width), rel=SINGLE_PROMISED)
+
+
+def test_below_where_derivatives_end_values_go_on() -> None:
+    """The sharpest V-cavities have a slope of 4e10 / mu^3, which leaves a float32 below 5e-10."""
+    model = gonio.model("torrance_sparrow", masking="cook_torrance", alpha=1e-4, fresnel="white")
+    bound = model.bind(Float, lambda p, d, v: Array3f(v) if d.width == 3 else Float(v))
+    for mu, ends in ((1.1e-7, False), (0.9e-7, True), (1e-9, True)):
+        wi, wo = Array3f(1, 0, mu), Array3f(-1, 1e-4 * mu, mu)
+        dr.enable_grad(wi)
+        value = Array3f(bound.eval(wi, wo)).x
+        dr.backward(value, flags=dr.ADFlag.Default | dr.ADFlag.AllowNoGrad)
+        assert (dr.grad(wi).y[0] == 0) is ends
+        # D = 1 / (pi alpha^2 (1 + tan^2 / alpha^2)^2), whose slope is half the width here; G = 1
+        peak = 1 / (np.pi * 1e-8) / 1.25**2 * 0.25
+        assert value[0] * mu * mu == pytest.approx(peak, rel=1e-3)
 
 
 def test_two_black_lobes_without_a_slope_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -21,7 +21,7 @@ from gonio.arrays.leaf import Leaf
 # and is a hundredth of the sharpest highlight's width: (h / 1e-4)^2 / 6 = 2e-5 of its second derivative.
 STEP = 1e-6
 
-# Cosine below which first derivatives are 0 (`gonio.model.MU_STEEP`), so that none are compared across it.
+# Cosine below which none are compared: the next one would lie below the horizon.
 STEEP = 1e-6
 
 REFUSAL = (
