@@ -119,6 +119,14 @@ class CarPaint(Model):
             'half_vector'; default 'both_ways'
         solid_angle: 1 / eta^2 for light that leaves the coat; 'compressed', 'none'; default
             'compressed'
+        distribution: of the coat's facets and of the flakes'; 'ggx', 'beckmann'; default 'ggx'
+        masking: of the facets; Elek's are V-cavities, cook_torrance; 'smith_correlated',
+            'cook_torrance'; default 'smith_correlated'
+        fresnel: of both layers; Elek's code has Lazányi's fit; 'exact', 'lazanyi'; default 'exact'
+        absorption: along paths at the mean surface, or at the flake's normal (Elek); 'surface',
+            'flake'; default 'surface'
+        tilt: a flake of 30 degrees tilts the normal by 15, or by 9.9 (Elek); 'distance', 'added';
+            default 'distance'
         flake_cosine: a tilted flake counts as it is seen by both, or as lit (Elek); 'reciprocal',
             'light'; default 'reciprocal'
     """
@@ -138,6 +146,11 @@ class CarPaint(Model):
         distance: _Number = 1.0,
         transmission: Literal["both_ways", "half_vector"] = "both_ways",
         solid_angle: Literal["compressed", "none"] = "compressed",
+        distribution: Literal["ggx", "beckmann"] = "ggx",
+        masking: Literal["smith_correlated", "cook_torrance"] = "smith_correlated",
+        fresnel: Literal["exact", "lazanyi"] = "exact",
+        absorption: Literal["surface", "flake"] = "surface",
+        tilt: Literal["distance", "added"] = "distance",
         flake_cosine: Literal["reciprocal", "light"] = "reciprocal",
     ) -> None: ...
     eta: Any
@@ -152,6 +165,11 @@ class CarPaint(Model):
     distance: Any
     transmission: Literal["both_ways", "half_vector"]
     solid_angle: Literal["compressed", "none"]
+    distribution: Literal["ggx", "beckmann"]
+    masking: Literal["smith_correlated", "cook_torrance"]
+    fresnel: Literal["exact", "lazanyi"]
+    absorption: Literal["surface", "flake"]
+    tilt: Literal["distance", "added"]
     flake_cosine: Literal["reciprocal", "light"]
 
 class Charlie(Model):
@@ -413,6 +431,10 @@ class Patina(Model):
         tarnish_tint: colour of the metal at tarnish 1; 0 to 1, default (0.45, 0.2, 0.08)
         solid_angle: 1 / eta^2 for light that leaves the coat; 'compressed', 'none'; default
             'compressed'
+        distribution: of the patina's facets and of the metal's; 'ggx', 'beckmann'; default 'ggx'
+        masking: of the facets; Elek's are V-cavities, cook_torrance; 'smith_correlated',
+            'cook_torrance'; default 'smith_correlated'
+        fresnel: of both layers; Elek's code has Lazányi's fit; 'exact', 'lazanyi'; default 'exact'
     """
 
     def __init__(
@@ -433,6 +455,9 @@ class Patina(Model):
         tarnish: _Number = 0.5,
         tarnish_tint: _Color = (0.45, 0.2, 0.08),
         solid_angle: Literal["compressed", "none"] = "compressed",
+        distribution: Literal["ggx", "beckmann"] = "ggx",
+        masking: Literal["smith_correlated", "cook_torrance"] = "smith_correlated",
+        fresnel: Literal["exact", "lazanyi"] = "exact",
     ) -> None: ...
     growth: Any
     extent: Any
@@ -449,6 +474,9 @@ class Patina(Model):
     tarnish: Any
     tarnish_tint: Any
     solid_angle: Literal["compressed", "none"]
+    distribution: Literal["ggx", "beckmann"]
+    masking: Literal["smith_correlated", "cook_torrance"]
+    fresnel: Literal["exact", "lazanyi"]
 
 class Phong(Model):
     """Diffuse with a round highlight around the mirror direction, the classic of computer graphics.

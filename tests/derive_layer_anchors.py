@@ -15,7 +15,7 @@ import json
 import math
 import pathlib
 
-from mpmath import exp, log, mp, mpc, mpf, nstr, pi, quad, sqrt
+from mpmath import erf, exp, log, mp, mpc, mpf, nstr, pi, quad, sqrt
 
 mp.dps = 40
 HERE = "tests/derive_layer_anchors.py"
@@ -73,6 +73,16 @@ def smith_correlated(mu_i, mu_o, a):
 
     def big_lambda(mu):
         return (sqrt(1 + a**2 * (1 - mu**2) / mu**2) - 1) / 2
+
+    return 1 / (1 + big_lambda(mu_i) + big_lambda(mu_o))
+
+
+def smith_correlated_beckmann(mu_i, mu_o, a):
+    """The same with Lambda of Beckmann: (erf(x) - 1) / 2 + exp(-x^2) / (2 x sqrt(pi)), x = 1 / (a tan)."""
+
+    def big_lambda(mu):
+        x = mu / (a * sqrt(1 - mu**2))
+        return (erf(x) - 1 + exp(-(x**2)) / (x * sqrt(pi))) / 2
 
     return 1 / (1 + big_lambda(mu_i) + big_lambda(mu_o))
 
@@ -186,28 +196,52 @@ def triace_layered(p, wi, wo):
     return values
 
 
+def chosen(p, mu_i, mu_o, cos_m, cos_h, alpha):
+    """D and G by the options."""
+    D = beckmann if p.get("distribution") == "beckmann" else ggx
+    if p.get("masking") == "cook_torrance":
+        return D(cos_m, alpha), cook_torrance(mu_i, mu_o, cos_m, cos_h)
+    if p.get("distribution") == "beckmann":
+        return D(cos_m, alpha), smith_correlated_beckmann(mu_i, mu_o, alpha)
+    return D(cos_m, alpha), smith_correlated(mu_i, mu_o, alpha)
+
+
+def reflected(p, cos_i, n):
+    """F by the options; n may be complex."""
+    if p.get("fresnel") == "lazanyi":
+        n = mpc(n)
+        top = (n.real - 1) ** 2 + 4 * n.real * (1 - cos_i) ** 5 + n.imag**2
+        return top / ((n.real + 1) ** 2 + n.imag**2)
+    return fresnel(cos_i, n)
+
+
 def car_paint(p, wi, wo):
     """Elek, section 4.1: only the metal's normal is tilted; its BRDF needs cosines alone."""
     n, alpha = p["eta"], p["alpha"]
     h = half(wi, wo)
     c = dot(wo, h)
-    F, G = fresnel(c, n), smith_correlated(wi[2], wo[2], alpha)
-    coat = F * ggx(h[2], alpha) * G / (4 * wi[2] * wo[2])
-    through = (1 - fresnel(wi[2], n)) * (1 - fresnel(wo[2], n))
+    F = reflected(p, c, n)
+    D, G = chosen(p, wi[2], wo[2], h[2], c, alpha)
+    coat = F * D * G / (4 * wi[2] * wo[2])
+    through = (1 - reflected(p, wi[2], n)) * (1 - reflected(p, wo[2], n))
     if p.get("transmission") == "half_vector":
         through = (1 - F) * ((1 - G) + (1 - F) * G)
     if p.get("solid_angle") != "none":
         through /= n**2
     wi_t, wo_t = refract(wi, n), refract(wo, n)
     flake = unit((p["flake_x"], p["flake_y"], mpf(1)))
-    normal = unit((flake[0], flake[1], flake[2] + max(p["distance"], mpf(1))))
+    before = 1 if p.get("tilt") == "added" else 0
+    normal = unit((flake[0], flake[1], flake[2] + max(p["distance"], mpf(1)) + before))
     tilted_i, tilted_o = dot(wi_t, normal), dot(wo_t, normal)
     if tilted_i <= 0 or tilted_o <= 0:
         return [coat] * 3
     h_t = half(wi_t, wo_t)
     a = max(p["metal_alpha"], alpha)
-    facets = ggx(dot(h_t, normal), a) * smith_correlated(tilted_i, tilted_o, a)
-    facets /= 4 * tilted_i * tilted_o
+    D, G = chosen(p, tilted_i, tilted_o, dot(h_t, normal), dot(wo_t, h_t), a)
+    facets = D * G / (4 * tilted_i * tilted_o)
+    paths = (0, 0, tilted_i), (0, 0, tilted_o)
+    if p.get("absorption") != "flake":
+        paths = wi_t, wo_t
     if p.get("flake_cosine") == "light":
         facets *= tilted_i / wi_t[2]
     else:
@@ -215,15 +249,15 @@ def car_paint(p, wi, wo):
     return [
         coat
         + through
-        * kept(s, p["thickness"], wi_t, wo_t)
+        * kept(s, p["thickness"], *paths)
         * facets
-        * fresnel(dot(wo_t, h_t), mpc(eta, k) / n)
+        * reflected(p, dot(wo_t, h_t), mpc(eta, k) / n)
         for s, eta, k in zip(p["sigma_a"], p["metal_eta"], p["metal_k"], strict=True)
     ]
 
 
 def patina(p, wi, wo):
-    """Elek, section 4.2: bare and coated metal, mixed."""
+    """Elek, section 4.2: bare and coated metal, mixed; the index of the metal is not."""
     x = (p["growth"] - (p["extent"] - p["transition"])) / (2 * p["transition"])
     x = min(max(x, mpf(0)), mpf(1))
     grown = 1 - (3 * x**2 - 2 * x**3)
@@ -232,18 +266,17 @@ def patina(p, wi, wo):
     h, wi_t, wo_t = half(wi, wo), refract(wi, index), refract(wo, index)
     h_t, c = half(wi_t, wo_t), dot(wo, h)
     below_alpha = max(alpha, p["alpha"])
-    G = smith_correlated(wi[2], wo[2], p["alpha"])
+    D, G = chosen(p, wi[2], wo[2], h[2], c, p["alpha"])
+    D_bare, G_bare = chosen(p, wi[2], wo[2], h[2], c, alpha)
+    D_t, G_t = chosen(p, wi_t[2], wo_t[2], h_t[2], dot(wo_t, h_t), below_alpha)
     values = []
     for k in range(3):
-        eta = mpc(p["metal_eta"][k], p["metal_k"][k]) * (1 - grown)
-        eta += mpc(p["coat_eta"][k], p["coat_k"][k]) * grown
+        eta = mpc(p["metal_eta"][k], p["metal_k"][k])
         tint = 1 - p["tarnish"] + p["tarnish"] * p["tarnish_tint"][k]
-        bare = tint * fresnel(c, eta) * ggx(h[2], alpha)
-        bare *= smith_correlated(wi[2], wo[2], alpha) / (4 * wi[2] * wo[2])
-        below = tint * fresnel(dot(wo_t, h_t), eta) * ggx(h_t[2], below_alpha)
-        below *= smith_correlated(wi_t[2], wo_t[2], below_alpha) / (4 * wi_t[2] * wo_t[2])
-        F = fresnel(c, mpc(p["coat_eta"][k], p["coat_k"][k]))
-        coat = F * ggx(h[2], p["alpha"]) * G / (4 * wi[2] * wo[2])
+        bare = tint * reflected(p, c, eta) * D_bare * G_bare / (4 * wi[2] * wo[2])
+        below = tint * reflected(p, dot(wo_t, h_t), eta) * D_t * G_t / (4 * wi_t[2] * wo_t[2])
+        F = reflected(p, c, mpc(p["coat_eta"][k], p["coat_k"][k]))
+        coat = F * D * G / (4 * wi[2] * wo[2])
         coat += (1 - p["sigma_a"][k]) * (1 - F) / pi
         through = (1 - F) * ((1 - G) + (1 - F) * G)
         if p.get("solid_angle") != "none":
@@ -329,12 +362,23 @@ PAINT = {
     "flake_y": 0.0,
     "distance": 1.0,
 }
+PRINTED = {"distribution": "beckmann", "masking": "cook_torrance", "fresnel": "lazanyi"}
+PRINTED_PAINT = PRINTED | {
+    "absorption": "flake",
+    "tilt": "added",
+    "flake_cosine": "light",
+    "transmission": "half_vector",
+    "solid_angle": "none",
+}
 CAR_PAINT = [
     PAINT,
     PAINT | {"flake_x": 0.5, "flake_y": -0.7},
     PAINT | {"flake_x": -1.5, "flake_y": 0.4, "solid_angle": "none", "transmission": "half_vector"},
     PAINT | {"flake_x": 0.8, "flake_y": 0.8, "flake_cosine": "light"},
     PAINT | {"flake_x": 1.0, "flake_y": -0.2, "distance": 7.5, "metal_alpha": 0.05},
+    PAINT | {"flake_x": 0.5, "flake_y": -0.7} | PRINTED_PAINT,
+    PAINT | {"flake_x": 0.3, "flake_y": 0.1, "distribution": "beckmann", "tilt": "added"},
+    PAINT | {"flake_x": -0.6, "masking": "cook_torrance", "absorption": "flake"},
 ]
 
 COPPER = {
@@ -359,6 +403,9 @@ PATINA = [
     COPPER | {"extent": 1.65, "growth": 0.9, "thickness": 0.3},
     COPPER | {"extent": 0.15, "growth": 0.4, "tarnish": 1.0, "alpha": 0.3},
     COPPER | {"extent": 0.75, "transition": 0.2, "growth": 0.8, "solid_angle": "none"},
+    COPPER | {"extent": 0.75} | PRINTED | {"solid_angle": "none"},
+    COPPER | {"distribution": "beckmann"},
+    COPPER | {"masking": "cook_torrance", "fresnel": "lazanyi"},
 ]
 
 

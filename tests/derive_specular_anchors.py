@@ -251,8 +251,8 @@ def torrance_sparrow(m, p, wi, wo):
 def torrance_sparrow_pdf(p, wi, wo):
     """Density of wi: of visible normals or of all normals, over 4 wo.H.
 
-    For GGX, and for Blinn-Phong with a masking that is no larger than Smith's: visible GGX normals of Eto
-    and Tokuyoshi's cap, and what they mirror below the horizon is mirrored up again.
+    For GGX, and for Blinn-Phong with a masking that is no larger than Smith's: visible GGX normals, and what
+    they mirror below the horizon is mirrored up again.
     """
     h = half_vector(Exact, wi, wo)
     if p["distribution"] == "beckmann":
@@ -266,8 +266,7 @@ def cap_pdf(p, wi, wo):
     """Density of wo mirrored at GGX normals that are drawn by a uniform direction in a cap.
 
     By the change of variables alone: where facets are stretched to a hemisphere, they mirror wo into a cap
-    of directions around the normal, uniformly (Dupuy & Benyoub 2023); and the cap ends at Eq. 5 of Eto &
-    Tokuyoshi 2023, lower than any that comes from above the horizon.
+    of directions around the normal, uniformly, down to what is opposite (Dupuy & Benyoub 2023).
     """
     ax, ay = alpha_xy(Exact, p)
     if wi[2] + wo[2] <= 0:  # no facet mirrors wo that far down
@@ -279,11 +278,8 @@ def cap_pdf(p, wi, wo):
     seen = (ax * wo[0], ay * wo[1], wo[2])
     seen = tuple(x / mp.sqrt(dot(seen, seen)) for x in seen)
     height = 2 * dot(seen, normal) * normal[2] - seen[2]
-    a2, s2 = min(ax, ay) ** 2, (1 + mp.sqrt(1 - wo[2] ** 2)) ** 2
-    lowest = (1 - a2) * s2 / (s2 + a2 * wo[2] ** 2) * seen[2]
-    if height < -lowest:
-        return mpf(0)
-    uniform = 1 / (2 * mp.pi * (1 + lowest))
+    assert height >= -seen[2]
+    uniform = 1 / (2 * mp.pi * (1 + seen[2]))
     # To the stretched normal, to the normal (a linear map with the determinant 1 / (ax ay)), and to wi
     return uniform * 4 * dot(seen, normal) / (ax * ay * size**3) / (4 * dot(wo, h))
 
@@ -834,7 +830,7 @@ def albedo_rows(name):
 def pdf_rows():
     """Visible normals for GGX and Beckmann, all normals for Blinn-Phong; Gaussian's has no inverse."""
     sources = {
-        "ggx": ("bounded visible normals, folded", "eto2023 Eq. 5"),
+        "ggx": ("visible normals, folded", "dupuy2023 Listing 3"),
         "beckmann": ("visible normals, G1(wo) D / (4 mu_o)", "heitz2014 Eq. 16 and 66"),
         "blinn_phong": ("normals by D, D (m.z) / (4 wo.m)", "walter2007 Eq. 14"),
     }

@@ -7,7 +7,11 @@ flake_y are numbers here, and a texture gives each point its own.
 Deviations: by default light that leaves the coat spreads by 1 / eta^2, without which the metal is eta^2
 times too bright; both crossings of the surface count at the mean normal, because 1 - F(wo.H) lets too much
 of a tilted flake's light through; and a flake counts as much as both light and viewer see of it, so that
-the model stays reciprocal. Options restore all three. The metal's index is taken relative to the coat.
+the model stays reciprocal. Facets are GGX's with Smith's masking instead of Beckmann's with V-cavities, F
+is exact instead of Lazányi's fit, the coat absorbs along paths through the mean surface instead of the
+flake, and a flake counts as much as the normal above it instead of half as much. Options restore each of
+these. No option restores that Algorithm 1 weighs what the metal reflects by the cosine outside, which the
+light that is shone on it has already. The metal's index is taken relative to the coat.
 """
 
 from gonio.claims import UNBOUNDED, Claims, Place, at_most, jump, kink
@@ -26,15 +30,27 @@ from gonio.lang import (
 )
 from gonio.model import Model, option, param
 from gonio.parts.coat import (
+    Round,
     attenuation_least,
-    ggx_facets,
+    facets_of,
     optical_depth,
+    pdf_facet,
+    pdf_facets,
+    reflected_by,
+    sample_facet,
+    sample_facets,
     through_facets,
     usual_cos_half,
 )
-from gonio.parts.distribution import ALPHA_MIN, RoundGGX, ggx_bound, pdf_visible
+from gonio.parts.distribution import ALPHA_MIN
 from gonio.parts.frame import cos_half, half_vector, mirror
-from gonio.parts.fresnel import F_conductor_half, F_dielectric_entering, transmittance_entering
+from gonio.parts.fresnel import (
+    F_conductor_half,
+    F_dielectric_entering,
+    F_lazanyi,
+    transmittance_entering,
+    transmittance_lazanyi,
+)
 from gonio.parts.image import ImageSurface
 from gonio.parts.interface import (
     LOBE_MIN,
@@ -46,10 +62,10 @@ from gonio.parts.interface import (
     refracted_sin2_half,
     refracted_sum,
 )
-from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, shares
+from gonio.parts.lobes import average, choose, shares
 from gonio.parts.metals import metal
 from gonio.parts.roughness import at_least_alpha
-from gonio.parts.tilt import flake_normal, from_tilted, seen, to_tilted
+from gonio.parts.tilt import flake_normal, flake_normal_added, from_tilted, seen, to_tilted
 from gonio.quadrature import NumericAlbedo
 
 CHROMIUM = metal("Cr", neutral=True)
@@ -85,6 +101,19 @@ class CarPaint(Model):
         "both_ways", "half_vector", doc="T(wi) T(wo) at the mean surface, or T12 t of Eq. 2 and 4"
     )
     solid_angle: str = option("compressed", "none", doc="1 / eta^2 for light that leaves the coat")
+    distribution: str = option("ggx", "beckmann", doc="of the coat's facets and of the flakes'")
+    masking: str = option(
+        "smith_correlated",
+        "cook_torrance",
+        doc="of the facets; Elek's are V-cavities, cook_torrance",
+    )
+    fresnel: str = option("exact", "lazanyi", doc="of both layers; Elek's code has Lazányi's fit")
+    absorption: str = option(
+        "surface", "flake", doc="along paths at the mean surface, or at the flake's normal (Elek)"
+    )
+    tilt: str = option(
+        "distance", "added", doc="a flake of 30 degrees tilts the normal by 15, or by 9.9 (Elek)"
+    )
     flake_cosine: str = option(
         "reciprocal", "light", doc="a tilted flake counts as it is seen by both, or as lit (Elek)"
     )
@@ -95,12 +124,20 @@ class CarPaint(Model):
         "Has a kink where light or viewer passes behind a tilted flake, and at flakes that are not tilted.",
         "Elek's original reflects more than it receives with transmission='half_vector', because light "
         "enters at the half vector's angle; more with solid_angle='none', because it leaves into a wider "
-        "angle than it came from; most at eta 3 with tilted flakes.",
+        "angle than it came from; most at eta 3 with tilted flakes. With V-cavities and "
+        "flake_cosine='light' as well, which is all as printed, up to 8 times as much.",
         "flake_cosine='light' is not reciprocal, and jumps where viewer or light passes behind a flake: "
         "nearly edge-on, float32 may take the other side.",
     )
     claims = Claims(
         energy=(
+            at_most(
+                8,
+                transmission="half_vector",
+                solid_angle="none",
+                masking="cook_torrance",
+                flake_cosine="light",
+            ),
             at_most(5.45, transmission="half_vector", solid_angle="none"),
             at_most(2.4, transmission="half_vector"),
             at_most(5.32, solid_angle="none"),
@@ -109,43 +146,47 @@ class CarPaint(Model):
         wasted=at_most(0.9),
         float32=at_most(UNBOUNDED, flake_cosine="light"),
         numeric_albedo=at_most(1e-3),
-        kinks=(kink(Place.ELSEWHERE), jump(Place.IN_A_PARAMETER, flake_cosine="light")),
+        kinks=(
+            kink(Place.ELSEWHERE),
+            kink(Place.EQUAL_COSINES, masking="cook_torrance"),
+            jump(Place.IN_A_PARAMETER, flake_cosine="light"),
+        ),
     )
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """Eq. 2 with a tilted base: BRDF value in 1/sr, without the cosine."""
-        cos_h = cos_half(wi, wo)
-        facets = ggx_facets(half_vector(wi, wo), wi, wo, self.alpha)
-        coat = F_dielectric_entering(cos_h, self.eta) * facets
+        m, cos_h = half_vector(wi, wo), cos_half(wi, wo)
+        facets = self._facets()
+        coat = self._F(cos_h) * reflected_by(facets, wi, wo, m, cos_h, self.masking)
 
         if self.transmission == "half_vector":
-            through = through_facets(wi, wo, self.alpha, transmittance_entering(cos_h, self.eta))
+            T = self._T(cos_h)
+            through = through_facets(facets, wi, wo, m, cos_h, self.masking, T)
         else:
-            through = transmittance_entering(wi.z, self.eta) * transmittance_entering(
-                wo.z, self.eta
-            )
+            through = self._T(wi.z) * self._T(wo.z)
         if self.solid_angle == "compressed":
             through = through / (self.eta * self.eta)
         excess = self.eta - 1
         wi_t, wo_t = refract(wi, excess), refract(wo, excess)
-        kept = attenuation(self._optical_depth(), wi_t, wo_t)
         both = refracted_sum(wi, wo, excess)
-        F = F_conductor_half(
-            0.5 * length(both) / self.eta,
-            refracted_sin2_half(wi, wo, excess),
-            self.metal_eta / self.eta,
-            self.metal_k / self.eta,
-        )
-        return coat + F * self._flake(wi_t, wo_t, both) * (kept * through)
+        cos_t = 0.5 * length(both) / self.eta
+        metal_eta, metal_k = self.metal_eta / self.eta, self.metal_k / self.eta
+        if self.fresnel == "exact":
+            sin2 = refracted_sin2_half(wi, wo, excess)
+            F = F_conductor_half(cos_t, sin2, metal_eta, metal_k)
+        else:
+            F = F_lazanyi(cos_t, metal_eta, metal_k)
+        flake = F * self._flake(wi_t, wo_t, both, cos_t)
+        return coat + flake * (self._kept(wi_t, wo_t) * through)
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
-        """Visible normals of the coat, or of the flake and then out through the coat."""
+        """Normals of the coat, or of the flake and then out through the coat."""
         n, wo_t = self._normal(), refract(wo, self.eta - 1)
         on_coat, v = choose(self._shares(wo, wo_t).x, u)
-        w_coat = sample_ggx_lobe(RoundGGX(self.alpha), wo, v)
-        facets = RoundGGX(self._flake_alpha())
+        w_coat = sample_facets(self._facets(), wo, v, self.masking)
         tilted = self._facing(to_tilted(wo_t, n))
-        flake = mirror(tilted, facets.sample_visible(tilted, v, ggx_bound(facets.alpha, tilted)))
+        m = sample_facet(self._flake_facets(), tilted, v, self.masking)
+        flake = mirror(tilted, m)
         # What the flake mirrors behind itself is wasted.
         w_flake = leave(select(flake.z > 0, from_tilted(flake, n), vec3(0, 0, -1)), self.eta - 1)
         wi = select(on_coat, w_coat, w_flake)
@@ -159,30 +200,54 @@ class CarPaint(Model):
         w = gather(wi, excess)
         gathered = self._pdf_flake(w, wo_t, w + wo_t)
         below = pdf_leave(refracted, gathered, wi, wi_t, excess)
-        coat = pdf_ggx_lobe(RoundGGX(self.alpha), wi, wo)
+        coat = pdf_facets(self._facets(), wi, wo, self.masking)
         P = self._shares(wo, wo_t)
         return P.x * coat + P.y * below
 
     def image_surface(self, mu: Float) -> ImageSurface:
         """What the coat mirrors of a picture."""
-        return ImageSurface(F_dielectric_entering(mu, self.eta), self.alpha)
+        return ImageSurface(self._F(mu), self.alpha)
+
+    def _F(self, cos_theta: Float) -> Float:
+        """Of the coat."""
+        if self.fresnel == "exact":
+            return F_dielectric_entering(cos_theta, self.eta)
+        return F_lazanyi(cos_theta, self.eta, 0)
+
+    def _T(self, cos_theta: Float) -> Float:
+        """1 - F of the coat."""
+        if self.fresnel == "exact":
+            return transmittance_entering(cos_theta, self.eta)
+        return transmittance_lazanyi(cos_theta, self.eta)
 
     def _normal(self) -> Vec3:
+        if self.tilt == "added":
+            return flake_normal_added(self.flake_x, self.flake_y, self.distance)
         return flake_normal(self.flake_x, self.flake_y, self.distance)
 
     def _optical_depth(self) -> Color:
         return optical_depth(self.sigma_a, self.thickness)
 
-    def _flake_alpha(self) -> Float:
-        return maximum(self.metal_alpha, self.alpha)
+    def _kept(self, wi_t: Vec3, wo_t: Vec3) -> Color:
+        """What the coat does not absorb."""
+        if self.absorption == "flake":
+            n = self._normal()
+            wi_t, wo_t = self._facing(to_tilted(wi_t, n)), self._facing(to_tilted(wo_t, n))
+        return attenuation(self._optical_depth(), wi_t, wo_t)
+
+    def _facets(self) -> Round:
+        return facets_of(self.alpha, self.distribution)
+
+    def _flake_facets(self) -> Round:
+        return facets_of(maximum(self.metal_alpha, self.alpha), self.distribution)
 
     def _facing(self, w: Vec3) -> Vec3:
         """w, or the flake's normal in place of a direction behind it, which is masked elsewhere."""
         return select(w.z > MU_MIN, w, vec3(0, 0, 1))
 
-    def _flake(self, wi_t: Vec3, wo_t: Vec3, both: Vec3) -> Float:
+    def _flake(self, wi_t: Vec3, wo_t: Vec3, both: Vec3, cos_t: Float) -> Float:
         """The flake's facets in its own frame; both: eta times the sum of the directions."""
-        n, alpha = self._normal(), self._flake_alpha()
+        n = self._normal()
         tilted_i, tilted_o = to_tilted(wi_t, n), to_tilted(wo_t, n)
         wi, wo = self._facing(tilted_i), self._facing(tilted_o)
         if self.flake_cosine == "light":
@@ -190,15 +255,16 @@ class CarPaint(Model):
         else:
             visible = seen(tilted_i.z, wi_t.z) * seen(tilted_o.z, wo_t.z)
         m = normalize(to_tilted(both, n))
-        return select(tilted_o.z > 0, ggx_facets(m, wi, wo, alpha) * visible, 0)
+        f = reflected_by(self._flake_facets(), wi, wo, m, cos_t, self.masking)
+        return select(tilted_o.z > 0, f * visible, 0)
 
     def _pdf_flake(self, wi_t: Vec3, wo_t: Vec3, both: Vec3) -> Float:
         """Density inside the coat of the flake's part of `sample`; both: along the half vector."""
         n = self._normal()
         tilted_i, tilted_o = to_tilted(wi_t, n), to_tilted(wo_t, n)
-        facets, tilted = RoundGGX(self._flake_alpha()), self._facing(tilted_o)
         m = normalize(to_tilted(both, n))
-        density = pdf_visible(facets, tilted, m, ggx_bound(facets.alpha, tilted))
+        cos_h, facing = cos_half(wi_t, wo_t), self._facing(tilted_o)
+        density = pdf_facet(self._flake_facets(), facing, m, cos_h, self.masking)
         return select((tilted_i.z > 0) & (wi_t.z > 0), density, 0)
 
     def _shares(self, wo: Vec3, wo_t: Vec3) -> Vec2:
@@ -206,13 +272,11 @@ class CarPaint(Model):
         mu = wo.z
         if self.transmission == "half_vector":
             mu = usual_cos_half(wo)
-        below = transmittance_entering(mu, self.eta) * average(
-            attenuation_least(self._optical_depth(), wo_t)
-        )
+        below = self._T(mu) * average(attenuation_least(self._optical_depth(), wo_t))
         tilted = to_tilted(wo_t, self._normal())
         if self.flake_cosine == "light":
             lit = select(tilted.z > 0, below, 0)
         else:
             lit = below * seen(tilted.z, wo_t.z)
-        coat = maximum(F_dielectric_entering(wo.z, self.eta), COAT_SHARE_MIN * below + LOBE_MIN)
+        coat = maximum(self._F(wo.z), COAT_SHARE_MIN * below + LOBE_MIN)
         return shares(coat, lit)

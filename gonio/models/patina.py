@@ -5,10 +5,12 @@ Source: Elek, "Layered materials in real-time rendering", CESCG 2010, section 4.
 `gonio.mitsuba.textures.growth_map` makes. Spatial variation is the host's business: growth is a number
 here, and a texture gives each point its own.
 Deviations: by default light that leaves the coat spreads by 1 / eta^2, without which the metal below is
-eta^2 = 9.5 times too bright; an option restores the original.
+eta^2 = 9.5 times too bright; facets are GGX's with Smith's masking instead of Beckmann's with V-cavities,
+and F is exact instead of Lazányi's fit. Options restore each of these. The index that Elek mixes with the
+patina's as that grows is the one of the environment's reflection alone: the metal below stays copper.
 """
 
-from gonio.claims import Claims, at_most
+from gonio.claims import Claims, Place, at_most, kink
 from gonio.lang import (
     INV_PI,
     Color,
@@ -25,15 +27,27 @@ from gonio.lang import (
 )
 from gonio.model import Model, option, param
 from gonio.parts.coat import (
+    Round,
     attenuation_least,
-    ggx_facets,
+    facets_of,
     optical_depth,
+    pdf_facet,
+    pdf_facets,
+    reflected_by,
+    sample_facet,
+    sample_facets,
     through_facets,
     usual_cos_half,
 )
-from gonio.parts.distribution import ALPHA_MIN, RoundGGX, ggx_bound, pdf_visible
+from gonio.parts.distribution import ALPHA_MIN
 from gonio.parts.frame import cos_half, half_vector, mirror, sin2_half
-from gonio.parts.fresnel import F_conductor, F_conductor_half, transmittance_conductor
+from gonio.parts.fresnel import (
+    F_conductor_half,
+    F_lazanyi,
+    Split,
+    split_conductor,
+    transmittance_lazanyi_conductor,
+)
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
 from gonio.parts.image import ImageSurface
 from gonio.parts.interface import (
@@ -46,7 +60,7 @@ from gonio.parts.interface import (
     refracted_sin2_half,
     refracted_sum,
 )
-from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, shares
+from gonio.parts.lobes import average, choose, shares
 from gonio.parts.metals import metal
 from gonio.parts.roughness import at_least_alpha
 from gonio.parts.special import sum3
@@ -84,38 +98,48 @@ class Patina(Model):
     tarnish: Float = param(0.5, 0, 1, "how much the metal has darkened; a texture can drive it")
     tarnish_tint: Color = param((0.45, 0.2, 0.08), 0, 1, "colour of the metal at tarnish 1")
     solid_angle: str = option("compressed", "none", doc="1 / eta^2 for light that leaves the coat")
+    distribution: str = option("ggx", "beckmann", doc="of the patina's facets and of the metal's")
+    masking: str = option(
+        "smith_correlated",
+        "cook_torrance",
+        doc="of the facets; Elek's are V-cavities, cook_torrance",
+    )
+    fresnel: str = option("exact", "lazanyi", doc="of both layers; Elek's code has Lazányi's fit")
     caveats = (
         "Wastes the samples that the metal below the patina mirrors sideways: less than 1 % by default, "
-        "and at most 5.5 %, where the patina's index is 1.",
+        "and at most 5.5 %, where the patina's index is 1; half of them with V-cavities.",
         "The patina's diffuse part is added without being taken from what passes through it, so that a "
         "thin white patina over a mirror reflects more than it receives, and much more with every index "
-        "free or solid_angle='none'. The default stays below 0.81.",
+        "free or solid_angle='none'. The default stays below 0.83.",
     )
     claims = Claims(
-        energy=(at_most(10.1, solid_angle="none"), at_most(2.75)),
-        wasted=at_most(0.055),
+        energy=(at_most(15, solid_angle="none"), at_most(3.1)),
+        wasted=(at_most(0.51, masking="cook_torrance"), at_most(0.055)),
+        kinks=(
+            kink(Place.EQUAL_COSINES, masking="cook_torrance"),
+            kink(Place.ELSEWHERE, masking="cook_torrance"),
+        ),
         numeric_albedo=at_most(1e-3),
     )
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """The bare and the coated metal, mixed: BRDF value in 1/sr, without the cosine."""
-        alpha = self._metal_alpha()
-        F = self._metal_F(cos_half(wi, wo), sin2_half(wi, wo))
-        bare = F * ggx_facets(half_vector(wi, wo), wi, wo, alpha)
+        m, cos_h = half_vector(wi, wo), cos_half(wi, wo)
+        F = self._metal_F(cos_h, sin2_half(wi, wo))
+        bare = F * reflected_by(self._bare_facets(), wi, wo, m, cos_h, self.masking)
         return self._bare() * bare + self._grown() * self._coated(wi, wo)
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """One of the bare metal, the patina's surface, its diffuse part, and the metal below."""
         P_bare, P_coat, P_diffuse = self._shares(wo)
         excess = self._excess()
-        below = RoundGGX(self._below_alpha())
         on_bare, v = choose(P_bare.x, u)
         on_coat, s = choose(P_coat.x, v)
         on_diffuse, t = choose(P_diffuse.x, s)
-        w_bare = sample_ggx_lobe(RoundGGX(self._metal_alpha()), wo, v)
-        w_coat = sample_ggx_lobe(RoundGGX(self.alpha), wo, s)
+        w_bare = sample_facets(self._bare_facets(), wo, v, self.masking)
+        w_coat = sample_facets(self._facets(), wo, s, self.masking)
         wo_t = refract(wo, excess)
-        m = below.sample_visible(wo_t, t, ggx_bound(below.alpha, wo_t))
+        m = sample_facet(self._facets_below(), wo_t, t, self.masking)
         w_below = leave(mirror(wo_t, m), excess)
         w_patina = select(on_coat, w_coat, select(on_diffuse, sample_cosine(t), w_below))
         wi = select(on_bare, w_bare, w_patina)
@@ -125,19 +149,19 @@ class Patina(Model):
         """Density of `sample` in 1/sr."""
         P_bare, P_coat, P_diffuse = self._shares(wo)
         excess = self._excess()
-        facets = RoundGGX(self._below_alpha())
         wi_t, wo_t = refract(wi, excess), refract(wo, excess)
-        m = normalize(refracted_sum(wi, wo, excess))
-        m_gathered = half_vector(gather(wi, excess), wo_t)
-        bound = ggx_bound(facets.alpha, wo_t)
-        refracted = pdf_visible(facets, wo_t, m, bound)
-        gathered = pdf_visible(facets, wo_t, m_gathered, bound)
+        refracted = self._pdf_below(wi_t, wo_t, normalize(refracted_sum(wi, wo, excess)))
+        w = gather(wi, excess)
+        gathered = self._pdf_below(w, wo_t, half_vector(w, wo_t))
         below = pdf_leave(refracted, gathered, wi, wi_t, excess)
-        patina = P_diffuse.x * pdf_cosine(wi) + P_diffuse.y * below
-        coat = pdf_ggx_lobe(RoundGGX(self.alpha), wi, wo)
-        patina = P_coat.x * coat + P_coat.y * patina
-        bare = pdf_ggx_lobe(RoundGGX(self._metal_alpha()), wi, wo)
-        return P_bare.x * bare + P_bare.y * patina
+        coat = pdf_facets(self._facets(), wi, wo, self.masking)
+        bare = pdf_facets(self._bare_facets(), wi, wo, self.masking)
+        inside = P_diffuse.x * pdf_cosine(wi) + P_diffuse.y * below
+        return P_bare.x * bare + P_bare.y * (P_coat.x * coat + P_coat.y * inside)
+
+    def _pdf_below(self, wi_t: Vec3, wo_t: Vec3, m: Vec3) -> Float:
+        """Density of what the metal below mirrors, inside the patina."""
+        return pdf_facet(self._facets_below(), wo_t, m, cos_half(wi_t, wo_t), self.masking)
 
     def image_surface(self, mu: Float) -> ImageSurface:
         """What the surface mirrors of a picture: the index is mixed as the patina grows (Elek)."""
@@ -162,9 +186,15 @@ class Patina(Model):
     def _metal_alpha(self) -> Float:
         return self._bare() * self.bare_alpha + self._grown() * self.grown_alpha
 
-    def _below_alpha(self) -> Float:
-        """The metal's width under the patina, at least that of the patina itself (Figure 2)."""
-        return maximum(self._metal_alpha(), self.alpha)
+    def _facets(self) -> Round:
+        return facets_of(self.alpha, self.distribution)
+
+    def _bare_facets(self) -> Round:
+        return facets_of(self._metal_alpha(), self.distribution)
+
+    def _facets_below(self) -> Round:
+        """The metal's under the patina, at least as wide as those of the patina itself (Figure 2)."""
+        return facets_of(maximum(self._metal_alpha(), self.alpha), self.distribution)
 
     def _optical_depth(self) -> Color:
         return optical_depth(self.sigma_a, self.thickness)
@@ -174,39 +204,46 @@ class Patina(Model):
         return average(self.coat_eta - 1)
 
     def _metal_F(self, cos_h: Float, sin2_h: Float) -> Color:
-        """The metal's reflectance: its index turns into the patina's as that grows, and it tarnishes."""
-        bare, grown = self._bare(), self._grown()
-        eta = bare * self.metal_eta + grown * self.coat_eta
-        k = bare * self.metal_k + grown * self.coat_k
-        return F_conductor_half(cos_h, sin2_h, eta, k) * lerp(1, self.tarnish_tint, self.tarnish)
+        """The metal's reflectance, as far as it has tarnished."""
+        tint = lerp(1, self.tarnish_tint, self.tarnish)
+        if self.fresnel == "lazanyi":
+            return F_lazanyi(cos_h, self.metal_eta, self.metal_k) * tint
+        return F_conductor_half(cos_h, sin2_h, self.metal_eta, self.metal_k) * tint
+
+    def _surface(self, cos_theta: Float) -> Split:
+        """Of the patina."""
+        if self.fresnel == "lazanyi":
+            return Split(
+                F_lazanyi(cos_theta, self.coat_eta, self.coat_k),
+                transmittance_lazanyi_conductor(cos_theta, self.coat_eta, self.coat_k),
+            )
+        return split_conductor(cos_theta, self.coat_eta, self.coat_k)
 
     def _coated(self, wi: Vec3, wo: Vec3) -> Color:
         """Eq. 2 with a coat that scatters."""
-        cos_h, excess = cos_half(wi, wo), self._excess()
-        index = 1 + excess
-        F = F_conductor(cos_h, self.coat_eta, self.coat_k)
-        T = transmittance_conductor(cos_h, self.coat_eta, self.coat_k)
-        surface = (
-            F * ggx_facets(half_vector(wi, wo), wi, wo, self.alpha)
-            + (1 - self.sigma_a) * T * INV_PI
-        )
+        m, cos_h, excess = half_vector(wi, wo), cos_half(wi, wo), self._excess()
+        index, surface = 1 + excess, self._surface(cos_h)
+        facets = self._facets()
+        glossy = reflected_by(facets, wi, wo, m, cos_h, self.masking)
+        coat = surface.F * glossy + (1 - self.sigma_a) * surface.T * INV_PI
 
-        through = through_facets(wi, wo, self.alpha, T)
+        through = through_facets(facets, wi, wo, m, cos_h, self.masking, surface.T)
         if self.solid_angle == "compressed":
             through = through / (index * index)
         wi_t, wo_t = refract(wi, excess), refract(wo, excess)
         kept = attenuation(self._optical_depth(), wi_t, wo_t)
         both = refracted_sum(wi, wo, excess)
-        metal = self._metal_F(0.5 * length(both) / index, refracted_sin2_half(wi, wo, excess))
-        metal = metal * ggx_facets(normalize(both), wi_t, wo_t, self._below_alpha())
-        return surface + metal * through * kept
+        cos_t = 0.5 * length(both) / index
+        F = self._metal_F(cos_t, refracted_sin2_half(wi, wo, excess))
+        below = self._facets_below()
+        metal = F * reflected_by(below, wi_t, wo_t, normalize(both), cos_t, self.masking)
+        return coat + metal * through * kept
 
     def _shares(self, wo: Vec3) -> tuple[Vec2, Vec2, Vec2]:
         """Probabilities: bare metal or patina; of that, surface or not; of the rest, diffuse or below."""
         grown = self._grown()
         wo_t = refract(wo, self._excess())
-        F = F_conductor(wo.z, self.coat_eta, self.coat_k)
-        T = transmittance_conductor(usual_cos_half(wo), self.coat_eta, self.coat_k)
+        F, T = self._surface(wo.z).F, self._surface(usual_cos_half(wo)).T
         F_metal = self._metal_F(wo.z, (1 - wo.z) * (1 + wo.z))
         bare = self._bare() * average(F_metal)
         coat = grown * average(F)

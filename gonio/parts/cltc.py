@@ -33,7 +33,8 @@ from gonio.lang import (
 from gonio.parts.frame import azimuth, from_frame, to_frame
 from gonio.parts.hemisphere import pdf_uniform, sample_uniform
 
-# Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32.
+# Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32. Below it are numbers
+# that some machines take as 0, so it ends there for all.
 R_MIN = 1e-37
 
 # Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
@@ -131,7 +132,7 @@ def pdf_cltc(wi: Vec3, wo: Vec3, r: Float) -> Float:
 def uniform_share(mu: Float, r: Float) -> Float:
     """P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights."""
     fit = 0.162925 + mu * (-0.372058 + (0.538233 - 0.290822 * mu) * mu)
-    return select(r > 0, power(maximum(r, R_MIN), 0.1) * fit, 0)
+    return select(r > R_MIN, power(maximum(r, R_MIN), 0.1) * fit, 0)
 
 
 def sample_cltc_uniform(wo: Vec3, r: Float, u: Vec2) -> Vec3:

@@ -3,22 +3,79 @@
 Source: Elek, "Layered materials in real-time rendering", CESCG 2010, Eq. 2 to 4.
 """
 
-from gonio.lang import Color, Float, Vec3, vec3
-from gonio.parts.distribution import RoundGGX
+from gonio.lang import Color, Float, Vec2, Vec3, vec3
+from gonio.parts.distribution import RoundBeckmann, RoundGGX, ggx_bound, pdf_visible
+from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
 from gonio.parts.interface import attenuation
-from gonio.parts.masking import V_smith_correlated
+from gonio.parts.lobes import pdf_ggx_lobe, sample_ggx_lobe
+from gonio.parts.masking import G_cook_torrance, V_cook_torrance, V_smith_correlated
+
+# --- facets ----------------------------------------------------------------------------------------
+# masking is "smith_correlated" or "cook_torrance": V-cavities. m is the half vector, which both directions
+# meet at cos_h.
+
+Round = RoundBeckmann | RoundGGX
 
 
-def ggx_facets(m: Vec3, wi: Vec3, wo: Vec3, alpha: Float) -> Float:
-    """D G / (4 mu_i mu_o) of GGX with height-correlated Smith at the half vector m; F is missing."""
-    facets = RoundGGX(alpha)
+def facets_of(alpha: Float, distribution: str) -> Round:
+    """Facets of a width; distribution is "ggx" or "beckmann"."""
+    if distribution == "beckmann":
+        return RoundBeckmann(alpha)
+    return RoundGGX(alpha)
+
+
+def reflected_by(facets: Round, wi: Vec3, wo: Vec3, m: Vec3, cos_h: Float, masking: str) -> Float:
+    """D G / (4 mu_i mu_o); F is missing."""
+    if masking == "cook_torrance":
+        return facets.D(m) * V_cook_torrance(wi, wo, m.z, cos_h)
     return facets.D(m) * V_smith_correlated(facets, wi, wo)
 
 
-def through_facets(wi: Vec3, wo: Vec3, alpha: Float, T: Color) -> Color:
-    """T12 t of Eq. 2 and 4 with t = (1 - G) + T21 G, T21 = T12 = T at the half vector, and GGX's G."""
-    G = 4 * wi.z * wo.z * V_smith_correlated(RoundGGX(alpha), wi, wo)
+def through_facets(
+    facets: Round, wi: Vec3, wo: Vec3, m: Vec3, cos_h: Float, masking: str, T: Color
+) -> Color:
+    """T12 t of Eq. 2 and 4 with t = (1 - G) + T21 G, T21 = T12 = T at the half vector."""
+    if masking == "cook_torrance":
+        G = G_cook_torrance(wi, wo, m.z, cos_h)
+    else:
+        G = 4 * wi.z * wo.z * V_smith_correlated(facets, wi, wo)
     return T * ((1 - G) + T * G)
+
+
+# Visible normals need a G that is no larger than Smith's G1: with V-cavities the weights would grow like
+# alpha / mu_o in the horizon. Those of all normals are at most 2. GGX's normals serve for Beckmann facets,
+# whose density is at most 4 / e of theirs.
+
+
+def sample_facet(facets: Round, wo: Vec3, u: Vec2, masking: str) -> Vec3:
+    """A facet's normal."""
+    if masking == "cook_torrance":
+        return facets.sample(u)
+    return RoundGGX(facets.alpha).sample_visible(wo, u, ggx_bound(facets.alpha, wo))
+
+
+def pdf_facet(facets: Round, wo: Vec3, m: Vec3, cos_h: Float, masking: str) -> Float:
+    """Density of wo mirrored at `sample_facet`, in 1/sr."""
+    if masking == "cook_torrance":
+        return pdf_mirror(facets.density(m), cos_h)
+    return pdf_visible(RoundGGX(facets.alpha), wo, m, ggx_bound(facets.alpha, wo))
+
+
+def sample_facets(facets: Round, wo: Vec3, u: Vec2, masking: str) -> Vec3:
+    """A direction that the uppermost facets mirror."""
+    if masking == "cook_torrance":
+        return mirror(wo, facets.sample(u))
+    return sample_ggx_lobe(RoundGGX(facets.alpha), wo, u)
+
+
+def pdf_facets(facets: Round, wi: Vec3, wo: Vec3, masking: str) -> Float:
+    """Density of `sample_facets` in 1/sr."""
+    if masking == "cook_torrance":
+        return pdf_mirror(facets.density(half_vector(wi, wo)), cos_half(wi, wo))
+    return pdf_ggx_lobe(RoundGGX(facets.alpha), wi, wo)
+
+
+# --- absorption ------------------------------------------------------------------------------------
 
 
 def optical_depth(sigma_a: Color, thickness: Float) -> Color:

@@ -127,21 +127,13 @@ class GGX(NamedTuple):
     def D(self, m: Vec3) -> Float:
         """Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic)."""
         # (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-        s = self.spread(m)
-        return INV_PI / (self.alpha_x * self.alpha_y * s * s)
-
-    def spread(self, m: Vec3) -> Float:
-        """Square of m in units of the widths: D falls with its square."""
         v = vec3(m.x / self.alpha_x, m.y / self.alpha_y, m.z)
-        return dot(v, v)
+        s = dot(v, v)
+        return INV_PI / (self.alpha_x * self.alpha_y * s * s)
 
     def area(self, w: Vec3) -> Float:
         """mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made."""
         return length(vec3(self.alpha_x * w.x, self.alpha_y * w.y, w.z))
-
-    def least(self) -> Float:
-        """The smaller width."""
-        return minimum(self.alpha_x, self.alpha_y)
 
     def sample(self, u: Vec2) -> Vec3:
         """A normal with density D m.z. Walter et al., Eq. 35 and 36."""
@@ -185,19 +177,10 @@ class RoundGGX(NamedTuple):
         s = dot(v, v)
         return INV_PI * self.alpha * self.alpha / (s * s)
 
-    def spread(self, m: Vec3) -> Float:
-        """Square of m in units of the width."""
-        v = vec3(m.x, m.y, self.alpha * m.z)
-        return dot(v, v) / (self.alpha * self.alpha)
-
     def area(self, w: Vec3) -> Float:
         """mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made."""
         a2 = self.alpha * self.alpha
         return sqrt(a2 + (1 - a2) * (w.z * w.z))
-
-    def least(self) -> Float:
-        """The width."""
-        return self.alpha
 
     def sample(self, u: Vec2) -> Vec3:
         """A normal with density D m.z."""

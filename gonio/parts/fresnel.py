@@ -5,6 +5,8 @@ unpolarised light. eta is the relative index n_inside / n_outside, k the extinct
 may be numbers or colours.
 """
 
+from typing import NamedTuple
+
 from gonio.lang import (
     MU_MIN,
     Color,
@@ -85,7 +87,8 @@ def F_conductor_half(cos_h: Float, sin2_h: Float, eta: Color, k: Color) -> Color
     contrast_re, half_im = (eta - 1) * (eta + 1) - k * k, eta * k + ROOT_MIN
     c2 = c * c
     # The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
-    w_re = select(c > NEAR_NORMAL, (eta - k) * (eta + k) - sin2_h, contrast_re + c2)
+    near = cos_h > NEAR_NORMAL
+    w_re = select(near, eta * eta - k * k, contrast_re) + select(near, -sin2_h, c2)
     im = 2 * half_im
     w_abs = sqrt(w_re * w_re + im * im)
     # Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
@@ -165,22 +168,43 @@ def transmittance_lazanyi(cos_theta: Float, eta: Float) -> Float:
     return 4 * eta / (above * above) * schlick_complement(cos_theta)
 
 
-def transmittance_conductor(cos_theta: Float, eta: Color, k: Color) -> Color:
-    """1 - F of a conductor; exact where it nearly vanishes."""
+def transmittance_lazanyi_conductor(cos_theta: Float, eta: Color, k: Color) -> Color:
+    """1 - F of Lazányi's approximation for a metal."""
+    above = eta + 1
+    return 4 * eta / (above * above + k * k) * schlick_complement(cos_theta)
+
+
+class Split(NamedTuple):
+    """What becomes of light at a surface."""
+
+    F: Color
+    """Is reflected."""
+    T: Color
+    """Enters."""
+
+
+def split_conductor(cos_theta: Float, eta: Color, k: Color) -> Split:
+    """`F_conductor` of what is denser than the medium above, and 1 - F, exact where it nearly vanishes."""
     # With eps = (eta + i k)^2 and g^2 = eps - 1 + c^2: 1 - R_s = 4 c Re(g) / |c + g|^2, and 1 - R_p is
-    # 4 c Re(conj(g) eps) / |eps c + g|^2.
+    # 4 c Re(conj(g) eps) / |eps c + g|^2. The roots are those of F.
     c = cos_theta
-    eps_re, eps_im = (eta - k) * (eta + k), 2 * (eta * k + ROOT_MIN)
-    w_re = (eta - 1) * (eta + 1) - k * k + c * c
+    contrast_re, half_im = (eta - 1) * (eta + 1) - k * k, eta * k + ROOT_MIN
+    eps_re, eps_im = (eta - k) * (eta + k), 2 * half_im
+    c2, sin2 = c * c, _sin2(c)
+    w_re = contrast_re + c2
     w_abs = sqrt(w_re * w_re + eps_im * eps_im)
-    # Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     large = sqrt(0.5 * (w_abs + absolute(w_re)))
-    small = 0.5 * eps_im / large
+    small = half_im / large
     g_re, g_im = select(w_re > 0, large, small), select(w_re > 0, small, large)
-    s_re, p_re, p_im = c + g_re, eps_re * c + g_re, eps_im * c + g_im
-    T_s = g_re / (s_re * s_re + g_im * g_im)
+    cross = 2 * c * g_re
+    s_abs2 = c2 + w_abs + cross
+    p = c2 * w_abs + sin2 * sin2
+    r_re, r_im = contrast_re / s_abs2, eps_im / s_abs2
+    p_re, p_im = eps_re * c + g_re, eps_im * c + g_im
     T_p = (eps_re * g_re + eps_im * g_im) / (p_re * p_re + p_im * p_im)
-    return 2 * c * (T_s + T_p)
+    return Split(
+        (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2)), 2 * c * (g_re / s_abs2 + T_p)
+    )
 
 
 def F_below(cos_theta: Float, n1: Float, n2: Float) -> Float:

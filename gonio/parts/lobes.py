@@ -23,7 +23,7 @@ from gonio.lang import (
     vec2,
     vec3,
 )
-from gonio.parts.distribution import GGX, RoundGGX, ggx_bound
+from gonio.parts.distribution import GGX, RoundGGX, pdf_visible
 from gonio.parts.frame import half_vector, mirror
 from gonio.parts.special import log1p
 
@@ -87,27 +87,23 @@ def choose(probability: Float, u: Vec2) -> Choice:
 def sample_ggx_lobe(facets: GGX | RoundGGX, wo: Vec3, u: Vec2) -> Vec3:
     """wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 
-    That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
-    both, no weight grows.
+    No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
+    (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
     """
-    w = mirror(wo, facets.sample_visible(wo, u, ggx_bound(facets.least(), wo)))
+    w = mirror(wo, facets.sample_visible(wo, u))
     return vec3(w.x, w.y, absolute(w.z))
 
 
 def pdf_ggx_lobe(facets: GGX | RoundGGX, wi: Vec3, wo: Vec3) -> Float:
     """Density of `sample_ggx_lobe` in 1/sr."""
-    bound = ggx_bound(facets.least(), wo)
-    straight = facets.D(half_vector(wi, wo))
+    straight = pdf_visible(facets, wo, half_vector(wi, wo))
     # The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    fall = wo.z - wi.z
-    image = vec3(wi.x, wi.y, select(fall > 0, -wi.z, wi.z))
+    exists = wo.z > wi.z
+    image = vec3(wi.x, wi.y, select(exists, -wi.z, wi.z))
     # The least lift, for two that are equally high but for their last digits
     higher = vec3(wo.x, wo.y, wo.z + MU_MIN)
-    m = half_vector(image, higher)
-    # Where the cap of `GGX.sample_visible` ends
-    left = fall > (1 - bound) * wo.z * facets.spread(m)
-    folded = select(left, facets.D(m), 0)
-    return 0.5 * (straight + folded) / (bound * wo.z + facets.area(wo))
+    folded = pdf_visible(facets, wo, half_vector(image, higher))
+    return straight + select(exists, folded, 0)
 
 
 def cos_power(m: Vec3, exponent: Float) -> Float:

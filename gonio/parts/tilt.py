@@ -14,6 +14,11 @@ def flake_normal(slope_x: Float, slope_y: Float, distance: Float) -> Vec3:
     return normalize(vec3(flake.x, flake.y, flake.z + maximum(distance, 1)))
 
 
+def flake_normal_added(slope_x: Float, slope_y: Float, distance: Float) -> Vec3:
+    """The same as Elek's code has it, which adds both to the normal N of before: one N more."""
+    return flake_normal(slope_x, slope_y, maximum(distance, 1) + 1)
+
+
 def to_tilted(w: Vec3, n: Vec3) -> Vec3:
     """w in the frame of n, turned there the shortest way; n.z > 0."""
     # Its sign decides whether the surface is seen at all: the last digits count.

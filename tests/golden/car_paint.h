@@ -8,7 +8,11 @@
 // Deviations: by default light that leaves the coat spreads by 1 / eta^2, without which the metal is eta^2
 // times too bright; both crossings of the surface count at the mean normal, because 1 - F(wo.H) lets too
 // much of a tilted flake's light through; and a flake counts as much as both light and viewer see of it, so
-// that the model stays reciprocal. Options restore all three. The metal's index is taken relative to the
+// that the model stays reciprocal. Facets are GGX's with Smith's masking instead of Beckmann's with
+// V-cavities, F is exact instead of Lazanyi's fit, the coat absorbs along paths through the mean surface
+// instead of the flake, and a flake counts as much as the normal above it instead of half as much. Options
+// restore each of these. No option restores that Algorithm 1 weighs what the metal reflects by the cosine
+// outside, which the light that is shone on it has already. The metal's index is taken relative to the
 // coat.
 //
 // C++, made by gonio from gonio/models/car_paint.py.
@@ -162,8 +166,10 @@ struct CarPaintSample {
     float pdf;  // its density in 1/sr; 0 marks a wasted sample
 };
 
-// car_paint: One flake's worth of metallic paint; a map of flakes makes it sparkle. Reciprocal. Exported
-// with transmission='both_ways', solid_angle='compressed', flake_cosine='reciprocal'.
+// car_paint: One flake's worth of metallic paint; a map of flakes makes it sparkle. Reciprocal.
+// Exported with transmission='both_ways', solid_angle='compressed', distribution='ggx',
+// masking='smith_correlated', fresnel='exact', absorption='surface', tilt='distance',
+// flake_cosine='reciprocal'.
 struct CarPaint {
     float eta;  // index of the clear coat; 1 to 3, default 1.5
     float alpha;  // slope width of the coat's facets; 0.0001 to 1, default 0.03
@@ -198,41 +204,21 @@ struct CarPaintGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
-// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
-inline float car_paint_cos_half(Vec3 wi, Vec3 wo) {
-    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5f * length(wi + wo);
-}
-
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 car_paint_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
     return h / length(h);  // which car_paint_cos_half needs as well
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33.
-inline float car_paint_round_ggx_D(CarPaintRoundGGX round_ggx, Vec3 m) {
-    Vec3 v = Vec3{m.x, m.y, round_ggx.alpha * m.z};
-    float s = dot(v, v);
-    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+inline float car_paint_cos_half(Vec3 wi, Vec3 wo) {
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return 0.5f * length(wi + wo);
 }
 
-// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
-inline float car_paint_round_ggx_area(CarPaintRoundGGX round_ggx, Vec3 w) {
-    float a2 = round_ggx.alpha * round_ggx.alpha;
-    return sqrtf(a2 + (1.0f - a2) * (w.z * w.z));
-}
-
-// G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
-inline float car_paint_V_smith_correlated(CarPaintRoundGGX facets, Vec3 wi, Vec3 wo) {
-    return 0.5f / (wo.z * car_paint_round_ggx_area(facets, wi)
-        + wi.z * car_paint_round_ggx_area(facets, wo));
-}
-
-// D G / (4 mu_i mu_o) of GGX with height-correlated Smith at the half vector m; F is missing.
-inline float car_paint_ggx_facets(Vec3 m, Vec3 wi, Vec3 wo, float alpha) {
-    CarPaintRoundGGX facets = CarPaintRoundGGX{alpha};
-    return car_paint_round_ggx_D(facets, m) * car_paint_V_smith_correlated(facets, wi, wo);
+// Facets of a width; distribution is "ggx" or "beckmann".
+inline CarPaintRoundGGX car_paint_facets_of(float alpha) {
+    return CarPaintRoundGGX{alpha};
 }
 
 // eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
@@ -263,6 +249,30 @@ inline float car_paint_F_dielectric_entering(float cos_theta, float eta) {
     return car_paint_F_dielectric(cos_theta, 1.0f - cos_theta * cos_theta, eta, g2);
 }
 
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+inline float car_paint_round_ggx_D(CarPaintRoundGGX round_ggx, Vec3 m) {
+    Vec3 v = Vec3{m.x, m.y, round_ggx.alpha * m.z};
+    float s = dot(v, v);
+    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
+}
+
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
+inline float car_paint_round_ggx_area(CarPaintRoundGGX round_ggx, Vec3 w) {
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    return sqrtf(a2 + (1.0f - a2) * (w.z * w.z));
+}
+
+// G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
+inline float car_paint_V_smith_correlated(CarPaintRoundGGX facets, Vec3 wi, Vec3 wo) {
+    return 0.5f / (wo.z * car_paint_round_ggx_area(facets, wi)
+        + wi.z * car_paint_round_ggx_area(facets, wo));
+}
+
+// D G / (4 mu_i mu_o); F is missing.
+inline float car_paint_reflected_by(CarPaintRoundGGX facets, Vec3 wi, Vec3 wo, Vec3 m) {
+    return car_paint_round_ggx_D(facets, m) * car_paint_V_smith_correlated(facets, wi, wo);
+}
+
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
 inline float car_paint_transmittance_entering(float mu, float eta) {
     // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2 with q
@@ -288,18 +298,6 @@ inline float car_paint_eta2_cos2(float mu, float excess) {
 // The direction inside a layer with eta >= 1 that belongs to w outside.
 inline Vec3 car_paint_refract(Vec3 w, float excess) {
     return Vec3{w.x, w.y, sqrtf(car_paint_eta2_cos2(w.z, excess))} / (1.0f + excess);
-}
-
-// Absorption times thickness, for each channel.
-inline Vec3 car_paint_coat_optical_depth(Vec3 sigma_a, float thickness) {
-    return sigma_a * Vec3{thickness, thickness, thickness};
-}
-
-// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
-//
-// wi, wo: refracted directions. optical_depth: absorption times thickness.
-inline Vec3 car_paint_attenuation(Vec3 optical_depth, Vec3 wi, Vec3 wo) {
-    return exp(-optical_depth * (1.0f / wi.z + 1.0f / wo.z));
 }
 
 // eta times the sum of both refracted directions, which has their half vector's direction.
@@ -331,7 +329,8 @@ inline Vec3 car_paint_F_conductor_half(float cos_h, float sin2_h, Vec3 eta, Vec3
     Vec3 half_im = eta * k + ROOT_MIN;
     float c2 = c * c;
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
-    Vec3 w_re = c > NEAR_NORMAL ? (eta - k) * (eta + k) - sin2_h : contrast_re + c2;
+    bool near = cos_h > NEAR_NORMAL;
+    Vec3 w_re = (near ? eta * eta - k * k : contrast_re) + (near ? -sin2_h : c2);
     Vec3 im = 2.0f * half_im;
     Vec3 w_abs = sqrt(w_re * w_re + im * im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
@@ -354,10 +353,6 @@ inline Vec3 car_paint_F_conductor_half(float cos_h, float sin2_h, Vec3 eta, Vec3
 inline Vec3 car_paint_flake_normal(float slope_x, float slope_y, float distance) {
     Vec3 flake = normalize(Vec3{slope_x, slope_y, 1.0f});
     return normalize(Vec3{flake.x, flake.y, flake.z + fmaxf(distance, 1.0f)});
-}
-
-inline float car_paint_flake_alpha(const CarPaint& params) {
-    return fmaxf(params.metal_alpha, params.alpha);
 }
 
 // s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
@@ -388,17 +383,39 @@ inline float car_paint_seen(float cos_tilted, float mu) {
     return fminf(fmaxf(cos_tilted, 0.0f) / mu, 1.0f);
 }
 
+inline CarPaintRoundGGX car_paint_flake_facets(const CarPaint& params) {
+    return car_paint_facets_of(fmaxf(params.metal_alpha, params.alpha));
+}
+
 // The flake's facets in its own frame; both: eta times the sum of the directions.
 inline float car_paint_flake(const CarPaint& params, Vec3 wi_t, Vec3 wo_t, Vec3 both) {
     Vec3 n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
-    float alpha = car_paint_flake_alpha(params);
     Vec3 tilted_i = car_paint_to_tilted(wi_t, n);
     Vec3 tilted_o = car_paint_to_tilted(wo_t, n);
     Vec3 wi = car_paint_facing(tilted_i);
     Vec3 wo = car_paint_facing(tilted_o);
     float visible_ = car_paint_seen(tilted_i.z, wi_t.z) * car_paint_seen(tilted_o.z, wo_t.z);
     Vec3 m = normalize(car_paint_to_tilted(both, n));
-    return tilted_o.z > 0.0f ? car_paint_ggx_facets(m, wi, wo, alpha) * visible_ : 0.0f;
+    float f = car_paint_reflected_by(car_paint_flake_facets(params), wi, wo, m);
+    return tilted_o.z > 0.0f ? f * visible_ : 0.0f;
+}
+
+// Absorption times thickness, for each channel.
+inline Vec3 car_paint_coat_optical_depth(Vec3 sigma_a, float thickness) {
+    return sigma_a * Vec3{thickness, thickness, thickness};
+}
+
+// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+//
+// wi, wo: refracted directions. optical_depth: absorption times thickness.
+inline Vec3 car_paint_attenuation(Vec3 optical_depth, Vec3 wi, Vec3 wo) {
+    return exp(-optical_depth * (1.0f / wi.z + 1.0f / wo.z));
+}
+
+// What the coat does not absorb.
+inline Vec3 car_paint_kept(const CarPaint& params, Vec3 wi_t, Vec3 wo_t) {
+    return car_paint_attenuation(car_paint_coat_optical_depth(params.sigma_a, params.thickness),
+        wi_t, wo_t);
 }
 
 // Eq. 2 with a tilted base: BRDF value in 1/sr, without the cosine.
@@ -406,9 +423,11 @@ inline Vec3 car_paint_eval(const CarPaint& params, Vec3 wi, Vec3 wo) {
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
+    Vec3 m = car_paint_half_vector(wi, wo);
     float cos_h = car_paint_cos_half(wi, wo);
-    float facets = car_paint_ggx_facets(car_paint_half_vector(wi, wo), wi, wo, params.alpha);
-    float coat = car_paint_F_dielectric_entering(cos_h, params.eta) * facets;
+    CarPaintRoundGGX facets = car_paint_facets_of(params.alpha);
+    float coat = car_paint_F_dielectric_entering(cos_h, params.eta)
+        * car_paint_reflected_by(facets, wi, wo, m);
 
     float through = car_paint_transmittance_entering(wi.z, params.eta)
         * car_paint_transmittance_entering(wo.z, params.eta);
@@ -416,13 +435,14 @@ inline Vec3 car_paint_eval(const CarPaint& params, Vec3 wi, Vec3 wo) {
     float excess = params.eta - 1.0f;
     Vec3 wi_t = car_paint_refract(wi, excess);
     Vec3 wo_t = car_paint_refract(wo, excess);
-    Vec3 kept = car_paint_attenuation(car_paint_coat_optical_depth(params.sigma_a,
-        params.thickness), wi_t, wo_t);
     Vec3 both = car_paint_refracted_sum(wi, wo, excess);
-    Vec3 F = car_paint_F_conductor_half(0.5f * length(both) / params.eta,
-        car_paint_refracted_sin2_half(wi, wo, excess), params.metal_eta / params.eta,
-            params.metal_k / params.eta);
-    return coat + F * car_paint_flake(params, wi_t, wo_t, both) * (kept * through);
+    float cos_t = 0.5f * length(both) / params.eta;
+    Vec3 metal_eta = params.metal_eta / params.eta;
+    Vec3 metal_k = params.metal_k / params.eta;
+    float sin2 = car_paint_refracted_sin2_half(wi, wo, excess);
+    Vec3 F = car_paint_F_conductor_half(cos_t, sin2, metal_eta, metal_k);
+    Vec3 flake = F * car_paint_flake(params, wi_t, wo_t, both);
+    return coat + flake * (car_paint_kept(params, wi_t, wo_t) * through);
 }
 
 // ---- sampling ------------------------------------------------------------------------------
@@ -474,17 +494,6 @@ inline CarPaintChoice car_paint_choose(float probability, Vec2 u) {
     return CarPaintChoice{first, Vec2{fminf(fmaxf(first ? below : above, 0.0f), RANDOM_MAX), u.y}};
 }
 
-// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
-//
-// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
-// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
-inline float car_paint_ggx_bound(float least, Vec3 wo) {
-    float s = 1.0f + sqrtf(fmaxf(wo.x * wo.x + wo.y * wo.y, 0.0f));
-    float a2 = least * least;
-    float s2 = s * s;
-    return (1.0f - a2) * s2 / (s2 + a2 * wo.z * wo.z);
-}
-
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
 //
 // With a bound below 1 (see car_paint_ggx_bound) without those that mirror wo below the horizon, or most.
@@ -517,12 +526,34 @@ inline Vec3 car_paint_mirror(Vec3 wo, Vec3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
-// both, no weight grows.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
+// (car_paint_ggx_bound): the rim of those that are left would be a jump of the density, in the horizon
+// itself.
 inline Vec3 car_paint_sample_ggx_lobe(CarPaintRoundGGX facets, Vec3 wo, Vec2 u) {
-    Vec3 w = car_paint_mirror(wo,
-        car_paint_round_ggx_sample_visible(facets, wo, u, car_paint_ggx_bound(facets.alpha, wo)));
+    Vec3 w = car_paint_mirror(wo, car_paint_round_ggx_sample_visible(facets, wo, u, 1.0f));
     return Vec3{w.x, w.y, fabsf(w.z)};
+}
+
+// A direction that the uppermost facets mirror.
+inline Vec3 car_paint_sample_facets(CarPaintRoundGGX facets, Vec3 wo, Vec2 u) {
+    return car_paint_sample_ggx_lobe(CarPaintRoundGGX{facets.alpha}, wo, u);
+}
+
+// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
+//
+// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
+// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
+inline float car_paint_ggx_bound(float least, Vec3 wo) {
+    float s = 1.0f + sqrtf(fmaxf(wo.x * wo.x + wo.y * wo.y, 0.0f));
+    float a2 = least * least;
+    float s2 = s * s;
+    return (1.0f - a2) * s2 / (s2 + a2 * wo.z * wo.z);
+}
+
+// A facet's normal.
+inline Vec3 car_paint_sample_facet(CarPaintRoundGGX facets, Vec3 wo, Vec2 u) {
+    return car_paint_round_ggx_sample_visible(CarPaintRoundGGX{facets.alpha}, wo, u,
+        car_paint_ggx_bound(facets.alpha, wo));
 }
 
 // The inverse of car_paint_to_tilted.
@@ -557,16 +588,20 @@ inline float car_paint_pdf_visible(CarPaintRoundGGX facets, Vec3 wo, Vec3 m, flo
         / (bound * wo.z + car_paint_round_ggx_area(facets, wo));
 }
 
+// Density of wo mirrored at car_paint_sample_facet, in 1/sr.
+inline float car_paint_pdf_facet(CarPaintRoundGGX facets, Vec3 wo, Vec3 m) {
+    return car_paint_pdf_visible(CarPaintRoundGGX{facets.alpha}, wo, m,
+        car_paint_ggx_bound(facets.alpha, wo));
+}
+
 // Density inside the coat of the flake's part of car_paint_sample; both: along the half vector.
 inline float car_paint_pdf_flake(const CarPaint& params, Vec3 wi_t, Vec3 wo_t, Vec3 both) {
     Vec3 n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
     Vec3 tilted_i = car_paint_to_tilted(wi_t, n);
     Vec3 tilted_o = car_paint_to_tilted(wo_t, n);
-    CarPaintRoundGGX facets = CarPaintRoundGGX{car_paint_flake_alpha(params)};
-    Vec3 tilted = car_paint_facing(tilted_o);
     Vec3 m = normalize(car_paint_to_tilted(both, n));
-    float density = car_paint_pdf_visible(facets, tilted, m,
-        car_paint_ggx_bound(facets.alpha, tilted));
+    Vec3 facing = car_paint_facing(tilted_o);
+    float density = car_paint_pdf_facet(car_paint_flake_facets(params), facing, m);
     return tilted_i.z > 0.0f && wi_t.z > 0.0f ? density : 0.0f;
 }
 
@@ -591,26 +626,21 @@ inline float car_paint_pdf_leave(float pdf_refracted, float pdf_gathered, Vec3 w
         + pdf_gathered * car_paint_critical_cosine(excess);
 }
 
-// Square of m in units of the width.
-inline float car_paint_round_ggx_spread(CarPaintRoundGGX round_ggx, Vec3 m) {
-    Vec3 v = Vec3{m.x, m.y, round_ggx.alpha * m.z};
-    return dot(v, v) / (round_ggx.alpha * round_ggx.alpha);
-}
-
 // Density of car_paint_sample_ggx_lobe in 1/sr.
 inline float car_paint_pdf_ggx_lobe(CarPaintRoundGGX facets, Vec3 wi, Vec3 wo) {
-    float bound = car_paint_ggx_bound(facets.alpha, wo);
-    float straight = car_paint_round_ggx_D(facets, car_paint_half_vector(wi, wo));
+    float straight = car_paint_pdf_visible(facets, wo, car_paint_half_vector(wi, wo), 1.0f);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    float fall = wo.z - wi.z;
-    Vec3 image = Vec3{wi.x, wi.y, fall > 0.0f ? -wi.z : wi.z};
+    bool exists = wo.z > wi.z;
+    Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
     // The least lift, for two that are equally high but for their last digits
     Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
-    Vec3 m = car_paint_half_vector(image, higher);
-    // Where the cap of car_paint_ggx_sample_visible ends
-    bool left = fall > (1.0f - bound) * wo.z * car_paint_round_ggx_spread(facets, m);
-    float folded = left ? car_paint_round_ggx_D(facets, m) : 0.0f;
-    return 0.5f * (straight + folded) / (bound * wo.z + car_paint_round_ggx_area(facets, wo));
+    float folded = car_paint_pdf_visible(facets, wo, car_paint_half_vector(image, higher), 1.0f);
+    return straight + (exists ? folded : 0.0f);
+}
+
+// Density of car_paint_sample_facets in 1/sr.
+inline float car_paint_pdf_facets(CarPaintRoundGGX facets, Vec3 wi, Vec3 wo) {
+    return car_paint_pdf_ggx_lobe(CarPaintRoundGGX{facets.alpha}, wi, wo);
 }
 
 // Density of car_paint_sample in 1/sr.
@@ -626,12 +656,12 @@ inline float car_paint_pdf(const CarPaint& params, Vec3 wi, Vec3 wo) {
     Vec3 w = car_paint_gather(wi, excess);
     float gathered = car_paint_pdf_flake(params, w, wo_t, w + wo_t);
     float below = car_paint_pdf_leave(refracted, gathered, wi, wi_t, excess);
-    float coat = car_paint_pdf_ggx_lobe(CarPaintRoundGGX{params.alpha}, wi, wo);
+    float coat = car_paint_pdf_facets(car_paint_facets_of(params.alpha), wi, wo);
     Vec2 P = car_paint_shares(params, wo, wo_t);
     return P.x * coat + P.y * below;
 }
 
-// Visible normals of the coat, or of the flake and then out through the coat.
+// Normals of the coat, or of the flake and then out through the coat.
 inline CarPaintSample car_paint_sample(const CarPaint& params, Vec3 wo, Vec2 u) {
     if (wo.z <= mu_min) {  // in the horizon or below
         return CarPaintSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
@@ -641,12 +671,10 @@ inline CarPaintSample car_paint_sample(const CarPaint& params, Vec3 wo, Vec2 u) 
     CarPaintChoice choose_result = car_paint_choose(car_paint_shares(params, wo, wo_t).x, u);
     bool on_coat = choose_result.is_first;
     Vec2 v = choose_result.u;
-    Vec3 w_coat = car_paint_sample_ggx_lobe(CarPaintRoundGGX{params.alpha}, wo, v);
-    CarPaintRoundGGX facets = CarPaintRoundGGX{car_paint_flake_alpha(params)};
+    Vec3 w_coat = car_paint_sample_facets(car_paint_facets_of(params.alpha), wo, v);
     Vec3 tilted = car_paint_facing(car_paint_to_tilted(wo_t, n));
-    Vec3 flake = car_paint_mirror(tilted,
-        car_paint_round_ggx_sample_visible(facets, tilted, v,
-            car_paint_ggx_bound(facets.alpha, tilted)));
+    Vec3 m = car_paint_sample_facet(car_paint_flake_facets(params), tilted, v);
+    Vec3 flake = car_paint_mirror(tilted, m);
     // What the flake mirrors behind itself is wasted.
     Vec3 w_flake = car_paint_leave(flake.z > 0.0f ? car_paint_from_tilted(flake, n)
         : Vec3{0.0f, 0.0f, -1.0f}, params.eta - 1.0f);

@@ -8,7 +8,11 @@
 // Deviations: by default light that leaves the coat spreads by 1 / eta^2, without which the metal is eta^2
 // times too bright; both crossings of the surface count at the mean normal, because 1 - F(wo.H) lets too
 // much of a tilted flake's light through; and a flake counts as much as both light and viewer see of it, so
-// that the model stays reciprocal. Options restore all three. The metal's index is taken relative to the
+// that the model stays reciprocal. Facets are GGX's with Smith's masking instead of Beckmann's with
+// V-cavities, F is exact instead of Lazanyi's fit, the coat absorbs along paths through the mean surface
+// instead of the flake, and a flake counts as much as the normal above it instead of half as much. Options
+// restore each of these. No option restores that Algorithm 1 weighs what the metal reflects by the cosine
+// outside, which the light that is shone on it has already. The metal's index is taken relative to the
 // coat.
 //
 // WGSL (WebGPU), made by gonio from gonio/models/car_paint.py.
@@ -23,8 +27,10 @@ struct CarPaintSample {
     pdf: f32,  // its density in 1/sr; 0 marks a wasted sample
 }
 
-// car_paint: One flake's worth of metallic paint; a map of flakes makes it sparkle. Reciprocal. Exported
-// with transmission='both_ways', solid_angle='compressed', flake_cosine='reciprocal'.
+// car_paint: One flake's worth of metallic paint; a map of flakes makes it sparkle. Reciprocal.
+// Exported with transmission='both_ways', solid_angle='compressed', distribution='ggx',
+// masking='smith_correlated', fresnel='exact', absorption='surface', tilt='distance',
+// flake_cosine='reciprocal'.
 struct CarPaint {
     eta: f32,  // index of the clear coat; 1 to 3, default 1.5
     alpha: f32,  // slope width of the coat's facets; 0.0001 to 1, default 0.03
@@ -59,42 +65,21 @@ struct CarPaintGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
-// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
-fn car_paint_cos_half(wi: vec3f, wo: vec3f) -> f32 {
-    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
-}
-
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn car_paint_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
     return h / length(h);  // which car_paint_cos_half needs as well
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33.
-fn car_paint_round_ggx_D(round_ggx: CarPaintRoundGGX, m: vec3f) -> f32 {
-    const inv_pi = 0.31830987;
-    let v = vec3f(m.x, m.y, round_ggx.alpha * m.z);
-    let s = dot(v, v);
-    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+fn car_paint_cos_half(wi: vec3f, wo: vec3f) -> f32 {
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return 0.5 * length(wi + wo);
 }
 
-// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
-fn car_paint_round_ggx_area(round_ggx: CarPaintRoundGGX, w: vec3f) -> f32 {
-    let a2 = round_ggx.alpha * round_ggx.alpha;
-    return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
-}
-
-// G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
-fn car_paint_V_smith_correlated(facets: CarPaintRoundGGX, wi: vec3f, wo: vec3f) -> f32 {
-    return 0.5 / (wo.z * car_paint_round_ggx_area(facets, wi)
-        + wi.z * car_paint_round_ggx_area(facets, wo));
-}
-
-// D G / (4 mu_i mu_o) of GGX with height-correlated Smith at the half vector m; F is missing.
-fn car_paint_ggx_facets(m: vec3f, wi: vec3f, wo: vec3f, alpha: f32) -> f32 {
-    let facets = CarPaintRoundGGX(alpha);
-    return car_paint_round_ggx_D(facets, m) * car_paint_V_smith_correlated(facets, wi, wo);
+// Facets of a width; distribution is "ggx" or "beckmann".
+fn car_paint_facets_of(alpha: f32) -> CarPaintRoundGGX {
+    return CarPaintRoundGGX(alpha);
 }
 
 // eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
@@ -126,6 +111,31 @@ fn car_paint_F_dielectric_entering(cos_theta: f32, eta: f32) -> f32 {
     return car_paint_F_dielectric(cos_theta, 1.0 - cos_theta * cos_theta, eta, g2);
 }
 
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+fn car_paint_round_ggx_D(round_ggx: CarPaintRoundGGX, m: vec3f) -> f32 {
+    const inv_pi = 0.31830987;
+    let v = vec3f(m.x, m.y, round_ggx.alpha * m.z);
+    let s = dot(v, v);
+    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
+}
+
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
+fn car_paint_round_ggx_area(round_ggx: CarPaintRoundGGX, w: vec3f) -> f32 {
+    let a2 = round_ggx.alpha * round_ggx.alpha;
+    return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
+}
+
+// G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99.
+fn car_paint_V_smith_correlated(facets: CarPaintRoundGGX, wi: vec3f, wo: vec3f) -> f32 {
+    return 0.5 / (wo.z * car_paint_round_ggx_area(facets, wi)
+        + wi.z * car_paint_round_ggx_area(facets, wo));
+}
+
+// D G / (4 mu_i mu_o); F is missing.
+fn car_paint_reflected_by(facets: CarPaintRoundGGX, wi: vec3f, wo: vec3f, m: vec3f) -> f32 {
+    return car_paint_round_ggx_D(facets, m) * car_paint_V_smith_correlated(facets, wi, wo);
+}
+
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
 fn car_paint_transmittance_entering(mu: f32, eta: f32) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
@@ -152,18 +162,6 @@ fn car_paint_eta2_cos2(mu: f32, excess: f32) -> f32 {
 // The direction inside a layer with eta >= 1 that belongs to w outside.
 fn car_paint_refract(w: vec3f, excess: f32) -> vec3f {
     return vec3f(w.x, w.y, sqrt(car_paint_eta2_cos2(w.z, excess))) / (1.0 + excess);
-}
-
-// Absorption times thickness, for each channel.
-fn car_paint_coat_optical_depth(sigma_a: vec3f, thickness: f32) -> vec3f {
-    return sigma_a * vec3f(thickness, thickness, thickness);
-}
-
-// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
-//
-// wi, wo: refracted directions. optical_depth: absorption times thickness.
-fn car_paint_attenuation(optical_depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
-    return exp(-optical_depth * (1.0 / wi.z + 1.0 / wo.z));
 }
 
 // eta times the sum of both refracted directions, which has their half vector's direction.
@@ -200,7 +198,8 @@ fn car_paint_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3f) -> 
     let half_im = eta * k + ROOT_MIN;
     let c2 = c * c;
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
-    let w_re = select(contrast_re + c2, (eta - k) * (eta + k) - sin2_h, c > NEAR_NORMAL);
+    let near = cos_h > NEAR_NORMAL;
+    let w_re = select(contrast_re, eta * eta - k * k, near) + select(c2, -sin2_h, near);
     let im = 2.0 * half_im;
     let w_abs = sqrt(w_re * w_re + im * im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
@@ -223,10 +222,6 @@ fn car_paint_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3f) -> 
 fn car_paint_flake_normal(slope_x: f32, slope_y: f32, distance: f32) -> vec3f {
     let flake = normalize(vec3f(slope_x, slope_y, 1.0));
     return normalize(vec3f(flake.x, flake.y, flake.z + max(distance, 1.0)));
-}
-
-fn car_paint_flake_alpha(params: CarPaint) -> f32 {
-    return max(params.metal_alpha, params.alpha);
 }
 
 // s = cos(phi_i - phi_o) sin(theta_i) sin(theta_o), the inner product of the tangential parts.
@@ -258,17 +253,39 @@ fn car_paint_seen(cos_tilted: f32, mu: f32) -> f32 {
     return min(max(cos_tilted, 0.0) / mu, 1.0);
 }
 
+fn car_paint_flake_facets(params: CarPaint) -> CarPaintRoundGGX {
+    return car_paint_facets_of(max(params.metal_alpha, params.alpha));
+}
+
 // The flake's facets in its own frame; both: eta times the sum of the directions.
 fn car_paint_flake(params: CarPaint, wi_t: vec3f, wo_t: vec3f, both: vec3f) -> f32 {
     let n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
-    let alpha = car_paint_flake_alpha(params);
     let tilted_i = car_paint_to_tilted(wi_t, n);
     let tilted_o = car_paint_to_tilted(wo_t, n);
     let wi = car_paint_facing(tilted_i);
     let wo = car_paint_facing(tilted_o);
     let visible = car_paint_seen(tilted_i.z, wi_t.z) * car_paint_seen(tilted_o.z, wo_t.z);
     let m = normalize(car_paint_to_tilted(both, n));
-    return select(0.0, car_paint_ggx_facets(m, wi, wo, alpha) * visible, tilted_o.z > 0.0);
+    let f = car_paint_reflected_by(car_paint_flake_facets(params), wi, wo, m);
+    return select(0.0, f * visible, tilted_o.z > 0.0);
+}
+
+// Absorption times thickness, for each channel.
+fn car_paint_coat_optical_depth(sigma_a: vec3f, thickness: f32) -> vec3f {
+    return sigma_a * vec3f(thickness, thickness, thickness);
+}
+
+// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+//
+// wi, wo: refracted directions. optical_depth: absorption times thickness.
+fn car_paint_attenuation(optical_depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
+    return exp(-optical_depth * (1.0 / wi.z + 1.0 / wo.z));
+}
+
+// What the coat does not absorb.
+fn car_paint_kept(params: CarPaint, wi_t: vec3f, wo_t: vec3f) -> vec3f {
+    return car_paint_attenuation(car_paint_coat_optical_depth(params.sigma_a, params.thickness),
+        wi_t, wo_t);
 }
 
 // Eq. 2 with a tilted base: BRDF value in 1/sr, without the cosine.
@@ -277,9 +294,11 @@ fn car_paint_eval(params: CarPaint, wi: vec3f, wo: vec3f) -> vec3f {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
+    let m = car_paint_half_vector(wi, wo);
     let cos_h = car_paint_cos_half(wi, wo);
-    let facets = car_paint_ggx_facets(car_paint_half_vector(wi, wo), wi, wo, params.alpha);
-    let coat = car_paint_F_dielectric_entering(cos_h, params.eta) * facets;
+    let facets = car_paint_facets_of(params.alpha);
+    let coat = car_paint_F_dielectric_entering(cos_h, params.eta)
+        * car_paint_reflected_by(facets, wi, wo, m);
 
     var through = car_paint_transmittance_entering(wi.z, params.eta)
         * car_paint_transmittance_entering(wo.z, params.eta);
@@ -287,13 +306,14 @@ fn car_paint_eval(params: CarPaint, wi: vec3f, wo: vec3f) -> vec3f {
     let excess = params.eta - 1.0;
     let wi_t = car_paint_refract(wi, excess);
     let wo_t = car_paint_refract(wo, excess);
-    let kept = car_paint_attenuation(car_paint_coat_optical_depth(params.sigma_a, params.thickness),
-        wi_t, wo_t);
     let both = car_paint_refracted_sum(wi, wo, excess);
-    let F = car_paint_F_conductor_half(0.5 * length(both) / params.eta,
-        car_paint_refracted_sin2_half(wi, wo, excess), params.metal_eta / params.eta,
-            params.metal_k / params.eta);
-    return coat + F * car_paint_flake(params, wi_t, wo_t, both) * (kept * through);
+    let cos_t = 0.5 * length(both) / params.eta;
+    let metal_eta = params.metal_eta / params.eta;
+    let metal_k = params.metal_k / params.eta;
+    let sin2 = car_paint_refracted_sin2_half(wi, wo, excess);
+    let F = car_paint_F_conductor_half(cos_t, sin2, metal_eta, metal_k);
+    let flake = F * car_paint_flake(params, wi_t, wo_t, both);
+    return coat + flake * (car_paint_kept(params, wi_t, wo_t) * through);
 }
 
 // ---- sampling ------------------------------------------------------------------------------
@@ -360,17 +380,6 @@ fn car_paint_choose(probability: f32, u: vec2f) -> CarPaintChoice {
     return CarPaintChoice(first, vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
 }
 
-// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
-//
-// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
-// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
-fn car_paint_ggx_bound(least: f32, wo: vec3f) -> f32 {
-    let s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
-    let a2 = least * least;
-    let s2 = s * s;
-    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
-}
-
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
 //
 // With a bound below 1 (see car_paint_ggx_bound) without those that mirror wo below the horizon, or most.
@@ -406,12 +415,34 @@ fn car_paint_mirror(wo: vec3f, m: vec3f) -> vec3f {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
-// both, no weight grows.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
+// (car_paint_ggx_bound): the rim of those that are left would be a jump of the density, in the horizon
+// itself.
 fn car_paint_sample_ggx_lobe(facets: CarPaintRoundGGX, wo: vec3f, u: vec2f) -> vec3f {
-    let w = car_paint_mirror(wo,
-        car_paint_round_ggx_sample_visible(facets, wo, u, car_paint_ggx_bound(facets.alpha, wo)));
+    let w = car_paint_mirror(wo, car_paint_round_ggx_sample_visible(facets, wo, u, 1.0));
     return vec3f(w.x, w.y, abs(w.z));
+}
+
+// A direction that the uppermost facets mirror.
+fn car_paint_sample_facets(facets: CarPaintRoundGGX, wo: vec3f, u: vec2f) -> vec3f {
+    return car_paint_sample_ggx_lobe(CarPaintRoundGGX(facets.alpha), wo, u);
+}
+
+// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
+//
+// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
+// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
+fn car_paint_ggx_bound(least: f32, wo: vec3f) -> f32 {
+    let s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
+    let a2 = least * least;
+    let s2 = s * s;
+    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
+}
+
+// A facet's normal.
+fn car_paint_sample_facet(facets: CarPaintRoundGGX, wo: vec3f, u: vec2f) -> vec3f {
+    return car_paint_round_ggx_sample_visible(CarPaintRoundGGX(facets.alpha), wo, u,
+        car_paint_ggx_bound(facets.alpha, wo));
 }
 
 // The inverse of car_paint_to_tilted.
@@ -452,16 +483,20 @@ fn car_paint_pdf_visible(facets: CarPaintRoundGGX, wo: vec3f, m: vec3f, bound: f
         / (bound * wo.z + car_paint_round_ggx_area(facets, wo));
 }
 
+// Density of wo mirrored at car_paint_sample_facet, in 1/sr.
+fn car_paint_pdf_facet(facets: CarPaintRoundGGX, wo: vec3f, m: vec3f) -> f32 {
+    return car_paint_pdf_visible(CarPaintRoundGGX(facets.alpha), wo, m,
+        car_paint_ggx_bound(facets.alpha, wo));
+}
+
 // Density inside the coat of the flake's part of car_paint_sample; both: along the half vector.
 fn car_paint_pdf_flake(params: CarPaint, wi_t: vec3f, wo_t: vec3f, both: vec3f) -> f32 {
     let n = car_paint_flake_normal(params.flake_x, params.flake_y, params.distance);
     let tilted_i = car_paint_to_tilted(wi_t, n);
     let tilted_o = car_paint_to_tilted(wo_t, n);
-    let facets = CarPaintRoundGGX(car_paint_flake_alpha(params));
-    let tilted = car_paint_facing(tilted_o);
     let m = normalize(car_paint_to_tilted(both, n));
-    let density = car_paint_pdf_visible(facets, tilted, m,
-        car_paint_ggx_bound(facets.alpha, tilted));
+    let facing = car_paint_facing(tilted_o);
+    let density = car_paint_pdf_facet(car_paint_flake_facets(params), facing, m);
     return select(0.0, density, tilted_i.z > 0.0 && wi_t.z > 0.0);
 }
 
@@ -487,27 +522,22 @@ fn car_paint_pdf_leave(pdf_refracted: f32, pdf_gathered: f32, w: vec3f, w_t: vec
         + pdf_gathered * car_paint_critical_cosine(excess);
 }
 
-// Square of m in units of the width.
-fn car_paint_round_ggx_spread(round_ggx: CarPaintRoundGGX, m: vec3f) -> f32 {
-    let v = vec3f(m.x, m.y, round_ggx.alpha * m.z);
-    return dot(v, v) / (round_ggx.alpha * round_ggx.alpha);
-}
-
 // Density of car_paint_sample_ggx_lobe in 1/sr.
 fn car_paint_pdf_ggx_lobe(facets: CarPaintRoundGGX, wi: vec3f, wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
-    let bound = car_paint_ggx_bound(facets.alpha, wo);
-    let straight = car_paint_round_ggx_D(facets, car_paint_half_vector(wi, wo));
+    let straight = car_paint_pdf_visible(facets, wo, car_paint_half_vector(wi, wo), 1.0);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    let fall = wo.z - wi.z;
-    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, fall > 0.0));
+    let exists = wo.z > wi.z;
+    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
     // The least lift, for two that are equally high but for their last digits
     let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
-    let m = car_paint_half_vector(image, higher);
-    // Where the cap of car_paint_ggx_sample_visible ends
-    let left = fall > (1.0 - bound) * wo.z * car_paint_round_ggx_spread(facets, m);
-    let folded = select(0.0, car_paint_round_ggx_D(facets, m), left);
-    return 0.5 * (straight + folded) / (bound * wo.z + car_paint_round_ggx_area(facets, wo));
+    let folded = car_paint_pdf_visible(facets, wo, car_paint_half_vector(image, higher), 1.0);
+    return straight + select(0.0, folded, exists);
+}
+
+// Density of car_paint_sample_facets in 1/sr.
+fn car_paint_pdf_facets(facets: CarPaintRoundGGX, wi: vec3f, wo: vec3f) -> f32 {
+    return car_paint_pdf_ggx_lobe(CarPaintRoundGGX(facets.alpha), wi, wo);
 }
 
 // Density of car_paint_sample in 1/sr.
@@ -524,12 +554,12 @@ fn car_paint_pdf(params: CarPaint, wi: vec3f, wo: vec3f) -> f32 {
     let w = car_paint_gather(wi, excess);
     let gathered = car_paint_pdf_flake(params, w, wo_t, w + wo_t);
     let below = car_paint_pdf_leave(refracted, gathered, wi, wi_t, excess);
-    let coat = car_paint_pdf_ggx_lobe(CarPaintRoundGGX(params.alpha), wi, wo);
+    let coat = car_paint_pdf_facets(car_paint_facets_of(params.alpha), wi, wo);
     let P = car_paint_shares(params, wo, wo_t);
     return P.x * coat + P.y * below;
 }
 
-// Visible normals of the coat, or of the flake and then out through the coat.
+// Normals of the coat, or of the flake and then out through the coat.
 fn car_paint_sample(params: CarPaint, wo: vec3f, u: vec2f) -> CarPaintSample {
     const mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z <= mu_min) {  // in the horizon or below
@@ -540,12 +570,10 @@ fn car_paint_sample(params: CarPaint, wo: vec3f, u: vec2f) -> CarPaintSample {
     let choose_result = car_paint_choose(car_paint_shares(params, wo, wo_t).x, u);
     let on_coat = choose_result.is_first;
     let v = choose_result.u;
-    let w_coat = car_paint_sample_ggx_lobe(CarPaintRoundGGX(params.alpha), wo, v);
-    let facets = CarPaintRoundGGX(car_paint_flake_alpha(params));
+    let w_coat = car_paint_sample_facets(car_paint_facets_of(params.alpha), wo, v);
     let tilted = car_paint_facing(car_paint_to_tilted(wo_t, n));
-    let flake = car_paint_mirror(tilted,
-        car_paint_round_ggx_sample_visible(facets, tilted, v,
-            car_paint_ggx_bound(facets.alpha, tilted)));
+    let m = car_paint_sample_facet(car_paint_flake_facets(params), tilted, v);
+    let flake = car_paint_mirror(tilted, m);
     // What the flake mirrors behind itself is wasted.
     let w_flake = car_paint_leave(select(vec3f(0.0, 0.0, -1.0), car_paint_from_tilted(flake, n),
         flake.z > 0.0), params.eta - 1.0);

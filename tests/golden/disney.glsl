@@ -186,17 +186,12 @@ DisneyGGX disney_facets(Disney params) {
     return DisneyGGX(max(alpha / aspect, ALPHA_DISNEY), max(alpha * aspect, ALPHA_DISNEY));
 }
 
-// Square of m in units of the widths: D falls with its square.
-float disney_ggx_spread(DisneyGGX ggx, vec3 m) {
-    vec3 v = vec3(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
-    return dot(v, v);
-}
-
 // Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
 float disney_ggx_D(DisneyGGX ggx, vec3 m) {
     const float inv_pi = 0.31830987;
     // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    float s = disney_ggx_spread(ggx, m);
+    vec3 v = vec3(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
+    float s = dot(v, v);
     return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
 }
 
@@ -332,25 +327,9 @@ vec3 disney_mirror(vec3 wo, vec3 m) {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
-// The smaller width.
-float disney_ggx_least(DisneyGGX ggx) {
-    return min(ggx.alpha_x, ggx.alpha_y);
-}
-
-// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
-//
-// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
-// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
-float disney_ggx_bound(float least, vec3 wo) {
-    float s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
-    float a2 = least * least;
-    float s2 = s * s;
-    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
-}
-
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
 //
-// With a bound below 1 (see disney_ggx_bound) without those that mirror wo below the horizon, or most.
+// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
 vec3 disney_ggx_sample_visible(DisneyGGX ggx, vec3 wo, vec2 u, float bound) {
     const float RANDOM_MARGIN = 5.9604645e-8;
     const float two_pi = 6.2831855;
@@ -370,11 +349,10 @@ vec3 disney_ggx_sample_visible(DisneyGGX ggx, vec3 wo, vec2 u, float bound) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
-// both, no weight grows.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
+// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
 vec3 disney_sample_ggx_lobe(DisneyGGX facets, vec3 wo, vec2 u) {
-    vec3 w = disney_mirror(wo,
-        disney_ggx_sample_visible(facets, wo, u, disney_ggx_bound(disney_ggx_least(facets), wo)));
+    vec3 w = disney_mirror(wo, disney_ggx_sample_visible(facets, wo, u, 1.0));
     return vec3(w.x, w.y, abs(w.z));
 }
 
@@ -412,21 +390,22 @@ float disney_ggx_area(DisneyGGX ggx, vec3 w) {
     return length(vec3(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
 }
 
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
+float disney_pdf_visible(DisneyGGX facets, vec3 wo, vec3 m, float bound) {
+    return 0.5 * disney_ggx_D(facets, m) / (bound * wo.z + disney_ggx_area(facets, wo));
+}
+
 // Density of disney_sample_ggx_lobe in 1/sr.
 float disney_pdf_ggx_lobe(DisneyGGX facets, vec3 wi, vec3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float bound = disney_ggx_bound(disney_ggx_least(facets), wo);
-    float straight = disney_ggx_D(facets, disney_half_vector(wi, wo));
+    float straight = disney_pdf_visible(facets, wo, disney_half_vector(wi, wo), 1.0);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    float fall = wo.z - wi.z;
-    vec3 image = vec3(wi.x, wi.y, fall > 0.0 ? -wi.z : wi.z);
+    bool exists = wo.z > wi.z;
+    vec3 image = vec3(wi.x, wi.y, exists ? -wi.z : wi.z);
     // The least lift, for two that are equally high but for their last digits
     vec3 higher = vec3(wo.x, wo.y, wo.z + mu_min);
-    vec3 m = disney_half_vector(image, higher);
-    // Where the cap of disney_ggx_sample_visible ends
-    bool left = fall > (1.0 - bound) * wo.z * disney_ggx_spread(facets, m);
-    float folded = left ? disney_ggx_D(facets, m) : 0.0;
-    return 0.5 * (straight + folded) / (bound * wo.z + disney_ggx_area(facets, wo));
+    float folded = disney_pdf_visible(facets, wo, disney_half_vector(image, higher), 1.0);
+    return straight + (exists ? folded : 0.0);
 }
 
 // Density of disney_sample_cosine in 1/sr, for w above the horizon.

@@ -277,16 +277,11 @@ inline DisneyGGX disney_facets(const Disney& params) {
     return DisneyGGX{fmaxf(alpha / aspect, ALPHA_DISNEY), fmaxf(alpha * aspect, ALPHA_DISNEY)};
 }
 
-// Square of m in units of the widths: D falls with its square.
-inline float disney_ggx_spread(DisneyGGX ggx, Vec3 m) {
-    Vec3 v = Vec3{m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z};
-    return dot(v, v);
-}
-
 // Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
 inline float disney_ggx_D(DisneyGGX ggx, Vec3 m) {
     // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    float s = disney_ggx_spread(ggx, m);
+    Vec3 v = Vec3{m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z};
+    float s = dot(v, v);
     return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
 }
 
@@ -401,25 +396,9 @@ inline Vec3 disney_mirror(Vec3 wo, Vec3 m) {
     return 2.0f * dot(wo, m) * m - wo;
 }
 
-// The smaller width.
-inline float disney_ggx_least(DisneyGGX ggx) {
-    return fminf(ggx.alpha_x, ggx.alpha_y);
-}
-
-// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
-//
-// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
-// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
-inline float disney_ggx_bound(float least, Vec3 wo) {
-    float s = 1.0f + sqrtf(fmaxf(wo.x * wo.x + wo.y * wo.y, 0.0f));
-    float a2 = least * least;
-    float s2 = s * s;
-    return (1.0f - a2) * s2 / (s2 + a2 * wo.z * wo.z);
-}
-
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
 //
-// With a bound below 1 (see disney_ggx_bound) without those that mirror wo below the horizon, or most.
+// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
 inline Vec3 disney_ggx_sample_visible(DisneyGGX ggx, Vec3 wo, Vec2 u, float bound) {
     Vec3 w = normalize(Vec3{ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z});
     // u = 1 would be the facet opposite to w, whose half vector has no direction
@@ -437,11 +416,10 @@ inline Vec3 disney_ggx_sample_visible(DisneyGGX ggx, Vec3 wo, Vec2 u, float boun
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
-// both, no weight grows.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
+// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
 inline Vec3 disney_sample_ggx_lobe(DisneyGGX facets, Vec3 wo, Vec2 u) {
-    Vec3 w = disney_mirror(wo,
-        disney_ggx_sample_visible(facets, wo, u, disney_ggx_bound(disney_ggx_least(facets), wo)));
+    Vec3 w = disney_mirror(wo, disney_ggx_sample_visible(facets, wo, u, 1.0f));
     return Vec3{w.x, w.y, fabsf(w.z)};
 }
 
@@ -477,20 +455,21 @@ inline float disney_ggx_area(DisneyGGX ggx, Vec3 w) {
     return length(Vec3{ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z});
 }
 
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
+inline float disney_pdf_visible(DisneyGGX facets, Vec3 wo, Vec3 m, float bound) {
+    return 0.5f * disney_ggx_D(facets, m) / (bound * wo.z + disney_ggx_area(facets, wo));
+}
+
 // Density of disney_sample_ggx_lobe in 1/sr.
 inline float disney_pdf_ggx_lobe(DisneyGGX facets, Vec3 wi, Vec3 wo) {
-    float bound = disney_ggx_bound(disney_ggx_least(facets), wo);
-    float straight = disney_ggx_D(facets, disney_half_vector(wi, wo));
+    float straight = disney_pdf_visible(facets, wo, disney_half_vector(wi, wo), 1.0f);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    float fall = wo.z - wi.z;
-    Vec3 image = Vec3{wi.x, wi.y, fall > 0.0f ? -wi.z : wi.z};
+    bool exists = wo.z > wi.z;
+    Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
     // The least lift, for two that are equally high but for their last digits
     Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
-    Vec3 m = disney_half_vector(image, higher);
-    // Where the cap of disney_ggx_sample_visible ends
-    bool left = fall > (1.0f - bound) * wo.z * disney_ggx_spread(facets, m);
-    float folded = left ? disney_ggx_D(facets, m) : 0.0f;
-    return 0.5f * (straight + folded) / (bound * wo.z + disney_ggx_area(facets, wo));
+    float folded = disney_pdf_visible(facets, wo, disney_half_vector(image, higher), 1.0f);
+    return straight + (exists ? folded : 0.0f);
 }
 
 // Density of disney_sample_cosine in 1/sr, for w above the horizon.

@@ -185,17 +185,12 @@ fn disney_facets(params: Disney) -> DisneyGGX {
     return DisneyGGX(max(alpha / aspect, ALPHA_DISNEY), max(alpha * aspect, ALPHA_DISNEY));
 }
 
-// Square of m in units of the widths: D falls with its square.
-fn disney_ggx_spread(ggx: DisneyGGX, m: vec3f) -> f32 {
-    let v = vec3f(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
-    return dot(v, v);
-}
-
 // Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
 fn disney_ggx_D(ggx: DisneyGGX, m: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    let s = disney_ggx_spread(ggx, m);
+    let v = vec3f(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
+    let s = dot(v, v);
     return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
 }
 
@@ -329,25 +324,9 @@ fn disney_mirror(wo: vec3f, m: vec3f) -> vec3f {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
-// The smaller width.
-fn disney_ggx_least(ggx: DisneyGGX) -> f32 {
-    return min(ggx.alpha_x, ggx.alpha_y);
-}
-
-// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
-//
-// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
-// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
-fn disney_ggx_bound(least: f32, wo: vec3f) -> f32 {
-    let s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
-    let a2 = least * least;
-    let s2 = s * s;
-    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
-}
-
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
 //
-// With a bound below 1 (see disney_ggx_bound) without those that mirror wo below the horizon, or most.
+// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
 fn disney_ggx_sample_visible(ggx: DisneyGGX, wo: vec3f, u: vec2f, bound: f32) -> vec3f {
     const RANDOM_MARGIN = 5.9604645e-8;
     const two_pi = 6.2831855;
@@ -367,11 +346,10 @@ fn disney_ggx_sample_visible(ggx: DisneyGGX, wo: vec3f, u: vec2f, bound: f32) ->
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
-// both, no weight grows.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
+// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
 fn disney_sample_ggx_lobe(facets: DisneyGGX, wo: vec3f, u: vec2f) -> vec3f {
-    let w = disney_mirror(wo,
-        disney_ggx_sample_visible(facets, wo, u, disney_ggx_bound(disney_ggx_least(facets), wo)));
+    let w = disney_mirror(wo, disney_ggx_sample_visible(facets, wo, u, 1.0));
     return vec3f(w.x, w.y, abs(w.z));
 }
 
@@ -409,21 +387,22 @@ fn disney_ggx_area(ggx: DisneyGGX, w: vec3f) -> f32 {
     return length(vec3f(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
 }
 
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
+fn disney_pdf_visible(facets: DisneyGGX, wo: vec3f, m: vec3f, bound: f32) -> f32 {
+    return 0.5 * disney_ggx_D(facets, m) / (bound * wo.z + disney_ggx_area(facets, wo));
+}
+
 // Density of disney_sample_ggx_lobe in 1/sr.
 fn disney_pdf_ggx_lobe(facets: DisneyGGX, wi: vec3f, wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
-    let bound = disney_ggx_bound(disney_ggx_least(facets), wo);
-    let straight = disney_ggx_D(facets, disney_half_vector(wi, wo));
+    let straight = disney_pdf_visible(facets, wo, disney_half_vector(wi, wo), 1.0);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    let fall = wo.z - wi.z;
-    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, fall > 0.0));
+    let exists = wo.z > wi.z;
+    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
     // The least lift, for two that are equally high but for their last digits
     let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
-    let m = disney_half_vector(image, higher);
-    // Where the cap of disney_ggx_sample_visible ends
-    let left = fall > (1.0 - bound) * wo.z * disney_ggx_spread(facets, m);
-    let folded = select(0.0, disney_ggx_D(facets, m), left);
-    return 0.5 * (straight + folded) / (bound * wo.z + disney_ggx_area(facets, wo));
+    let folded = disney_pdf_visible(facets, wo, disney_half_vector(image, higher), 1.0);
+    return straight + select(0.0, folded, exists);
 }
 
 // Density of disney_sample_cosine in 1/sr, for w above the horizon.

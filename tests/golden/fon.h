@@ -48,7 +48,8 @@ constexpr float inv_pi = 0.31830987f;
 constexpr float inv_two_pi = 0.15915494f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
 constexpr float C1 = 0.2877934f;  // A_F = 1 / (1 + C1 r)
-// Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32.
+// Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32. Below it are
+// numbers that some machines take as 0, so it ends there for all.
 constexpr float R_MIN = 1.0e-37f;
 // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
 // taken.
@@ -121,7 +122,7 @@ inline Vec3 fon_eval(const Fon& params, Vec3 wi, Vec3 wo) {
 // P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
 inline float fon_uniform_share(float mu, float r) {
     float fit = 0.162925f + mu * (-0.372058f + (0.538233f - 0.290822f * mu) * mu);
-    return r > 0.0f ? powf(fmaxf(r, R_MIN), 0.1f) * fit : 0.0f;
+    return r > R_MIN ? powf(fmaxf(r, R_MIN), 0.1f) * fit : 0.0f;
 }
 
 // A direction with density 1 / (2 pi).

@@ -76,10 +76,11 @@ inline float3 fon_eval(Fon params, float3 wi, float3 wo) {
 
 // P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
 inline float fon_uniform_share(float mu, float r) {
-    // Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32.
+    // Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32. Below it are
+    // numbers that some machines take as 0, so it ends there for all.
     const float R_MIN = 1.0e-37;
     float fit = 0.162925 + mu * (-0.372058 + (0.538233 - 0.290822 * mu) * mu);
-    return r > 0.0 ? pow(max(r, R_MIN), 0.1) * fit : 0.0;
+    return r > R_MIN ? pow(max(r, R_MIN), 0.1) * fit : 0.0;
 }
 
 // A direction with density 1 / (2 pi).

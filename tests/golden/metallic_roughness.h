@@ -280,21 +280,9 @@ inline Vec3 metallic_roughness_sample_cosine(Vec2 u) {
     return Vec3{r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u.x, 0.0f))};
 }
 
-// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
-//
-// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
-// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
-inline float metallic_roughness_ggx_bound(float least, Vec3 wo) {
-    float s = 1.0f + sqrtf(fmaxf(wo.x * wo.x + wo.y * wo.y, 0.0f));
-    float a2 = least * least;
-    float s2 = s * s;
-    return (1.0f - a2) * s2 / (s2 + a2 * wo.z * wo.z);
-}
-
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
 //
-// With a bound below 1 (see metallic_roughness_ggx_bound) without those that mirror wo below the horizon,
-// or most.
+// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
 inline Vec3 metallic_roughness_ggx_sample_visible(MetallicRoughnessGGX ggx, Vec3 wo, Vec2 u,
     float bound) {
     Vec3 w = normalize(Vec3{ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z});
@@ -325,13 +313,12 @@ inline Vec3 metallic_roughness_mirror(Vec3 wo, Vec3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
-// both, no weight grows.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
+// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
 inline Vec3 metallic_roughness_sample_ggx_lobe(MetallicRoughnessRoundGGX facets, Vec3 wo,
     Vec2 u) {
     Vec3 w = metallic_roughness_mirror(wo,
-        metallic_roughness_round_ggx_sample_visible(facets, wo, u,
-            metallic_roughness_ggx_bound(facets.alpha, wo)));
+        metallic_roughness_round_ggx_sample_visible(facets, wo, u, 1.0f));
     return Vec3{w.x, w.y, fabsf(w.z)};
 }
 
@@ -349,28 +336,26 @@ inline float metallic_roughness_pdf_cosine(Vec3 w) {
     return w.z * inv_pi;
 }
 
-// Square of m in units of the width.
-inline float metallic_roughness_round_ggx_spread(MetallicRoughnessRoundGGX round_ggx, Vec3 m) {
-    Vec3 v = Vec3{m.x, m.y, round_ggx.alpha * m.z};
-    return dot(v, v) / (round_ggx.alpha * round_ggx.alpha);
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
+inline float metallic_roughness_pdf_visible(MetallicRoughnessRoundGGX facets, Vec3 wo, Vec3 m,
+    float bound) {
+    return 0.5f * metallic_roughness_round_ggx_D(facets, m)
+        / (bound * wo.z + metallic_roughness_round_ggx_area(facets, wo));
 }
 
 // Density of metallic_roughness_sample_ggx_lobe in 1/sr.
 inline float metallic_roughness_pdf_ggx_lobe(MetallicRoughnessRoundGGX facets, Vec3 wi,
     Vec3 wo) {
-    float bound = metallic_roughness_ggx_bound(facets.alpha, wo);
-    float straight = metallic_roughness_round_ggx_D(facets, metallic_roughness_half_vector(wi, wo));
+    float straight = metallic_roughness_pdf_visible(facets, wo,
+        metallic_roughness_half_vector(wi, wo), 1.0f);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    float fall = wo.z - wi.z;
-    Vec3 image = Vec3{wi.x, wi.y, fall > 0.0f ? -wi.z : wi.z};
+    bool exists = wo.z > wi.z;
+    Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
     // The least lift, for two that are equally high but for their last digits
     Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
-    Vec3 m = metallic_roughness_half_vector(image, higher);
-    // Where the cap of metallic_roughness_ggx_sample_visible ends
-    bool left = fall > (1.0f - bound) * wo.z * metallic_roughness_round_ggx_spread(facets, m);
-    float folded = left ? metallic_roughness_round_ggx_D(facets, m) : 0.0f;
-    return 0.5f * (straight + folded)
-        / (bound * wo.z + metallic_roughness_round_ggx_area(facets, wo));
+    float folded = metallic_roughness_pdf_visible(facets, wo,
+        metallic_roughness_half_vector(image, higher), 1.0f);
+    return straight + (exists ? folded : 0.0f);
 }
 
 // Density of metallic_roughness_sample_matte_gloss in 1/sr.

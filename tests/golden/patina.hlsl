@@ -6,7 +6,10 @@
 // `gonio.mitsuba.textures.growth_map` makes. Spatial variation is the host's business: growth is a number
 // here, and a texture gives each point its own.
 // Deviations: by default light that leaves the coat spreads by 1 / eta^2, without which the metal below is
-// eta^2 = 9.5 times too bright; an option restores the original.
+// eta^2 = 9.5 times too bright; facets are GGX's with Smith's masking instead of Beckmann's with
+// V-cavities, and F is exact instead of Lazanyi's fit. Options restore each of these. The index that Elek
+// mixes with the patina's as that grows is the one of the environment's reflection alone: the metal below
+// stays copper.
 //
 // HLSL, made by gonio from gonio/models/patina.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
@@ -24,8 +27,8 @@ struct PatinaSample {
     float pdf;  // its density in 1/sr; 0 marks a wasted sample
 };
 
-// patina: Copper under a growing green layer of cuprite. Reciprocal. Exported with
-// solid_angle='compressed'.
+// patina: Copper under a growing green layer of cuprite. Reciprocal.
+// Exported with solid_angle='compressed', distribution='ggx', masking='smith_correlated', fresnel='exact'.
 struct Patina {
     float growth;  // the map: where it is dark, the patina grows first; 0 to 1, default 0.5
     float extent;  // from -transition (bare) to 1 + transition (closed); -1 to 2, default 0.45
@@ -51,6 +54,12 @@ struct PatinaRoundGGX {
     float alpha;  // width of the slopes
 };
 
+// What becomes of light at a surface.
+struct PatinaSplit {
+    float3 F;  // Is reflected
+    float3 T;  // Enters
+};
+
 // What shares returns.
 struct PatinaShares {
     float2 P_bare;
@@ -71,6 +80,62 @@ struct PatinaGGX {
 };
 
 // ---- evaluation ----------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+float3 patina_half_vector(float3 wi, float3 wo) {
+    float3 h = wi + wo;
+    return h / length(h);  // which patina_cos_half needs as well
+}
+
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+float patina_cos_half(float3 wi, float3 wo) {
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return 0.5 * length(wi + wo);
+}
+
+// 1 - patina_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
+float patina_sin2_half(float3 wi, float3 wo) {
+    float3 apart = wi - wo;
+    return 0.25 * dot(apart, apart);
+}
+
+// Exact reflectance of a conductor, eta + i k, at a facet, from both patina_cos_half and patina_sin2_half.
+float3 patina_F_conductor_half(float cos_h, float sin2_h, float3 eta, float3 k) {
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
+    // is reached at the edge of total internal reflection, where the true derivative is infinite.
+    const float ROOT_MIN = 1.0e-16;
+    // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
+    const float NEAR_NORMAL = 0.75;
+    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
+    float c = cos_h;
+    // A trace of absorption keeps the roots below from 0
+    float3 contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
+    float3 half_im = eta * k + ROOT_MIN;
+    float c2 = c * c;
+    // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
+    bool near = cos_h > NEAR_NORMAL;
+    float3 w_re = (near ? eta * eta - k * k : contrast_re) + (near ? -sin2_h : c2);
+    float3 im = 2.0 * half_im;
+    float3 w_abs = sqrt(w_re * w_re + im * im);
+    // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
+    float3 large = sqrt(0.5 * (w_abs + abs(w_re)));
+    float3 g_re = patina_select(w_re > float3(0.0, 0.0, 0.0), large, half_im / large);
+    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2_h|^2 = p -+ cross sin2_h
+    float3 cross = 2.0 * c * g_re;
+    float3 s_abs2 = c2 + w_abs + cross;
+    float3 p = c2 * w_abs + sin2_h * sin2_h;
+    // Quotients before their squares: for a matched index in the horizon these would leave a float32
+    float3 r_re = contrast_re / s_abs2;
+    float3 r_im = im / s_abs2;
+    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2_h));
+}
+
+// The metal's reflectance, as far as it has tarnished.
+float3 patina_metal_F(Patina params, float cos_h, float sin2_h) {
+    float3 tint = lerp(float3(1.0, 1.0, 1.0), params.tarnish_tint,
+        float3(params.tarnish, params.tarnish, params.tarnish));
+    return patina_F_conductor_half(cos_h, sin2_h, params.metal_eta, params.metal_k) * tint;
+}
 
 // a + b + c with the rounding error of a + b carried along (Knuth), for a c that cancels it.
 float patina_sum3(float a, float b, float c) {
@@ -100,63 +165,15 @@ float patina_metal_alpha(Patina params) {
     return patina_bare(params) * params.bare_alpha + patina_grown(params) * params.grown_alpha;
 }
 
-// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
-float patina_cos_half(float3 wi, float3 wo) {
-    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+// Facets of a width; distribution is "ggx" or "beckmann".
+PatinaRoundGGX patina_facets_of(float alpha) {
+    PatinaRoundGGX result;
+    result.alpha = alpha;
+    return result;
 }
 
-// 1 - patina_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
-float patina_sin2_half(float3 wi, float3 wo) {
-    float3 apart = wi - wo;
-    return 0.25 * dot(apart, apart);
-}
-
-// Exact reflectance of a conductor, eta + i k, at a facet, from both patina_cos_half and patina_sin2_half.
-float3 patina_F_conductor_half(float cos_h, float sin2_h, float3 eta, float3 k) {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
-    // is reached at the edge of total internal reflection, where the true derivative is infinite.
-    const float ROOT_MIN = 1.0e-16;
-    // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
-    const float NEAR_NORMAL = 0.75;
-    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
-    float c = cos_h;
-    // A trace of absorption keeps the roots below from 0
-    float3 contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
-    float3 half_im = eta * k + ROOT_MIN;
-    float c2 = c * c;
-    // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
-    float3 w_re = c > NEAR_NORMAL ? (eta - k) * (eta + k) - sin2_h : contrast_re + c2;
-    float3 im = 2.0 * half_im;
-    float3 w_abs = sqrt(w_re * w_re + im * im);
-    // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    float3 large = sqrt(0.5 * (w_abs + abs(w_re)));
-    float3 g_re = patina_select(w_re > float3(0.0, 0.0, 0.0), large, half_im / large);
-    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2_h|^2 = p -+ cross sin2_h
-    float3 cross = 2.0 * c * g_re;
-    float3 s_abs2 = c2 + w_abs + cross;
-    float3 p = c2 * w_abs + sin2_h * sin2_h;
-    // Quotients before their squares: for a matched index in the horizon these would leave a float32
-    float3 r_re = contrast_re / s_abs2;
-    float3 r_im = im / s_abs2;
-    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2_h));
-}
-
-// The metal's reflectance: its index turns into the patina's as that grows, and it tarnishes.
-float3 patina_metal_F(Patina params, float cos_h, float sin2_h) {
-    float bare = patina_bare(params);
-    float grown = patina_grown(params);
-    float3 eta = bare * params.metal_eta + grown * params.coat_eta;
-    float3 k = bare * params.metal_k + grown * params.coat_k;
-    return patina_F_conductor_half(cos_h, sin2_h, eta, k)
-        * lerp(float3(1.0, 1.0, 1.0), params.tarnish_tint,
-            float3(params.tarnish, params.tarnish, params.tarnish));
-}
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-float3 patina_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
-    return h / length(h);  // which patina_cos_half needs as well
+PatinaRoundGGX patina_bare_facets(Patina params) {
+    return patina_facets_of(patina_metal_alpha(params));
 }
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
@@ -179,10 +196,8 @@ float patina_V_smith_correlated(PatinaRoundGGX facets, float3 wi, float3 wo) {
         + wi.z * patina_round_ggx_area(facets, wo));
 }
 
-// D G / (4 mu_i mu_o) of GGX with height-correlated Smith at the half vector m; F is missing.
-float patina_ggx_facets(float3 m, float3 wi, float3 wo, float alpha) {
-    PatinaRoundGGX facets;
-    facets.alpha = alpha;
+// D G / (4 mu_i mu_o); F is missing.
+float patina_reflected_by(PatinaRoundGGX facets, float3 wi, float3 wo, float3 m) {
     return patina_round_ggx_D(facets, m) * patina_V_smith_correlated(facets, wi, wo);
 }
 
@@ -200,39 +215,41 @@ float patina_sin2(float cos_theta) {
     return (1.0 - cos_theta) * (1.0 + cos_theta);
 }
 
-// Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
-float3 patina_F_conductor(float cos_theta, float3 eta, float3 k) {
-    return patina_F_conductor_half(cos_theta, patina_sin2(cos_theta), eta, k);
-}
-
-// 1 - F of a conductor; exact where it nearly vanishes.
-float3 patina_transmittance_conductor(float cos_theta, float3 eta, float3 k) {
+// `F_conductor` of what is denser than the medium above, and 1 - F, exact where it nearly vanishes.
+PatinaSplit patina_split_conductor(float cos_theta, float3 eta, float3 k) {
     const float ROOT_MIN = 1.0e-16;
     // With eps = (eta + i k)^2 and g^2 = eps - 1 + c^2: 1 - R_s = 4 c Re(g) / |c + g|^2, and 1 - R_p is 4 c
-    // Re(conj(g) eps) / |eps c + g|^2.
+    // Re(conj(g) eps) / |eps c + g|^2. The roots are those of F.
     float c = cos_theta;
+    float3 contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
+    float3 half_im = eta * k + ROOT_MIN;
     float3 eps_re = (eta - k) * (eta + k);
-    float3 eps_im = 2.0 * (eta * k + ROOT_MIN);
-    float3 w_re = (eta - 1.0) * (eta + 1.0) - k * k + c * c;
+    float3 eps_im = 2.0 * half_im;
+    float c2 = c * c;
+    float sin2 = patina_sin2(c);
+    float3 w_re = contrast_re + c2;
     float3 w_abs = sqrt(w_re * w_re + eps_im * eps_im);
-    // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     float3 large = sqrt(0.5 * (w_abs + abs(w_re)));
-    float3 small = 0.5 * eps_im / large;
+    float3 small = half_im / large;
     float3 g_re = patina_select(w_re > float3(0.0, 0.0, 0.0), large, small);
     float3 g_im = patina_select(w_re > float3(0.0, 0.0, 0.0), small, large);
-    float3 s_re = c + g_re;
+    float3 cross = 2.0 * c * g_re;
+    float3 s_abs2 = c2 + w_abs + cross;
+    float3 p = c2 * w_abs + sin2 * sin2;
+    float3 r_re = contrast_re / s_abs2;
+    float3 r_im = eps_im / s_abs2;
     float3 p_re = eps_re * c + g_re;
     float3 p_im = eps_im * c + g_im;
-    float3 T_s = g_re / (s_re * s_re + g_im * g_im);
     float3 T_p = (eps_re * g_re + eps_im * g_im) / (p_re * p_re + p_im * p_im);
-    return 2.0 * c * (T_s + T_p);
+    PatinaSplit result;
+    result.F = (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2));
+    result.T = 2.0 * c * (g_re / s_abs2 + T_p);
+    return result;
 }
 
-// T12 t of Eq. 2 and 4 with t = (1 - G) + T21 G, T21 = T12 = T at the half vector, and GGX's G.
-float3 patina_through_facets(float3 wi, float3 wo, float alpha, float3 T) {
-    PatinaRoundGGX round_ggx;
-    round_ggx.alpha = alpha;
-    float G = 4.0 * wi.z * wo.z * patina_V_smith_correlated(round_ggx, wi, wo);
+// T12 t of Eq. 2 and 4 with t = (1 - G) + T21 G, T21 = T12 = T at the half vector.
+float3 patina_through_facets(PatinaRoundGGX facets, float3 wi, float3 wo, float3 T) {
+    float G = 4.0 * wi.z * wo.z * patina_V_smith_correlated(facets, wi, wo);
     return T * (1.0 - G + T * G);
 }
 
@@ -284,33 +301,35 @@ float patina_refracted_sin2_half(float3 wi, float3 wo, float excess) {
     return 0.25 * dot(apart, apart);
 }
 
-// The metal's width under the patina, at least that of the patina itself (Figure 2).
-float patina_below_alpha(Patina params) {
-    return max(patina_metal_alpha(params), params.alpha);
+// The metal's under the patina, at least as wide as those of the patina itself (Figure 2).
+PatinaRoundGGX patina_facets_below(Patina params) {
+    return patina_facets_of(max(patina_metal_alpha(params), params.alpha));
 }
 
 // Eq. 2 with a coat that scatters.
 float3 patina_coated(Patina params, float3 wi, float3 wo) {
     const float inv_pi = 0.31830987;
+    float3 m = patina_half_vector(wi, wo);
     float cos_h = patina_cos_half(wi, wo);
     float excess = patina_excess(params);
     float index = 1.0 + excess;
-    float3 F = patina_F_conductor(cos_h, params.coat_eta, params.coat_k);
-    float3 T = patina_transmittance_conductor(cos_h, params.coat_eta, params.coat_k);
-    float3 surface = F * patina_ggx_facets(patina_half_vector(wi, wo), wi, wo, params.alpha)
-        + (1.0 - params.sigma_a) * T * inv_pi;
+    PatinaSplit surface = patina_split_conductor(cos_h, params.coat_eta, params.coat_k);
+    PatinaRoundGGX facets = patina_facets_of(params.alpha);
+    float glossy = patina_reflected_by(facets, wi, wo, m);
+    float3 coat = surface.F * glossy + (1.0 - params.sigma_a) * surface.T * inv_pi;
 
-    float3 through = patina_through_facets(wi, wo, params.alpha, T);
+    float3 through = patina_through_facets(facets, wi, wo, surface.T);
     through = through / (index * index);
     float3 wi_t = patina_refract(wi, excess);
     float3 wo_t = patina_refract(wo, excess);
     float3 kept = patina_attenuation(patina_coat_optical_depth(params.sigma_a, params.thickness),
         wi_t, wo_t);
     float3 both = patina_refracted_sum(wi, wo, excess);
-    float3 metal = patina_metal_F(params, 0.5 * length(both) / index,
-        patina_refracted_sin2_half(wi, wo, excess));
-    metal = metal * patina_ggx_facets(normalize(both), wi_t, wo_t, patina_below_alpha(params));
-    return surface + metal * through * kept;
+    float cos_t = 0.5 * length(both) / index;
+    float3 F = patina_metal_F(params, cos_t, patina_refracted_sin2_half(wi, wo, excess));
+    PatinaRoundGGX below = patina_facets_below(params);
+    float3 metal = F * patina_reflected_by(below, wi_t, wo_t, normalize(both));
+    return coat + metal * through * kept;
 }
 
 // The bare and the coated metal, mixed: BRDF value in 1/sr, without the cosine.
@@ -319,9 +338,10 @@ float3 patina_eval(Patina params, float3 wi, float3 wo) {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return float3(0.0, 0.0, 0.0);
     }
-    float alpha = patina_metal_alpha(params);
-    float3 F = patina_metal_F(params, patina_cos_half(wi, wo), patina_sin2_half(wi, wo));
-    float3 bare = F * patina_ggx_facets(patina_half_vector(wi, wo), wi, wo, alpha);
+    float3 m = patina_half_vector(wi, wo);
+    float cos_h = patina_cos_half(wi, wo);
+    float3 F = patina_metal_F(params, cos_h, patina_sin2_half(wi, wo));
+    float3 bare = F * patina_reflected_by(patina_bare_facets(params), wi, wo, m);
     return patina_bare(params) * bare + patina_grown(params) * patina_coated(params, wi, wo);
 }
 
@@ -368,9 +388,8 @@ PatinaShares patina_shares(Patina params, float3 wo) {
     const float LOBE_MIN = 1.0e-12;
     float grown = patina_grown(params);
     float3 wo_t = patina_refract(wo, patina_excess(params));
-    float3 F = patina_F_conductor(wo.z, params.coat_eta, params.coat_k);
-    float3 T = patina_transmittance_conductor(patina_usual_cos_half(wo), params.coat_eta,
-        params.coat_k);
+    float3 F = patina_split_conductor(wo.z, params.coat_eta, params.coat_k).F;
+    float3 T = patina_split_conductor(patina_usual_cos_half(wo), params.coat_eta, params.coat_k).T;
     float3 F_metal = patina_metal_F(params, wo.z, (1.0 - wo.z) * (1.0 + wo.z));
     float bare = patina_bare(params) * patina_average(F_metal);
     float coat = grown * patina_average(F);
@@ -402,17 +421,6 @@ PatinaChoice patina_choose(float probability, float2 u) {
     result.is_first = first;
     result.u = float2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y);
     return result;
-}
-
-// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
-//
-// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
-// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
-float patina_ggx_bound(float least, float3 wo) {
-    float s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
-    float a2 = least * least;
-    float s2 = s * s;
-    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
 }
 
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
@@ -452,12 +460,36 @@ float3 patina_mirror(float3 wo, float3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
-// both, no weight grows.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
+// (patina_ggx_bound): the rim of those that are left would be a jump of the density, in the horizon itself.
 float3 patina_sample_ggx_lobe(PatinaRoundGGX facets, float3 wo, float2 u) {
-    float3 w = patina_mirror(wo,
-        patina_round_ggx_sample_visible(facets, wo, u, patina_ggx_bound(facets.alpha, wo)));
+    float3 w = patina_mirror(wo, patina_round_ggx_sample_visible(facets, wo, u, 1.0));
     return float3(w.x, w.y, abs(w.z));
+}
+
+// A direction that the uppermost facets mirror.
+float3 patina_sample_facets(PatinaRoundGGX facets, float3 wo, float2 u) {
+    PatinaRoundGGX round_ggx;
+    round_ggx.alpha = facets.alpha;
+    return patina_sample_ggx_lobe(round_ggx, wo, u);
+}
+
+// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
+//
+// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
+// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
+float patina_ggx_bound(float least, float3 wo) {
+    float s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
+    float a2 = least * least;
+    float s2 = s * s;
+    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
+}
+
+// A facet's normal.
+float3 patina_sample_facet(PatinaRoundGGX facets, float3 wo, float2 u) {
+    PatinaRoundGGX round_ggx;
+    round_ggx.alpha = facets.alpha;
+    return patina_round_ggx_sample_visible(round_ggx, wo, u, patina_ggx_bound(facets.alpha, wo));
 }
 
 // Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
@@ -495,6 +527,23 @@ float3 patina_sample_cosine(float2 u) {
     return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
+float patina_pdf_visible(PatinaRoundGGX facets, float3 wo, float3 m, float bound) {
+    return 0.5 * patina_round_ggx_D(facets, m) / (bound * wo.z + patina_round_ggx_area(facets, wo));
+}
+
+// Density of wo mirrored at patina_sample_facet, in 1/sr.
+float patina_pdf_facet(PatinaRoundGGX facets, float3 wo, float3 m) {
+    PatinaRoundGGX round_ggx;
+    round_ggx.alpha = facets.alpha;
+    return patina_pdf_visible(round_ggx, wo, m, patina_ggx_bound(facets.alpha, wo));
+}
+
+// Density of what the metal below mirrors, inside the patina.
+float patina_pdf_below(Patina params, float3 wo_t, float3 m) {
+    return patina_pdf_facet(patina_facets_below(params), wo_t, m);
+}
+
 // The inner direction that patina_leave spreads to w; z = 0 for eta <= 1, which has none.
 float3 patina_gather(float3 w, float excess) {
     const float SIN2_MIN = 1.0e-18;
@@ -507,11 +556,6 @@ float3 patina_gather(float3 w, float excess) {
     return float3(x, near ? 0.0 : w.y * scale, z);
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-float patina_pdf_visible(PatinaRoundGGX facets, float3 wo, float3 m, float bound) {
-    return 0.5 * patina_round_ggx_D(facets, m) / (bound * wo.z + patina_round_ggx_area(facets, wo));
-}
-
 // Density of patina_leave at w, from the inner density at w_t = refract(w) and at gather(w).
 float patina_pdf_leave(float pdf_refracted, float pdf_gathered, float3 w, float3 w_t,
     float excess) {
@@ -522,33 +566,30 @@ float patina_pdf_leave(float pdf_refracted, float pdf_gathered, float3 w, float3
         + pdf_gathered * patina_critical_cosine(excess);
 }
 
+// Density of patina_sample_ggx_lobe in 1/sr.
+float patina_pdf_ggx_lobe(PatinaRoundGGX facets, float3 wi, float3 wo) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    float straight = patina_pdf_visible(facets, wo, patina_half_vector(wi, wo), 1.0);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    bool exists = wo.z > wi.z;
+    float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
+    // The least lift, for two that are equally high but for their last digits
+    float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
+    float folded = patina_pdf_visible(facets, wo, patina_half_vector(image, higher), 1.0);
+    return straight + (exists ? folded : 0.0);
+}
+
+// Density of patina_sample_facets in 1/sr.
+float patina_pdf_facets(PatinaRoundGGX facets, float3 wi, float3 wo) {
+    PatinaRoundGGX round_ggx;
+    round_ggx.alpha = facets.alpha;
+    return patina_pdf_ggx_lobe(round_ggx, wi, wo);
+}
+
 // Density of patina_sample_cosine in 1/sr, for w above the horizon.
 float patina_pdf_cosine(float3 w) {
     const float inv_pi = 0.31830987;
     return w.z * inv_pi;
-}
-
-// Square of m in units of the width.
-float patina_round_ggx_spread(PatinaRoundGGX round_ggx, float3 m) {
-    float3 v = float3(m.x, m.y, round_ggx.alpha * m.z);
-    return dot(v, v) / (round_ggx.alpha * round_ggx.alpha);
-}
-
-// Density of patina_sample_ggx_lobe in 1/sr.
-float patina_pdf_ggx_lobe(PatinaRoundGGX facets, float3 wi, float3 wo) {
-    const float mu_min = 1.0e-18;  // cosine of the horizon
-    float bound = patina_ggx_bound(facets.alpha, wo);
-    float straight = patina_round_ggx_D(facets, patina_half_vector(wi, wo));
-    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    float fall = wo.z - wi.z;
-    float3 image = float3(wi.x, wi.y, fall > 0.0 ? -wi.z : wi.z);
-    // The least lift, for two that are equally high but for their last digits
-    float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
-    float3 m = patina_half_vector(image, higher);
-    // Where the cap of patina_ggx_sample_visible ends
-    bool left = fall > (1.0 - bound) * wo.z * patina_round_ggx_spread(facets, m);
-    float folded = left ? patina_round_ggx_D(facets, m) : 0.0;
-    return 0.5 * (straight + folded) / (bound * wo.z + patina_round_ggx_area(facets, wo));
 }
 
 // Density of patina_sample in 1/sr.
@@ -562,25 +603,17 @@ float patina_pdf(Patina params, float3 wi, float3 wo) {
     float2 P_coat = shares_result.P_coat;
     float2 P_diffuse = shares_result.P_diffuse;
     float excess = patina_excess(params);
-    PatinaRoundGGX facets;
-    facets.alpha = patina_below_alpha(params);
     float3 wi_t = patina_refract(wi, excess);
     float3 wo_t = patina_refract(wo, excess);
-    float3 m = normalize(patina_refracted_sum(wi, wo, excess));
-    float3 m_gathered = patina_half_vector(patina_gather(wi, excess), wo_t);
-    float bound = patina_ggx_bound(facets.alpha, wo_t);
-    float refracted = patina_pdf_visible(facets, wo_t, m, bound);
-    float gathered = patina_pdf_visible(facets, wo_t, m_gathered, bound);
+    float refracted = patina_pdf_below(params, wo_t,
+        normalize(patina_refracted_sum(wi, wo, excess)));
+    float3 w = patina_gather(wi, excess);
+    float gathered = patina_pdf_below(params, wo_t, patina_half_vector(w, wo_t));
     float below = patina_pdf_leave(refracted, gathered, wi, wi_t, excess);
-    float patina = P_diffuse.x * patina_pdf_cosine(wi) + P_diffuse.y * below;
-    PatinaRoundGGX round_ggx;
-    round_ggx.alpha = params.alpha;
-    float coat = patina_pdf_ggx_lobe(round_ggx, wi, wo);
-    patina = P_coat.x * coat + P_coat.y * patina;
-    PatinaRoundGGX round_ggx_;
-    round_ggx_.alpha = patina_metal_alpha(params);
-    float bare = patina_pdf_ggx_lobe(round_ggx_, wi, wo);
-    return P_bare.x * bare + P_bare.y * patina;
+    float coat = patina_pdf_facets(patina_facets_of(params.alpha), wi, wo);
+    float bare = patina_pdf_facets(patina_bare_facets(params), wi, wo);
+    float inside = P_diffuse.x * patina_pdf_cosine(wi) + P_diffuse.y * below;
+    return P_bare.x * bare + P_bare.y * (P_coat.x * coat + P_coat.y * inside);
 }
 
 // One of the bare metal, the patina's surface, its diffuse part, and the metal below.
@@ -597,8 +630,6 @@ PatinaSample patina_sample(Patina params, float3 wo, float2 u) {
     float2 P_coat = shares_result.P_coat;
     float2 P_diffuse = shares_result.P_diffuse;
     float excess = patina_excess(params);
-    PatinaRoundGGX below;
-    below.alpha = patina_below_alpha(params);
     PatinaChoice choose_result = patina_choose(P_bare.x, u);
     bool on_bare = choose_result.is_first;
     float2 v = choose_result.u;
@@ -608,14 +639,10 @@ PatinaSample patina_sample(Patina params, float3 wo, float2 u) {
     PatinaChoice choose_result_3 = patina_choose(P_diffuse.x, s);
     bool on_diffuse = choose_result_3.is_first;
     float2 t = choose_result_3.u;
-    PatinaRoundGGX round_ggx;
-    round_ggx.alpha = patina_metal_alpha(params);
-    float3 w_bare = patina_sample_ggx_lobe(round_ggx, wo, v);
-    PatinaRoundGGX round_ggx_;
-    round_ggx_.alpha = params.alpha;
-    float3 w_coat = patina_sample_ggx_lobe(round_ggx_, wo, s);
+    float3 w_bare = patina_sample_facets(patina_bare_facets(params), wo, v);
+    float3 w_coat = patina_sample_facets(patina_facets_of(params.alpha), wo, s);
     float3 wo_t = patina_refract(wo, excess);
-    float3 m = patina_round_ggx_sample_visible(below, wo_t, t, patina_ggx_bound(below.alpha, wo_t));
+    float3 m = patina_sample_facet(patina_facets_below(params), wo_t, t);
     float3 w_below = patina_leave(patina_mirror(wo_t, m), excess);
     float3 w_patina = on_coat ? w_coat : on_diffuse ? patina_sample_cosine(t) : w_below;
     float3 wi = on_bare ? w_bare : w_patina;

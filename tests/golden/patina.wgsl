@@ -6,7 +6,10 @@
 // `gonio.mitsuba.textures.growth_map` makes. Spatial variation is the host's business: growth is a number
 // here, and a texture gives each point its own.
 // Deviations: by default light that leaves the coat spreads by 1 / eta^2, without which the metal below is
-// eta^2 = 9.5 times too bright; an option restores the original.
+// eta^2 = 9.5 times too bright; facets are GGX's with Smith's masking instead of Beckmann's with
+// V-cavities, and F is exact instead of Lazanyi's fit. Options restore each of these. The index that Elek
+// mixes with the patina's as that grows is the one of the environment's reflection alone: the metal below
+// stays copper.
 //
 // WGSL (WebGPU), made by gonio from gonio/models/patina.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
@@ -20,8 +23,8 @@ struct PatinaSample {
     pdf: f32,  // its density in 1/sr; 0 marks a wasted sample
 }
 
-// patina: Copper under a growing green layer of cuprite. Reciprocal. Exported with
-// solid_angle='compressed'.
+// patina: Copper under a growing green layer of cuprite. Reciprocal.
+// Exported with solid_angle='compressed', distribution='ggx', masking='smith_correlated', fresnel='exact'.
 struct Patina {
     growth: f32,  // the map: where it is dark, the patina grows first; 0 to 1, default 0.5
     extent: f32,  // from -transition (bare) to 1 + transition (closed); -1 to 2, default 0.45
@@ -47,6 +50,12 @@ struct PatinaRoundGGX {
     alpha: f32,  // width of the slopes
 }
 
+// What becomes of light at a surface.
+struct PatinaSplit {
+    F: vec3f,  // Is reflected
+    T: vec3f,  // Enters
+}
+
 // What shares returns.
 struct PatinaShares {
     P_bare: vec2f,
@@ -67,6 +76,61 @@ struct PatinaGGX {
 }
 
 // ---- evaluation ----------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn patina_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    let h = wi + wo;
+    return h / length(h);  // which patina_cos_half needs as well
+}
+
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+fn patina_cos_half(wi: vec3f, wo: vec3f) -> f32 {
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return 0.5 * length(wi + wo);
+}
+
+// 1 - patina_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
+fn patina_sin2_half(wi: vec3f, wo: vec3f) -> f32 {
+    let apart = wi - wo;
+    return 0.25 * dot(apart, apart);
+}
+
+// Exact reflectance of a conductor, eta + i k, at a facet, from both patina_cos_half and patina_sin2_half.
+fn patina_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3f) -> vec3f {
+    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
+    // is reached at the edge of total internal reflection, where the true derivative is infinite.
+    const ROOT_MIN = 1.0e-16;
+    // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
+    const NEAR_NORMAL = 0.75;
+    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
+    let c = cos_h;
+    // A trace of absorption keeps the roots below from 0
+    let contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
+    let half_im = eta * k + ROOT_MIN;
+    let c2 = c * c;
+    // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
+    let near = cos_h > NEAR_NORMAL;
+    let w_re = select(contrast_re, eta * eta - k * k, near) + select(c2, -sin2_h, near);
+    let im = 2.0 * half_im;
+    let w_abs = sqrt(w_re * w_re + im * im);
+    // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
+    let large = sqrt(0.5 * (w_abs + abs(w_re)));
+    let g_re = select(half_im / large, large, w_re > vec3f(0.0));
+    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2_h|^2 = p -+ cross sin2_h
+    let cross = 2.0 * c * g_re;
+    let s_abs2 = c2 + w_abs + cross;
+    let p = c2 * w_abs + sin2_h * sin2_h;
+    // Quotients before their squares: for a matched index in the horizon these would leave a float32
+    let r_re = contrast_re / s_abs2;
+    let r_im = im / s_abs2;
+    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2_h));
+}
+
+// The metal's reflectance, as far as it has tarnished.
+fn patina_metal_F(params: Patina, cos_h: f32, sin2_h: f32) -> vec3f {
+    let tint = mix(vec3f(1.0), params.tarnish_tint, vec3f(params.tarnish));
+    return patina_F_conductor_half(cos_h, sin2_h, params.metal_eta, params.metal_k) * tint;
+}
 
 // a + b + c with the rounding error of a + b carried along (Knuth), for a c that cancels it.
 fn patina_sum3(a: f32, b: f32, c: f32) -> f32 {
@@ -96,62 +160,13 @@ fn patina_metal_alpha(params: Patina) -> f32 {
     return patina_bare(params) * params.bare_alpha + patina_grown(params) * params.grown_alpha;
 }
 
-// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
-fn patina_cos_half(wi: vec3f, wo: vec3f) -> f32 {
-    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+// Facets of a width; distribution is "ggx" or "beckmann".
+fn patina_facets_of(alpha: f32) -> PatinaRoundGGX {
+    return PatinaRoundGGX(alpha);
 }
 
-// 1 - patina_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
-fn patina_sin2_half(wi: vec3f, wo: vec3f) -> f32 {
-    let apart = wi - wo;
-    return 0.25 * dot(apart, apart);
-}
-
-// Exact reflectance of a conductor, eta + i k, at a facet, from both patina_cos_half and patina_sin2_half.
-fn patina_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3f) -> vec3f {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
-    // is reached at the edge of total internal reflection, where the true derivative is infinite.
-    const ROOT_MIN = 1.0e-16;
-    // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
-    const NEAR_NORMAL = 0.75;
-    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
-    let c = cos_h;
-    // A trace of absorption keeps the roots below from 0
-    let contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
-    let half_im = eta * k + ROOT_MIN;
-    let c2 = c * c;
-    // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
-    let w_re = select(contrast_re + c2, (eta - k) * (eta + k) - sin2_h, c > NEAR_NORMAL);
-    let im = 2.0 * half_im;
-    let w_abs = sqrt(w_re * w_re + im * im);
-    // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    let large = sqrt(0.5 * (w_abs + abs(w_re)));
-    let g_re = select(half_im / large, large, w_re > vec3f(0.0));
-    // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2_h|^2 = p -+ cross sin2_h
-    let cross = 2.0 * c * g_re;
-    let s_abs2 = c2 + w_abs + cross;
-    let p = c2 * w_abs + sin2_h * sin2_h;
-    // Quotients before their squares: for a matched index in the horizon these would leave a float32
-    let r_re = contrast_re / s_abs2;
-    let r_im = im / s_abs2;
-    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2_h));
-}
-
-// The metal's reflectance: its index turns into the patina's as that grows, and it tarnishes.
-fn patina_metal_F(params: Patina, cos_h: f32, sin2_h: f32) -> vec3f {
-    let bare = patina_bare(params);
-    let grown = patina_grown(params);
-    let eta = bare * params.metal_eta + grown * params.coat_eta;
-    let k = bare * params.metal_k + grown * params.coat_k;
-    return patina_F_conductor_half(cos_h, sin2_h, eta, k)
-        * mix(vec3f(1.0), params.tarnish_tint, vec3f(params.tarnish));
-}
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-fn patina_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    let h = wi + wo;
-    return h / length(h);  // which patina_cos_half needs as well
+fn patina_bare_facets(params: Patina) -> PatinaRoundGGX {
+    return patina_facets_of(patina_metal_alpha(params));
 }
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
@@ -174,9 +189,8 @@ fn patina_V_smith_correlated(facets: PatinaRoundGGX, wi: vec3f, wo: vec3f) -> f3
         + wi.z * patina_round_ggx_area(facets, wo));
 }
 
-// D G / (4 mu_i mu_o) of GGX with height-correlated Smith at the half vector m; F is missing.
-fn patina_ggx_facets(m: vec3f, wi: vec3f, wo: vec3f, alpha: f32) -> f32 {
-    let facets = PatinaRoundGGX(alpha);
+// D G / (4 mu_i mu_o); F is missing.
+fn patina_reflected_by(facets: PatinaRoundGGX, wi: vec3f, wo: vec3f, m: vec3f) -> f32 {
     return patina_round_ggx_D(facets, m) * patina_V_smith_correlated(facets, wi, wo);
 }
 
@@ -194,37 +208,39 @@ fn patina_sin2(cos_theta: f32) -> f32 {
     return (1.0 - cos_theta) * (1.0 + cos_theta);
 }
 
-// Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0.
-fn patina_F_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f {
-    return patina_F_conductor_half(cos_theta, patina_sin2(cos_theta), eta, k);
-}
-
-// 1 - F of a conductor; exact where it nearly vanishes.
-fn patina_transmittance_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> vec3f {
+// `F_conductor` of what is denser than the medium above, and 1 - F, exact where it nearly vanishes.
+fn patina_split_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> PatinaSplit {
     const ROOT_MIN = 1.0e-16;
     // With eps = (eta + i k)^2 and g^2 = eps - 1 + c^2: 1 - R_s = 4 c Re(g) / |c + g|^2, and 1 - R_p is 4 c
-    // Re(conj(g) eps) / |eps c + g|^2.
+    // Re(conj(g) eps) / |eps c + g|^2. The roots are those of F.
     let c = cos_theta;
+    let contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
+    let half_im = eta * k + ROOT_MIN;
     let eps_re = (eta - k) * (eta + k);
-    let eps_im = 2.0 * (eta * k + ROOT_MIN);
-    let w_re = (eta - 1.0) * (eta + 1.0) - k * k + c * c;
+    let eps_im = 2.0 * half_im;
+    let c2 = c * c;
+    let sin2 = patina_sin2(c);
+    let w_re = contrast_re + c2;
     let w_abs = sqrt(w_re * w_re + eps_im * eps_im);
-    // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     let large = sqrt(0.5 * (w_abs + abs(w_re)));
-    let small = 0.5 * eps_im / large;
+    let small = half_im / large;
     let g_re = select(small, large, w_re > vec3f(0.0));
     let g_im = select(large, small, w_re > vec3f(0.0));
-    let s_re = c + g_re;
+    let cross = 2.0 * c * g_re;
+    let s_abs2 = c2 + w_abs + cross;
+    let p = c2 * w_abs + sin2 * sin2;
+    let r_re = contrast_re / s_abs2;
+    let r_im = eps_im / s_abs2;
     let p_re = eps_re * c + g_re;
     let p_im = eps_im * c + g_im;
-    let T_s = g_re / (s_re * s_re + g_im * g_im);
     let T_p = (eps_re * g_re + eps_im * g_im) / (p_re * p_re + p_im * p_im);
-    return 2.0 * c * (T_s + T_p);
+    return PatinaSplit((r_re * r_re + r_im * r_im) * (p / (p + cross * sin2)),
+        2.0 * c * (g_re / s_abs2 + T_p));
 }
 
-// T12 t of Eq. 2 and 4 with t = (1 - G) + T21 G, T21 = T12 = T at the half vector, and GGX's G.
-fn patina_through_facets(wi: vec3f, wo: vec3f, alpha: f32, T: vec3f) -> vec3f {
-    let G = 4.0 * wi.z * wo.z * patina_V_smith_correlated(PatinaRoundGGX(alpha), wi, wo);
+// T12 t of Eq. 2 and 4 with t = (1 - G) + T21 G, T21 = T12 = T at the half vector.
+fn patina_through_facets(facets: PatinaRoundGGX, wi: vec3f, wo: vec3f, T: vec3f) -> vec3f {
+    let G = 4.0 * wi.z * wo.z * patina_V_smith_correlated(facets, wi, wo);
     return T * (1.0 - G + T * G);
 }
 
@@ -276,33 +292,35 @@ fn patina_refracted_sin2_half(wi: vec3f, wo: vec3f, excess: f32) -> f32 {
     return 0.25 * dot(apart, apart);
 }
 
-// The metal's width under the patina, at least that of the patina itself (Figure 2).
-fn patina_below_alpha(params: Patina) -> f32 {
-    return max(patina_metal_alpha(params), params.alpha);
+// The metal's under the patina, at least as wide as those of the patina itself (Figure 2).
+fn patina_facets_below(params: Patina) -> PatinaRoundGGX {
+    return patina_facets_of(max(patina_metal_alpha(params), params.alpha));
 }
 
 // Eq. 2 with a coat that scatters.
 fn patina_coated(params: Patina, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
+    let m = patina_half_vector(wi, wo);
     let cos_h = patina_cos_half(wi, wo);
     let excess = patina_excess(params);
     let index = 1.0 + excess;
-    let F = patina_F_conductor(cos_h, params.coat_eta, params.coat_k);
-    let T = patina_transmittance_conductor(cos_h, params.coat_eta, params.coat_k);
-    let surface = F * patina_ggx_facets(patina_half_vector(wi, wo), wi, wo, params.alpha)
-        + (1.0 - params.sigma_a) * T * inv_pi;
+    let surface = patina_split_conductor(cos_h, params.coat_eta, params.coat_k);
+    let facets = patina_facets_of(params.alpha);
+    let glossy = patina_reflected_by(facets, wi, wo, m);
+    let coat = surface.F * glossy + (1.0 - params.sigma_a) * surface.T * inv_pi;
 
-    var through = patina_through_facets(wi, wo, params.alpha, T);
+    var through = patina_through_facets(facets, wi, wo, surface.T);
     through = through / (index * index);
     let wi_t = patina_refract(wi, excess);
     let wo_t = patina_refract(wo, excess);
     let kept = patina_attenuation(patina_coat_optical_depth(params.sigma_a, params.thickness), wi_t,
         wo_t);
     let both = patina_refracted_sum(wi, wo, excess);
-    var metal = patina_metal_F(params, 0.5 * length(both) / index,
-        patina_refracted_sin2_half(wi, wo, excess));
-    metal = metal * patina_ggx_facets(normalize(both), wi_t, wo_t, patina_below_alpha(params));
-    return surface + metal * through * kept;
+    let cos_t = 0.5 * length(both) / index;
+    let F = patina_metal_F(params, cos_t, patina_refracted_sin2_half(wi, wo, excess));
+    let below = patina_facets_below(params);
+    let metal = F * patina_reflected_by(below, wi_t, wo_t, normalize(both));
+    return coat + metal * through * kept;
 }
 
 // The bare and the coated metal, mixed: BRDF value in 1/sr, without the cosine.
@@ -311,9 +329,10 @@ fn patina_eval(params: Patina, wi: vec3f, wo: vec3f) -> vec3f {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
-    let alpha = patina_metal_alpha(params);
-    let F = patina_metal_F(params, patina_cos_half(wi, wo), patina_sin2_half(wi, wo));
-    let bare = F * patina_ggx_facets(patina_half_vector(wi, wo), wi, wo, alpha);
+    let m = patina_half_vector(wi, wo);
+    let cos_h = patina_cos_half(wi, wo);
+    let F = patina_metal_F(params, cos_h, patina_sin2_half(wi, wo));
+    let bare = F * patina_reflected_by(patina_bare_facets(params), wi, wo, m);
     return patina_bare(params) * bare + patina_grown(params) * patina_coated(params, wi, wo);
 }
 
@@ -360,9 +379,8 @@ fn patina_shares(params: Patina, wo: vec3f) -> PatinaShares {
     const LOBE_MIN = 1.0e-12;
     let grown = patina_grown(params);
     let wo_t = patina_refract(wo, patina_excess(params));
-    let F = patina_F_conductor(wo.z, params.coat_eta, params.coat_k);
-    let T = patina_transmittance_conductor(patina_usual_cos_half(wo), params.coat_eta,
-        params.coat_k);
+    let F = patina_split_conductor(wo.z, params.coat_eta, params.coat_k).F;
+    let T = patina_split_conductor(patina_usual_cos_half(wo), params.coat_eta, params.coat_k).T;
     let F_metal = patina_metal_F(params, wo.z, (1.0 - wo.z) * (1.0 + wo.z));
     let bare = patina_bare(params) * patina_average(F_metal);
     let coat = grown * patina_average(F);
@@ -386,17 +404,6 @@ fn patina_choose(probability: f32, u: vec2f) -> PatinaChoice {
     let below = u.x / max(probability, SHARE_MIN);
     let above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
     return PatinaChoice(first, vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
-}
-
-// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
-//
-// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
-// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
-fn patina_ggx_bound(least: f32, wo: vec3f) -> f32 {
-    let s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
-    let a2 = least * least;
-    let s2 = s * s;
-    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
 }
 
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
@@ -433,12 +440,33 @@ fn patina_mirror(wo: vec3f, m: vec3f) -> vec3f {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
-// both, no weight grows.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
+// (patina_ggx_bound): the rim of those that are left would be a jump of the density, in the horizon itself.
 fn patina_sample_ggx_lobe(facets: PatinaRoundGGX, wo: vec3f, u: vec2f) -> vec3f {
-    let w = patina_mirror(wo,
-        patina_round_ggx_sample_visible(facets, wo, u, patina_ggx_bound(facets.alpha, wo)));
+    let w = patina_mirror(wo, patina_round_ggx_sample_visible(facets, wo, u, 1.0));
     return vec3f(w.x, w.y, abs(w.z));
+}
+
+// A direction that the uppermost facets mirror.
+fn patina_sample_facets(facets: PatinaRoundGGX, wo: vec3f, u: vec2f) -> vec3f {
+    return patina_sample_ggx_lobe(PatinaRoundGGX(facets.alpha), wo, u);
+}
+
+// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
+//
+// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
+// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
+fn patina_ggx_bound(least: f32, wo: vec3f) -> f32 {
+    let s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
+    let a2 = least * least;
+    let s2 = s * s;
+    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
+}
+
+// A facet's normal.
+fn patina_sample_facet(facets: PatinaRoundGGX, wo: vec3f, u: vec2f) -> vec3f {
+    return patina_round_ggx_sample_visible(PatinaRoundGGX(facets.alpha), wo, u,
+        patina_ggx_bound(facets.alpha, wo));
 }
 
 // Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
@@ -476,6 +504,22 @@ fn patina_sample_cosine(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
+fn patina_pdf_visible(facets: PatinaRoundGGX, wo: vec3f, m: vec3f, bound: f32) -> f32 {
+    return 0.5 * patina_round_ggx_D(facets, m) / (bound * wo.z + patina_round_ggx_area(facets, wo));
+}
+
+// Density of wo mirrored at patina_sample_facet, in 1/sr.
+fn patina_pdf_facet(facets: PatinaRoundGGX, wo: vec3f, m: vec3f) -> f32 {
+    return patina_pdf_visible(PatinaRoundGGX(facets.alpha), wo, m,
+        patina_ggx_bound(facets.alpha, wo));
+}
+
+// Density of what the metal below mirrors, inside the patina.
+fn patina_pdf_below(params: Patina, wo_t: vec3f, m: vec3f) -> f32 {
+    return patina_pdf_facet(patina_facets_below(params), wo_t, m);
+}
+
 // The inner direction that patina_leave spreads to w; z = 0 for eta <= 1, which has none.
 fn patina_gather(w: vec3f, excess: f32) -> vec3f {
     const SIN2_MIN = 1.0e-18;
@@ -488,11 +532,6 @@ fn patina_gather(w: vec3f, excess: f32) -> vec3f {
     return vec3f(x, select(w.y * scale, 0.0, near), z);
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-fn patina_pdf_visible(facets: PatinaRoundGGX, wo: vec3f, m: vec3f, bound: f32) -> f32 {
-    return 0.5 * patina_round_ggx_D(facets, m) / (bound * wo.z + patina_round_ggx_area(facets, wo));
-}
-
 // Density of patina_leave at w, from the inner density at w_t = refract(w) and at gather(w).
 fn patina_pdf_leave(pdf_refracted: f32, pdf_gathered: f32, w: vec3f, w_t: vec3f,
     excess: f32) -> f32 {
@@ -503,33 +542,28 @@ fn patina_pdf_leave(pdf_refracted: f32, pdf_gathered: f32, w: vec3f, w_t: vec3f,
         + pdf_gathered * patina_critical_cosine(excess);
 }
 
+// Density of patina_sample_ggx_lobe in 1/sr.
+fn patina_pdf_ggx_lobe(facets: PatinaRoundGGX, wi: vec3f, wo: vec3f) -> f32 {
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    let straight = patina_pdf_visible(facets, wo, patina_half_vector(wi, wo), 1.0);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    let exists = wo.z > wi.z;
+    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
+    // The least lift, for two that are equally high but for their last digits
+    let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
+    let folded = patina_pdf_visible(facets, wo, patina_half_vector(image, higher), 1.0);
+    return straight + select(0.0, folded, exists);
+}
+
+// Density of patina_sample_facets in 1/sr.
+fn patina_pdf_facets(facets: PatinaRoundGGX, wi: vec3f, wo: vec3f) -> f32 {
+    return patina_pdf_ggx_lobe(PatinaRoundGGX(facets.alpha), wi, wo);
+}
+
 // Density of patina_sample_cosine in 1/sr, for w above the horizon.
 fn patina_pdf_cosine(w: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     return w.z * inv_pi;
-}
-
-// Square of m in units of the width.
-fn patina_round_ggx_spread(round_ggx: PatinaRoundGGX, m: vec3f) -> f32 {
-    let v = vec3f(m.x, m.y, round_ggx.alpha * m.z);
-    return dot(v, v) / (round_ggx.alpha * round_ggx.alpha);
-}
-
-// Density of patina_sample_ggx_lobe in 1/sr.
-fn patina_pdf_ggx_lobe(facets: PatinaRoundGGX, wi: vec3f, wo: vec3f) -> f32 {
-    const mu_min = 1.0e-18;  // cosine of the horizon
-    let bound = patina_ggx_bound(facets.alpha, wo);
-    let straight = patina_round_ggx_D(facets, patina_half_vector(wi, wo));
-    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    let fall = wo.z - wi.z;
-    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, fall > 0.0));
-    // The least lift, for two that are equally high but for their last digits
-    let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
-    let m = patina_half_vector(image, higher);
-    // Where the cap of patina_ggx_sample_visible ends
-    let left = fall > (1.0 - bound) * wo.z * patina_round_ggx_spread(facets, m);
-    let folded = select(0.0, patina_round_ggx_D(facets, m), left);
-    return 0.5 * (straight + folded) / (bound * wo.z + patina_round_ggx_area(facets, wo));
 }
 
 // Density of patina_sample in 1/sr.
@@ -543,20 +577,16 @@ fn patina_pdf(params: Patina, wi: vec3f, wo: vec3f) -> f32 {
     let P_coat = shares_result.P_coat;
     let P_diffuse = shares_result.P_diffuse;
     let excess = patina_excess(params);
-    let facets = PatinaRoundGGX(patina_below_alpha(params));
     let wi_t = patina_refract(wi, excess);
     let wo_t = patina_refract(wo, excess);
-    let m = normalize(patina_refracted_sum(wi, wo, excess));
-    let m_gathered = patina_half_vector(patina_gather(wi, excess), wo_t);
-    let bound = patina_ggx_bound(facets.alpha, wo_t);
-    let refracted = patina_pdf_visible(facets, wo_t, m, bound);
-    let gathered = patina_pdf_visible(facets, wo_t, m_gathered, bound);
+    let refracted = patina_pdf_below(params, wo_t, normalize(patina_refracted_sum(wi, wo, excess)));
+    let w = patina_gather(wi, excess);
+    let gathered = patina_pdf_below(params, wo_t, patina_half_vector(w, wo_t));
     let below = patina_pdf_leave(refracted, gathered, wi, wi_t, excess);
-    var patina = P_diffuse.x * patina_pdf_cosine(wi) + P_diffuse.y * below;
-    let coat = patina_pdf_ggx_lobe(PatinaRoundGGX(params.alpha), wi, wo);
-    patina = P_coat.x * coat + P_coat.y * patina;
-    let bare = patina_pdf_ggx_lobe(PatinaRoundGGX(patina_metal_alpha(params)), wi, wo);
-    return P_bare.x * bare + P_bare.y * patina;
+    let coat = patina_pdf_facets(patina_facets_of(params.alpha), wi, wo);
+    let bare = patina_pdf_facets(patina_bare_facets(params), wi, wo);
+    let inside = P_diffuse.x * patina_pdf_cosine(wi) + P_diffuse.y * below;
+    return P_bare.x * bare + P_bare.y * (P_coat.x * coat + P_coat.y * inside);
 }
 
 // One of the bare metal, the patina's surface, its diffuse part, and the metal below.
@@ -570,7 +600,6 @@ fn patina_sample(params: Patina, wo: vec3f, u: vec2f) -> PatinaSample {
     let P_coat = shares_result.P_coat;
     let P_diffuse = shares_result.P_diffuse;
     let excess = patina_excess(params);
-    let below = PatinaRoundGGX(patina_below_alpha(params));
     let choose_result = patina_choose(P_bare.x, u);
     let on_bare = choose_result.is_first;
     let v = choose_result.u;
@@ -580,10 +609,10 @@ fn patina_sample(params: Patina, wo: vec3f, u: vec2f) -> PatinaSample {
     let choose_result_3 = patina_choose(P_diffuse.x, s);
     let on_diffuse = choose_result_3.is_first;
     let t = choose_result_3.u;
-    let w_bare = patina_sample_ggx_lobe(PatinaRoundGGX(patina_metal_alpha(params)), wo, v);
-    let w_coat = patina_sample_ggx_lobe(PatinaRoundGGX(params.alpha), wo, s);
+    let w_bare = patina_sample_facets(patina_bare_facets(params), wo, v);
+    let w_coat = patina_sample_facets(patina_facets_of(params.alpha), wo, s);
     let wo_t = patina_refract(wo, excess);
-    let m = patina_round_ggx_sample_visible(below, wo_t, t, patina_ggx_bound(below.alpha, wo_t));
+    let m = patina_sample_facet(patina_facets_below(params), wo_t, t);
     let w_below = patina_leave(patina_mirror(wo_t, m), excess);
     let w_patina = select(select(w_below, patina_sample_cosine(t), on_diffuse), w_coat, on_coat);
     let wi = select(w_patina, w_bare, on_bare);

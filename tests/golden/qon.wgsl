@@ -83,10 +83,11 @@ fn qon_eval(params: Qon, wi: vec3f, wo: vec3f) -> vec3f {
 
 // P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
 fn qon_uniform_share(mu: f32, r: f32) -> f32 {
-    // Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32.
+    // Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32. Below it are
+    // numbers that some machines take as 0, so it ends there for all.
     const R_MIN = 1.0e-37;
     let fit = 0.162925 + mu * (-0.372058 + (0.538233 - 0.290822 * mu) * mu);
-    return select(0.0, pow(max(r, R_MIN), 0.1) * fit, r > 0.0);
+    return select(0.0, pow(max(r, R_MIN), 0.1) * fit, r > R_MIN);
 }
 
 // A direction with density 1 / (2 pi).

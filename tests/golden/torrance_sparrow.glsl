@@ -80,7 +80,8 @@ vec3 torrance_sparrow_F_conductor_half(float cos_h, float sin2_h, vec3 eta, vec3
     vec3 half_im = eta * k + ROOT_MIN;
     float c2 = c * c;
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
-    vec3 w_re = mix(contrast_re + c2, (eta - k) * (eta + k) - sin2_h, bvec3(c > NEAR_NORMAL));
+    bool near = cos_h > NEAR_NORMAL;
+    vec3 w_re = mix(contrast_re, eta * eta - k * k, bvec3(near)) + (near ? -sin2_h : c2);
     vec3 im = 2.0 * half_im;
     vec3 w_abs = sqrt(w_re * w_re + im * im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
@@ -110,17 +111,12 @@ TorranceSparrowGGX torrance_sparrow_facets(TorranceSparrow params) {
     return TorranceSparrowGGX(a.x, a.y);
 }
 
-// Square of m in units of the widths: D falls with its square.
-float torrance_sparrow_ggx_spread(TorranceSparrowGGX ggx, vec3 m) {
-    vec3 v = vec3(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
-    return dot(v, v);
-}
-
 // Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
 float torrance_sparrow_ggx_D(TorranceSparrowGGX ggx, vec3 m) {
     const float inv_pi = 0.31830987;
     // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    float s = torrance_sparrow_ggx_spread(ggx, m);
+    vec3 v = vec3(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
+    float s = dot(v, v);
     return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
 }
 
@@ -157,26 +153,9 @@ vec3 torrance_sparrow_eval(TorranceSparrow params, vec3 wi, vec3 wo) {
 
 // ---- sampling ------------------------------------------------------------------------------
 
-// The smaller width.
-float torrance_sparrow_ggx_least(TorranceSparrowGGX ggx) {
-    return min(ggx.alpha_x, ggx.alpha_y);
-}
-
-// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
-//
-// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
-// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
-float torrance_sparrow_ggx_bound(float least, vec3 wo) {
-    float s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
-    float a2 = least * least;
-    float s2 = s * s;
-    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
-}
-
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
 //
-// With a bound below 1 (see torrance_sparrow_ggx_bound) without those that mirror wo below the horizon, or
-// most.
+// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
 vec3 torrance_sparrow_ggx_sample_visible(TorranceSparrowGGX ggx, vec3 wo, vec2 u, float bound) {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const float RANDOM_MARGIN = 5.9604645e-8;
@@ -202,12 +181,10 @@ vec3 torrance_sparrow_mirror(vec3 wo, vec3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
-// both, no weight grows.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
+// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
 vec3 torrance_sparrow_sample_ggx_lobe(TorranceSparrowGGX facets, vec3 wo, vec2 u) {
-    vec3 w = torrance_sparrow_mirror(wo,
-        torrance_sparrow_ggx_sample_visible(facets, wo, u,
-            torrance_sparrow_ggx_bound(torrance_sparrow_ggx_least(facets), wo)));
+    vec3 w = torrance_sparrow_mirror(wo, torrance_sparrow_ggx_sample_visible(facets, wo, u, 1.0));
     return vec3(w.x, w.y, abs(w.z));
 }
 
@@ -219,21 +196,25 @@ vec3 torrance_sparrow_sample_facets(TorranceSparrow params, vec3 wo, vec2 u) {
     return torrance_sparrow_sample_ggx_lobe(torrance_sparrow_facets(params), wo, u);
 }
 
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
+float torrance_sparrow_pdf_visible(TorranceSparrowGGX facets, vec3 wo, vec3 m, float bound) {
+    return 0.5 * torrance_sparrow_ggx_D(facets, m)
+        / (bound * wo.z + torrance_sparrow_ggx_area(facets, wo));
+}
+
 // Density of torrance_sparrow_sample_ggx_lobe in 1/sr.
 float torrance_sparrow_pdf_ggx_lobe(TorranceSparrowGGX facets, vec3 wi, vec3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float bound = torrance_sparrow_ggx_bound(torrance_sparrow_ggx_least(facets), wo);
-    float straight = torrance_sparrow_ggx_D(facets, torrance_sparrow_half_vector(wi, wo));
+    float straight = torrance_sparrow_pdf_visible(facets, wo, torrance_sparrow_half_vector(wi, wo),
+        1.0);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    float fall = wo.z - wi.z;
-    vec3 image = vec3(wi.x, wi.y, fall > 0.0 ? -wi.z : wi.z);
+    bool exists = wo.z > wi.z;
+    vec3 image = vec3(wi.x, wi.y, exists ? -wi.z : wi.z);
     // The least lift, for two that are equally high but for their last digits
     vec3 higher = vec3(wo.x, wo.y, wo.z + mu_min);
-    vec3 m = torrance_sparrow_half_vector(image, higher);
-    // Where the cap of torrance_sparrow_ggx_sample_visible ends
-    bool left = fall > (1.0 - bound) * wo.z * torrance_sparrow_ggx_spread(facets, m);
-    float folded = left ? torrance_sparrow_ggx_D(facets, m) : 0.0;
-    return 0.5 * (straight + folded) / (bound * wo.z + torrance_sparrow_ggx_area(facets, wo));
+    float folded = torrance_sparrow_pdf_visible(facets, wo,
+        torrance_sparrow_half_vector(image, higher), 1.0);
+    return straight + (exists ? folded : 0.0);
 }
 
 // Density of torrance_sparrow_sample_facets.

@@ -185,7 +185,8 @@ inline Vec3 torrance_sparrow_F_conductor_half(float cos_h, float sin2_h, Vec3 et
     Vec3 half_im = eta * k + ROOT_MIN;
     float c2 = c * c;
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
-    Vec3 w_re = c > NEAR_NORMAL ? (eta - k) * (eta + k) - sin2_h : contrast_re + c2;
+    bool near = cos_h > NEAR_NORMAL;
+    Vec3 w_re = (near ? eta * eta - k * k : contrast_re) + (near ? -sin2_h : c2);
     Vec3 im = 2.0f * half_im;
     Vec3 w_abs = sqrt(w_re * w_re + im * im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
@@ -215,16 +216,11 @@ inline TorranceSparrowGGX torrance_sparrow_facets(const TorranceSparrow& params)
     return TorranceSparrowGGX{a.x, a.y};
 }
 
-// Square of m in units of the widths: D falls with its square.
-inline float torrance_sparrow_ggx_spread(TorranceSparrowGGX ggx, Vec3 m) {
-    Vec3 v = Vec3{m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z};
-    return dot(v, v);
-}
-
 // Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
 inline float torrance_sparrow_ggx_D(TorranceSparrowGGX ggx, Vec3 m) {
     // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    float s = torrance_sparrow_ggx_spread(ggx, m);
+    Vec3 v = Vec3{m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z};
+    float s = dot(v, v);
     return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
 }
 
@@ -260,26 +256,9 @@ inline Vec3 torrance_sparrow_eval(const TorranceSparrow& params, Vec3 wi, Vec3 w
 
 // ---- sampling ------------------------------------------------------------------------------
 
-// The smaller width.
-inline float torrance_sparrow_ggx_least(TorranceSparrowGGX ggx) {
-    return fminf(ggx.alpha_x, ggx.alpha_y);
-}
-
-// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
-//
-// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
-// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
-inline float torrance_sparrow_ggx_bound(float least, Vec3 wo) {
-    float s = 1.0f + sqrtf(fmaxf(wo.x * wo.x + wo.y * wo.y, 0.0f));
-    float a2 = least * least;
-    float s2 = s * s;
-    return (1.0f - a2) * s2 / (s2 + a2 * wo.z * wo.z);
-}
-
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
 //
-// With a bound below 1 (see torrance_sparrow_ggx_bound) without those that mirror wo below the horizon, or
-// most.
+// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
 inline Vec3 torrance_sparrow_ggx_sample_visible(TorranceSparrowGGX ggx, Vec3 wo, Vec2 u,
     float bound) {
     Vec3 w = normalize(Vec3{ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z});
@@ -303,12 +282,10 @@ inline Vec3 torrance_sparrow_mirror(Vec3 wo, Vec3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
-// both, no weight grows.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
+// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
 inline Vec3 torrance_sparrow_sample_ggx_lobe(TorranceSparrowGGX facets, Vec3 wo, Vec2 u) {
-    Vec3 w = torrance_sparrow_mirror(wo,
-        torrance_sparrow_ggx_sample_visible(facets, wo, u,
-            torrance_sparrow_ggx_bound(torrance_sparrow_ggx_least(facets), wo)));
+    Vec3 w = torrance_sparrow_mirror(wo, torrance_sparrow_ggx_sample_visible(facets, wo, u, 1.0f));
     return Vec3{w.x, w.y, fabsf(w.z)};
 }
 
@@ -320,20 +297,25 @@ inline Vec3 torrance_sparrow_sample_facets(const TorranceSparrow& params, Vec3 w
     return torrance_sparrow_sample_ggx_lobe(torrance_sparrow_facets(params), wo, u);
 }
 
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
+inline float torrance_sparrow_pdf_visible(TorranceSparrowGGX facets, Vec3 wo, Vec3 m,
+    float bound) {
+    return 0.5f * torrance_sparrow_ggx_D(facets, m)
+        / (bound * wo.z + torrance_sparrow_ggx_area(facets, wo));
+}
+
 // Density of torrance_sparrow_sample_ggx_lobe in 1/sr.
 inline float torrance_sparrow_pdf_ggx_lobe(TorranceSparrowGGX facets, Vec3 wi, Vec3 wo) {
-    float bound = torrance_sparrow_ggx_bound(torrance_sparrow_ggx_least(facets), wo);
-    float straight = torrance_sparrow_ggx_D(facets, torrance_sparrow_half_vector(wi, wo));
+    float straight = torrance_sparrow_pdf_visible(facets, wo, torrance_sparrow_half_vector(wi, wo),
+        1.0f);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    float fall = wo.z - wi.z;
-    Vec3 image = Vec3{wi.x, wi.y, fall > 0.0f ? -wi.z : wi.z};
+    bool exists = wo.z > wi.z;
+    Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
     // The least lift, for two that are equally high but for their last digits
     Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
-    Vec3 m = torrance_sparrow_half_vector(image, higher);
-    // Where the cap of torrance_sparrow_ggx_sample_visible ends
-    bool left = fall > (1.0f - bound) * wo.z * torrance_sparrow_ggx_spread(facets, m);
-    float folded = left ? torrance_sparrow_ggx_D(facets, m) : 0.0f;
-    return 0.5f * (straight + folded) / (bound * wo.z + torrance_sparrow_ggx_area(facets, wo));
+    float folded = torrance_sparrow_pdf_visible(facets, wo,
+        torrance_sparrow_half_vector(image, higher), 1.0f);
+    return straight + (exists ? folded : 0.0f);
 }
 
 // Density of torrance_sparrow_sample_facets.

@@ -84,7 +84,8 @@ float3 torrance_sparrow_F_conductor_half(float cos_h, float sin2_h, float3 eta, 
     float3 half_im = eta * k + ROOT_MIN;
     float c2 = c * c;
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
-    float3 w_re = c > NEAR_NORMAL ? (eta - k) * (eta + k) - sin2_h : contrast_re + c2;
+    bool near = cos_h > NEAR_NORMAL;
+    float3 w_re = (near ? eta * eta - k * k : contrast_re) + (near ? -sin2_h : c2);
     float3 im = 2.0 * half_im;
     float3 w_abs = sqrt(w_re * w_re + im * im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
@@ -117,17 +118,12 @@ TorranceSparrowGGX torrance_sparrow_facets(TorranceSparrow params) {
     return result;
 }
 
-// Square of m in units of the widths: D falls with its square.
-float torrance_sparrow_ggx_spread(TorranceSparrowGGX ggx, float3 m) {
-    float3 v = float3(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
-    return dot(v, v);
-}
-
 // Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
 float torrance_sparrow_ggx_D(TorranceSparrowGGX ggx, float3 m) {
     const float inv_pi = 0.31830987;
     // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    float s = torrance_sparrow_ggx_spread(ggx, m);
+    float3 v = float3(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
+    float s = dot(v, v);
     return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
 }
 
@@ -164,26 +160,9 @@ float3 torrance_sparrow_eval(TorranceSparrow params, float3 wi, float3 wo) {
 
 // ---- sampling ------------------------------------------------------------------------------
 
-// The smaller width.
-float torrance_sparrow_ggx_least(TorranceSparrowGGX ggx) {
-    return min(ggx.alpha_x, ggx.alpha_y);
-}
-
-// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
-//
-// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
-// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
-float torrance_sparrow_ggx_bound(float least, float3 wo) {
-    float s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
-    float a2 = least * least;
-    float s2 = s * s;
-    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
-}
-
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
 //
-// With a bound below 1 (see torrance_sparrow_ggx_bound) without those that mirror wo below the horizon, or
-// most.
+// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
 float3 torrance_sparrow_ggx_sample_visible(TorranceSparrowGGX ggx, float3 wo, float2 u,
     float bound) {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
@@ -210,12 +189,10 @@ float3 torrance_sparrow_mirror(float3 wo, float3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
-// both, no weight grows.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
+// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
 float3 torrance_sparrow_sample_ggx_lobe(TorranceSparrowGGX facets, float3 wo, float2 u) {
-    float3 w = torrance_sparrow_mirror(wo,
-        torrance_sparrow_ggx_sample_visible(facets, wo, u,
-            torrance_sparrow_ggx_bound(torrance_sparrow_ggx_least(facets), wo)));
+    float3 w = torrance_sparrow_mirror(wo, torrance_sparrow_ggx_sample_visible(facets, wo, u, 1.0));
     return float3(w.x, w.y, abs(w.z));
 }
 
@@ -227,21 +204,26 @@ float3 torrance_sparrow_sample_facets(TorranceSparrow params, float3 wo, float2 
     return torrance_sparrow_sample_ggx_lobe(torrance_sparrow_facets(params), wo, u);
 }
 
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
+float torrance_sparrow_pdf_visible(TorranceSparrowGGX facets, float3 wo, float3 m,
+    float bound) {
+    return 0.5 * torrance_sparrow_ggx_D(facets, m)
+        / (bound * wo.z + torrance_sparrow_ggx_area(facets, wo));
+}
+
 // Density of torrance_sparrow_sample_ggx_lobe in 1/sr.
 float torrance_sparrow_pdf_ggx_lobe(TorranceSparrowGGX facets, float3 wi, float3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float bound = torrance_sparrow_ggx_bound(torrance_sparrow_ggx_least(facets), wo);
-    float straight = torrance_sparrow_ggx_D(facets, torrance_sparrow_half_vector(wi, wo));
+    float straight = torrance_sparrow_pdf_visible(facets, wo, torrance_sparrow_half_vector(wi, wo),
+        1.0);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    float fall = wo.z - wi.z;
-    float3 image = float3(wi.x, wi.y, fall > 0.0 ? -wi.z : wi.z);
+    bool exists = wo.z > wi.z;
+    float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
     // The least lift, for two that are equally high but for their last digits
     float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
-    float3 m = torrance_sparrow_half_vector(image, higher);
-    // Where the cap of torrance_sparrow_ggx_sample_visible ends
-    bool left = fall > (1.0 - bound) * wo.z * torrance_sparrow_ggx_spread(facets, m);
-    float folded = left ? torrance_sparrow_ggx_D(facets, m) : 0.0;
-    return 0.5 * (straight + folded) / (bound * wo.z + torrance_sparrow_ggx_area(facets, wo));
+    float folded = torrance_sparrow_pdf_visible(facets, wo,
+        torrance_sparrow_half_vector(image, higher), 1.0);
+    return straight + (exists ? folded : 0.0);
 }
 
 // Density of torrance_sparrow_sample_facets.

@@ -79,7 +79,8 @@ fn torrance_sparrow_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec
     let half_im = eta * k + ROOT_MIN;
     let c2 = c * c;
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
-    let w_re = select(contrast_re + c2, (eta - k) * (eta + k) - sin2_h, c > NEAR_NORMAL);
+    let near = cos_h > NEAR_NORMAL;
+    let w_re = select(contrast_re, eta * eta - k * k, near) + select(c2, -sin2_h, near);
     let im = 2.0 * half_im;
     let w_abs = sqrt(w_re * w_re + im * im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
@@ -109,17 +110,12 @@ fn torrance_sparrow_facets(params: TorranceSparrow) -> TorranceSparrowGGX {
     return TorranceSparrowGGX(a.x, a.y);
 }
 
-// Square of m in units of the widths: D falls with its square.
-fn torrance_sparrow_ggx_spread(ggx: TorranceSparrowGGX, m: vec3f) -> f32 {
-    let v = vec3f(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
-    return dot(v, v);
-}
-
 // Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
 fn torrance_sparrow_ggx_D(ggx: TorranceSparrowGGX, m: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    let s = torrance_sparrow_ggx_spread(ggx, m);
+    let v = vec3f(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
+    let s = dot(v, v);
     return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
 }
 
@@ -157,26 +153,9 @@ fn torrance_sparrow_eval(params: TorranceSparrow, wi: vec3f, wo: vec3f) -> vec3f
 
 // ---- sampling ------------------------------------------------------------------------------
 
-// The smaller width.
-fn torrance_sparrow_ggx_least(ggx: TorranceSparrowGGX) -> f32 {
-    return min(ggx.alpha_x, ggx.alpha_y);
-}
-
-// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
-//
-// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
-// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
-fn torrance_sparrow_ggx_bound(least: f32, wo: vec3f) -> f32 {
-    let s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
-    let a2 = least * least;
-    let s2 = s * s;
-    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
-}
-
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
 //
-// With a bound below 1 (see torrance_sparrow_ggx_bound) without those that mirror wo below the horizon, or
-// most.
+// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
 fn torrance_sparrow_ggx_sample_visible(ggx: TorranceSparrowGGX, wo: vec3f, u: vec2f,
     bound: f32) -> vec3f {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
@@ -203,12 +182,10 @@ fn torrance_sparrow_mirror(wo: vec3f, m: vec3f) -> vec3f {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
-// both, no weight grows.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
+// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
 fn torrance_sparrow_sample_ggx_lobe(facets: TorranceSparrowGGX, wo: vec3f, u: vec2f) -> vec3f {
-    let w = torrance_sparrow_mirror(wo,
-        torrance_sparrow_ggx_sample_visible(facets, wo, u,
-            torrance_sparrow_ggx_bound(torrance_sparrow_ggx_least(facets), wo)));
+    let w = torrance_sparrow_mirror(wo, torrance_sparrow_ggx_sample_visible(facets, wo, u, 1.0));
     return vec3f(w.x, w.y, abs(w.z));
 }
 
@@ -220,21 +197,26 @@ fn torrance_sparrow_sample_facets(params: TorranceSparrow, wo: vec3f, u: vec2f) 
     return torrance_sparrow_sample_ggx_lobe(torrance_sparrow_facets(params), wo, u);
 }
 
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
+fn torrance_sparrow_pdf_visible(facets: TorranceSparrowGGX, wo: vec3f, m: vec3f,
+    bound: f32) -> f32 {
+    return 0.5 * torrance_sparrow_ggx_D(facets, m)
+        / (bound * wo.z + torrance_sparrow_ggx_area(facets, wo));
+}
+
 // Density of torrance_sparrow_sample_ggx_lobe in 1/sr.
 fn torrance_sparrow_pdf_ggx_lobe(facets: TorranceSparrowGGX, wi: vec3f, wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
-    let bound = torrance_sparrow_ggx_bound(torrance_sparrow_ggx_least(facets), wo);
-    let straight = torrance_sparrow_ggx_D(facets, torrance_sparrow_half_vector(wi, wo));
+    let straight = torrance_sparrow_pdf_visible(facets, wo, torrance_sparrow_half_vector(wi, wo),
+        1.0);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    let fall = wo.z - wi.z;
-    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, fall > 0.0));
+    let exists = wo.z > wi.z;
+    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
     // The least lift, for two that are equally high but for their last digits
     let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
-    let m = torrance_sparrow_half_vector(image, higher);
-    // Where the cap of torrance_sparrow_ggx_sample_visible ends
-    let left = fall > (1.0 - bound) * wo.z * torrance_sparrow_ggx_spread(facets, m);
-    let folded = select(0.0, torrance_sparrow_ggx_D(facets, m), left);
-    return 0.5 * (straight + folded) / (bound * wo.z + torrance_sparrow_ggx_area(facets, wo));
+    let folded = torrance_sparrow_pdf_visible(facets, wo,
+        torrance_sparrow_half_vector(image, higher), 1.0);
+    return straight + select(0.0, folded, exists);
 }
 
 // Density of torrance_sparrow_sample_facets.

@@ -188,20 +188,9 @@ fn ue4_sample_cosine(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
-//
-// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
-// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
-fn ue4_ggx_bound(least: f32, wo: vec3f) -> f32 {
-    let s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
-    let a2 = least * least;
-    let s2 = s * s;
-    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
-}
-
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
 //
-// With a bound below 1 (see ue4_ggx_bound) without those that mirror wo below the horizon, or most.
+// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
 fn ue4_ggx_sample_visible(ggx: Ue4GGX, wo: vec3f, u: vec2f, bound: f32) -> vec3f {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const RANDOM_MARGIN = 5.9604645e-8;
@@ -233,11 +222,10 @@ fn ue4_mirror(wo: vec3f, m: vec3f) -> vec3f {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
-// both, no weight grows.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
+// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
 fn ue4_sample_ggx_lobe(facets: Ue4RoundGGX, wo: vec3f, u: vec2f) -> vec3f {
-    let w = ue4_mirror(wo,
-        ue4_round_ggx_sample_visible(facets, wo, u, ue4_ggx_bound(facets.alpha, wo)));
+    let w = ue4_mirror(wo, ue4_round_ggx_sample_visible(facets, wo, u, 1.0));
     return vec3f(w.x, w.y, abs(w.z));
 }
 
@@ -255,33 +243,28 @@ fn ue4_pdf_cosine(w: vec3f) -> f32 {
     return w.z * inv_pi;
 }
 
-// Square of m in units of the width.
-fn ue4_round_ggx_spread(round_ggx: Ue4RoundGGX, m: vec3f) -> f32 {
-    let v = vec3f(m.x, m.y, round_ggx.alpha * m.z);
-    return dot(v, v) / (round_ggx.alpha * round_ggx.alpha);
-}
-
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
 fn ue4_round_ggx_area(round_ggx: Ue4RoundGGX, w: vec3f) -> f32 {
     let a2 = round_ggx.alpha * round_ggx.alpha;
     return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
+fn ue4_pdf_visible(facets: Ue4RoundGGX, wo: vec3f, m: vec3f, bound: f32) -> f32 {
+    return 0.5 * ue4_round_ggx_D(facets, m) / (bound * wo.z + ue4_round_ggx_area(facets, wo));
+}
+
 // Density of ue4_sample_ggx_lobe in 1/sr.
 fn ue4_pdf_ggx_lobe(facets: Ue4RoundGGX, wi: vec3f, wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
-    let bound = ue4_ggx_bound(facets.alpha, wo);
-    let straight = ue4_round_ggx_D(facets, ue4_half_vector(wi, wo));
+    let straight = ue4_pdf_visible(facets, wo, ue4_half_vector(wi, wo), 1.0);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    let fall = wo.z - wi.z;
-    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, fall > 0.0));
+    let exists = wo.z > wi.z;
+    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
     // The least lift, for two that are equally high but for their last digits
     let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
-    let m = ue4_half_vector(image, higher);
-    // Where the cap of ue4_ggx_sample_visible ends
-    let left = fall > (1.0 - bound) * wo.z * ue4_round_ggx_spread(facets, m);
-    let folded = select(0.0, ue4_round_ggx_D(facets, m), left);
-    return 0.5 * (straight + folded) / (bound * wo.z + ue4_round_ggx_area(facets, wo));
+    let folded = ue4_pdf_visible(facets, wo, ue4_half_vector(image, higher), 1.0);
+    return straight + select(0.0, folded, exists);
 }
 
 // Density of ue4_sample_matte_gloss in 1/sr.

@@ -199,21 +199,9 @@ float3 unity_standard_sample_cosine(float2 u) {
     return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
-//
-// Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
-// mirror wo above the horizon. Of facets of one width 5 % at most of the others are left.
-float unity_standard_ggx_bound(float least, float3 wo) {
-    float s = 1.0 + sqrt(max(wo.x * wo.x + wo.y * wo.y, 0.0));
-    float a2 = least * least;
-    float s2 = s * s;
-    return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
-}
-
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
 //
-// With a bound below 1 (see unity_standard_ggx_bound) without those that mirror wo below the horizon, or
-// most.
+// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
 float3 unity_standard_ggx_sample_visible(UnityStandardGGX ggx, float3 wo, float2 u,
     float bound) {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
@@ -249,12 +237,11 @@ float3 unity_standard_mirror(float3 wo, float3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// That is little, as most such normals are left out. No sample is wasted, and as the density is the sum of
-// both, no weight grows.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
+// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
 float3 unity_standard_sample_ggx_lobe(UnityStandardRoundGGX facets, float3 wo, float2 u) {
     float3 w = unity_standard_mirror(wo,
-        unity_standard_round_ggx_sample_visible(facets, wo, u,
-            unity_standard_ggx_bound(facets.alpha, wo)));
+        unity_standard_round_ggx_sample_visible(facets, wo, u, 1.0));
     return float3(w.x, w.y, abs(w.z));
 }
 
@@ -275,33 +262,32 @@ float unity_standard_pdf_cosine(float3 w) {
     return w.z * inv_pi;
 }
 
-// Square of m in units of the width.
-float unity_standard_round_ggx_spread(UnityStandardRoundGGX round_ggx, float3 m) {
-    float3 v = float3(m.x, m.y, round_ggx.alpha * m.z);
-    return dot(v, v) / (round_ggx.alpha * round_ggx.alpha);
-}
-
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
 float unity_standard_round_ggx_area(UnityStandardRoundGGX round_ggx, float3 w) {
     float a2 = round_ggx.alpha * round_ggx.alpha;
     return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
+float unity_standard_pdf_visible(UnityStandardRoundGGX facets, float3 wo, float3 m,
+    float bound) {
+    return 0.5 * unity_standard_round_ggx_D(facets, m)
+        / (bound * wo.z + unity_standard_round_ggx_area(facets, wo));
+}
+
 // Density of unity_standard_sample_ggx_lobe in 1/sr.
 float unity_standard_pdf_ggx_lobe(UnityStandardRoundGGX facets, float3 wi, float3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float bound = unity_standard_ggx_bound(facets.alpha, wo);
-    float straight = unity_standard_round_ggx_D(facets, unity_standard_half_vector(wi, wo));
+    float straight = unity_standard_pdf_visible(facets, wo, unity_standard_half_vector(wi, wo),
+        1.0);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
-    float fall = wo.z - wi.z;
-    float3 image = float3(wi.x, wi.y, fall > 0.0 ? -wi.z : wi.z);
+    bool exists = wo.z > wi.z;
+    float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
     // The least lift, for two that are equally high but for their last digits
     float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
-    float3 m = unity_standard_half_vector(image, higher);
-    // Where the cap of unity_standard_ggx_sample_visible ends
-    bool left = fall > (1.0 - bound) * wo.z * unity_standard_round_ggx_spread(facets, m);
-    float folded = left ? unity_standard_round_ggx_D(facets, m) : 0.0;
-    return 0.5 * (straight + folded) / (bound * wo.z + unity_standard_round_ggx_area(facets, wo));
+    float folded = unity_standard_pdf_visible(facets, wo, unity_standard_half_vector(image, higher),
+        1.0);
+    return straight + (exists ? folded : 0.0);
 }
 
 // Density of unity_standard_sample_matte_gloss in 1/sr.

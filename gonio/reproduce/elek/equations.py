@@ -272,7 +272,7 @@ def flake_normal(sheet: Sheet) -> None:
 
 
 def _component(slope: Any, distance: Any, i: int) -> Any:
-    return tilt.flake_normal(slope, 0 * slope, distance)[i]
+    return tilt.flake_normal_added(slope, 0 * slope, distance)[i]
 
 
 @TEXT.item(
