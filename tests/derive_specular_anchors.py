@@ -251,8 +251,8 @@ def torrance_sparrow(m, p, wi, wo):
 def torrance_sparrow_pdf(p, wi, wo):
     """Density of wi: of visible normals or of all normals, over 4 wo.H.
 
-    For GGX, and for Blinn-Phong with a masking that is no larger than Smith's: visible GGX normals, and what
-    they mirror below the horizon is mirrored up again.
+    For GGX, and for Blinn-Phong with a masking that is no larger than Smith's: visible GGX normals, and
+    what they mirror below the horizon is mirrored up again.
     """
     h = half_vector(Exact, wi, wo)
     if p["distribution"] == "beckmann":
