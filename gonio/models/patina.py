@@ -42,6 +42,7 @@ from gonio.parts.coat import (
 from gonio.parts.distribution import ALPHA_MIN
 from gonio.parts.frame import cos_half, half_vector, mirror, sin2_half
 from gonio.parts.fresnel import (
+    F_conductor,
     F_conductor_half,
     F_lazanyi,
     Split,
@@ -169,6 +170,8 @@ class Patina(Model):
         eta = bare * self.metal_eta + grown * self.coat_eta
         k = bare * self.metal_k + grown * self.coat_k
         alpha = bare * self._metal_alpha() + grown * self.alpha
+        if self.fresnel == "lazanyi":
+            return ImageSurface(F_lazanyi(mu, eta, k), alpha)
         return ImageSurface(F_conductor(mu, eta, k), alpha)
 
     def _grown(self) -> Float:
