@@ -15,6 +15,8 @@ from gonio.cli import main
 from gonio.cost import amd, nvidia
 from gonio.cost.measured import Measured
 from gonio.cost.program import ROWS, Program, empty, of_model
+from gonio.cost.scenes import lit
+from gonio.cost.texts import tables
 from gonio.export.prove import opengl, tools
 from gonio.export.prove.tools import ProofError
 
@@ -86,15 +88,46 @@ def test_the_harness_is_not_a_models_cost(gpu: cost.Gpu) -> None:
 
 
 @pytest.mark.skipif(missing("navi21"), reason="no compiler for navi21")
-@pytest.mark.parametrize("name", ["eon", "torrance_sparrow", "disney"])
-def test_an_export_takes_no_more_cycles_than_a_shader_written_by_hand(name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "most"),
+    [
+        ("eon", 1.0),
+        # Of these some instructions are in another order, which is a few cycles' luck
+        ("disney", 1.04),
+        ("torrance_sparrow", 1.07),
+        # One division more in each coat: derivatives need small cosines one after the other
+        ("weidlich_wilkie", 1.13),
+    ],
+)
+def test_an_export_is_hardly_dearer_than_a_shader_written_by_hand(name: str, most: float) -> None:
     pair = [shaders.exported(name), shaders.handwritten(name)]
     programs = [Program(name, opengl.compute_text(shader, ROWS)) for shader in pair]
-    ours, by_hand = amd.measure(programs, cost.GPUS["navi21"])
+    ours, by_hand, nothing = amd.measure([*programs, empty()], cost.GPUS["navi21"])
+    ours, by_hand = ours - nothing, by_hand - nothing
     assert ours.cycles is not None
     assert by_hand.cycles is not None
-    # An order of instructions is a few cycles' luck
-    assert ours.cycles <= 1.04 * by_hand.cycles
+    assert ours.cycles <= most * by_hand.cycles
+
+
+@pytest.mark.skipif(missing("navi21"), reason="no compiler for navi21")
+def test_whole_shaders_stand_in_the_order_of_the_texts() -> None:
+    found = {section.key: section for section in tables([cost.GPUS["navi21"]])}
+    assert set(found) == {"triace_2", "triace_3b", "triace_6c", "triace_11", "triace_14", "elek_1"}
+    for section in found.values():
+        theirs = [row["text"] for row in section.rows]
+        cycles = [row["navi21_cycles"] for row in section.rows]
+        assert theirs == sorted(theirs, reverse=True)
+        assert cycles == sorted(cycles, reverse=True), section.title
+    # Elek's 4.2 and 2.3 times Phong, on hardware of another age: within half as much again
+    full, tabled, phong = (row["navi21_ratio"] for row in found["elek_1"].rows)
+    assert 436 / 104 / 1.5 < full < 436 / 104 * 1.5
+    assert 236 / 104 / 1.5 < tabled < 236 / 104 * 1.5
+    assert phong == 1
+
+
+def test_a_table_for_a_function_that_is_not_there_is_refused() -> None:
+    with pytest.raises(cost.CostError, match="no function 'G_nothing'"):
+        lit("x", gonio.model("lambert"), ["directional"], tables=["G_nothing"])
 
 
 @pytest.mark.skipif(missing("navi21"), reason="no compiler for navi21")
@@ -171,6 +204,8 @@ def test_a_function_that_others_wrote_stands_beside_an_export(tmp_path: Path) ->
         (["eon", "--time", "--only", "pdf"], "--time"),
         (["eon", "-o", "cost.txt"], ".md or .json"),
         (["emo"], "did you mean"),
+        (["--texts", "--gpu", "sm_86"], "add --gpu navi21"),
+        (["--texts", "--against", "phong"], "--against is for models"),
     ],
 )
 def test_what_cannot_be_measured_is_said_in_one_line(arguments: list[str], word: str) -> None:

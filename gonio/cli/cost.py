@@ -52,6 +52,12 @@ ROUNDS = 9
     is_flag=True,
     help="Also run eval by OpenGL on the GPU that is there (or llvmpipe on the processor).",
 )
+@click.option(
+    "--texts",
+    "of_texts",
+    is_flag=True,
+    help="The cost tables of the texts (tri-Ace 2012, Elek 2010): whole shaders beside their numbers.",
+)
 @click.option("-o", "--output", metavar="FILE", help="Also write a .md or .json file.")
 @json_option
 def command(
@@ -64,6 +70,7 @@ def command(
     language: str,
     mapping: tuple[str, ...],
     timed: bool,
+    of_texts: bool,
     output: str | None,
     as_json: bool,
 ) -> None:
@@ -79,12 +86,14 @@ def command(
       gonio cost eon:albedo_form=fitted --only eval,sample --to hlsl
       gonio cost eon engine.glsl#diffuse --map "L=wi V=wo"   a hand-written function beside an export
       gonio cost patina --time --json
+      gonio cost --all --against phong --texts -o docs/cost.md
     """
     from gonio.bench.report import Report
     from gonio.cli.export import choose
     from gonio.cost import compilers
     from gonio.cost.gpus import CostError, chosen
     from gonio.cost.table import FUNCTIONS, cost
+    from gonio.cost.texts import tables
     from gonio.export.text import FUNCTIONS as ALL
     from gonio.foreign import is_foreign
     from gonio.materials import load_model
@@ -104,22 +113,29 @@ def command(
         raise CostError("--time runs eval, which --only leaves out.")
     if output is not None and Path(output).suffix not in (".md", ".json"):
         raise CostError(f"-o {output}: the file's name ends in .md or .json.")
-    models = choose(named, params, everything).models if named or everything else {}
-    if not models and not files:
-        raise CostError("nothing to measure; name a model, such as eon, or give --all.")
-    section = cost(
-        models,
-        files,
-        functions=functions,
-        language=language,
-        gpus=wanted,
-        against=None if against is None else (against, load_model(against)[0]),
-        mapping=mapping,
-        rounds=ROUNDS if timed else 0,
-        progress=say,
-    )
+    sections = []
+    if named or everything or files or not of_texts:
+        models = choose(named, params, everything).models if named or everything else {}
+        if not models and not files:
+            raise CostError("nothing to measure; name a model, such as eon, or give --all.")
+        found = cost(
+            models,
+            files,
+            functions=functions,
+            language=language,
+            gpus=wanted,
+            against=None if against is None else (against, load_model(against)[0]),
+            mapping=mapping,
+            rounds=ROUNDS if timed else 0,
+            progress=say,
+        )
+        sections.append(found)
+    elif given := [name for name, value in (("--against", against), ("--time", timed)) if value]:
+        raise CostError(f"{given[0]} is for models; name one, or drop it.")
+    if of_texts:
+        sections += tables(wanted, say)
     report = Report(
-        compilers.describe(wanted), [], [section], "What shaders cost", "gonio cost --output"
+        compilers.describe(wanted), [], sections, "What shaders cost", "gonio cost --output"
     )
     if output is not None:
         report.write(Path(output))

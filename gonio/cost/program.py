@@ -13,7 +13,7 @@ from gonio.export.prove import cuda, opengl, slang, tools
 from gonio.export.prove.harness import indented
 from gonio.export.prove.tools import ProofError
 from gonio.foreign.function import parse_map, split
-from gonio.foreign.harness import OUTPUTS, statements
+from gonio.foreign.harness import statements
 from gonio.foreign.roles import match
 from gonio.foreign.source import ForeignError, read
 from gonio.model import Model
@@ -102,10 +102,8 @@ def of_function(text: str, mapping: Sequence[str] = ()) -> Program:
         for k in range(-(-matched.columns // 4))
     ]
     lines = [*texels, "vec4 gonio_made;", *statements(source, found, matched)]
-    lines += [f"y[o + {k}] = gonio_made.{'xyz'[k]};" for k in range(OUTPUTS)]
-    return Program(
-        f"{Path(file).name}#{found.name}", _glsl(source.text, matched.columns, OUTPUTS, lines)
-    )
+    lines += [f"y[o + {k}] = gonio_made.{c};" for k, c in enumerate("xyz")]
+    return Program(f"{Path(file).name}#{found.name}", _glsl(source.text, matched.columns, 3, lines))
 
 
 def _column(column: int, columns: int) -> str:

@@ -13,10 +13,10 @@ from gonio import plot
 from gonio.arrays.elementwise import elementwise
 from gonio.bake import environment
 from gonio.parts import interface, metals, tilt
+from gonio.reproduce.cycles import show_cycles
 from gonio.reproduce.elek import TEXT, formulas
 from gonio.reproduce.measure import Floats, directions, gray, hemisphere, random_pairs
 from gonio.reproduce.sheet import Sheet
-from gonio.reproduce.timing import EVAL, show_times
 
 ROUNDING = 1e-9
 
@@ -314,26 +314,7 @@ PRINTED_RATE = {"full": 348, "precomputed": 757, "Phong": 1648}
     slow=True,
 )
 def table_1(sheet: Sheet) -> None:
-    full = gonio.WeidlichWilkie(fresnel="lazanyi", base="torrance_sparrow", sigma_a=0.2).replace(
-        **{
-            "base.distribution": "beckmann",
-            "base.masking": "cook_torrance",
-            "base.fresnel": "lazanyi",
-        }
-    )
-    times = show_times(
-        sheet,
-        {"Phong": gonio.Phong(form="classical"), "full": full},
-        {},
-        "cycles of a GeForce 8800 GTX, which nobody here has; ratios of exports in C++ are "
-        "shown. Tables are "
-        "looked up by textures, which no export has",
-    )
-    if times is not None:
-        sheet.lines.clear()
-        ratio = times["full", EVAL] / times["Phong", EVAL]
-        stated = PRINTED_CYCLES["full"] / PRINTED_CYCLES["Phong"]
-        sheet.show(f"full over Phong, without texture and environment; text {stated:.3g}", ratio)
+    show_cycles(sheet, "elek_1", "cycles of a GeForce 8800 GTX, which nobody here has")
     peak = 128 * 1.35  # stream processors and GHz of that GPU
     for name, cycles in PRINTED_CYCLES.items():
         giga = cycles * PRINTED_RATE[name] / 1000

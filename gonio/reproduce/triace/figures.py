@@ -16,15 +16,15 @@ from gonio.lights import image_light
 from gonio.materials import load
 from gonio.model import Model
 from gonio.parts import distribution, fresnel
+from gonio.reproduce.cycles import show_cycles
 from gonio.reproduce.measure import Floats, directions, gray
 from gonio.reproduce.rendered import Later, Layout, Rendered, Shaded
 from gonio.reproduce.sheet import Sheet
 from gonio.reproduce.text import Picture
-from gonio.reproduce.timing import EVAL, show_times
 from gonio.reproduce.triace import TEXT, formulas
 from gonio.reproduce.triace.equations import N1, N2, rms
 
-CONSOLE = "milliseconds of a PlayStation 3, which nobody here has; only ratios of exports in C++ are shown"
+CONSOLE = "milliseconds of a PlayStation 3, which nobody here has"
 
 
 @TEXT.item(
@@ -89,32 +89,9 @@ def figure_2(sheet: Sheet) -> Picture:
     return Rendered(_absorbing(), names, [("sun", {"environment": "sun"})])
 
 
-def _times(sheet: Sheet, models: dict[str, Model], milliseconds: dict[str, float]) -> None:
-    times = show_times(sheet, models, {}, CONSOLE)
-    if times is None:
-        return
-    first = next(iter(models))
-    sheet.lines.clear()
-    for name in models:
-        ratio = times[name, EVAL] / times[first, EVAL]
-        stated = milliseconds[name] / milliseconds[first]
-        sheet.show(f"time of {name} over that of {first}; text {stated:.3g}", ratio)
-
-
 @TEXT.item("2-times", "Figure 2", "0.53, 0.37, 0.34 ms, and 0.33 ms for a single layer", slow=True)
 def times_2(sheet: Sheet) -> None:
-    original, approximated, clear = _absorbing()
-    single = gonio.TriAceBlinnPhong()
-    _times(
-        sheet,
-        {
-            "single": single,
-            "no absorption": clear,
-            "approximated": approximated,
-            "original": original,
-        },
-        {"single": 0.33, "no absorption": 0.34, "approximated": 0.37, "original": 0.53},
-    )
+    show_cycles(sheet, "triace_2", CONSOLE)
 
 
 @functools.cache
@@ -181,12 +158,7 @@ def figure_3b(sheet: Sheet) -> Picture:
     slow=True,
 )
 def times_3b(sheet: Sheet) -> None:
-    _times(
-        sheet,
-        {"single": gonio.TriAceBlinnPhong(), "dual": _absorbing()[1]},
-        {"single": 3.00, "dual": 4.28},
-    )
-    sheet.remark("under lamps: image-based light has no export")
+    show_cycles(sheet, "triace_3b", CONSOLE)
 
 
 # --- Oren-Nayar ----------------------------------------------------------------------------------------
@@ -306,15 +278,7 @@ def figure_6b(sheet: Sheet) -> Picture:
     "6c-times", "Figure 6(c)", "0.97 ms for Lambert, 1.25 ms for Oren-Nayar below", slow=True
 )
 def times_6c(sheet: Sheet) -> None:
-    layered = gonio.TriAceLayered()
-    _times(
-        sheet,
-        {"lambert": layered, "oren_nayar": layered.replace(diffuse="oren_nayar")},
-        {"lambert": 0.97, "oren_nayar": 1.25},
-    )
-    sheet.remark(
-        "of the layered model, which has both; so the ratio is nearer to 1 than a single layer's"
-    )
+    show_cycles(sheet, "triace_6c", CONSOLE)
 
 
 @TEXT.item("7", "Figure 7", "the integral of Eq. 26 over N.E for sigma 0, 0.25, 0.5, 1")
@@ -392,15 +356,13 @@ def figure_11(sheet: Sheet) -> Picture:
 
 
 @TEXT.item(
-    "11-times", "Figure 11", "1.35 ms for Lambert, 1.62 ms for Oren-Nayar, image-based light"
+    "11-times",
+    "Figure 11",
+    "1.35 ms for Lambert, 1.62 ms for Oren-Nayar, image-based light",
+    slow=True,
 )
 def times_11(sheet: Sheet) -> None:
-    sheet.remark(
-        "milliseconds of a PlayStation 3, which nobody here has; harmonics with scales have no "
-        "export, whose "
-        "time could stand beside"
-    )
-    sheet.show("Oren-Nayar over Lambert in the text", 1.62 / 1.35)
+    show_cycles(sheet, "triace_11", CONSOLE)
 
 
 # --- skin, and all four --------------------------------------------------------------------------------
@@ -451,11 +413,4 @@ def figure_14(sheet: Sheet) -> Picture:
 
 @TEXT.item("14-times", "Figure 14", "6.87, 7.17, 7.55, 7.82 ms", slow=True)
 def times_14(sheet: Sheet) -> None:
-    layered = _absorbing()[2]
-    rough = layered.replace(diffuse="oren_nayar")
-    _times(
-        sheet,
-        {"single": gonio.TriAceBlinnPhong(), "layered": layered, "layered Oren-Nayar": rough},
-        {"single": 6.87, "layered": 7.55, "layered Oren-Nayar": 7.82},
-    )
-    sheet.remark("the text's times hold a whole frame, so that its ratios are near 1")
+    show_cycles(sheet, "triace_14", CONSOLE)
