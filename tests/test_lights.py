@@ -90,6 +90,7 @@ HIGHLIGHTS = {
     "ashikhmin_shirley": TABLE,
     "triace_blinn_phong:diffuse=oren_nayar,shininess=5": TABLE,
     "disney:sheen=1,roughness=0.9": TABLE,
+    "student_t:gamma=4": TABLE,
     "disney:subsurface=1,roughness=0.7": FIT,
     "torrance_sparrow:fresnel=schlick,compensation=kulla_conty": TABLE,
     "torrance_sparrow:fresnel=white,compensation=turquin": TABLE,

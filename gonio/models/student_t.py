@@ -29,6 +29,7 @@ from gonio.model import Model, param
 from gonio.parts.distribution import RANDOM_MARGIN
 from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
 from gonio.parts.fresnel import schlick_weight_half
+from gonio.parts.image import ImageLobes, schlick_albedo
 from gonio.parts.masking import V_cook_torrance
 from gonio.parts.roughness import at_least_alpha
 from gonio.parts.special import expm1
@@ -66,9 +67,20 @@ class StudentT(Model):
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """F D G / (4 mu_i mu_o): BRDF value in 1/sr, without the cosine."""
-        m, cos_h = half_vector(wi, wo), cos_half(wi, wo)
-        F = lerp(self.f0, 1, schlick_weight_half(wi, wo))
-        return F * (self._D(m) * V_cook_torrance(wi, wo, m.z, cos_h))
+        return lerp(self.f0, 1, schlick_weight_half(wi, wo)) * self.highlight(wi, wo)
+
+    def highlight(self, wi: Vec3, wo: Vec3) -> Float:
+        """D G / (4 mu_i mu_o): the highlight without F."""
+        m = half_vector(wi, wo)
+        return self._D(m) * V_cook_torrance(wi, wo, m.z, cos_half(wi, wo))
+
+    def highlight_albedo(self, split: Vec2) -> Color:
+        """What the highlight reflects of light from everywhere, from its table's A and B."""
+        return schlick_albedo(self.f0, 1, split)
+
+    def image_lobes(self, mu: Float) -> ImageLobes:
+        """The highlight, for light from pictures; its table belongs to this gamma."""
+        return ImageLobes(self.alpha, 0)
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """wo mirrored at a normal by its density."""

@@ -106,22 +106,16 @@ struct StudentT {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline Vec3 student_t_half_vector(Vec3 wi, Vec3 wo) {
-    Vec3 h = wi + wo;
-    return h / length(h);  // which student_t_cos_half needs as well
+// 1 - student_t_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
+inline float student_t_sin2_half(Vec3 wi, Vec3 wo) {
+    Vec3 apart = wi - wo;
+    return 0.25f * dot(apart, apart);
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float student_t_cos_half(Vec3 wi, Vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
     return 0.5f * length(wi + wo);
-}
-
-// 1 - student_t_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
-inline float student_t_sin2_half(Vec3 wi, Vec3 wo) {
-    Vec3 apart = wi - wo;
-    return 0.25f * dot(apart, apart);
 }
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
@@ -131,6 +125,12 @@ inline float student_t_schlick_weight_half(Vec3 wi, Vec3 wo) {
     float k = student_t_sin2_half(wi, wo) / (1.0f + student_t_cos_half(wi, wo));
     float k2 = k * k;
     return k2 * k2 * k;
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline Vec3 student_t_half_vector(Vec3 wi, Vec3 wo) {
+    Vec3 h = wi + wo;
+    return h / length(h);  // which student_t_cos_half needs as well
 }
 
 // 1 / (pi a^2 z^4 (1 + tan^2 / ((g - 1) a^2))^g), its powers as one exponential.
@@ -154,15 +154,20 @@ inline float student_t_V_cook_torrance(Vec3 wi, Vec3 wo, float cos_m, float cos_
     return fminf(0.25f * student_t_G_cook_torrance(wi, wo, cos_m, cos_h) / wi.z / wo.z, V_MAX);
 }
 
+// D G / (4 mu_i mu_o): the highlight without F.
+inline float student_t_highlight(const StudentT& params, Vec3 wi, Vec3 wo) {
+    Vec3 m = student_t_half_vector(wi, wo);
+    return student_t_D(params, m)
+        * student_t_V_cook_torrance(wi, wo, m.z, student_t_cos_half(wi, wo));
+}
+
 // F D G / (4 mu_i mu_o): BRDF value in 1/sr, without the cosine.
 inline Vec3 student_t_eval(const StudentT& params, Vec3 wi, Vec3 wo) {
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
-    Vec3 m = student_t_half_vector(wi, wo);
-    float cos_h = student_t_cos_half(wi, wo);
-    Vec3 F = lerp(params.f0, splat(1.0f), splat(student_t_schlick_weight_half(wi, wo)));
-    return F * (student_t_D(params, m) * student_t_V_cook_torrance(wi, wo, m.z, cos_h));
+    return lerp(params.f0, splat(1.0f), splat(student_t_schlick_weight_half(wi, wo)))
+        * student_t_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------

@@ -31,22 +31,16 @@ struct StudentT {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline float3 student_t_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
-    return h / length(h);  // which student_t_cos_half needs as well
+// 1 - student_t_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
+inline float student_t_sin2_half(float3 wi, float3 wo) {
+    float3 apart = wi - wo;
+    return 0.25 * dot(apart, apart);
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float student_t_cos_half(float3 wi, float3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
     return 0.5 * length(wi + wo);
-}
-
-// 1 - student_t_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
-inline float student_t_sin2_half(float3 wi, float3 wo) {
-    float3 apart = wi - wo;
-    return 0.25 * dot(apart, apart);
 }
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
@@ -56,6 +50,12 @@ inline float student_t_schlick_weight_half(float3 wi, float3 wo) {
     float k = student_t_sin2_half(wi, wo) / (1.0 + student_t_cos_half(wi, wo));
     float k2 = k * k;
     return k2 * k2 * k;
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline float3 student_t_half_vector(float3 wi, float3 wo) {
+    float3 h = wi + wo;
+    return h / length(h);  // which student_t_cos_half needs as well
 }
 
 // 1 / (pi a^2 z^4 (1 + tan^2 / ((g - 1) a^2))^g), its powers as one exponential.
@@ -83,16 +83,21 @@ inline float student_t_V_cook_torrance(float3 wi, float3 wo, float cos_m, float 
     return min(0.25 * student_t_G_cook_torrance(wi, wo, cos_m, cos_h) / wi.z / wo.z, V_MAX);
 }
 
+// D G / (4 mu_i mu_o): the highlight without F.
+inline float student_t_highlight(StudentT params, float3 wi, float3 wo) {
+    float3 m = student_t_half_vector(wi, wo);
+    return student_t_D(params, m)
+        * student_t_V_cook_torrance(wi, wo, m.z, student_t_cos_half(wi, wo));
+}
+
 // F D G / (4 mu_i mu_o): BRDF value in 1/sr, without the cosine.
 inline float3 student_t_eval(StudentT params, float3 wi, float3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return float3(0.0);
     }
-    float3 m = student_t_half_vector(wi, wo);
-    float cos_h = student_t_cos_half(wi, wo);
-    float3 F = mix(params.f0, float3(1.0), float3(student_t_schlick_weight_half(wi, wo)));
-    return F * (student_t_D(params, m) * student_t_V_cook_torrance(wi, wo, m.z, cos_h));
+    return mix(params.f0, float3(1.0), float3(student_t_schlick_weight_half(wi, wo)))
+        * student_t_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------
