@@ -20,6 +20,7 @@ from gonio.lang import (
     absolute,
     clamp,
     cos,
+    dot,
     exp,
     fma,
     lerp,
@@ -38,7 +39,7 @@ from gonio.parts.hemisphere import pdf_cosine, sample_cosine
 from gonio.parts.image import ImageLobes
 from gonio.parts.lobes import average, choose, shares
 from gonio.parts.roughness import at_most_phong
-from gonio.parts.special import expm1, log1p
+from gonio.parts.special import LOG1P_SMALL, expm1, log1p_small
 from gonio.quadrature import NumericAlbedo
 
 # Smallest cosine whose logarithm is taken: its reciprocal, the derivative, still is a float32.
@@ -49,27 +50,26 @@ def cos_alpha(wi: Vec3, wo: Vec3) -> Float:
     """Cosine between wi and the mirror direction of wo: mu_i mu_o - wi.x wo.x - wi.y wo.y.
 
     Near 0 the three products cancel. Their rounding errors, and that of the first sum, are carried
-    along (Kahan's and Knuth's ways to find them), so that a broad lobe fades out with all its digits.
+    along (Kahan's and Knuth's ways to find them), so that a broad lobe fades out with all its digits;
+    the last sum's is small beside what is left.
     """
     p, q, r = wi.z * wo.z, -wi.x * wo.x, -wi.y * wo.y
     error_p, error_q, error_r = fma(wi.z, wo.z, -p), fma(-wi.x, wo.x, -q), fma(-wi.y, wo.y, -r)
     qr = q + r
     back_r = qr - q
     error_qr = (q - (qr - back_r)) + (r - back_r)
-    c = p + qr
-    back_qr = c - p
-    error_c = (p - (c - back_qr)) + (qr - back_qr)
-    return c + (error_p + error_q + error_r + error_qr + error_c)
+    return p + qr + (error_p + error_q + error_r + error_qr)
 
 
 def lobe(wi: Vec3, wo: Vec3, exponent: Float) -> Float:
     """max(0, cos(alpha))^exponent; half of all directions have 0 for exponent 0 as well."""
     # Inside, the digits of a sharp lobe are in 1 - cos(alpha): half the squared distance to the mirror
     # direction.
-    x, y, z = wi.x + wo.x, wi.y + wo.y, wi.z - wo.z
-    q = 0.5 * (x * x + y * y + z * z)
+    apart = vec3(wi.x + wo.x, wi.y + wo.y, wi.z - wo.z)
+    q = 0.5 * dot(apart, apart)
     c = cos_alpha(wi, wo)
-    log_cos = select(q < 0.5, log1p(-minimum(q, 0.5)), log(clamp(c, COS_MIN, 0.75)))
+    near = log1p_small(-minimum(q, LOG1P_SMALL))
+    log_cos = select(q < LOG1P_SMALL, near, log(clamp(c, COS_MIN, 1)))
     return select(c > 0, exp(exponent * log_cos), 0)
 
 

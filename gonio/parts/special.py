@@ -11,15 +11,24 @@ EXPM1_SMALL = 0.3
 
 def log1p_over(x: Float) -> Float:
     """log(1 + x) / x for x > -1; 1 at x = 0."""
-    # 2 atanh(y) with y = x / (2 + x): the series of odd powers, error below 1e-16 for |x| < 0.25.
     near = maximum(minimum(x, LOG1P_SMALL), -LOG1P_SMALL)
-    y = near / (2 + near)
-    y2 = y * y
-    series = 1 / 9 + y2 * (1 / 11 + y2 * (1 / 13 + y2 * (1 / 15 + y2 * (1 / 17))))
-    series = 1 + y2 * (1 / 3 + y2 * (1 / 5 + y2 * (1 / 7 + y2 * series)))
     small = (x > -LOG1P_SMALL) & (x < LOG1P_SMALL)
     far = select(small, 1, x)
+    series = _atanh_over(near / (2 + near))
     return select(small, 2 / (2 + near) * series, log(1 + far) / far)
+
+
+def log1p_small(x: Float) -> Float:
+    """log(1 + x) for x from -LOG1P_SMALL to LOG1P_SMALL."""
+    y = x / (2 + x)
+    return 2 * y * _atanh_over(y)
+
+
+def _atanh_over(y: Float) -> Float:
+    """atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25."""
+    y2 = y * y
+    series = 1 / 9 + y2 * (1 / 11 + y2 * (1 / 13 + y2 * (1 / 15 + y2 * (1 / 17))))
+    return 1 + y2 * (1 / 3 + y2 * (1 / 5 + y2 * (1 / 7 + y2 * series)))
 
 
 def log1p(x: Float) -> Float:

@@ -91,17 +91,20 @@ inline LommelSeeligerSample lommel_seeliger_sample(const LommelSeeliger& params,
 
 // ---- albedo --------------------------------------------------------------------------------
 
-// log(1 + x) / x for x > -1; 1 at x = 0.
-inline float lommel_seeliger_log1p_over(float x) {
-    // 2 atanh(y) with y = x / (2 + x): the series of odd powers, error below 1e-16 for |x| < 0.25.
-    float near = fmaxf(fminf(x, LOG1P_SMALL), -LOG1P_SMALL);
-    float y = near / (2.0f + near);
+// atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25.
+inline float lommel_seeliger_atanh_over(float y) {
     float y2 = y * y;
     float series = 1.0f / 9.0f
         + y2 * (1.0f / 11.0f + y2 * (1.0f / 13.0f + y2 * (1.0f / 15.0f + y2 * (1.0f / 17.0f))));
-    series = 1.0f + y2 * (1.0f / 3.0f + y2 * (1.0f / 5.0f + y2 * (1.0f / 7.0f + y2 * series)));
+    return 1.0f + y2 * (1.0f / 3.0f + y2 * (1.0f / 5.0f + y2 * (1.0f / 7.0f + y2 * series)));
+}
+
+// log(1 + x) / x for x > -1; 1 at x = 0.
+inline float lommel_seeliger_log1p_over(float x) {
+    float near = fmaxf(fminf(x, LOG1P_SMALL), -LOG1P_SMALL);
     bool small = x > -LOG1P_SMALL && x < LOG1P_SMALL;
     float far = small ? 1.0f : x;
+    float series = lommel_seeliger_atanh_over(near / (2.0f + near));
     return small ? 2.0f / (2.0f + near) * series : logf(1.0f + far) / far;
 }
 

@@ -37,6 +37,10 @@ inline float fract(float a) {
     return a - floorf(a);
 }
 
+inline float dot(Vec3 a, Vec3 b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
 inline Vec3 normalize(Vec3 a) {
     float inv = 1.0f / sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
     return Vec3{a.x * inv, a.y * inv, a.z * inv};
@@ -110,7 +114,8 @@ struct PhongChoice {
 // Cosine between wi and the mirror direction of wo: mu_i mu_o - wi.x wo.x - wi.y wo.y.
 //
 // Near 0 the three products cancel. Their rounding errors, and that of the first sum, are carried along
-// (Kahan's and Knuth's ways to find them), so that a broad lobe fades out with all its digits.
+// (Kahan's and Knuth's ways to find them), so that a broad lobe fades out with all its digits; the last
+// sum's is small beside what is left.
 inline float phong_cos_alpha(Vec3 wi, Vec3 wo) {
     float p = wi.z * wo.z;
     float q = -wi.x * wo.x;
@@ -121,41 +126,32 @@ inline float phong_cos_alpha(Vec3 wi, Vec3 wo) {
     float qr = q + r;
     float back_r = qr - q;
     float error_qr = q - (qr - back_r) + (r - back_r);
-    float c = p + qr;
-    float back_qr = c - p;
-    float error_c = p - (c - back_qr) + (qr - back_qr);
-    return c + (error_p + error_q + error_r + error_qr + error_c);
+    return p + qr + (error_p + error_q + error_r + error_qr);
 }
 
-// log(1 + x) / x for x > -1; 1 at x = 0.
-inline float phong_log1p_over(float x) {
-    // 2 atanh(y) with y = x / (2 + x): the series of odd powers, error below 1e-16 for |x| < 0.25.
-    float near = fmaxf(fminf(x, LOG1P_SMALL), -LOG1P_SMALL);
-    float y = near / (2.0f + near);
+// atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25.
+inline float phong_atanh_over(float y) {
     float y2 = y * y;
     float series = 1.0f / 9.0f
         + y2 * (1.0f / 11.0f + y2 * (1.0f / 13.0f + y2 * (1.0f / 15.0f + y2 * (1.0f / 17.0f))));
-    series = 1.0f + y2 * (1.0f / 3.0f + y2 * (1.0f / 5.0f + y2 * (1.0f / 7.0f + y2 * series)));
-    bool small = x > -LOG1P_SMALL && x < LOG1P_SMALL;
-    float far = small ? 1.0f : x;
-    return small ? 2.0f / (2.0f + near) * series : logf(1.0f + far) / far;
+    return 1.0f + y2 * (1.0f / 3.0f + y2 * (1.0f / 5.0f + y2 * (1.0f / 7.0f + y2 * series)));
 }
 
-// log(1 + x) for x > -1, exact where x is small.
-inline float phong_log1p(float x) {
-    return x * phong_log1p_over(x);
+// log(1 + x) for x from -LOG1P_SMALL to LOG1P_SMALL.
+inline float phong_log1p_small(float x) {
+    float y = x / (2.0f + x);
+    return 2.0f * y * phong_atanh_over(y);
 }
 
 // max(0, cos(alpha))^exponent; half of all directions have 0 for exponent 0 as well.
 inline float phong_lobe(Vec3 wi, Vec3 wo, float exponent) {
     // Inside, the digits of a sharp lobe are in 1 - cos(alpha): half the squared distance to the mirror
     // direction.
-    float x = wi.x + wo.x;
-    float y = wi.y + wo.y;
-    float z = wi.z - wo.z;
-    float q = 0.5f * (x * x + y * y + z * z);
+    Vec3 apart = Vec3{wi.x + wo.x, wi.y + wo.y, wi.z - wo.z};
+    float q = 0.5f * dot(apart, apart);
     float c = phong_cos_alpha(wi, wo);
-    float log_cos = q < 0.5f ? phong_log1p(-fminf(q, 0.5f)) : logf(fminf(fmaxf(c, COS_MIN), 0.75f));
+    float near = phong_log1p_small(-fminf(q, LOG1P_SMALL));
+    float log_cos = q < LOG1P_SMALL ? near : logf(fminf(fmaxf(c, COS_MIN), 1.0f));
     return c > 0.0f ? expf(exponent * log_cos) : 0.0f;
 }
 

@@ -37,7 +37,8 @@ struct PhongChoice {
 // Cosine between wi and the mirror direction of wo: mu_i mu_o - wi.x wo.x - wi.y wo.y.
 //
 // Near 0 the three products cancel. Their rounding errors, and that of the first sum, are carried along
-// (Kahan's and Knuth's ways to find them), so that a broad lobe fades out with all its digits.
+// (Kahan's and Knuth's ways to find them), so that a broad lobe fades out with all its digits; the last
+// sum's is small beside what is left.
 float phong_cos_alpha(float3 wi, float3 wo) {
     float p = wi.z * wo.z;
     float q = -wi.x * wo.x;
@@ -48,45 +49,36 @@ float phong_cos_alpha(float3 wi, float3 wo) {
     float qr = q + r;
     float back_r = qr - q;
     float error_qr = q - (qr - back_r) + (r - back_r);
-    float c = p + qr;
-    float back_qr = c - p;
-    float error_c = p - (c - back_qr) + (qr - back_qr);
-    return c + (error_p + error_q + error_r + error_qr + error_c);
+    return p + qr + (error_p + error_q + error_r + error_qr);
 }
 
-// log(1 + x) / x for x > -1; 1 at x = 0.
-float phong_log1p_over(float x) {
-    // Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
-    const float LOG1P_SMALL = 0.25;
-    // 2 atanh(y) with y = x / (2 + x): the series of odd powers, error below 1e-16 for |x| < 0.25.
-    float near = max(min(x, LOG1P_SMALL), -LOG1P_SMALL);
-    float y = near / (2.0 + near);
+// atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25.
+float phong_atanh_over(float y) {
     float y2 = y * y;
     float series = 1.0 / 9.0
         + y2 * (1.0 / 11.0 + y2 * (1.0 / 13.0 + y2 * (1.0 / 15.0 + y2 * (1.0 / 17.0))));
-    series = 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * series)));
-    bool small = x > -LOG1P_SMALL && x < LOG1P_SMALL;
-    float far = small ? 1.0 : x;
-    return small ? 2.0 / (2.0 + near) * series : log(1.0 + far) / far;
+    return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * series)));
 }
 
-// log(1 + x) for x > -1, exact where x is small.
-float phong_log1p(float x) {
-    return x * phong_log1p_over(x);
+// log(1 + x) for x from -LOG1P_SMALL to LOG1P_SMALL.
+float phong_log1p_small(float x) {
+    float y = x / (2.0 + x);
+    return 2.0 * y * phong_atanh_over(y);
 }
 
 // max(0, cos(alpha))^exponent; half of all directions have 0 for exponent 0 as well.
 float phong_lobe(float3 wi, float3 wo, float exponent) {
+    // Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+    const float LOG1P_SMALL = 0.25;
     // Smallest cosine whose logarithm is taken: its reciprocal, the derivative, still is a float32.
     const float COS_MIN = 1.0e-37;
     // Inside, the digits of a sharp lobe are in 1 - cos(alpha): half the squared distance to the mirror
     // direction.
-    float x = wi.x + wo.x;
-    float y = wi.y + wo.y;
-    float z = wi.z - wo.z;
-    float q = 0.5 * (x * x + y * y + z * z);
+    float3 apart = float3(wi.x + wo.x, wi.y + wo.y, wi.z - wo.z);
+    float q = 0.5 * dot(apart, apart);
     float c = phong_cos_alpha(wi, wo);
-    float log_cos = q < 0.5 ? phong_log1p(-min(q, 0.5)) : log(clamp(c, COS_MIN, 0.75));
+    float near = phong_log1p_small(-min(q, LOG1P_SMALL));
+    float log_cos = q < LOG1P_SMALL ? near : log(clamp(c, COS_MIN, 1.0));
     return c > 0.0 ? exp(exponent * log_cos) : 0.0;
 }
 

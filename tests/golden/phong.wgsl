@@ -37,7 +37,8 @@ struct PhongChoice {
 // Cosine between wi and the mirror direction of wo: mu_i mu_o - wi.x wo.x - wi.y wo.y.
 //
 // Near 0 the three products cancel. Their rounding errors, and that of the first sum, are carried along
-// (Kahan's and Knuth's ways to find them), so that a broad lobe fades out with all its digits.
+// (Kahan's and Knuth's ways to find them), so that a broad lobe fades out with all its digits; the last
+// sum's is small beside what is left.
 fn phong_cos_alpha(wi: vec3f, wo: vec3f) -> f32 {
     let p = wi.z * wo.z;
     let q = -wi.x * wo.x;
@@ -48,45 +49,36 @@ fn phong_cos_alpha(wi: vec3f, wo: vec3f) -> f32 {
     let qr = q + r;
     let back_r = qr - q;
     let error_qr = q - (qr - back_r) + (r - back_r);
-    let c = p + qr;
-    let back_qr = c - p;
-    let error_c = p - (c - back_qr) + (qr - back_qr);
-    return c + (error_p + error_q + error_r + error_qr + error_c);
+    return p + qr + (error_p + error_q + error_r + error_qr);
 }
 
-// log(1 + x) / x for x > -1; 1 at x = 0.
-fn phong_log1p_over(x: f32) -> f32 {
-    // Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
-    const LOG1P_SMALL = 0.25;
-    // 2 atanh(y) with y = x / (2 + x): the series of odd powers, error below 1e-16 for |x| < 0.25.
-    let near = max(min(x, LOG1P_SMALL), -LOG1P_SMALL);
-    let y = near / (2.0 + near);
+// atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25.
+fn phong_atanh_over(y: f32) -> f32 {
     let y2 = y * y;
-    var series = 1.0 / 9.0
+    let series = 1.0 / 9.0
         + y2 * (1.0 / 11.0 + y2 * (1.0 / 13.0 + y2 * (1.0 / 15.0 + y2 * (1.0 / 17.0))));
-    series = 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * series)));
-    let small = x > -LOG1P_SMALL && x < LOG1P_SMALL;
-    let far = select(x, 1.0, small);
-    return select(log(1.0 + far) / far, 2.0 / (2.0 + near) * series, small);
+    return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * series)));
 }
 
-// log(1 + x) for x > -1, exact where x is small.
-fn phong_log1p(x: f32) -> f32 {
-    return x * phong_log1p_over(x);
+// log(1 + x) for x from -LOG1P_SMALL to LOG1P_SMALL.
+fn phong_log1p_small(x: f32) -> f32 {
+    let y = x / (2.0 + x);
+    return 2.0 * y * phong_atanh_over(y);
 }
 
 // max(0, cos(alpha))^exponent; half of all directions have 0 for exponent 0 as well.
 fn phong_lobe(wi: vec3f, wo: vec3f, exponent: f32) -> f32 {
+    // Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+    const LOG1P_SMALL = 0.25;
     // Smallest cosine whose logarithm is taken: its reciprocal, the derivative, still is a float32.
     const COS_MIN = 1.0e-37;
     // Inside, the digits of a sharp lobe are in 1 - cos(alpha): half the squared distance to the mirror
     // direction.
-    let x = wi.x + wo.x;
-    let y = wi.y + wo.y;
-    let z = wi.z - wo.z;
-    let q = 0.5 * (x * x + y * y + z * z);
+    let apart = vec3f(wi.x + wo.x, wi.y + wo.y, wi.z - wo.z);
+    let q = 0.5 * dot(apart, apart);
     let c = phong_cos_alpha(wi, wo);
-    let log_cos = select(log(clamp(c, COS_MIN, 0.75)), phong_log1p(-min(q, 0.5)), q < 0.5);
+    let near = phong_log1p_small(-min(q, LOG1P_SMALL));
+    let log_cos = select(log(clamp(c, COS_MIN, 1.0)), near, q < LOG1P_SMALL);
     return select(0.0, exp(exponent * log_cos), c > 0.0);
 }
 

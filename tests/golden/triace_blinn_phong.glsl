@@ -74,19 +74,22 @@ vec3 triace_blinn_phong_half_vector(vec3 wi, vec3 wo) {
     return h / length(h);  // which triace_blinn_phong_cos_half needs as well
 }
 
+// atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25.
+float triace_blinn_phong_atanh_over(float y) {
+    float y2 = y * y;
+    float series = 1.0 / 9.0
+        + y2 * (1.0 / 11.0 + y2 * (1.0 / 13.0 + y2 * (1.0 / 15.0 + y2 * (1.0 / 17.0))));
+    return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * series)));
+}
+
 // log(1 + x) / x for x > -1; 1 at x = 0.
 float triace_blinn_phong_log1p_over(float x) {
     // Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
     const float LOG1P_SMALL = 0.25;
-    // 2 atanh(y) with y = x / (2 + x): the series of odd powers, error below 1e-16 for |x| < 0.25.
     float near = max(min(x, LOG1P_SMALL), -LOG1P_SMALL);
-    float y = near / (2.0 + near);
-    float y2 = y * y;
-    float series = 1.0 / 9.0
-        + y2 * (1.0 / 11.0 + y2 * (1.0 / 13.0 + y2 * (1.0 / 15.0 + y2 * (1.0 / 17.0))));
-    series = 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * series)));
     bool small = x > -LOG1P_SMALL && x < LOG1P_SMALL;
     float far = small ? 1.0 : x;
+    float series = triace_blinn_phong_atanh_over(near / (2.0 + near));
     return small ? 2.0 / (2.0 + near) * series : log(1.0 + far) / far;
 }
 

@@ -100,19 +100,22 @@ fn triace_layered_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     return h / length(h);  // which triace_layered_cos_half needs as well
 }
 
+// atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25.
+fn triace_layered_atanh_over(y: f32) -> f32 {
+    let y2 = y * y;
+    let series = 1.0 / 9.0
+        + y2 * (1.0 / 11.0 + y2 * (1.0 / 13.0 + y2 * (1.0 / 15.0 + y2 * (1.0 / 17.0))));
+    return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * series)));
+}
+
 // log(1 + x) / x for x > -1; 1 at x = 0.
 fn triace_layered_log1p_over(x: f32) -> f32 {
     // Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
     const LOG1P_SMALL = 0.25;
-    // 2 atanh(y) with y = x / (2 + x): the series of odd powers, error below 1e-16 for |x| < 0.25.
     let near = max(min(x, LOG1P_SMALL), -LOG1P_SMALL);
-    let y = near / (2.0 + near);
-    let y2 = y * y;
-    var series = 1.0 / 9.0
-        + y2 * (1.0 / 11.0 + y2 * (1.0 / 13.0 + y2 * (1.0 / 15.0 + y2 * (1.0 / 17.0))));
-    series = 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * series)));
     let small = x > -LOG1P_SMALL && x < LOG1P_SMALL;
     let far = select(x, 1.0, small);
+    let series = triace_layered_atanh_over(near / (2.0 + near));
     return select(log(1.0 + far) / far, 2.0 / (2.0 + near) * series, small);
 }
 
