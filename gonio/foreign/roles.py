@@ -291,6 +291,7 @@ def _guess(source: Source, leaf: Leaf, ranges: Container[str]) -> str:
     last = leaf.variable.shown or leaf.place.rpartition(".")[2]
     # A struct inside of a struct: params.base.rho is base_rho, beside params.rho
     name = leaf.variable.shown or "_".join(leaf.place.split(".")[1:]) or last
+    name = name.rstrip("_") or name  # gamma_ where gamma is a word of the language
     plain, bare = _plain(last)
     default = leaf.variable.default
     if leaf.variable.fixed and last not in ranges:
