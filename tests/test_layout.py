@@ -33,14 +33,14 @@ FLOORS = (
     {"mitsuba"},
     {"render", "check"},
     {"bake", "compare", "view", "foreign"},
-    {"bench"},
+    {"bench", "cluster"},
     {"cost"},
     {"reproduce"},
     {"cli"},
 )
 
 # Libraries that one room alone may know.
-ALONE = {"click": {"cli"}}
+ALONE = {"click": {"cli"}, "distributed": {"cluster"}, "pyarrow": {"cluster"}}
 
 # Rooms that know nothing of arrays, of Mitsuba, or of files.
 PURE = {"models", "parts", "lang"}

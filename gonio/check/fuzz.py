@@ -94,26 +94,43 @@ def run(
     """
     path = None if state_file is None else Path(state_file)
     states = {(s.model, s.options): s for s in load(path)}
-    alike = {name: sum(s.name == name for s in subjects) for name in {s.name for s in subjects}}
-    goals = [-(-count // alike[subject.name]) for subject in subjects]
+    shares = goals(subjects, count)
     own = [states.setdefault((s.name, s.tag()), State(s.name, s.tag())) for s in subjects]
     saved = time.monotonic()
-    total = sum(goals)
-    for subject, goal, state in zip(subjects, goals, own, strict=True):
-        subject.prepare()
-        size = subject.size("float32")
-        state.claimed = FLOAT32 if size is None else size.size
-        while state.cases < goal:
-            if progress is not None:
-                done = sum(min(s.cases, g) for s, g in zip(own, goals, strict=True))
-                progress(done, total)
-            batch(subject, state, min(BATCH, goal - state.cases))
-            if path is not None and time.monotonic() - saved > SAVED:
-                save(path, states.values())
-                saved = time.monotonic()
+
+    def between() -> None:
+        nonlocal saved
+        if progress is not None:
+            done = sum(min(s.cases, g) for s, g in zip(own, shares, strict=True))
+            progress(done, sum(shares))
+        if path is not None and time.monotonic() - saved > SAVED:
+            save(path, states.values())
+            saved = time.monotonic()
+
+    for subject, goal, state in zip(subjects, shares, own, strict=True):
+        advance(subject, state, goal, between)
     if path is not None:
         save(path, states.values())
     return own
+
+
+def goals(subjects: Sequence[Subject], count: int) -> list[int]:
+    """Cases of each subject: those of a model are shared by its variants."""
+    alike = {name: sum(s.name == name for s in subjects) for name in {s.name for s in subjects}}
+    return [-(-count // alike[subject.name]) for subject in subjects]
+
+
+def advance(
+    subject: Subject, state: State, goal: int, between: Callable[[], None] | None = None
+) -> None:
+    """Try batch after batch until a state has come to a number of cases."""
+    subject.prepare()
+    size = subject.size("float32")
+    state.claimed = FLOAT32 if size is None else size.size
+    while state.cases < goal:
+        if between is not None:
+            between()
+        batch(subject, state, min(BATCH, goal - state.cases))
 
 
 def batch(subject: Subject, state: State, count: int) -> None:

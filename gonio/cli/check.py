@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -14,8 +16,9 @@ from gonio.check import fuzz as fuzz_search
 from gonio.check.measured_data import DATA_CHECKS, check_file
 from gonio.check.picture import check_format, drawable, plot
 from gonio.check.report import FAIL, Report, junit, summary, table
-from gonio.check.subject import Subject
+from gonio.check.subject import ModelSubject, Subject
 from gonio.cli import _baseline as baselines
+from gonio.cli._cluster import cluster_options, run_of
 from gonio.cli._code import Code, code_options
 from gonio.cli.program import complete, echo_json, json_option, param_option, progress
 from gonio.files import check_place, replacing
@@ -26,6 +29,9 @@ from gonio.foreign.verdicts import VERDICTS
 from gonio.materials import Material, load
 from gonio.materials.notation import split
 from gonio.measured import is_data_file
+
+if TYPE_CHECKING:
+    from gonio.cluster import Run
 
 __all__ = ["Plan", "Result", "data", "failed", "lines", "plan", "subjects_of"]
 
@@ -114,6 +120,31 @@ class Plan:
             if self.identify:
                 found = identify_code(foreign, thorough=effort == "thorough", progress=progress)
                 reports.append(found.report(foreign.name))
+        return self._written(reports)
+
+    def share(self, run: Run, effort: str = "normal") -> Result:
+        """The same by tasks: each check of each model is one.
+
+        Raises:
+            UsageError: something in the plan that is no model of gonio's kind.
+        """
+        others = [*self.files, *(foreign.name for foreign in self.code)]
+        if (
+            others
+            or self.notes
+            or any(not isinstance(s, ModelSubject) for g in self.groups for s in g)
+        ):
+            what = others[0] if others else "--mitsuba"
+            raise click.UsageError(
+                f"--cluster and --run-dir are for models and materials; check {what} without them"
+            )
+        from gonio.cluster import checks
+
+        wanted = [name for name in self.only if name in CHECKS]
+        groups = self.groups if wanted or not self.only else []
+        return self._written(checks.reports(run, groups, effort, wanted))
+
+    def _written(self, reports: list[Report]) -> Result:
         written = []
         if self.junit_file is not None:
             with replacing(self.junit_file) as temporary:
@@ -210,18 +241,32 @@ def _writable(junit_file: str | None, picture_file: str | None) -> None:
         check_format(picture_file)
 
 
-def _fuzz(planned: Plan, count: str, state: str | None, record: str | None) -> list[Report]:
-    """Search, and write the record of all that the state knows."""
+def _fuzz(
+    planned: Plan,
+    count: str,
+    state: str | None,
+    record: str | None,
+    shared: AbstractContextManager[Run] | None,
+) -> tuple[list[Report], bool]:
+    """Search, and write the record of all that the state knows; whether all of it could be done."""
     cases = fuzz_search.parse_count(count)
     _writable(state, None)
     _writable(record, None)
     variants = [subject for group in planned.groups for subject in group]
-    with progress("searching") as step:
-        states = fuzz_search.run(variants, cases, state, step)
+    whole = True
+    if shared is not None:
+        from gonio.cluster import checks
+
+        with shared as run:
+            states = checks.search(run, variants, cases, state)
+        whole = not run.failures
+    else:
+        with progress("searching") as step:
+            states = fuzz_search.run(variants, cases, state, step)
     if record is not None:
         known = fuzz_search.load(Path(state)) if state is not None else states
         fuzz_search.record(record, known)
-    return fuzz_search.reports(states)
+    return fuzz_search.reports(states), whole
 
 
 @click.command("check", short_help="Measure whether a model is what it claims to be.")
@@ -251,6 +296,7 @@ def _fuzz(planned: Plan, count: str, state: str | None, record: str | None) -> l
 @click.option("--junit", metavar="FILE", help="Also write a JUnit report for other programs.")
 @click.option("--plot", "picture", metavar="FILE", help="Also draw the worst cases.")
 @click.option("--identify", is_flag=True, help="Of code: also say which model it is.")
+@cluster_options
 @code_options
 @json_option
 def command(
@@ -267,6 +313,8 @@ def command(
     junit: str | None,
     picture: str | None,
     identify: bool,
+    cluster: str | None,
+    run_dir: str | None,
     code: Code,
     as_json: bool,
 ) -> int:
@@ -290,6 +338,7 @@ def command(
       gonio check --mitsuba '{"type": "roughconductor", "alpha": 0.5}' --only energy
       gonio check shading.hlsl#SpecularGGX --map "L=wi V=wo" --range roughness=0.05..1 --identify
       gonio check eon --fuzz 1e9 --resume eon.json --record eon.md
+      gonio check --all --thorough --cluster tcp://node1:8786 --junit report.xml
     """
     if everything and (models or params):
         raise click.UsageError("--all checks every model; it goes with no MODEL and no --param")
@@ -306,19 +355,28 @@ def command(
         code=code,
         identify=identify,
     )
+    shared = None
+    if cluster is not None or run_dir is not None:
+        shared = run_of(cluster, run_dir, record or junit or "gonio-check", "checking")
     if fuzz is not None:
         if only or effort or picture or baseline:
             raise click.UsageError(
                 "--fuzz is a search of its own; it goes with no effort, --only or --baseline"
             )
-        reports = _fuzz(planned, fuzz, resume, record)
+        reports, whole = _fuzz(planned, fuzz, resume, record, shared)
         click.echo("\n".join(lines(reports)))
-        return 1 if failed(reports) else 0
+        return 0 if whole and not failed(reports) else 1
     before = None if baseline is None else baselines.load(baseline, list)
     if resume or record:
         raise click.UsageError("--resume and --record belong to --fuzz N")
-    with progress("checking") as step:
-        result = planned.run(effort or "normal", step)
+    whole = True
+    if shared is not None:
+        with shared as run:
+            result = planned.share(run, effort or "normal")
+        whole = not run.failures
+    else:
+        with progress("checking") as step:
+            result = planned.run(effort or "normal", step)
     worse = [] if before is None else baselines.worse_checks(before, data(result.reports))
     if as_json:
         echo_json(data(result.reports))
@@ -330,4 +388,5 @@ def command(
             click.echo(f"nothing is worse than in {baseline}")
         for path in result.written:
             click.echo(path)
-    return 1 if (worse if before is not None else failed(result.reports)) else 0
+    bad = bool(worse) if before is not None else failed(result.reports)
+    return 0 if whole and not bad else 1

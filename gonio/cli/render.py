@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from gonio.cli._cluster import cluster_options, exact_spp, pictures_of
 from gonio.cli._stage import (
     check_look,
     exposure_option,
@@ -64,6 +65,7 @@ from gonio.cli.program import (
 @seed_option
 @exposure_option
 @tone_option
+@cluster_options
 @click.option("-o", "--output", metavar="FILE", help="A .png or .exr file (default: MODEL.png).")
 def command(
     model: str,
@@ -80,6 +82,8 @@ def command(
     seed: int,
     exposure: float | str | None,
     tone: str | None,
+    cluster: str | None,
+    run_dir: str | None,
     output: str | None,
     **stage: Any,
 ) -> None:
@@ -102,6 +106,7 @@ def command(
       gonio render lacquered_walnut --compare gold --env sunsky
       gonio render skin --diffusion 0.01
       gonio render clay.toml --size 1024x768 --spp 256 -o clay.exr
+      gonio render skin --spp 4096 --cluster node1.json
     """
     from gonio.materials import load
     from gonio.render import sheets
@@ -117,22 +122,22 @@ def command(
     settings = stage_settings(**stage)
     light = light_of(environment, furnace, exposure)
     brighter = stops(light, furnace, exposure, target)
-    with progress("rendering") as step:
-        pixels = sheets.compare(
-            [
-                {
-                    "environment": light,
-                    "furnace": furnace,
-                    "diffusion": diffusion,
-                    "sampler": sampler,
-                }
-            ],
-            shown,
-            size=size,
-            seed=seed,
-            progress=step,
-            **until(spp, noise, seconds),
-            **settings,
+    row = {
+        "environment": light,
+        "furnace": furnace,
+        "diffusion": diffusion,
+        "sampler": sampler,
+    }
+    common = {"size": size, "seed": seed, **settings}
+    if cluster is not None or run_dir is not None:
+        row |= common | {"spp": exact_spp(spp, noise, seconds)}
+        pixels = sheets.beside(
+            [pictures_of(cluster, run_dir, target, [(material, row) for material in shown])]
         )
+    else:
+        with progress("rendering") as step:
+            pixels = sheets.compare(
+                [row], shown, progress=step, **until(spp, noise, seconds), **common
+            )
     write_picture(target, pixels, exposure=brighter, tone=tone or "linear", labels=labels)
     click.echo(target)

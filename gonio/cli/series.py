@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from gonio.cli._cluster import cluster_options, exact_spp, pictures_of
 from gonio.cli._stage import (
     check_look,
     exposure_option,
@@ -42,6 +43,7 @@ from gonio.cli.program import (
 @seed_option
 @exposure_option
 @tone_option
+@cluster_options
 @click.option("-o", "--output", metavar="FILE", help="A .png or .exr file (default: NAME.png).")
 def command(
     name: str,
@@ -54,6 +56,8 @@ def command(
     seed: int,
     exposure: float | str | None,
     tone: str | None,
+    cluster: str | None,
+    run_dir: str | None,
     output: str | None,
     **stage: Any,
 ) -> None:
@@ -63,6 +67,7 @@ def command(
     Examples:
       gonio series patina                         copper turning green
       gonio series patina --env sunsky -o green.png
+      gonio series patina --spp 1024 --cluster local
     """
     from gonio.materials import load_series
     from gonio.render import sheets
@@ -75,15 +80,17 @@ def command(
     settings = stage_settings(**stage)
     light = light_of(environment, furnace, exposure)
     brighter = stops(light, furnace, exposure, target)
-    with progress("rendering") as step:
-        pixels = sheets.compare(
-            [{"environment": light, "furnace": furnace}],
-            shown,
-            size=size,
-            seed=seed,
-            progress=step,
-            **until(spp, noise, seconds),
-            **settings,
+    row = {"environment": light, "furnace": furnace}
+    common = {"size": size, "seed": seed, **settings}
+    if cluster is not None or run_dir is not None:
+        row |= common | {"spp": exact_spp(spp, noise, seconds)}
+        pixels = sheets.beside(
+            [pictures_of(cluster, run_dir, target, [(material, row) for material in shown])]
         )
+    else:
+        with progress("rendering") as step:
+            pixels = sheets.compare(
+                [row], shown, progress=step, **until(spp, noise, seconds), **common
+            )
     write_picture(target, pixels, exposure=brighter, tone=tone or "linear", labels=captions(shown))
     click.echo(target)

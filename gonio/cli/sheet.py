@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
+from gonio.cli._cluster import cluster_options, pictures_of
 from gonio.cli._stage import exposure_option, light_of, stops, tone_option
 from gonio.cli.program import (
     environment_option,
@@ -26,6 +28,7 @@ from gonio.files import check_place
 @seed_option
 @exposure_option
 @tone_option
+@cluster_options
 @click.option("-o", "--output", default="materials.png", metavar="FILE", help="A .png file.")
 def command(
     environment: str | None,
@@ -35,6 +38,8 @@ def command(
     seed: int,
     exposure: float | str | None,
     tone: str | None,
+    cluster: str | None,
+    run_dir: str | None,
     output: str,
 ) -> None:
     """Render a contact sheet of all ready materials, each with its name.
@@ -43,9 +48,10 @@ def command(
     Examples:
       gonio sheet
       gonio sheet --env sunsky --size 320 -o materials.png
+      gonio sheet --size 512 --spp 1024 --cluster tcp://node1:8786
     """
     from gonio.materials import library, load_material
-    from gonio.render.sheets import write_sheet
+    from gonio.render.sheets import write_cells, write_sheet
 
     target = Path(output)
     if target.suffix.lower() != ".png":
@@ -53,17 +59,14 @@ def command(
     check_place(target)
     light = light_of(environment, furnace, exposure)
     brighter = stops(light, furnace, exposure, target)
-    with progress("rendering") as step:
-        write_sheet(
-            target,
-            [load_material(name) for name in library()],
-            cell=size,
-            spp=spp,
-            seed=seed,
-            environment=light,
-            furnace=furnace,
-            exposure=brighter,
-            tone=tone or "linear",
-            progress=step,
-        )
+    materials = [load_material(name) for name in library()]
+    common: Any = {"spp": spp, "seed": seed, "environment": light, "furnace": furnace}
+    look: Any = {"exposure": brighter, "tone": tone or "linear"}
+    if cluster is not None or run_dir is not None:
+        row = common | {"size": (size, size)}
+        cells = pictures_of(cluster, run_dir, target, [(material, row) for material in materials])
+        write_cells(target, materials, cells, **look)
+    else:
+        with progress("rendering") as step:
+            write_sheet(target, materials, cell=size, progress=step, **look, **common)
     click.echo(target)

@@ -26,6 +26,9 @@ class ModelFileError(ModelError):
 
 _loaded: dict[tuple[Path, str], type[Model]] = {}
 
+PACKAGE = "gonio_model_files."
+"""Begins the names of the modules that files become; nothing else is in that package."""
+
 
 def is_model_file(text: str) -> bool:
     """Whether a text names a Python file rather than a model."""
@@ -57,8 +60,8 @@ def load(path: str | Path) -> type[Model]:
 
 
 def _run(path: Path) -> type[Model]:
-    # The name of the module is the model's name, below a package that nothing else is in
-    name = f"gonio_model_files.{path.stem}"
+    # The name of the module is the model's name
+    name = PACKAGE + path.stem
     spec = importlib.util.spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
         raise ModelFileError(f"{path}: Python cannot load a file of this name.")

@@ -28,7 +28,7 @@ from gonio.measured.measurement import (
     measurement,
     reflectance,
 )
-from gonio.measured.model import as_model
+from gonio.measured.model import as_model, model_class, source_of
 from gonio.measured.source import Source
 
 __all__ = [
@@ -45,8 +45,10 @@ __all__ = [
     "load",
     "load_parts",
     "measurement",
+    "model_class",
     "recognise",
     "reflectance",
     "save",
+    "source_of",
     "writers",
 ]

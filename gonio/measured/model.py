@@ -273,6 +273,12 @@ def model_class(
     return _made[key]
 
 
+def source_of(cls: type[Model]) -> Path | None:
+    """The file behind a class that `model_class` has made; None for any other class."""
+    paths = (key[0] for key, made in _made.items() if made is cls)
+    return next((Path(path) for path in paths), None)
+
+
 def _class_for(measured: Measurement, shape: tuple[int, ...] | None) -> type[Model]:
     if measured.transmission:
         raise DataError(

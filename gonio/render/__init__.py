@@ -72,13 +72,16 @@ def render(
     """
     if isinstance(material, (str, Path)):
         material = load(material)
-    mi = ready_mitsuba()
-    from gonio.mitsuba import node
 
     def built(shown: Shown) -> Any:
+<<<<<<< HEAD
         placed = shader_ball(
             node(shown, sampler),
             textured=textured(shown),
+=======
+        return scene(
+            shown,
+>>>>>>> f16f024 (wip)
             environment=environment,
             mesh=mesh,
             size=size,
@@ -86,19 +89,13 @@ def render(
             spp=spp,
             **stage,
         )
-        if isinstance(shown, Material) and shown.grows:
-            for name in TESTED:
-                if name in placed:
-                    add_to(placed[name])
-        # Mitsuba's optimizations leave lamps in an order that changes from run to run, and so the noise.
-        return mi.load_dict(placed, optimize=False)
 
     loaded = built(material)
     until: dict[str, Any] = {"noise": noise, "seconds": seconds}
     alpha = bool(stage.get("transparent"))
     if not diffusion:
         return integrate(loaded, spp, seed, progress, alpha=alpha, **until).view(Picture)
-    without = built(_without_diffuse(material))
+    without = built(without_diffuse(material))
 
     def half(first: int) -> Progress:
         def step(done: int, total: int) -> None:
@@ -109,11 +106,55 @@ def render(
 
     full = integrate(loaded, spp, seed, half(0), alpha=alpha, **until)
     glossy = integrate(without, spp, seed, half(1), **until)
-    spread = diffuse_on_screen(full[..., :3] - glossy, *_seen(loaded), millimetre=diffusion)
+    return diffused(full, glossy, loaded, diffusion)
+
+
+def scene(
+    shown: Shown,
+    *,
+    environment: str | Path,
+    mesh: str | Path | None,
+    size: tuple[int, int],
+    furnace: bool,
+    spp: int,
+    **stage: Any,
+) -> Any:
+    """The scene that `render` renders, loaded; arguments as there."""
+    mi = ready_mitsuba()
+    from gonio.mitsuba import node
+
+    placed = shader_ball(
+        node(shown),
+        textured=textured(shown),
+        environment=environment,
+        mesh=mesh,
+        size=size,
+        furnace=furnace,
+        spp=spp,
+        **stage,
+    )
+    if isinstance(shown, Material) and shown.grows:
+        for name in TESTED:
+            if name in placed:
+                add_to(placed[name])
+    # Mitsuba's optimizations leave lamps in an order that changes from run to run, and so the noise.
+    return mi.load_dict(placed, optimize=False)
+
+
+def diffused(full: Any, glossy: Any, loaded: Any, millimetre: float) -> Picture:
+    """A picture whose diffuse light has wandered on the screen.
+
+    Args:
+        full: the picture.
+        glossy: the same with black diffuse reflection.
+        loaded: the scene of either.
+        millimetre: in the scene's units.
+    """
+    spread = diffuse_on_screen(full[..., :3] - glossy, *_seen(loaded), millimetre=millimetre)
     return np.concatenate([glossy + spread, full[..., 3:]], axis=2, dtype=np.float32).view(Picture)
 
 
-def _without_diffuse(material: Shown) -> Shown:
+def without_diffuse(material: Shown) -> Shown:
     """The same with black diffuse reflection."""
     if isinstance(material, Stack):
         raise ValueError(

@@ -6,6 +6,7 @@ import itertools
 import math
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,9 @@ Progress = Callable[[int, int], None]
 # Samples of one pass: small enough to show progress and to answer an interrupt soon, large enough (4 M
 # paths) to keep all cores busy. A picture of more pixels is made of bands.
 PATHS_PER_PASS = 1 << 22
+
+# Paths of a share, which is rendered in one place: some seconds of a core or two for one picture to send.
+PATHS_PER_SHARE = 1 << 24
 
 # Linear sRGB of CIE XYZ, IEC 61966-2-1
 XYZ_TO_RGB = np.array(
@@ -102,47 +106,122 @@ def integrate(
     Raises:
         ValueError: no samples, or a film whose channels are no colours.
     """
-    import mitsuba as mi
-
     if spp < 1:
         raise ValueError(f"spp={spp} is out of range; allowed is at least 1.")
-    sensor = loaded.sensors()[0]
-    width, height = (int(n) for n in sensor.film().crop_size())
-    bands = _bands(width, height)
-    limit = max(1, PATHS_PER_PASS // max(width * max(rows for _, rows in bands), 1))
+    width, height = (int(n) for n in loaded.sensors()[0].film().crop_size())
     judged = noise is not None or seconds is not None
-    rounds = [NOISE_PASS] * max(1, -(-spp // NOISE_PASS)) if judged else [spp]
+    rounds = shares((width, height), spp, NOISE_PASS if judged else spp)
     found = Noise((height, width)) if judged else None
     start = time.monotonic()
-    taken = 0
     total: Any = None
-    number = done = 0
-    with _Cropped(sensor) as cropped:
-        for wanted in rounds:
-            before = None if total is None or found is None else total.copy()
-            for count, (top, rows) in itertools.product(_passes(wanted, limit), bands):
-                if len(bands) > 1:
-                    cropped.show(top, rows)
-                # Mitsuba derives a pass's random numbers from its seed; far-apart seeds never overlap.
-                picture = mi.render(loaded, spp=count, seed=seed * 65536 + number)
-                pixels = np.array(picture, dtype=np.float32) * np.float32(count)
-                if total is None:
-                    total = np.zeros((height, width, pixels.shape[2]), np.float32)
-                total[top : top + rows] += pixels
-                number += 1
+    taken = done = 0
+    for of_round in rounds:
+        pixels: Any = None
+        for share in of_round:
+
+            def step(count: int, rows: int = share.rows) -> None:
+                nonlocal done
                 done += count * rows
                 if progress is not None:
                     progress(min(done // height, spp), spp)
-            taken += wanted
-            if found is not None:
-                found.add((total if before is None else total - before) / wanted)
-                if noise is not None and found.value() <= noise:
-                    break
-                if seconds is not None and time.monotonic() - start >= seconds:
-                    break
-        if progress is not None and judged:
-            progress(spp, spp)  # also where the goal was reached before
-        return _colours(total / np.float32(taken), sensor.film(), alpha)
+
+            part = render_share(loaded, share, seed, alpha=alpha, progress=step)
+            if pixels is None:
+                pixels = np.zeros((height, width, part.shape[2]), np.float32)
+            pixels[share.top : share.top + share.rows] += part
+        total = pixels if total is None else total + pixels
+        wanted = of_round[-1].spp_before + of_round[-1].spp
+        if found is not None:
+            found.add(pixels / (wanted - taken))
+        taken = wanted
+        if noise is not None and found is not None and found.value() <= noise:
+            break
+        if seconds is not None and time.monotonic() - start >= seconds:
+            break
+    if progress is not None and judged:
+        progress(spp, spp)  # also where the goal was reached before
+    return np.asarray(total / np.float32(taken))
+
+
+@dataclass(frozen=True)
+class Share:
+    """Some of the samples of some of a picture's rows: what one machine renders of it at a time."""
+
+    top: int
+    rows: int
+    passes: tuple[tuple[int, int], ...]
+    """Number, which decides the random numbers, and samples per pixel of each."""
+    spp_before: int
+    """Samples per pixel of the same rows in earlier shares."""
+
+    @property
+    def spp(self) -> int:
+        """Samples per pixel."""
+        return sum(count for _, count in self.passes)
+
+
+def shares(size: tuple[int, int], spp: int, wanted: int | None = None) -> list[list[Share]]:
+    """How a picture is cut, in rounds of `wanted` samples for all of it; all in one by default.
+
+    It depends on nothing but the picture's size and samples, so that the sum of all shares, in this order,
+    is the same whoever rendered them.
+    """
+    width, height = size
+    bands = _bands(width, height)
+    limit = max(1, PATHS_PER_PASS // max(width * max(rows for _, rows in bands), 1))
+    wanted = wanted or spp
+    rounds = []
+    number = 0
+    for n in range(max(1, -(-spp // wanted))):
+        found: list[Share] = []
+        for top, rows in bands:
+            room, group, before = 0, [], n * wanted
+            for count in _passes(wanted, limit):
+                group.append((number, count))
+                number += 1
+                room += count * rows * width
+                if room >= PATHS_PER_SHARE:
+                    found.append(Share(top, rows, tuple(group), before))
+                    before += found[-1].spp
+                    room, group = 0, []
+            if group:
+                found.append(Share(top, rows, tuple(group), before))
+        rounds.append(found)
+    return rounds
+
+
+def render_share(
+    loaded: Any,
+    share: Share,
+    seed: int,
+    *,
+    alpha: bool = False,
+    progress: Callable[[int], None] | None = None,
+) -> Pixels:
+    """The sum of a share's samples, linear RGB (rows, width, 3), times its samples per pixel.
+
+    Args:
+        loaded: the scene.
+        share: what to render of it.
+        seed: of the random numbers.
+        alpha: keep the film's alpha as a fourth channel.
+        progress: called after each pass with its samples per pixel.
+    """
+    import mitsuba as mi
+
+    sensor = loaded.sensors()[0]
+    total: Any = None
+    with _Cropped(sensor) as cropped:
+        if share.rows < int(sensor.film().crop_size()[1]):
+            cropped.show(share.top, share.rows)
+        for number, count in share.passes:
+            # Mitsuba derives a pass's random numbers from its seed; far-apart seeds never overlap.
+            picture = mi.render(loaded, spp=count, seed=seed * 65536 + number)
+            pixels = np.array(picture, dtype=np.float32) * np.float32(count)
+            total = pixels if total is None else total + pixels
+            if progress is not None:
+                progress(count)
+        return _colours(total, sensor.film(), alpha)
 
 
 def _bands(width: int, height: int) -> list[tuple[int, int]]:

@@ -42,9 +42,12 @@ def compare(rows: Sequence[Mapping[str, Any]], columns: Sequence[Shown], **commo
 
             pictures.append(render(material, progress=step, **{**common, **row}))
     width = len(columns)
-    return np.concatenate(
-        [np.concatenate(pictures[i : i + width], axis=1) for i in range(0, cells, width)]
-    ).view(Picture)
+    return beside([pictures[i : i + width] for i in range(0, cells, width)])
+
+
+def beside(rows: Sequence[Sequence[Any]]) -> Picture:
+    """Pictures of one size in rows and columns."""
+    return np.concatenate([np.concatenate(row, axis=1) for row in rows]).view(Picture)
 
 
 def write_sheet(
@@ -73,23 +76,49 @@ def write_sheet(
     Raises:
         ValueError: no materials, or a suffix other than .png.
     """
-    from PIL import Image
-
     path = Path(path)
     if path.suffix.lower() != ".png":
         raise ValueError(f"cannot write a sheet to {path.name!r}; the suffix must be .png.")
     if not materials:
         raise ValueError("a sheet needs at least one material.")
+
+    pictures = []
+    for first, material in enumerate(materials):
+
+        def step(done: int, total: int, first: int = first) -> None:
+            if progress is not None:
+                progress(first * total + done, len(materials) * total)
+
+        pictures.append(render(material, size=(cell, cell), progress=step, **common))
+    write_cells(path, materials, pictures, columns=columns, exposure=exposure, tone=tone)
+
+
+def write_cells(
+    path: str | Path,
+    materials: Sequence[Model | Material],
+    pictures: Sequence[Any],
+    *,
+    columns: int = 6,
+    exposure: float = 0.0,
+    tone: str = "linear",
+) -> None:
+    """Write a contact sheet of pictures that are there, with the names of their materials.
+
+    Args:
+        path: a .png file; it appears only when it is complete.
+        materials: what the pictures show.
+        pictures: linear, all of one size.
+        columns: how many side by side.
+        exposure: in stops.
+        tone: the curve, as `write_picture` has it.
+    """
+    from PIL import Image
+
     strips = []
     for first in range(0, len(materials), columns):
-        shown = materials[first : first + columns]
-
-        def step(done: int, total: int, first: int = first, count: int = len(shown)) -> None:
-            if progress is not None:
-                progress(first * total + done * count, len(materials) * total)
-
-        pixels = compare([{}], shown, size=(cell, cell), progress=step, **common)
-        strips.append(captioned(to_srgb(pixels, exposure, tone), [describe(m) for m in shown], []))
+        pixels = beside([pictures[first : first + columns]])
+        names = [describe(m) for m in materials[first : first + columns]]
+        strips.append(captioned(to_srgb(pixels, exposure, tone), names, []))
     width = max(strip.width for strip in strips)
     sheet = Image.new("RGB", (width, sum(strip.height for strip in strips)), BACKGROUND)
     top = 0

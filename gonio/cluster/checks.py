@@ -1,0 +1,133 @@
+"""Checks of models by tasks: each check of each model is one; a long search is a chain of them."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from gonio.check import CHECKS, ModelSubject, Subject, check_subjects, fuzz
+from gonio.check.report import Report
+from gonio.cluster.codec import NotPortableError
+from gonio.cluster.run import Run
+from gonio.cluster.task import Done, Task
+from gonio.model import Model
+
+# Cases that a task of a search tries: half a minute or so.
+CASES = 16 * fuzz.BATCH
+
+Described = tuple[Model, tuple[str, ...], str]
+"""A model's options and fixed values, what is fixed, and how it is called on the command line."""
+
+
+def describe(subject: Subject) -> Described:
+    """A subject in words that can be sent.
+
+    Raises:
+        NotPortableError: it is none of a model of gonio's kind.
+    """
+    if not isinstance(subject, ModelSubject):
+        raise NotPortableError(
+            f"{subject.name} is checked on this machine only; leave --cluster out."
+        )
+    return subject.model, tuple(sorted(subject.fixed)), subject.label
+
+
+def subject_of(described: Described, name: str) -> ModelSubject:
+    """The subject again."""
+    model, fixed, label = described
+    subject = ModelSubject(model, frozenset(fixed), label)
+    subject.name = name
+    return subject
+
+
+def reports(
+    run: Run, groups: Sequence[Sequence[Subject]], effort: str, only: Iterable[str] = ()
+) -> list[Report]:
+    """All checks, or those named, of each group of subjects, which are the variants of one model."""
+    names = list(only) or list(CHECKS)
+    tasks = [
+        Task.of(
+            f"{__name__}:check",
+            f"{group[0].name}: {name}",
+            subjects=tuple(describe(s) for s in group),
+            names=tuple(s.name for s in group),
+            effort=effort,
+            name=name,
+        )
+        for group in groups
+        for name in names
+    ]
+    found: list[Report] = []
+    for _, done in run.results(tasks):
+        if isinstance(done, Done):
+            found += done.value
+    return found
+
+
+def check(
+    subjects: tuple[Described, ...], names: tuple[str, ...], effort: str, name: str
+) -> list[Report]:
+    """The work of a task: one check of all variants of a model."""
+    these = [subject_of(s, n) for s, n in zip(subjects, names, strict=True)]
+    return list(check_subjects(these, effort, [name]))
+
+
+# --- long searches ---------------------------------------------------------------------------------
+
+
+def search(
+    run: Run, subjects: Sequence[Subject], count: int, state_file: str | Path | None = None
+) -> list[fuzz.State]:
+    """`gonio.check.fuzz.run` by tasks, with the same result: one chain for each subject."""
+    path = None if state_file is None else Path(state_file)
+    states = {(s.model, s.options): s for s in fuzz.load(path)}
+    goals = fuzz.goals(subjects, count)
+    firsts: list[Task] = []
+    own: dict[str, tuple[Subject, int]] = {}
+
+    def next_task(subject: Subject, goal: int, state: fuzz.State) -> Task | None:
+        if state.cases >= goal:
+            return None
+        title = f"{subject.name} {subject.tag()}".strip()
+        task = Task.of(
+            f"{__name__}:advance",
+            f"{title}: cases {state.cases:,} to {min(state.cases + CASES, goal):,}",
+            subject=describe(subject),
+            name=subject.name,
+            # Not part of what the next state depends on
+            state=dataclasses.replace(state, seconds=0.0),
+            goal=min(state.cases + CASES, goal),
+        )
+        own[task.title] = (subject, goal)
+        return task
+
+    def follow(task: Task, done: Done) -> Task | None:
+        subject, goal = own[task.title]
+        before = states[subject.name, subject.tag()]
+        state: fuzz.State = done.value
+        states[state.model, state.options] = dataclasses.replace(
+            state, seconds=before.seconds + state.seconds
+        )
+        if path is not None:
+            fuzz.save(path, states.values())
+        return next_task(subject, goal, state)
+
+    steps = 0
+    for subject, goal in zip(subjects, goals, strict=True):
+        state = states.setdefault(
+            (subject.name, subject.tag()), fuzz.State(subject.name, subject.tag())
+        )
+        steps += max(-(-(goal - state.cases) // CASES), 0)
+        if (task := next_task(subject, goal, state)) is not None:
+            firsts.append(task)
+    run.chains(firsts, follow, steps)
+    if path is not None:
+        fuzz.save(path, states.values())
+    return [states[s.name, s.tag()] for s in subjects]
+
+
+def advance(subject: Described, name: str, state: fuzz.State, goal: int) -> fuzz.State:
+    """The work of a task: a search that goes on from a state."""
+    fuzz.advance(subject_of(subject, name), state, goal)
+    return state
