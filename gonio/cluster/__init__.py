@@ -6,7 +6,8 @@
 
 A task is a function of gonio's and its inputs. The digest of both, of gonio's code and of the libraries
 that compute is its key, under which its result is kept: what is done is never done again, and it does not
-matter who did it. `gonio.cluster.sweep`, `pictures`, `checks` and `fits` cut work into tasks and join the results.
+matter who did it. `gonio.cluster.sweep`, `pictures`, `checks` and `fits` cut work into tasks and join the
+results.
 """
 
 from gonio.cluster.codec import NotPortableError

@@ -113,10 +113,10 @@ def scene(
     shown: Shown,
     *,
     environment: str | Path,
-    mesh: str | Path | None,
     size: tuple[int, int],
-    furnace: bool,
     spp: int,
+    mesh: str | Path | None = None,
+    furnace: bool = False,
     **stage: Any,
 ) -> Any:
     """The scene that `render` renders, loaded; arguments as there."""
@@ -154,7 +154,7 @@ def diffused(full: Any, glossy: Any, loaded: Any, millimetre: float) -> Picture:
     return np.concatenate([glossy + spread, full[..., 3:]], axis=2, dtype=np.float32).view(Picture)
 
 
-def without_diffuse(material: Shown) -> Shown:
+def without_diffuse(material: Shown) -> Model | Material:
     """The same with black diffuse reflection."""
     if isinstance(material, Stack):
         raise ValueError(

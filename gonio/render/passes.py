@@ -22,8 +22,8 @@ Progress = Callable[[int, int], None]
 # paths) to keep all cores busy. A picture of more pixels is made of bands.
 PATHS_PER_PASS = 1 << 22
 
-# Paths of a share, which is rendered in one place: some seconds of a core or two for one picture to send.
-PATHS_PER_SHARE = 1 << 24
+# Paths of a share, which is rendered in one place: ten seconds of a core for one picture to send.
+PATHS_PER_SHARE = 1 << 23
 
 # Linear sRGB of CIE XYZ, IEC 61966-2-1
 XYZ_TO_RGB = np.array(
