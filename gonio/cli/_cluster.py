@@ -67,6 +67,10 @@ def run_of(
         with progress(label) as bar:
             run = Run(engine, folder, _Lines(label, bar), _tell)
             yield run
+    except KeyboardInterrupt:
+        if folder is not None and folder.path.is_dir():
+            _tell(f"what is done is kept in {folder.path}; the same command goes on from there")
+        raise
     finally:
         engine.close()
     if run.failures:

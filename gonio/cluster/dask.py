@@ -19,7 +19,7 @@ from typing import Any
 from gonio.cluster.engine import Report, Skip
 from gonio.cluster.identity import Identity, identity
 from gonio.cluster.task import Failure, Task
-from gonio.cluster.worker import Stranger, content, do_here, ignore_interrupts
+from gonio.cluster.worker import Stranger, content, do_here, ignore_interrupts, who
 from gonio.notices import notice
 
 # Seconds after which a scheduler that does not answer is given up.
@@ -52,26 +52,27 @@ def connect(text: str, tell: Tell) -> Cluster:
     Raises:
         ClusterError: Dask is not installed, nobody answers, or workers have other code.
     """
-    try:
-        import distributed
-    except ImportError:
-        raise ClusterError("--cluster needs Dask; run: pip install 'gonio[cluster]'") from None
-    import dask
-
-    # A file's content is part of a task, so that it can be had again; Dask would warn of the size
-    dask.config.set({"distributed.admin.large-graph-warning-threshold": "1TB"})
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
-    if match := re.fullmatch(r"local(?::(\d+))?", text):
-        return _local(distributed, int(match[1]) if match[1] else None)
+    address = ""
+    local = re.fullmatch(r"local(?::(\d+))?", text)
     if re.match(r"\w+://", text):
         address = text
     elif text.endswith(".json"):
         address = _address(Path(text))
-    else:
+    elif local is None:
         raise ClusterError(
             f"--cluster {text!r} is not local, local:N, a scheduler's address such as tcp://host:8786, or "
             "the .json file of 'dask scheduler --scheduler-file'."
         )
+    try:
+        import dask
+        import distributed
+    except ImportError:
+        raise ClusterError("--cluster needs Dask; run: pip install 'gonio[cluster]'") from None
+    # A file's content is part of a task, so that it can be had again; Dask would warn of the size
+    dask.config.set({"distributed.admin.large-graph-warning-threshold": "1TB"})
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    if local is not None:
+        return _local(distributed, int(local[1]) if local[1] else None)
     try:
         client = distributed.Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:
@@ -143,7 +144,7 @@ def _strangers_refused(client: Any, address: str, tell: Tell) -> tuple[Identity,
     own = identity()
     there = "install the same there, with the same Python: pip install 'gonio[cluster]'"
     try:
-        scheduler = client.run_on_scheduler(identity)
+        scheduler = client.run_on_scheduler(who)
     except Exception as error:
         raise ClusterError(
             f"the scheduler at {address} cannot load this gonio ({_short(error)}); {there}."
@@ -158,7 +159,7 @@ def _strangers_refused(client: Any, address: str, tell: Tell) -> tuple[Identity,
             tell(f"{address} has no workers yet; waiting for one (dask worker {address})")
         waited = True
         time.sleep(0.5)
-    found = client.run(identity, on_error="return")
+    found = client.run(who, on_error="return")
     first = next((i for i in found.values() if isinstance(i, Identity)), own)
     # The backend is the workers' own, such as cuda where this machine has no GPU
     expected = dataclasses.replace(own, backend=first.backend)

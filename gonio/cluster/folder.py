@@ -24,7 +24,7 @@ class RunFolder:
     """Results by the keys of their tasks."""
 
     def __init__(self, path: str | Path) -> None:
-        """Take a folder, or make it.
+        """Take a folder; it is made with its first result.
 
         Raises:
             OSError: there is something else at that place, or nothing can be written there.
@@ -38,19 +38,12 @@ class RunFolder:
             )
         if not self.path.parent.is_dir():
             raise FileNotFoundError(f"there is no folder {self.path.parent}; create it first.")
-        self._mark()
+        check_place(self.path / MARKER if self.path.is_dir() else self.path)
 
     def _is_ours(self) -> bool:
         return (self.path / MARKER).is_file() or not any(
             entry for entry in self.path.iterdir() if not entry.name.startswith(".gonio-")
         )
-
-    def _mark(self) -> None:
-        self.path.mkdir(exist_ok=True)
-        check_place(self.path / MARKER)
-        if not (self.path / MARKER).is_file():
-            with replacing(self.path / MARKER) as temporary:
-                temporary.write_text(TEXT, encoding="utf-8")
 
     def _file(self, key: str) -> Path:
         # Folders of a million files are slow on some systems
@@ -84,6 +77,9 @@ class RunFolder:
         for again in (True, False):
             path.parent.mkdir(parents=True, exist_ok=True)
             try:
+                if not (self.path / MARKER).is_file():
+                    with replacing(self.path / MARKER) as temporary:
+                        temporary.write_text(TEXT, encoding="utf-8")
                 with replacing(path) as temporary:
                     temporary.write_bytes(
                         HEAD + hashlib.sha256(data).hexdigest().encode() + b"\n" + data

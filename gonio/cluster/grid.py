@@ -92,7 +92,7 @@ def _wrong(text: str) -> ModelError:
 
 
 def _check(model: Model, declared: Parameter, name: str, values: Sequence[float]) -> None:
-    for value in values:
+    for value in (values[0], values[-1], *values):  # the ends are what the user wrote
         if not declared.low <= value <= declared.high:
             raise ModelError(
                 f"{model.name}: {name}={value:g} is out of range; allowed is {declared.range_text()}."
