@@ -12,6 +12,7 @@ from gonio import check as check
 from gonio import citations as citations
 from gonio import claims as claims
 from gonio import cli as cli
+from gonio import cluster as cluster
 from gonio import compare as compare
 from gonio import conversions as conversions
 from gonio import cost as cost

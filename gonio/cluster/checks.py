@@ -41,12 +41,9 @@ def subject_of(described: Described, name: str) -> ModelSubject:
     return subject
 
 
-def reports(
-    run: Run, groups: Sequence[Sequence[Subject]], effort: str, only: Iterable[str] = ()
-) -> list[Report]:
+def tasks(groups: Sequence[Sequence[Subject]], effort: str, only: Iterable[str] = ()) -> list[Task]:
     """All checks, or those named, of each group of subjects, which are the variants of one model."""
-    names = list(only) or list(CHECKS)
-    tasks = [
+    return [
         Task.of(
             f"{__name__}:check",
             f"{group[0].name}: {name}",
@@ -56,10 +53,16 @@ def reports(
             name=name,
         )
         for group in groups
-        for name in names
+        for name in list(only) or CHECKS
     ]
+
+
+def reports(
+    run: Run, groups: Sequence[Sequence[Subject]], effort: str, only: Iterable[str] = ()
+) -> list[Report]:
+    """What the tasks find."""
     found: list[Report] = []
-    for _, done in run.results(tasks):
+    for _, done in run.results(tasks(groups, effort, only)):
         if isinstance(done, Done):
             found += done.value
     return found

@@ -153,13 +153,19 @@ def _strangers_refused(client: Any, address: str, tell: Tell) -> tuple[Identity,
         raise ClusterError(
             f"the scheduler at {address} runs Python {scheduler.python}, here it is {own.python}; {there}."
         )
+    found: dict[str, Any] = {}
     waited = False
-    while not client.nthreads():
-        if not waited:
+    while not found:
+        there_are = client.nthreads()
+        if not there_are and not waited:
             tell(f"{address} has no workers yet; waiting for one (dask worker {address})")
-        waited = True
-        time.sleep(0.5)
-    found = client.run(who, on_error="return")
+            waited = True
+        if there_are:
+            # One that dies at this moment says nothing about its code
+            answers = client.run(who, on_error="return")
+            found = {name: a for name, a in answers.items() if not isinstance(a, OSError)}
+        if not found:
+            time.sleep(0.5)
     first = next((i for i in found.values() if isinstance(i, Identity)), own)
     # The backend is the workers' own, such as cuda where this machine has no GPU
     expected = dataclasses.replace(own, backend=first.backend)

@@ -29,8 +29,11 @@ WORK = f"{__name__}:rows"
 
 Floats = NDArray[np.float64]
 
-# Points of a task: a second or so of work, and few enough that a task lost is little lost.
-POINTS = {"variance": 4, "difference": 16, "albedo": 256, "mean_albedo": 64}
+# Points of a task: a second or some, so that sending it costs little, and little is lost with it.
+POINTS = {"variance": 32, "difference": 128, "albedo": 256, "mean_albedo": 64}
+
+# Samples for which this holds; with more, a task has fewer points.
+SAMPLES = 1 << 18
 
 # Pairs of directions for one difference.
 PAIRS = 4000
@@ -51,7 +54,7 @@ class Sweep:
     against: Model | None = None
     theta_o: tuple[float, ...] = (0.0, 30.0, 60.0, 80.0)
     """Polar angles of the viewer in degrees."""
-    samples: int = 1 << 18
+    samples: int = SAMPLES
     """Of the sampler, at each point and angle."""
     fixed: frozenset[str] = frozenset()
     """What of `against` was given, and is not varied with the model's."""
@@ -79,12 +82,19 @@ class Sweep:
         values = [column for name in self.measures for column in COLUMNS[name]]
         return [*(a.name for a in self.axes), *angle, *values]
 
+    def groups(self) -> Iterator[tuple[tuple[Value, ...], ...]]:
+        """The points of each task."""
+        count = min(POINTS[name] for name in self.measures)
+        if "variance" in self.measures:
+            count = max(1, min(count, POINTS["variance"] * SAMPLES // self.samples))
+        every = points(self.axes)
+        return iter(lambda: tuple(itertools.islice(every, count)), ())
+
     def tasks(self) -> list[Task]:
         """A task for each handful of points."""
-        count = min(POINTS[name] for name in self.measures)
         names = tuple(a.name for a in self.axes)
         found = []
-        for group in _grouped(points(self.axes), count):
+        for group in self.groups():
             title = f"{self.model.name} at {_named(names, group[0])}"
             if len(group) > 1:
                 title += f" to {_named(names, group[-1])}"
@@ -115,15 +125,17 @@ class Sweep:
         Where a task has failed its rows hold no numbers.
         """
         tasks = self.tasks()
-        count = min(POINTS[name] for name in self.measures)
-        groups = _grouped(points(self.axes), count)
         angles = self.theta_o if self.by_angle else (None,)
         facts = {"gonio": gonio.__version__, "model": model_text(self.model)}
         if self.against is not None:
             facts["against"] = model_text(self.against)
         rows = 0
+        results = run.results(tasks)
+        # The table is begun when most of the work is done: a process that is killed before leaves none
+        first = next(results)
         with _table(path, self.columns(), facts) as table:
-            for (_, done), group in zip(run.results(tasks), groups, strict=True):
+            every = itertools.chain([first], results)
+            for (_, done), group in zip(every, self.groups(), strict=True):
                 wide = sum(len(COLUMNS[name]) for name in self.measures)
                 values = (
                     np.full((len(group), len(angles), wide), np.nan)
@@ -139,12 +151,6 @@ class Sweep:
                 rows += len(group) * len(angles)
                 table.write(made)
         return rows
-
-
-def _grouped(
-    every: Iterator[tuple[Value, ...]], count: int
-) -> Iterator[tuple[tuple[Value, ...], ...]]:
-    return iter(lambda: tuple(itertools.islice(every, count)), ())
 
 
 def _named(names: Sequence[str], point: Sequence[Value]) -> str:
