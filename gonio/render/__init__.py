@@ -74,16 +74,11 @@ def render(
         material = load(material)
 
     def built(shown: Shown) -> Any:
-<<<<<<< HEAD
-        placed = shader_ball(
-            node(shown, sampler),
-            textured=textured(shown),
-=======
         return scene(
             shown,
->>>>>>> f16f024 (wip)
             environment=environment,
             mesh=mesh,
+            sampler=sampler,
             size=size,
             furnace=furnace,
             spp=spp,
@@ -116,6 +111,7 @@ def scene(
     size: tuple[int, int],
     spp: int,
     mesh: str | Path | None = None,
+    sampler: str = "own",
     furnace: bool = False,
     **stage: Any,
 ) -> Any:
@@ -124,7 +120,7 @@ def scene(
     from gonio.mitsuba import node
 
     placed = shader_ball(
-        node(shown),
+        node(shown, sampler),
         textured=textured(shown),
         environment=environment,
         mesh=mesh,
