@@ -653,3 +653,24 @@ def test_nobody_who_answers_is_said_within_seconds(tmp_path: Path) -> None:
     (tmp_path / "x.json").write_text("{}")
     with pytest.raises(ClusterError, match="is no scheduler file"):
         connect(str(tmp_path / "x.json"), print)
+
+
+def test_a_folder_of_files_is_fitted_and_a_damaged_one_named(tmp_path: Path) -> None:
+    data = tmp_path / "data set"
+    (data / "below").mkdir(parents=True)
+    for name, model in (("a.csv", "lambert:rho=0.3"), ("below/b.csv", "lambert:rho=0.6")):
+        assert run("data", model, "--convert", data / name).exit_code == 0
+    (data / "notes.txt").write_text("no measurement")
+    what = ("fit", data, "lambert", "--points", 200, "--starts", 9, "--json")
+    kept = ("--run-dir", tmp_path / "run")
+    first, again = (json.loads(run(*what, *kept).stdout) for _ in range(2))
+    assert first == again  # to the last bit, and its seconds: nothing was done twice
+    assert [Path(entry["data"]).name for entry in first] == ["a.csv", "b.csv"]
+    for entry, rho in zip(first, (0.3, 0.6), strict=True):
+        (found,) = entry["fits"]
+        assert found["parameters"]["rho"] == pytest.approx([rho] * 3, abs=1e-5)
+        assert len(found["starts"]) == 9
+    text = (data / "a.csv").read_text(encoding="utf-8")
+    (data / "below" / "b.csv").write_text(text[: len(text) // 2], encoding="utf-8")
+    broken = run(*what[:-1], *kept)
+    assert (broken.exit_code, "b.csv by lambert" in broken.output) in ((0, False), (1, True))

@@ -3,7 +3,7 @@
     python tools/measure_cluster.py
 
 Starts a scheduler with one worker and with two, as processes of this machine, and takes the processor
-time of each process: of workers for a task, of scheduler and client for a task and for a megabyte of result.
+time of each process: of workers for a task, of scheduler and client for a task and for a megabyte of it.
 From these it computes how many workers a scheduler keeps busy: tasks are done side by side, while scheduler
 and client handle one after the other.
 """

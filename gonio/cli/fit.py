@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from gonio.cli._cluster import cluster_options, run_of
 from gonio.cli._code import Code, code_options
 from gonio.cli.program import complete, echo_json, json_option, progress
 from gonio.files import check_place, replacing
@@ -70,6 +71,7 @@ PICTURES = (".png", ".svg", ".pdf", ".csv")
     help="Write the best: a material (.toml), or a picture of data, fit and difference (.png .svg .pdf "
     ".csv); again for both.",
 )
+@cluster_options
 @code_options
 @json_option
 def command(
@@ -84,10 +86,15 @@ def command(
     points: int,
     seed: int,
     outputs: tuple[str, ...],
+    cluster: str | None,
+    run_dir: str | None,
     code: Code,
     as_json: bool,
-) -> None:
-    """Find the parameters of each MODEL that come nearest to DATA, a measured file or a model.
+) -> int:
+    """Find the parameters of each MODEL that come nearest to DATA: a measured file, a folder, a model.
+
+    Of a folder, every file of measured reflection in it and below is fitted. With --cluster or --run-dir,
+    more than 8 starts are several tasks, each with directions of its own.
 
     What is given to a MODEL, as in disney:metallic=1, stays; --free lets it go from there. A sum of
     lobes is written with plus signs. All metrics are reported, because they do not agree: the misfit of
@@ -101,13 +108,24 @@ def command(
       gonio fit metal.bsdf "lambert+ward" --tie alpha_x=alpha_y
       gonio fit paint.binary "lambert+torrance_sparrow:fresnel=schlick+torrance_sparrow:fresnel=schlick"
       gonio fit oren_nayar:sigma=0.5 eon
+      gonio fit merl/ disney torrance_sparrow --cluster local --json
       gonio fit lacquered_oak disney --truth        # the nearest to the lacquer's layers
       gonio fit paint.binary shading.glsl#specular --range roughness=0.05..1
     """
     from gonio import fit
 
     _check_outputs(outputs)
-    target, named = _target(data, models, truth, code)
+    shared = Path(data).is_dir() or cluster is not None or run_dir is not None
+    if shared and (code.given or truth or outputs):
+        raise click.UsageError(
+            "folders, --cluster and --run-dir are for gonio's models and files, and print what is found; "
+            "leave --truth, -o and options of code out"
+        )
+    target: Any = None
+    if Path(data).is_dir():
+        named = code.models(models)
+    else:
+        target, named = _target(data, models, truth, code)
     if any(Path(o).suffix.lower() == ".toml" for o in outputs) and any(
         isinstance(model, ForeignModel) for model in named
     ):
@@ -116,6 +134,9 @@ def command(
         _candidate(text, model, fix, free, tie) for text, model in zip(models, named, strict=True)
     ]
     _check_names(candidates, fix, free, tie)
+    if shared:
+        given = {"metric": metric, "starts": starts, "points": points or None, "seed": seed}
+        return _many(data, target, candidates, given, cluster, run_dir, as_json)
     found: list[Fit] = []
     with progress("fitting") as step:
         for number, (model, fixed, tied) in enumerate(candidates):
@@ -142,11 +163,44 @@ def command(
         _write(output, found[0], target, data, seed)
     if as_json:
         echo_json([_data(f, cost) for f, cost in zip(found, costs, strict=True)])
-        return
+        return 0
     for line in lines(found, costs):
         click.echo(line)
     for output in outputs:
         click.echo(output)
+    return 0
+
+
+def _many(
+    data: str,
+    target: Any,
+    candidates: list[Any],
+    given: dict[str, Any],
+    cluster: str | None,
+    run_dir: str | None,
+    as_json: bool,
+) -> int:
+    """Fits by tasks, of a folder or of one thing."""
+    from gonio.cluster import fits
+    from gonio.measured import is_data_file
+
+    folder = Path(data).is_dir()
+    targets: list[Any] = [Path(data) if is_data_file(data) else target]
+    if folder:
+        targets = list(fits.data_files(data))
+    printed: list[dict[str, Any]] = []
+    beside = Path(data).name if folder else "gonio-fit"
+    with run_of(cluster, run_dir, beside, "fitting") as run:
+        for place, found in fits.fits(run, targets, candidates, given):
+            costs = [_instructions(f.model) for f in found]
+            these = [_data(f, cost) for f, cost in zip(found, costs, strict=True)]
+            printed += [{"data": str(place), "fits": these}] if folder else these
+            if not as_json and found:
+                for line in [str(place)] * folder + list(lines(found, costs)):
+                    click.echo(line)
+    if as_json:
+        echo_json(printed)
+    return 1 if run.failures else 0
 
 
 def _check_outputs(outputs: tuple[str, ...]) -> None:
