@@ -96,3 +96,12 @@ def replacing(path: str | Path) -> Iterator[Path]:
     finally:
         temporary.unlink(missing_ok=True)
         _unfinished.discard(temporary)
+
+
+def is_utf8(path: Path) -> bool:
+    """Whether libraries that want names in UTF-8 can open a file."""
+    try:
+        str(path).encode()
+    except UnicodeEncodeError:
+        return False
+    return True

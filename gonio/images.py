@@ -22,6 +22,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gonio.files import is_utf8
+
 Pixels = NDArray[np.float32]
 Matrix = NDArray[np.float64]
 
@@ -184,11 +186,10 @@ def _read_pillow(path: Path) -> Image:
                 picture.load()
                 return _pillow_pixels(picture, path)
     except UnidentifiedImageError:
-        with path.open("rb") as stream:
-            if stream.read(4) in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"):
-                raise ImageError(
-                    "it is a TIFF of a kind that is not read; save it with 8 or 16 bits, or as .exr"
-                ) from None
+        if kind := _tiff_kind(path):
+            raise ImageError(
+                f"it is a TIFF with {kind}, which is not read; save it as .exr, or with 8 or 16 bits"
+            ) from None
         raise ImageError("it is not a picture of any kind that is known") from None
     except PIL.Image.DecompressionBombError:
         raise ImageError("is it damaged? It claims more pixels than a picture has") from None
@@ -220,6 +221,31 @@ def _pillow_pixels(picture: Any, path: Path) -> Image:
 
 _BITS, _PHOTOMETRIC, _PLANAR, _SAMPLE_FORMAT = 258, 262, 284, 339  # tags of TIFF 6.0
 _SIGNED = 2
+
+
+def _tiff_kind(path: Path) -> str:
+    """What kind of TIFF it is, for people; empty if it is none."""
+    from PIL import TiffImagePlugin
+
+    with path.open("rb") as stream:
+        head = stream.read(8)
+        if head[:4] not in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"):
+            return ""
+        if b"+" in head[:4]:
+            head += stream.read(8)
+        try:
+            tags = TiffImagePlugin.ImageFileDirectory_v2(head)
+            stream.seek(tags.next)
+            tags.load(stream)
+            bits, formats = tags.get(_BITS, (1,)), tags.get(_SAMPLE_FORMAT, (1,))
+        except (OSError, SyntaxError, struct.error, ValueError, KeyError):
+            return "no list of tags that could be read"
+    numbers = {1: "unsigned whole", 2: "signed whole", 3: "floating-point"}
+    kinds = {
+        f"{b}-bit {numbers.get(f, 'other')}"
+        for b, f in zip(bits, formats * len(bits), strict=False)
+    }
+    return f"{len(bits)} channel{'s' * (len(bits) > 1)} of {' and '.join(sorted(kinds))} numbers"
 
 
 def _tiff_is_inverted(tags: Any) -> bool:
@@ -275,15 +301,6 @@ def _check_size(width: int, height: int) -> None:
 _BEGINNINGS = {".hdr": (b"#?",), ".pfm": (b"PF", b"Pf")}
 
 
-def _is_utf8(path: Path) -> bool:
-    """Whether libraries that want names in UTF-8 can open a file."""
-    try:
-        str(path).encode()
-    except UnicodeEncodeError:
-        return False
-    return True
-
-
 def _read_mitsuba(path: Path) -> Image:
     import mitsuba as mi
 
@@ -301,7 +318,7 @@ def _read_mitsuba(path: Path) -> Image:
                 f"its pixels run {order}, not -Y +X, from the top left; save it again so"
             )
         _check_size(int(size[4]), int(size[2]))
-    if _is_utf8(path):
+    if is_utf8(path):
         bitmap = mi.Bitmap(str(path))
     else:
         stored = mi.MemoryStream()
@@ -312,7 +329,36 @@ def _read_mitsuba(path: Path) -> Image:
     if codes.ndim == 2:
         codes = codes[..., None]
     scale = np.float32(1 / np.iinfo(codes.dtype).max) if codes.dtype.kind == "u" else np.float32(1)
-    return Image(codes.astype(np.float32) * scale, True)
+    pixels = codes.astype(np.float32) * scale
+    return _by_header(pixels, head) if suffix == ".hdr" else Image(pixels, True)
+
+
+def _by_header(pixels: Pixels, head: bytes) -> Image:
+    """A Radiance picture as its header says: without what its numbers were multiplied by, in sRGB.
+
+    Ward, "The RADIANCE picture file format": EXPOSURE and COLORCORR add up by multiplication.
+    """
+    lines = head.replace(b"\r", b"").partition(b"\n\n")[0].decode("latin-1").splitlines()
+    factor = np.ones(3)
+    change = None
+    for name, _, value in (line.partition("=") for line in lines):
+        count = {"EXPOSURE": 1, "COLORCORR": 3, "PRIMARIES": 8}.get(name.strip())
+        if count is None:
+            continue
+        try:
+            numbers = np.array(value.split(), np.float64)
+        except ValueError:
+            numbers = np.array([])
+        good = len(numbers) == count and np.isfinite(numbers).all()
+        if not good or (count < 8 and not (numbers > 0).all()):
+            raise ImageError(f"its header says {name.strip()}={value.strip()}, which means nothing")
+        if count == 8:
+            change = to_srgb_primaries(tuple(numbers))
+        else:
+            factor = factor * numbers
+    pixels = (pixels / factor).astype(np.float32)
+    rgb = None if change is None else (pixels @ change.T).astype(np.float32)
+    return Image(pixels, True, rgb=rgb)
 
 
 # ------------------------------------------------------------------------------------------ OpenEXR
@@ -324,7 +370,7 @@ def _read_exr(path: Path) -> Image:
     with path.open("rb") as stream:
         if stream.read(4) != b"\x76\x2f\x31\x01":
             raise ImageError("it is not an OpenEXR file")
-    source = str(path) if _is_utf8(path) else io.BytesIO(path.read_bytes())
+    source = str(path) if is_utf8(path) else io.BytesIO(path.read_bytes())
     for part in OpenEXR.File(source, header_only=True).parts:
         for window in ("dataWindow", "displayWindow"):
             low, high = part.header[window]

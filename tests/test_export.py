@@ -261,7 +261,7 @@ def test_embedding_writes_the_parameters_of_a_material() -> None:
 
 def test_slang_has_methods_behind_an_interface() -> None:
     found = text("eon", "slang")
-    assert "interface IEonBrdf {" in found
+    assert "interface IEonBrdf : IDifferentiable {" in found
     assert "struct Eon : IEonBrdf {" in found
     assert "float3 eval(float3 wi, float3 wo) {" in found
 

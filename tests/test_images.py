@@ -270,12 +270,45 @@ def test_tiff_is_grey_from_black_to_white(tmp_path: Path, values, photometric, e
         ((RAMP * 2**31).astype("<u4"), 1, "32-bit integers"),
         ((RAMP * 2**30).astype("<i4"), 1, "signed integers"),
         ((np.stack([RAMP] * 3, -1) * 65535).astype("<u2"), 2, "lie apart"),
-        (np.stack([RAMP] * 3, -1).astype("<f4"), 1, "a TIFF of a kind that is not read"),
+        (np.stack([RAMP] * 3, -1).astype("<f4"), 1, "3 channels of 32-bit floating-point numbers"),
+        (np.stack([RAMP] * 4, -1).astype("<f8"), 1, "4 channels of 64-bit floating-point numbers"),
+        (RAMP.astype("<u8"), 1, "1 channel of 64-bit unsigned whole numbers"),
     ],
 )
 def test_a_tiff_that_would_be_read_wrongly_is_refused(tmp_path, values, planar, reason) -> None:
     with pytest.raises(ImageError, match=reason):
         read_image(tiff(tmp_path / "a.tif", values, 1 if values.ndim == 2 else 2, planar))
+
+
+def hdr(path: Path, *lines: str, end: str = "\n") -> Path:
+    """A picture of 4 x 2 pixels of (1, 0.5, 0.25), without run lengths, and these lines of its header."""
+    head = ["#?RADIANCE", "FORMAT=32-bit_rle_rgbe", *lines, "", "-Y 2 +X 4"]
+    path.write_bytes(end.join(head).encode() + end.encode() + bytes([128, 64, 32, 129]) * 8)
+    return path
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_what_a_radiance_picture_was_multiplied_by_is_taken_out(tmp_path: Path, end: str) -> None:
+    lines = ("# EXPOSURE=7", "EXPOSURE=2", "SOFTWARE=none", "EXPOSURE= 0.25", "COLORCORR=1 2 4")
+    image = read_image(hdr(tmp_path / "a.hdr", *lines, end=end))
+    np.testing.assert_allclose(image.pixels, np.full((2, 4, 3), (2, 0.5, 0.125)), rtol=1e-6)
+    plain = read_image(hdr(tmp_path / "b.hdr"))
+    np.testing.assert_allclose(plain.linear_rgb(), np.full((2, 4, 3), (1, 0.5, 0.25)), rtol=1e-6)
+
+
+def test_a_radiance_picture_of_other_primaries_becomes_srgb(tmp_path: Path) -> None:
+    line = "PRIMARIES= 0.708 0.292 0.170 0.797 0.131 0.046 0.3127 0.3290"
+    image = read_image(hdr(tmp_path / "a.hdr", line))
+    expected = (1.6605 - 0.5876 / 2 - 0.0728 / 4, -0.1246 + 1.1329 / 2 - 0.0083 / 4)  # BT.2087-0
+    np.testing.assert_allclose(image.linear_rgb()[0, 0, :2], expected, atol=2e-4)
+
+
+@pytest.mark.parametrize(
+    "line", ["EXPOSURE=0", "EXPOSURE=-1", "EXPOSURE=", "COLORCORR=1 2", "EXPOSURE=nan"]
+)
+def test_a_header_that_means_nothing_is_refused(tmp_path: Path, line: str) -> None:
+    with pytest.raises(ImageError, match=f"its header says {line}, which means nothing"):
+        read_image(hdr(tmp_path / "a.hdr", line))
 
 
 def test_xyz_is_not_taken_for_grey(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 import warnings
 from pathlib import Path
 
@@ -13,6 +14,7 @@ import gonio
 from gonio.fields import ModelError
 from gonio.images import write_linear
 from gonio.materials import MaterialError, library, load_material
+from gonio.materials.toml_lines import lines
 from gonio.mitsuba.nodes import node
 from gonio.notices import Notice
 from gonio.parts.metals import metal
@@ -124,11 +126,56 @@ def test_a_texture_drives_an_inner_parameter(tmp_path: Path) -> None:
         ('model = "car_paint"\nflakes = 3\n', r"clay.toml:2: flakes is a table"),
         ('model = "eon"\ngrowth = "mesh"\n', r"clay.toml:1: eon has no growth"),
         ('model = "eon"\ndescription = 3\n', r"clay.toml:2: description must be a text"),
+        (
+            'model = "weidlich_wilkie"\nbase.model = "eon"\nbase.roughness = 7\n',
+            r"clay.toml:3: eon: roughness=7 is out of range",
+        ),
+        (
+            'model = "weidlich_wilkie"\n\nbase = { model = "eon", roughness = 7 }\n',
+            r"clay.toml:3: eon: roughness=7 is out of range",
+        ),
+        (
+            'model = "weidlich_wilkie"\n"base" . model = "eon" # base.rho = 1\nbase.rho = [\n 7, 1]\n',
+            r"clay.toml:3: eon: rho takes",
+        ),
+        ('model = "weidlich_wilkie"\n\nbase = { rho = 1 }\n', r"clay.toml:3: .*missing under"),
+        ('model = "car_paint"\nflakes.size = 64\nflakes.seed = "a"\n', r"clay.toml:3: seed must"),
+        (
+            'model = "eon"\ndescription = """\nrho = 1\n[base]\n"""\nrho = 7\n',
+            r"clay.toml:6: eon: rho=7",
+        ),
     ],
 )
 def test_a_bad_file_names_the_line(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(MaterialError, match=message):
         load_material(write(tmp_path, text))
+
+
+EVERY_KIND_OF_KEY = r"""# c = 0
+a = 1  # b = 2
+b.c = [1, { d = 2 },
+  'x = ]', # ]
+  { e = "}" }]
+[ t . "u v" ]
+f = '''
+g = 1
+'''
+h = "[z]\" = 3"
+i = 1979-05-27 07:32:00
+[[l]]
+j = -inf
+[[l]]
+k = {}
+"""
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_every_key_of_a_file_has_the_line_in_which_it_is_first_named(end: str) -> None:
+    expected = {"a": 2, "b": 3, "b.c": 3, "b.c.d": 3, "b.c.e": 5, "t": 6, "t.u v": 6}
+    expected |= {"t.u v.f": 7, "t.u v.h": 10, "t.u v.i": 11, "l": 12, "l.j": 13, "l.k": 15}
+    text = EVERY_KIND_OF_KEY.replace("\n", end)
+    assert tomllib.loads(text)
+    assert lines(text) == expected
 
 
 def test_names_of_models_and_materials_are_found() -> None:

@@ -259,7 +259,17 @@ def test_what_a_scene_lacks_or_has_twice_is_said(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="names of files are bytes on Linux")
-def test_a_scene_whose_name_mitsuba_cannot_open_is_said_to_be_so(tmp_path: Path) -> None:
-    path = write(tmp_path, os.fsdecode(b"caf\xe9.xml"), scene())
-    with pytest.raises(ValueError, match="opens no files whose names are not UTF-8"):
-        render_scene(path, {}, spp=1)
+@pytest.mark.parametrize("name", [b"caf\xe9.xml", b"caf\xe9/scene.xml"])
+def test_names_that_mitsuba_cannot_open_are_no_obstacle(tmp_path: Path, name: bytes) -> None:
+    """Of the scene or of its folder; what it names lies beside it, and below."""
+    path = tmp_path / os.fsdecode(name)
+    colour(path.parent / "parts", (0, 255, 0))
+    inner = f'<scene version="3.0.0"><bsdf type="twosided" id="paint">{TEXTURED}</bsdf></scene>'
+    write(path.parent / "parts", "paint.xml", inner)
+    text = scene('<ref id="paint"/>', more='<include filename="parts/paint.xml"/>')
+    write(path.parent, path.name, text)
+    np.testing.assert_allclose(mean(path), (0, 1, 0), atol=NOISE)
+    broken = write(path.parent, "broken" + path.name, scene("<bsdf type='none'/>"))
+    with pytest.raises(ValueError, match="does not load") as caught:
+        mean(broken)
+    assert "gonio-" not in str(caught.value)

@@ -12,6 +12,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, cast
 
@@ -232,8 +233,13 @@ class _Bound:
 
 
 def _load(mi: Any, description: str) -> tuple[str, Any]:
+    with ExitStack() as stack:
+        return _loaded(mi, description, stack)
+
+
+def _loaded(mi: Any, description: str, stack: ExitStack) -> tuple[str, Any]:
     """Name and BSDF; the files that it names are looked for beside its own."""
-    from gonio.mitsuba.xml_files import files_from, reason
+    from gonio.mitsuba.xml_files import files_from, in_utf8, reason
 
     text = description.strip()
     name, folder = text, Path()
@@ -241,7 +247,7 @@ def _load(mi: Any, description: str) -> tuple[str, Any]:
         path = Path(text)
         if not path.is_file():
             raise ValueError(f"there is no file {path}; give a BSDF as XML or JSON.")
-        name, folder = path.stem, path.parent
+        name, folder = path.stem, stack.enter_context(in_utf8(path)).parent
         text = path.read_text(encoding="utf-8-sig").strip()
     try:
         if text.startswith("{"):

@@ -265,6 +265,9 @@ class Printer:
         arguments = expr.arguments
         if expr.name == "select":
             return self._select(expr)
+        if expr.name in ("safe_sqrt", "smooth_sqrt") and "safe_sqrt" in self.target.helpers:
+            helper = "safe_sqrt3" if expr.type == "vec3" else "safe_sqrt"
+            return self._spelled(f"{{p}}_{helper}({{0}})", self.expr(arguments[0])), POSTFIX
         if expr.name == "safe_sqrt":
             zero: Expr = Number(0)
             if expr.type != "float":
@@ -537,7 +540,8 @@ class Printer:
             result=self.type(function.result), name=name, parameters=", ".join(texts)
         )
         body = [INDENT + line if line else "" for line in self.body(function, constants)]
-        lines = [*comment(function.doc, self.spoken()), *fold(head), *body, "}"]
+        attribute = [target.attribute] if target.attribute else []
+        lines = [*comment(function.doc, self.spoken()), *attribute, *fold(head), *body, "}"]
         self.names, self.inside = {}, None
         return lines
 
@@ -546,6 +550,8 @@ class Printer:
     ) -> list[str]:
         """A struct with what its members mean."""
         lines = comment(struct.doc)
+        if not bases and self.target.value:
+            bases = f" : {self.target.value}"
         lines.append(self.target.struct.format(name=struct.name, bases=bases))
         for member in struct.members:
             text = self.target.member.format(

@@ -116,6 +116,10 @@ class Target:
     parameter: str = "{type} {name}"
     struct_parameter: str = "{type} {name}"
     """A parameter that is a model's struct."""
+    attribute: str = ""
+    """A line before every function."""
+    value: str = ""
+    """What structs and interfaces derive from."""
     member: str = "{type} {name};"
     struct: str = "struct {name}{bases} {{"
     struct_end: str = "};"
@@ -283,6 +287,24 @@ SLANG = Target(
     record="",
     select3="select({0}, {1}, {2})",
     methods=True,
+    attribute="[Differentiable]",
+    value="IDifferentiable",
+    helpers={
+        "safe_sqrt": """\
+// Square root; 0 for negative values, and a finite derivative everywhere.
+[Differentiable]
+float {p}_safe_sqrt(float x) {
+    return x > 0.0 ? sqrt(max(x, 1.0e-30)) : 0.0;
+}
+""",
+        "safe_sqrt3": """\
+[Differentiable]
+float3 {p}_safe_sqrt3(float3 x) {
+    return float3({p}_safe_sqrt(x.x), {p}_safe_sqrt(x.y), {p}_safe_sqrt(x.z));
+}
+""",
+    },
+    note="bwd_diff and fwd_diff differentiate every method by its directions and all parameters.",
 )
 
 

@@ -247,7 +247,8 @@ class Text:
         plain = [s for s in self.structs if s.model is None]
         blocks = [self.printer.struct(s) for s in plain]
         lines = comment(("What a renderer asks of a model.",))
-        lines.append(f"interface {interface} {{")
+        base = f" : {self.target.value}" if self.target.value else ""
+        lines.append(f"interface {interface}{base} {{")
         for function in self.wanted:
             if function.owner is not self.roots[0]:
                 continue
@@ -256,6 +257,8 @@ class Text:
                 f"{self.printer.type(kind)} {legal(name, self.printer.reserved)}"
                 for name, kind in function.parameters[1:]
             )
+            if self.target.attribute:
+                lines.append(INDENT + self.target.attribute)
             lines.append(f"{INDENT}{result} {function.method}({parameters});")
         blocks.append([*lines, "}"])
         blocks += self._under_headings([f for f in self.functions if f.owner is None])

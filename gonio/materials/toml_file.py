@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import difflib
 import math
-import re
 import tomllib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -37,6 +36,7 @@ from gonio.materials.material import (
 )
 from gonio.materials.notation import hex_colour, metal_parameters, named_index, settings_of
 from gonio.materials.texture_file import split_channel, stored_values, texture_values
+from gonio.materials.toml_lines import lines
 from gonio.model import Child, Model, models
 from gonio.notices import notice
 
@@ -187,16 +187,13 @@ class _Reader:
         return True
 
     def error(self, key: str, message: str, section: str = "") -> MaterialError:
-        """An error at the line of a key in a section such as "base.", or at no line if there is none."""
-        here = ""
-        for number, line in enumerate(self.text.splitlines(), 1):
-            if header := re.match(r"\s*\[\s*([^\]]+?)\s*\]", line):
-                here = header[1].replace(" ", "").replace('"', "") + "."
-                if here == f"{section}{key}.":
-                    return MaterialError(f"{self.path}:{number}: {message}")
-            elif here == section and re.match(rf"\s*[\"']?{re.escape(key)}[\"']?\s*=", line):
-                return MaterialError(f"{self.path}:{number}: {message}")
-        return MaterialError(f"{self.path}: {message}")
+        """An error at the line of a key in a section such as "base.", or of what the key is missing in."""
+        path = f"{section}{key}"
+        found = lines(self.text)
+        while path and path not in found:
+            path = path.rpartition(".")[0]
+        place = f"{self.path}:{found[path]}" if path else f"{self.path}"
+        return MaterialError(f"{place}: {message}")
 
     def model(self, table: dict[str, Any], section: str = "") -> Material:
         """The model of a table; `section` is the table's path with a dot behind, "" for the file."""
@@ -246,9 +243,9 @@ class _Reader:
         if name is None:
             where = f" under [{section[:-1]}]" if section else ""
             raise self.error(
-                section[:-1].rpartition(".")[2] if section else "model",
+                "model",
                 f"the line 'model = \"NAME\"' is missing{where}; 'gonio list' shows the names.",
-                section[:-1].rpartition(".")[0] + "." if section.count(".") > 1 else "",
+                section,
             )
         if not isinstance(name, str):
             raise self.error("model", f"model must be a name in quotes, got {name!r}.", section)

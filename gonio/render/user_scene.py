@@ -47,28 +47,23 @@ def render_scene(
         ValueError: not a Mitsuba scene, or an id that is not in it (with those that are).
     """
     ready_mitsuba()
-    from gonio.mitsuba.xml_files import files_from, reason
+    from gonio.mitsuba.xml_files import files_from, in_utf8, reason
 
     path = Path(path)
     if not path.is_file():
         raise FileNotFoundError(f"there is no scene file {path}.")
-    try:
-        str(path.resolve()).encode()
-    except UnicodeEncodeError:
-        raise ValueError(
-            f"Mitsuba opens no files whose names are not UTF-8; rename {path} and its folders."
-        ) from None
     try:
         root = ET.parse(path).getroot()
     except ET.ParseError as error:
         raise ValueError(f"{path} is not an XML file: {error}.") from None
     if root.tag != "scene":
         raise ValueError(f"{path} is not a Mitsuba scene: its root is <{root.tag}>, not <scene>.")
-    with files_from(path.parent):
+    with in_utf8(path) as opened, files_from(opened.parent):
         try:
-            loaded = _Scene(path, define or {}).loaded(assign, size)
+            loaded = _Scene(path, opened, define or {}).loaded(assign, size)
         except RuntimeError as error:
-            raise ValueError(f"{path} does not load: {reason(error)}.") from error
+            said = reason(error).replace(str(opened), str(path))
+            raise ValueError(f"{path} does not load: {said}.") from error
         if not loaded.sensors():
             raise ValueError(f"{path} has no <sensor>; add one to say from where to look.")
         if loaded.integrator() is None:
@@ -86,7 +81,8 @@ def render_scene(
 class _Scene:
     """A scene as Mitsuba's parser has it: one node for each object, includes and parameters resolved."""
 
-    def __init__(self, path: Path, define: Mapping[str, str]) -> None:
+    def __init__(self, path: Path, opened: Path, define: Mapping[str, str]) -> None:
+        """`opened` is the path by which Mitsuba reads the file, `path` that of the user."""
         import mitsuba as mi
 
         self.mi = mi
@@ -98,7 +94,7 @@ class _Scene:
             raise ValueError(
                 f"Mitsuba takes no parameter of the name {taken.pop()}; choose another."
             )
-        self.state = mi.parser.parse_file(self.config, str(path.resolve()), **define)
+        self.state = mi.parser.parse_file(self.config, str(opened), **define)
         mi.parser.transform_all(self.config, self.state)
 
     def loaded(self, assign: Mapping[str, Model | Material], size: tuple[int, int] | None) -> Any:
@@ -138,7 +134,7 @@ class _Scene:
                 continue
             beside = Path(str(self.state.files[node.file_index])).parent / node.props["filename"]
             if beside.is_file():
-                node.props["filename"] = str(beside.resolve())
+                node.props["filename"] = str(beside.absolute())
 
     def _named(self, names: Iterable[str]) -> dict[str, Any]:
         """The shapes and BSDFs with these ids; an error where an assignment would change nothing."""
