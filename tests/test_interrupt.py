@@ -71,6 +71,42 @@ def test_an_interrupted_command_ends_and_leaves_nothing(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="the lock is POSIX's")
+def test_a_python_program_is_interrupted_while_a_picture_is_rendered() -> None:
+    """The numbers of a picture that take their time: Python is interrupted before they are there."""
+    program = """
+import ctypes, threading
+from gonio.render.passes import _numbers
+
+class Late:
+    def __array__(self, *_, **__):
+        lock, libc = ctypes.create_string_buffer(256), ctypes.CDLL(None)
+
+        def unlock():
+            print("there", flush=True)
+            libc.pthread_mutex_unlock(lock)
+
+        libc.pthread_mutex_lock(lock)
+        threading.Timer(0.5, print, ("ready",), {"flush": True}).start()
+        threading.Timer(2.5, unlock).start()
+        libc.pthread_mutex_lock(lock)
+        raise ValueError
+
+try:
+    _numbers(Late())
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+"""
+    with subprocess.Popen(
+        [sys.executable, "-c", program], stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline().strip() == "ready"
+        process.send_signal(signal.SIGINT)
+        assert process.stdout.readline().strip() == "interrupted"
+        assert process.wait(60) == 0
+
+
 def test_a_full_disk_is_one_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     target = tmp_path / "a.png"
     target.write_text("old")

@@ -61,6 +61,13 @@ from gonio.cli.program import (
 @spp_option(None)
 @noise_option
 @time_option
+@click.option(
+    "--clamp",
+    type=click.FloatRange(0, min_open=True),
+    metavar="WHITES",
+    help="Against bright dots (fireflies): cut samples of indirect light above so many times white, "
+    "such as 1. The picture gets darker; a line says by how much.",
+)
 @click.option("--size", type=Size(), metavar="N|WxH", default="512", help="Pixels (default: 512).")
 @seed_option
 @exposure_option
@@ -78,6 +85,7 @@ def command(
     spp: int | None,
     noise: float | None,
     seconds: float | None,
+    clamp: float | None,
     size: tuple[int, int],
     seed: int,
     exposure: float | str | None,
@@ -110,6 +118,7 @@ def command(
     """
     from gonio.materials import load
     from gonio.render import sheets
+    from gonio.render.light import auto_exposure
     from gonio.render.picture import check_format, describe, write_picture
 
     check_params([model], params)
@@ -122,6 +131,12 @@ def command(
     settings = stage_settings(**stage)
     light = light_of(environment, furnace, exposure)
     brighter = stops(light, furnace, exposure, target)
+    if clamp is not None:
+        if cluster is not None or run_dir is not None:
+            raise click.UsageError("--clamp is for pictures that are rendered here and at once.")
+        # An .exr has no exposure of its own, and the white that a .png would have
+        linear = target.suffix.lower() == ".exr" and not furnace
+        settings["clamp"] = clamp / 2 ** (auto_exposure(light) if linear else brighter)
     row = {
         "environment": light,
         "furnace": furnace,

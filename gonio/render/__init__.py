@@ -7,6 +7,7 @@ Mitsuba scene, `gonio.render.picture` for files.
 from __future__ import annotations
 
 import dataclasses
+import math
 import sys
 import types
 from pathlib import Path
@@ -38,6 +39,7 @@ def render(
     spp: int = 64,
     noise: float | None = None,
     seconds: float | None = None,
+    clamp: float | None = None,
     seed: int = 0,
     progress: Progress | None = None,
     **stage: Any,
@@ -59,6 +61,8 @@ def render(
         noise: stop when the picture's noise is at most this, a part of each pixel's brightness: 0.02 looks
             clean (see `gonio.render.passes.Noise`).
         seconds: begin no further pass after that time.
+        clamp: cut samples of indirect light above this radiance: fireflies go, and some light with them;
+            a notice says how much (see `gonio.render.fireflies`).
         seed: of the random numbers; the same seed gives the same picture.
         progress: called after each pass.
         stage: further arguments of `gonio.render.stage.shader_ball`, such as up="z".
@@ -85,8 +89,14 @@ def render(
             **stage,
         )
 
+    if clamp is not None and not 0 < clamp < math.inf:
+        raise ValueError(f"clamp={clamp} is out of range; allowed is a finite number above 0.")
+    if clamp is not None and furnace:
+        raise ValueError(
+            "clamp changes nothing in the furnace, where all light is 1; leave it out."
+        )
     loaded = built(material)
-    until: dict[str, Any] = {"noise": noise, "seconds": seconds}
+    until: dict[str, Any] = {"noise": noise, "seconds": seconds, "clamp": clamp}
     alpha = bool(stage.get("transparent"))
     if not diffusion:
         return integrate(loaded, spp, seed, progress, alpha=alpha, **until).view(Picture)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -13,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gonio import backend
+from gonio.notices import notice
+from gonio.render import fireflies
 
 Pixels = NDArray[np.float32]
 Progress = Callable[[int, int], None]
@@ -42,6 +45,10 @@ NOISE_PASS, NOISE_PASSES = 16, 4
 # A pixel's noise counts over its own brightness and a little more, as the eye has it: what is below this
 # radiance looks black beside white.
 NOISE_BLACK = 0.05
+
+
+# Seconds between two looks whether a picture is there and whether Ctrl-C was pressed.
+INTERRUPTIBLE = 0.05
 
 
 class Noise:
@@ -88,6 +95,7 @@ def integrate(
     alpha: bool = False,
     noise: float | None = None,
     seconds: float | None = None,
+    clamp: float | None = None,
 ) -> Pixels:
     """The mean of several passes, so that long work shows progress and can be interrupted.
 
@@ -99,6 +107,8 @@ def integrate(
         noise: stop when the picture's noise (see `Noise`) is at most this, such as 0.02.
         seconds: begin no further pass after that time.
         alpha: keep the film's alpha as a fourth channel.
+        clamp: cut samples of indirect light above this radiance, of a scene with the integrator `path`; a
+            notice says how much light that took.
 
     Returns:
         Linear RGB, (height, width, 3), whatever the film's format is.
@@ -109,6 +119,9 @@ def integrate(
     if spp < 1:
         raise ValueError(f"spp={spp} is out of range; allowed is at least 1.")
     width, height = (int(n) for n in loaded.sensors()[0].film().crop_size())
+    integrator = loaded.integrator()
+    if clamp is not None:
+        integrator = fireflies.cut(integrator, clamp)
     judged = noise is not None or seconds is not None
     rounds = shares((width, height), spp, NOISE_PASS if judged else spp)
     found = Noise((height, width)) if judged else None
@@ -125,7 +138,9 @@ def integrate(
                 if progress is not None:
                     progress(min(done // height, spp), spp)
 
-            part = render_share(loaded, share, seed, alpha=alpha, progress=step)
+            part = render_share(
+                loaded, share, seed, alpha=alpha, progress=step, integrator=integrator
+            )
             if pixels is None:
                 pixels = np.zeros((height, width, part.shape[2]), np.float32)
             pixels[share.top : share.top + share.rows] += part
@@ -140,6 +155,11 @@ def integrate(
             break
     if progress is not None and judged:
         progress(spp, spp)  # also where the goal was reached before
+    if clamp is not None:
+        notice(
+            f"clamp: samples of indirect light brighter than {clamp:.3g} were cut, which took "
+            f"{100 * fireflies.lost(integrator):.2g} % of the picture's light."
+        )
     return np.asarray(total / np.float32(taken))
 
 
@@ -197,6 +217,7 @@ def render_share(
     *,
     alpha: bool = False,
     progress: Callable[[int], None] | None = None,
+    integrator: Any = None,
 ) -> Pixels:
     """The sum of a share's samples, linear RGB (rows, width, 3), times its samples per pixel.
 
@@ -206,6 +227,7 @@ def render_share(
         seed: of the random numbers.
         alpha: keep the film's alpha as a fourth channel.
         progress: called after each pass with its samples per pixel.
+        integrator: the scene's own by default.
     """
     import mitsuba as mi
 
@@ -216,12 +238,37 @@ def render_share(
             cropped.show(share.top, share.rows)
         for number, count in share.passes:
             # Mitsuba derives a pass's random numbers from its seed; far-apart seeds never overlap.
-            picture = mi.render(loaded, spp=count, seed=seed * 65536 + number)
-            pixels = np.array(picture, dtype=np.float32) * np.float32(count)
+            picture = mi.render(
+                loaded, integrator=integrator, spp=count, seed=seed * 65536 + number
+            )
+            pixels = _numbers(picture) * np.float32(count)
             total = pixels if total is None else total + pixels
             if progress is not None:
                 progress(count)
         return _colours(total, sensor.film(), alpha)
+
+
+def _numbers(picture: Any) -> Pixels:
+    """A picture's numbers when they are there.
+
+    Mitsuba renders while they are waited for, and Python would raise KeyboardInterrupt only afterwards:
+    another thread waits, so that this one can be interrupted. What is rendered then ends by itself.
+    """
+    found: list[Pixels | BaseException] = []
+
+    def wait() -> None:
+        try:
+            found.append(np.array(picture, dtype=np.float32))
+        except BaseException as error:  # raised below, where somebody sees it
+            found.append(error)
+
+    thread = threading.Thread(target=wait)
+    thread.start()
+    while thread.is_alive():
+        thread.join(INTERRUPTIBLE)
+    if isinstance(found[0], BaseException):
+        raise found[0]
+    return found[0]
 
 
 def _bands(width: int, height: int) -> list[tuple[int, int]]:
