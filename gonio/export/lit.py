@@ -78,6 +78,8 @@ def export_lit(
         ModelError: a light that is not there, or that the model cannot have.
     """
     target = to if isinstance(to, Target) else target_named(to)
+    if target.attribute:  # pictures and tables, which the host looks up, have no derivatives
+        target = replace(target, attribute="", value="", note="")
     if target.shader:
         raise ExportError(
             f"{target.title} lights its surfaces itself, by closures; export the model without --lit."
