@@ -4,12 +4,12 @@
 from collections.abc import Sequence
 from typing import Any, Literal, Protocol, SupportsFloat
 
+from gonio import albedos as albedos
 from gonio import arrays as arrays
 from gonio import backend as backend
 from gonio import bake as bake
 from gonio import bench as bench
 from gonio import check as check
-from gonio import citations as citations
 from gonio import claims as claims
 from gonio import cli as cli
 from gonio import cluster as cluster
@@ -27,16 +27,13 @@ from gonio import lang as lang
 from gonio import lights as lights
 from gonio import materials as materials
 from gonio import measured as measured
+from gonio import messages as messages
 from gonio import mitsuba as mitsuba
 from gonio import notebook as notebook
-from gonio import notices as notices
-from gonio import numeric_albedo as numeric_albedo
 from gonio import parts as parts
 from gonio import plot as plot
-from gonio import quadrature as quadrature
 from gonio import reference as reference
 from gonio import reproduce as reproduce
-from gonio import suggestions as suggestions
 from gonio import view as view
 from gonio.backend import BackendError as BackendError
 from gonio.backend import use as use

@@ -17,14 +17,15 @@ from typing import Any, ClassVar, Self, get_type_hints
 
 import drjit as dr
 
-from gonio import arrays, notebook, quadrature
+from gonio import arrays, notebook
+from gonio.albedos import quadrature
+from gonio.albedos.numeric import for_quadrature, mean_over_directions
+from gonio.albedos.quadrature import NumericAlbedo
 from gonio.claims import Claims
 from gonio.fields import ModelError, Option, Parameter, framework, shown
 from gonio.lang import MU_MIN, Color, Float, Sample, Vec2, Vec3, select, vec3
-from gonio.numeric_albedo import for_quadrature, mean_over_directions
+from gonio.messages import did_you_mean
 from gonio.parts.interface import gather, leave, pdf_leave, refract
-from gonio.quadrature import NumericAlbedo
-from gonio.suggestions import did_you_mean
 
 
 @dataclass

@@ -15,7 +15,7 @@ import pytest
 from support.kinks import kink_error
 
 import gonio
-from gonio import citations
+from gonio.description import citations
 from gonio.parts.oren_nayar import qualitative_coefficients
 
 ROWS = [
@@ -30,7 +30,7 @@ ROOT = Path(__file__).parent.parent
 # formula (1 + s as a sum of squares) differ by that, which the absolute part allows for.
 DERIVED_RTOL, DERIVED_ATOL = 1e-10, 1e-14
 
-# Albedos without a closed form come from the rule in gonio.quadrature.
+# Albedos without a closed form come from the rule in gonio.albedos.quadrature.
 NUMERIC_RTOL = 1e-5
 
 # mean_albedo takes no array whose precision it could follow, and is computed in float32.

@@ -1,4 +1,4 @@
-"""`gonio.citations`: what to cite for a model, found by the titles that its file names."""
+"""`gonio.description.citations`: what to cite for a model, found by the titles that its file names."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ import pytest
 from click.testing import CliRunner
 
 import gonio
-from gonio import citations
-from gonio.citations import CitationError
 from gonio.cli import main
+from gonio.description import citations
+from gonio.description.citations import CitationError
 from gonio.materials import model_file
 
 OWN_MODEL = '''"""Doubts: a model of nothing.
@@ -84,7 +84,7 @@ def test_every_publication_is_complete_and_used() -> None:
 
 def test_the_bibliography_is_read_to_its_last_entry() -> None:
     """Counted in the text of the file; every brace in it is closed."""
-    text = (Path(gonio.__file__).parent / "bibliography.bib").read_text(encoding="utf-8")
+    text = (Path(citations.__file__).parent / "bibliography.bib").read_text(encoding="utf-8")
     assert len(citations.bibliography()) == len(re.findall(r"^@", text, re.MULTILINE))
     assert text.count("{") == text.count("}")
     fields = sum(len(p.fields) for p in citations.bibliography().values())

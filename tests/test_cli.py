@@ -16,7 +16,7 @@ import gonio
 from gonio import cli
 from gonio.cli import doctor
 from gonio.cli.eval import directions, evaluate
-from gonio.description import describe
+from gonio.description.about import describe
 from gonio.materials import load
 
 PROGRAM = Path(sys.executable).with_name("gonio")

@@ -40,8 +40,8 @@ from gonio.cluster.codec import decode, encode
 from gonio.cluster.grid import axis, points
 from gonio.cluster.identity import Identity, identity
 from gonio.fields import ModelError
+from gonio.messages import Notice
 from gonio.model import Model
-from gonio.notices import Notice
 from gonio.render import passes, render
 
 WORK = "support.cluster_work"

@@ -14,6 +14,7 @@ from support.directions import polar, random_directions
 from support.tolerances import DOUBLE, MISTAKE, SINGLE, decimals
 
 import gonio
+from gonio.albedos.quadrature import NumericAlbedo
 from gonio.check.variants import options, random_parameters, sweep
 from gonio.lang import Color, Float, Sample, Vec2, Vec3
 from gonio.model import Model
@@ -21,7 +22,6 @@ from gonio.parts import lobes
 from gonio.parts.distribution import RoundGGX, pdf_visible
 from gonio.parts.frame import mirror
 from gonio.parts.fresnel import schlick_complement
-from gonio.quadrature import NumericAlbedo
 
 # Away from the horizon and in double precision the formulas as they are printed keep ten digits.
 PRINTED = 1e-9
@@ -29,7 +29,7 @@ PRINTED = 1e-9
 # A term that is off by this is to be noticed.
 ONE_IN_A_MILLION = 1e-6
 
-# gonio.quadrature's rule for lobes around the mirror direction; in the horizon half of a lobe is cut off.
+# The rule of gonio.albedos.quadrature around the mirror direction; in the horizon half a lobe is cut off.
 MIRROR_RULE, MIRROR_RULE_IN_THE_HORIZON = 1e-6, 2e-5
 
 # Where a lobe has faded to this, its relative error does not matter.

@@ -24,8 +24,8 @@ from support.tolerances import (
 )
 
 import gonio
-from gonio import citations
 from gonio.arrays.elementwise import elementwise
+from gonio.description import citations
 from gonio.models.eon import loss_exact, loss_fitted
 from gonio.parts import distribution, tilt
 from gonio.parts.cltc import coefficients

@@ -11,7 +11,7 @@ from support.tolerances import SINGLE
 
 from gonio.bake import environment
 from gonio.images import write_linear
-from gonio.notices import Notice
+from gonio.messages import Notice
 from gonio.render import light
 from gonio.render.light_picture import (
     exposure,

@@ -15,8 +15,8 @@ from gonio.fields import ModelError
 from gonio.images import write_linear
 from gonio.materials import MaterialError, library, load_material
 from gonio.materials.toml_lines import lines
+from gonio.messages import Notice
 from gonio.mitsuba.nodes import node
-from gonio.notices import Notice
 from gonio.parts.metals import metal
 from gonio.render import render
 from gonio.render.sheets import write_sheet

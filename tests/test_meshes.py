@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gonio.notices import Notice
+from gonio.messages import Notice
 from gonio.render.meshes.polygons import corner_triangles
 from gonio.render.meshes.uvs import projected
 from gonio.render.user_mesh import load_mesh, on_stage, with_normals

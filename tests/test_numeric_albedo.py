@@ -13,7 +13,9 @@ from support.directions import polar
 from support.tolerances import SINGLE, SINGLE_LONG
 
 import gonio
-from gonio import backend, quadrature
+from gonio import backend
+from gonio.albedos import quadrature
+from gonio.albedos.quadrature import NumericAlbedo
 from gonio.arrays.kernel import opaque
 from gonio.fields import ModelError
 from gonio.lang import (
@@ -31,11 +33,10 @@ from gonio.lang import (
     vec2,
     vec3,
 )
+from gonio.messages import Notice
 from gonio.model import Model, param
-from gonio.notices import Notice
 from gonio.parts.frame import azimuth
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
-from gonio.quadrature import NumericAlbedo
 
 UP = np.array([[0.0, 0.0, 1.0]])
 

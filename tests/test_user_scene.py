@@ -16,7 +16,7 @@ from PIL import Image
 import gonio
 from gonio.cli import main
 from gonio.materials import load_material
-from gonio.notices import Notice
+from gonio.messages import Notice
 from gonio.render.user_scene import render_scene
 
 

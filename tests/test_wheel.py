@@ -122,7 +122,7 @@ def test_a_wheel_without_its_data_is_noticed(source: Path, dist: Path, tmp_path:
     lines = manifest.read_text(encoding="utf-8").replace("graft gonio\n", "")
     manifest.write_text(lines, encoding="utf-8")
     lost = missing_in_wheel(build(tmp_path / "source"))
-    assert {"gonio/bibliography.bib", "gonio/materials/gold.toml"} <= lost
+    assert {"gonio/description/bibliography.bib", "gonio/materials/gold.toml"} <= lost
 
 
 def test_the_archive_has_all_that_the_tests_need(dist: Path) -> None:

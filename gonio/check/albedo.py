@@ -1,7 +1,7 @@
 """Albedo: what the model says its integral is, closed form or quadrature, against adaptive integration.
 
 The adaptive integral's own error is estimated, stated, and never charged to the model. Numbers of
-`gonio.quadrature` are not the model's fault: they are shown, and judged only against a size that is
+`gonio.albedos.quadrature` are not the model's fault: they are shown, and judged only against a size that is
 documented.
 """
 
@@ -18,7 +18,7 @@ from gonio.check.report import FAIL, NOTE, PASS, UNSURE, Effort, Finding, Report
 from gonio.check.subject import Array, Subject, directions
 
 # What closed forms may be off: the adaptive integral itself errs by 1.2e-5 where a kink meets a cell that
-# has no samples. Then what gonio.quadrature promises.
+# has no samples. Then what gonio.albedos.quadrature promises.
 CLOSED, NUMERIC = 2e-5, 3e-5
 
 # Tolerance of integrals of which many are added up, or which are repeated where something seems wrong.

@@ -29,7 +29,7 @@ from gonio.check.subject import (
     vectors,
 )
 
-# A third of the sharpest alpha, 1e-4, as gonio.quadrature has it.
+# A third of the sharpest alpha, 1e-4, as gonio.albedos.quadrature has it.
 SLOPE_SCALE = 3e-5
 
 # Cells at the start (a power of two) and samples by which they are cut. A quarter of the samples is

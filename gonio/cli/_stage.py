@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from gonio.notices import notice
+from gonio.messages import notice
 
 
 class View(click.ParamType[tuple[float, float]]):

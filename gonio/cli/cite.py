@@ -25,7 +25,7 @@ def command(models: tuple[str, ...], parts: bool, output: str | None) -> None:
       gonio cite lacquered_walnut skin -o sources.bib
       gonio cite torrance_sparrow --parts
     """
-    from gonio.citations import bibtex
+    from gonio.description.citations import bibtex
     from gonio.files import replacing
     from gonio.materials import Material, load
 

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 import gonio
 from gonio.cli.program import echo_json, json_option
-from gonio.description import module_notes, summary
+from gonio.description.about import module_notes, summary
 
 ROOT = Path(gonio.__file__).parent
 """The folder whose files are read."""

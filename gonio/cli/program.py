@@ -18,9 +18,8 @@ import click
 import gonio
 from gonio.cli._interrupt import CODE, prompt_interrupt
 from gonio.files import remove_unfinished
+from gonio.messages import Notice, did_you_mean
 from gonio.model import Model
-from gonio.notices import Notice
-from gonio.suggestions import did_you_mean
 
 
 class Program(click.Group):

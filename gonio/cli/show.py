@@ -6,8 +6,8 @@ from typing import Any
 
 import click
 
-from gonio import description
 from gonio.cli.program import check_params, complete, echo_json, json_option, param_option
+from gonio.description.about import describe, description
 from gonio.materials import Material, library, load
 from gonio.materials.notation import settings_of, split
 from gonio.materials.toml_file import to_toml
@@ -41,12 +41,12 @@ def command(model: str, params: tuple[str, ...], as_json: bool) -> None:
             click.echo(material_text(found, changed), nl=False)
             click.echo(f"\n'gonio show {found.model.name}' describes its model.", err=True)
         return
-    about = description.describe(type(found))
+    about = describe(type(found))
     given = dict(settings_of(found))
     if as_json:
         echo_json(about | ({"given": given} if given else {}))
         return
-    click.echo("\n".join(description.description(about)))
+    click.echo("\n".join(description(about)))
     if given:
         lines = (f"  {path} = {value}" for path, value in given.items())
         click.echo("\n".join(["", "Given", *lines]))

@@ -20,7 +20,7 @@ from gonio.cluster.engine import Report, Skip
 from gonio.cluster.identity import Identity, identity
 from gonio.cluster.task import Failure, Task
 from gonio.cluster.worker import Stranger, content, do_here, ignore_interrupts, who
-from gonio.notices import notice
+from gonio.messages import notice
 
 # Seconds after which a scheduler that does not answer is given up.
 PATIENCE = 5.0

@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 
 from gonio.files import check_place, replacing
-from gonio.notices import notice
+from gonio.messages import notice
 
 # What says that a folder is one of these, and that it may be filled and emptied.
 MARKER = "gonio-run.txt"

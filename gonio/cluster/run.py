@@ -10,7 +10,7 @@ from gonio.cluster.codec import decode
 from gonio.cluster.engine import Engine, Found
 from gonio.cluster.folder import RunFolder
 from gonio.cluster.task import Done, Failure, Task
-from gonio.notices import notice
+from gonio.messages import notice
 
 Progress = Callable[[int, int], None]
 Follow = Callable[[Task, Done], Task | None]

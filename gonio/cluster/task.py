@@ -14,7 +14,7 @@ from typing import Any
 
 from gonio.cluster.codec import Place, decode, encode
 from gonio.cluster.identity import Identity
-from gonio.notices import Notice
+from gonio.messages import Notice
 
 
 @dataclass(frozen=True)

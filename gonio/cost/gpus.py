@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from gonio.suggestions import did_you_mean
+from gonio.messages import did_you_mean
 
 
 class CostError(ValueError):

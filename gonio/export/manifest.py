@@ -15,7 +15,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from gonio.description import module_notes, summary
+from gonio.description.about import module_notes, summary
 from gonio.export.entry import Entry, Export
 from gonio.export.lit import export_lit
 from gonio.export.printer import INDENT

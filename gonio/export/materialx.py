@@ -15,7 +15,7 @@ from functools import cached_property
 from typing import Any
 from xml.sax.saxutils import quoteattr
 
-from gonio.description import summary
+from gonio.description.about import summary
 from gonio.export.comments import plain_text
 from gonio.export.entry import Export
 from gonio.export.names import legal

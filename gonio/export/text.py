@@ -19,8 +19,8 @@ from gonio.export.targets import TARGETS, Target
 from gonio.export.tidy import members, tidy
 from gonio.export.tree import METHODS, SELF, Call, ExportError, Function, Struct, walk
 from gonio.fields import Parameter
+from gonio.messages import did_you_mean
 from gonio.model import Child, Model
-from gonio.suggestions import did_you_mean
 
 FUNCTIONS = METHODS
 

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from gonio.fields import ModelError, Parameter, is_array
+from gonio.messages import did_you_mean
 from gonio.model import Model
-from gonio.suggestions import did_you_mean
 
 CHANNELS = "rgb"
 

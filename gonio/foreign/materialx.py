@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from gonio.foreign.source import ForeignError, Source, Variable, of_text, swizzled
-from gonio.suggestions import did_you_mean
+from gonio.messages import did_you_mean
 
 # The library of MaterialX itself, in place of a file: materialx#oren_nayar_diffuse_bsdf.
 LIBRARY = "materialx"

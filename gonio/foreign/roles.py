@@ -14,8 +14,8 @@ import numpy as np
 from gonio.fields import Parameter
 from gonio.foreign.expressions import Array, Expression, parse
 from gonio.foreign.source import ForeignError, Function, Source, Variable
+from gonio.messages import did_you_mean
 from gonio.model import models
-from gonio.suggestions import did_you_mean
 
 # Names in lower case without underscores, by what they stand for.
 DIRECTIONS = {

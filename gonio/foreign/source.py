@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from gonio.foreign.conditions import active
-from gonio.suggestions import did_you_mean
+from gonio.messages import did_you_mean
 
 
 class ForeignError(ValueError):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gonio.foreign.source import SHADERS, ForeignError, Source
 from gonio.images import ImageError, read_image
-from gonio.suggestions import did_you_mean
+from gonio.messages import did_you_mean
 
 Texels = NDArray[np.float32]
 

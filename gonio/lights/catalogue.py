@@ -15,8 +15,8 @@ from typing import Any
 import gonio.lights
 from gonio.fields import ModelError
 from gonio.lights.lookups import Lookups
+from gonio.messages import did_you_mean
 from gonio.model import Model, models
-from gonio.suggestions import did_you_mean
 
 # Lights from pictures, in the order in which they are tried where none is named.
 PICTURES = ("image", "coat", "layered")

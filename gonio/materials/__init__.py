@@ -18,8 +18,8 @@ from pathlib import Path
 from gonio import measured
 from gonio.materials import model_file, notation, toml_file
 from gonio.materials.material import Material, MaterialError, inside
+from gonio.messages import did_you_mean
 from gonio.model import Model, model, models
-from gonio.suggestions import did_you_mean
 
 __all__ = [
     "Material",

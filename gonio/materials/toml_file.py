@@ -37,8 +37,8 @@ from gonio.materials.material import (
 from gonio.materials.notation import hex_colour, metal_parameters, named_index, settings_of
 from gonio.materials.texture_file import split_channel, stored_values, texture_values
 from gonio.materials.toml_lines import lines
+from gonio.messages import notice
 from gonio.model import Child, Model, models
-from gonio.notices import notice
 
 # What a [flakes] table may hold; gonio.mitsuba.textures.flake_map says what each does.
 FLAKE_SETTINGS = {

@@ -14,6 +14,7 @@ import types
 from pathlib import Path
 from typing import Any, ClassVar
 
+from gonio.albedos.quadrature import NumericAlbedo
 from gonio.lang import (
     INV_PI,
     PI,
@@ -43,7 +44,6 @@ from gonio.measured.tabulate import ALBEDOS, AZIMUTHS, BINS, ROWS, Tables, tabul
 from gonio.model import Model, param
 from gonio.parts.frame import azimuth, cos_half, half_vector, mirror, pdf_mirror
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
-from gonio.quadrature import NumericAlbedo
 
 # A length below which an azimuth means nothing.
 TINY = 1e-20

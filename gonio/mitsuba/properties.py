@@ -11,9 +11,9 @@ import mitsuba as mi
 from gonio.fields import ModelError, Parameter
 from gonio.lang import vec3
 from gonio.materials.notation import metal_parameters
+from gonio.messages import did_you_mean
 from gonio.mitsuba.upsampling import rgb_constant
 from gonio.model import Model
-from gonio.suggestions import did_you_mean
 
 PREFIX = "gonio_"
 

@@ -5,6 +5,7 @@ Source: Ashikhmin, Shirley, "An anisotropic Phong BRDF model", Journal of Graphi
 Deviation: (N.H) to its power is taken from the slopes of H, which a sharp lobe needs in float32.
 """
 
+from gonio.albedos.quadrature import NumericAlbedo
 from gonio.claims import Claims, Place, at_most, kink
 from gonio.lang import (
     INV_PI,
@@ -39,7 +40,6 @@ from gonio.parts.lobes import average, choose, shares
 from gonio.parts.masking import V_MAX
 from gonio.parts.roughness import at_most_blinn_phong
 from gonio.parts.special import expm1, log1p_over
-from gonio.quadrature import NumericAlbedo
 
 # Eq. 5: 28 / 23 makes the diffuse part of a black highlight lose nothing.
 DIFFUSE = 28 / 23

@@ -14,6 +14,7 @@ these. No option restores that Algorithm 1 weighs what the metal reflects by the
 light that is shone on it has already. The metal's index is taken relative to the coat.
 """
 
+from gonio.albedos.quadrature import NumericAlbedo
 from gonio.claims import UNBOUNDED, Claims, Place, at_most, jump, kink
 from gonio.lang import (
     MU_MIN,
@@ -66,7 +67,6 @@ from gonio.parts.lobes import average, choose, shares
 from gonio.parts.metals import metal
 from gonio.parts.roughness import at_least_alpha
 from gonio.parts.tilt import flake_normal, flake_normal_added, from_tilted, seen, to_tilted
-from gonio.quadrature import NumericAlbedo
 
 CHROMIUM = metal("Cr", neutral=True)
 

@@ -7,6 +7,7 @@ which masking="anisotropic" gives.
 Deviation: base_color is linear here, the code takes it with a gamma of 2.2.
 """
 
+from gonio.albedos.quadrature import NumericAlbedo
 from gonio.claims import Claims, at_most
 from gonio.lang import (
     INV_PI,
@@ -39,7 +40,6 @@ from gonio.parts.image import (
 from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, shares
 from gonio.parts.masking import V_smith
 from gonio.parts.roughness import at_least_perceptual
-from gonio.quadrature import NumericAlbedo
 
 # The reference code's numbers: smallest width of the highlight, F0 at specular 1, and for the clearcoat
 # its widths without and with gloss, that of its masking, F0 (index 1.5), and strength.

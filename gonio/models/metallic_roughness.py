@@ -6,6 +6,7 @@ k_d = 1 - F and c_d = base_color (1 - metallic), Cook-Torrance with GGX, Smith a
 Deviation: alpha = roughness^2 is at least ALPHA_MIN, where the highlight still is a function.
 """
 
+from gonio.albedos.quadrature import NumericAlbedo
 from gonio.claims import Claims, at_most
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, lerp, maximum
 from gonio.model import Model, option, param
@@ -17,7 +18,6 @@ from gonio.parts.lobes import average, shares
 from gonio.parts.masking import V_smith, V_smith_correlated
 from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
 from gonio.parts.roughness import at_least_perceptual
-from gonio.quadrature import NumericAlbedo
 
 # Reflectance of every dielectric at normal incidence.
 F0_DIELECTRIC = 0.04

@@ -6,6 +6,7 @@ grazing angles; the values are the same. Where the value passes through zero on 
 (see `caveats`), float32 keeps an absolute accuracy of 1e-6 rho / pi, not a relative one.
 """
 
+from gonio.albedos.quadrature import NumericAlbedo
 from gonio.claims import Claims, Place, at_most, kink
 from gonio.lang import (
     INV_PI,
@@ -28,7 +29,6 @@ from gonio.model import Model, param
 from gonio.parts import cltc
 from gonio.parts.frame import tangential_cross, tangential_dot
 from gonio.parts.oren_nayar import qualitative_coefficients
-from gonio.quadrature import NumericAlbedo
 
 # Smallest product of squared sines that is divided by. Directions nearer to the normal have no
 # azimuth that matters, and the reciprocal's derivative still fits into a float32.

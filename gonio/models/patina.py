@@ -10,6 +10,7 @@ and F is exact instead of Lazányi's fit. Options restore each of these. The ind
 patina's as that grows is the one of the environment's reflection alone: the metal below stays copper.
 """
 
+from gonio.albedos.quadrature import NumericAlbedo
 from gonio.claims import Claims, Place, at_most, kink
 from gonio.lang import (
     INV_PI,
@@ -65,7 +66,6 @@ from gonio.parts.lobes import average, choose, shares
 from gonio.parts.metals import metal
 from gonio.parts.roughness import at_least_alpha
 from gonio.parts.special import sum3
-from gonio.quadrature import NumericAlbedo
 
 COPPER, CUPRITE = metal("Cu"), metal("Cu2O", neutral=True)
 

@@ -6,6 +6,7 @@ for the normalised form. alpha is the angle between wi and the mirror direction 
 Phong's formula gives the radiance f cos(theta_i); "classical" is that formula divided by the cosine.
 """
 
+from gonio.albedos.quadrature import NumericAlbedo
 from gonio.claims import Claims, Place, at_most, jump, kink
 from gonio.lang import (
     INV_PI,
@@ -40,7 +41,6 @@ from gonio.parts.image import ImageLobes
 from gonio.parts.lobes import average, choose, shares
 from gonio.parts.roughness import at_most_phong
 from gonio.parts.special import LOG1P_SMALL, expm1, log1p_small
-from gonio.quadrature import NumericAlbedo
 
 # Smallest cosine whose logarithm is taken: its reciprocal, the derivative, still is a float32.
 COS_MIN = 1e-37

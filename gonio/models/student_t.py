@@ -6,6 +6,7 @@ come near Beckmann. Burley's GTR, "Physically-based shading at Disney", 2012, ha
 Deviation: G is Cook and Torrance's, which is exact for V-cavities of any facets and needs no fit.
 """
 
+from gonio.albedos.quadrature import NumericAlbedo
 from gonio.claims import Claims, Place, at_most, kink
 from gonio.lang import (
     INV_PI,
@@ -33,7 +34,6 @@ from gonio.parts.image import ImageLobes, schlick_albedo
 from gonio.parts.masking import V_cook_torrance
 from gonio.parts.roughness import at_least_alpha
 from gonio.parts.special import expm1
-from gonio.quadrature import NumericAlbedo
 
 # Range of gamma: at 1.5 the mean slope has no end, and at 40 D is Beckmann's to a percent.
 GAMMA_MIN, GAMMA_MAX = 1.55, 40.0

@@ -13,6 +13,7 @@ Those of D, G and F are named in gonio.parts.distribution, masking and fresnel.
 
 from typing import Any
 
+from gonio.albedos.quadrature import NumericAlbedo
 from gonio.claims import Claims, Place, at_most, kink, white_furnace
 from gonio.fields import ModelError
 from gonio.lang import (
@@ -44,7 +45,6 @@ from gonio.parts.image import ImageLobes, facet_cosine, schlick_albedo
 from gonio.parts.lobes import pdf_ggx_lobe, sample_ggx_lobe
 from gonio.parts.metals import metal
 from gonio.parts.roughness import at_least_alpha
-from gonio.quadrature import NumericAlbedo
 
 GOLD = metal("Au")
 

@@ -7,6 +7,7 @@ The course's shaders return pi f cos(theta_i); this is f. Its linear factor 0.03
 fit of (n + 2) / (4 pi (2 - 2^(-n / 2))): within 0.6 % for n >= 10, 32 % too small at n = 1.
 """
 
+from gonio.albedos.quadrature import NumericAlbedo
 from gonio.claims import Claims, Place, at_most, kink
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, lerp, select
 from gonio.model import Model, option, param
@@ -20,7 +21,6 @@ from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
 from gonio.parts.oren_nayar import G_fujii, s_over_t_fujii
 from gonio.parts.roughness import at_most_blinn_phong
 from gonio.parts.triace import blinn_phong_highlight
-from gonio.quadrature import NumericAlbedo
 
 
 class TriAceBlinnPhong(Model):

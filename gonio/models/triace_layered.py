@@ -11,6 +11,7 @@ turns off.
 
 from typing import NamedTuple
 
+from gonio.albedos.quadrature import NumericAlbedo
 from gonio.claims import Claims, Place, at_most, kink
 from gonio.lang import (
     INV_PI,
@@ -46,7 +47,6 @@ from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, sh
 from gonio.parts.oren_nayar import s_over_t_fujii
 from gonio.parts.roughness import at_most_blinn_phong
 from gonio.parts.triace import blinn_phong_highlight
-from gonio.quadrature import NumericAlbedo
 
 # Smallest share of the samples that a highlight gets: it bounds their weights.
 LOBE_SHARE_MIN = 0.1

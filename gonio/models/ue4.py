@@ -8,6 +8,7 @@ Deviations: the Fresnel term is Schlick's power, which the engine replaces by
 2^((-5.55473 (wo.H) - 6.98316) (wo.H)), at most 0.0038 from it; alpha is at least ALPHA_MIN.
 """
 
+from gonio.albedos.quadrature import NumericAlbedo
 from gonio.claims import Claims, at_most
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, lerp, maximum
 from gonio.model import Model, option, param
@@ -19,7 +20,6 @@ from gonio.parts.lobes import average, shares
 from gonio.parts.masking import V_schlick, schlick_k_ggx, schlick_k_ue4
 from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
 from gonio.parts.roughness import at_least_perceptual
-from gonio.quadrature import NumericAlbedo
 
 # F0 of a dielectric with specular = 1; the default of 0.5 gives 0.04.
 F0_SPECULAR = 0.08

@@ -8,6 +8,7 @@ directions. Unity's constants are kept: at roughness 0 there is no highlight at 
 BRDF3, the lowest of the three, is absent: it reads its highlight from a table that is not public.
 """
 
+from gonio.albedos.quadrature import NumericAlbedo
 from gonio.claims import Claims, Place, at_most, kink
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, lerp, maximum, sqrt
 from gonio.model import Model, param
@@ -16,7 +17,6 @@ from gonio.parts.image import ImageLobes
 from gonio.parts.lobes import average, shares
 from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
 from gonio.parts.roughness import at_least_perceptual
-from gonio.quadrature import NumericAlbedo
 
 # Unity's dielectric reflectance (linear colour space).
 F0_DIELECTRIC = 0.04

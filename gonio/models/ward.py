@@ -6,6 +6,7 @@ normalization for the Ward reflectance model", Journal of Graphics Tools 11(1), 
 Ngan, Durand, Matusik, "Experimental analysis of BRDF models", EGSR 2005, fitted "dur".
 """
 
+from gonio.albedos.quadrature import NumericAlbedo
 from gonio.claims import UNBOUNDED, Claims, at_most
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, minimum, select, sqrt, vec2
 from gonio.model import Model, option, param
@@ -16,7 +17,6 @@ from gonio.parts.image import ImageLobes
 from gonio.parts.lobes import average, choose, shares
 from gonio.parts.masking import V_MAX
 from gonio.parts.roughness import at_least_alpha
-from gonio.quadrature import NumericAlbedo
 
 # Smallest width. Both are free, and no quadrature resolves a lobe 1,000 times as long as it is wide.
 ALPHA_WARD = 0.005

@@ -8,6 +8,7 @@ D carries the 1 / pi that Elek's lacks. What Eq. 2 leaves out can be switched on
 both crossings, the compression of solid angles, and the light that bounces between base and surface.
 """
 
+from gonio.albedos.quadrature import NumericAlbedo
 from gonio.claims import Claims, Place, at_most, kink
 from gonio.lang import Color, Float, Sample, Vec2, Vec3, exp, maximum, safe_sqrt, select
 from gonio.model import Model, child, option, param
@@ -40,7 +41,6 @@ from gonio.parts.masking import (
     V_smith_correlated,
 )
 from gonio.parts.roughness import at_least_alpha
-from gonio.quadrature import NumericAlbedo
 
 # The coat gets at least a tenth as many samples as the base: facets reflect more than the mean surface
 # where they are tilted, and this bounds their weight.

@@ -6,7 +6,7 @@ plastics the data sheets of their makers.
 
 from __future__ import annotations
 
-from gonio.suggestions import did_you_mean
+from gonio.messages import did_you_mean
 
 # n_D; of crystals with two indices the ordinary one.
 INDICES = {

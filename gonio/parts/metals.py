@@ -16,8 +16,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from gonio.messages import did_you_mean
 from gonio.parts.metal_table import EQUAL_ENERGY, RGB
-from gonio.suggestions import did_you_mean
 
 # What they are called, and which of Mitsuba's tables they come from.
 MITSUBA = {

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gonio import backend
+from gonio.albedos.quadrature import HORIZON
 from gonio.arrays.kernel import opaque
 from gonio.arrays.leaf import UNIT_TOLERANCE
 from gonio.fields import ModelError, framework, is_array
 from gonio.model import Model, model
 from gonio.parts.distribution import ALPHA_MIN, blinn_phong_alpha
-from gonio.quadrature import HORIZON
 from gonio.reference.generator import WORD, generator, scramble
 from gonio.reference.interfaces import Pile, Rough, channels
 from gonio.reference.walk import Channels, Quantity, Scene, State, direct, walk

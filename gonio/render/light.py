@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from gonio.images import Pixels
+from gonio.messages import did_you_mean
 from gonio.render.ball import BALL_CENTRE, direction
 from gonio.render.light_picture import IMAGE_FORMATS, exposure, ground_colour, read_light
 from gonio.render.triangles import Floats, Triangles, grid_faces, lathe
 from gonio.render.user_mesh import existing
-from gonio.suggestions import did_you_mean
 
 Colour = tuple[float, float, float]
 Nodes = dict[str, object]

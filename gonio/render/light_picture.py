@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gonio.images import LUMINANCE, ImageError, Pixels, read_image
-from gonio.notices import notice
+from gonio.messages import notice
 
 Floats = NDArray[np.float64]
 

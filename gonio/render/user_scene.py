@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from gonio.materials import Material
+from gonio.messages import notice
 from gonio.model import Model
-from gonio.notices import notice
 from gonio.render.growth import add_to, has_triangles, textured
 from gonio.render.passes import Progress, integrate, ready_mitsuba
 from gonio.render.picture import Picture

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from gonio.description import describe, summary
+from gonio.description.about import describe, summary
 from gonio.export.manifest import loader, manifest
 from gonio.export.text import export
 from gonio.fields import ModelError

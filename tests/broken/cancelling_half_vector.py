@@ -1,12 +1,12 @@
 """Broken on purpose: tan^2 of the half vector as 1 / z^2 - 1, which loses a sharp lobe in float32."""
 
+from gonio.albedos.quadrature import NumericAlbedo
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3
 from gonio.model import Model, param
 from gonio.parts.distribution import ALPHA_MIN, RoundGGX
 from gonio.parts.frame import half_vector
 from gonio.parts.lobes import pdf_ggx_lobe, sample_ggx_lobe
 from gonio.parts.masking import V_smith_correlated
-from gonio.quadrature import NumericAlbedo
 
 
 class CancellingHalfVector(Model):

@@ -1,12 +1,12 @@
 """Broken on purpose: a density that is 0.7 % too large for sharp lobes only."""
 
+from gonio.albedos.quadrature import NumericAlbedo
 from gonio.lang import Color, Float, Sample, Vec2, Vec3, select
 from gonio.model import Model, param
 from gonio.parts.distribution import ALPHA_MIN, RoundGGX
 from gonio.parts.frame import half_vector
 from gonio.parts.lobes import pdf_ggx_lobe, sample_ggx_lobe
 from gonio.parts.masking import V_smith_correlated
-from gonio.quadrature import NumericAlbedo
 
 
 class SharpDensity(Model):

@@ -1,12 +1,12 @@
 """Broken on purpose: an anisotropic sampler that exchanges the widths along x and y."""
 
+from gonio.albedos.quadrature import NumericAlbedo
 from gonio.lang import Color, Float, Sample, Vec2, Vec3, vec2
 from gonio.model import Model, param
 from gonio.parts.distribution import ALPHA_MIN, GGX
 from gonio.parts.frame import half_vector
 from gonio.parts.lobes import pdf_ggx_lobe, sample_ggx_lobe
 from gonio.parts.masking import V_smith_correlated
-from gonio.quadrature import NumericAlbedo
 
 
 class SwappedWidths(Model):

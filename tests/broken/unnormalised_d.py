@@ -1,12 +1,12 @@
 """Broken on purpose: GGX facets whose D lacks its 1 / pi, as a well-known text prints it."""
 
+from gonio.albedos.quadrature import NumericAlbedo
 from gonio.lang import PI, Color, Float, Sample, Vec2, Vec3
 from gonio.model import Model, param
 from gonio.parts.distribution import ALPHA_MIN, RoundGGX
 from gonio.parts.frame import half_vector
 from gonio.parts.lobes import pdf_ggx_lobe, sample_ggx_lobe
 from gonio.parts.masking import V_smith_correlated
-from gonio.quadrature import NumericAlbedo
 
 
 class UnnormalisedD(Model):

@@ -1,9 +1,9 @@
 """Sound, though unusual: a mixture of two models, whose departures it has in part."""
 
+from gonio.albedos.quadrature import NumericAlbedo
 from gonio.claims import Claims
 from gonio.lang import Color, Float, Sample, Vec2, Vec3, clamp, lerp, select, vec2
 from gonio.model import Model, child, param
-from gonio.quadrature import NumericAlbedo
 
 
 class TwoChildren(Model):

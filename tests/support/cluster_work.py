@@ -7,7 +7,7 @@ import uuid
 from pathlib import Path
 from typing import Any
 
-from gonio.notices import notice
+from gonio.messages import notice
 
 
 def square(x: float, log: str = "", seconds: float = 0.0) -> float:

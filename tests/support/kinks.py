@@ -11,7 +11,7 @@ from gonio.check.variants import chosen
 from gonio.claims import Place
 from gonio.model import Model
 
-# Kinks that the rules of gonio.quadrature are cut at.
+# Kinks that the rules of gonio.albedos.quadrature are cut at.
 FORESEEN = {
     "angles": {Place.EQUAL_COSINES, Place.SIDE_LIGHT},
     "half_vectors": {Place.EQUAL_COSINES},

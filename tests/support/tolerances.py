@@ -18,7 +18,7 @@ SINGLE_PROMISED = 1e-5
 """What docs/conventions.md promises of single against double precision, for every model."""
 
 NUMERIC_ALBEDO = 1e-5
-"""What `gonio.quadrature` is good to where a model is smooth, or has its kinks on the rule's edges."""
+"""What `gonio.albedos.quadrature` is good to where a model is smooth, or has its kinks on its edges."""
 
 MISTAKE = 1e-3
 """Broken things have to be further off than this, which no tolerance beside it comes near."""

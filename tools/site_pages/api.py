@@ -21,7 +21,7 @@ from site_pages.sources import Sources
 FOLDER = "api"
 
 # Models have pages of their own, commands as well; a page for a program, and not for people who import it.
-ELSEWHERE = {"gonio.models", "gonio.cli", "gonio.bench", "gonio.version", "gonio.notices"}
+ELSEWHERE = {"gonio.models", "gonio.cli", "gonio.bench", "gonio.version", "gonio.messages"}
 
 
 def write(sources: Sources) -> None:

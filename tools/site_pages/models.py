@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import gonio
-from gonio import citations
-from gonio.description import describe, summary, uses
+from gonio.description import citations
+from gonio.description.about import describe, summary, uses
 from gonio.export.files import texts
 from gonio.export.materialx import NAME as MATERIALX
 from gonio.export.targets import TARGETS

@@ -30,7 +30,7 @@ QUALITY = 90  # of WebP: no blocks to be seen in smooth shading
 
 # What the pictures depend on beside the model itself.
 RENDERING = ("render", "mitsuba")
-PLOTTING = ("plot", "quadrature.py", "numeric_albedo.py")
+PLOTTING = ("plot", "albedos")
 
 
 class Pictures:

@@ -13,7 +13,8 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
-from gonio import citations, reproduce
+from gonio import reproduce
+from gonio.description import citations
 from gonio.reproduce.runner import fingerprint
 from gonio.reproduce.table import HEADER, SIGNS, number
 from site_pages import formulas

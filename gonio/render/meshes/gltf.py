@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from gonio.notices import notice
+from gonio.messages import notice
 from gonio.render.triangles import Floats, Ints, Triangles, joined
 
 # Required extensions that change nothing here: looks, lights and notes of a file whose material is

@@ -28,8 +28,8 @@ from numpy.typing import NDArray
 
 from gonio.fields import ModelError
 from gonio.lang import Color, Vec2, Vec3, cos, safe_acos, sin, sqrt, vec2, vec3
+from gonio.messages import did_you_mean
 from gonio.parts.frame import azimuth
-from gonio.suggestions import did_you_mean
 
 
 @dataclass(frozen=True)
@@ -41,14 +41,14 @@ class NumericAlbedo:
     """
 
     rule: str = ""
-    """"angles", "half_vectors" or "mirror". Without one, `gonio.numeric_albedo` finds the rule that fits;
+    """"angles", "half_vectors" or "mirror". Without one, `gonio.albedos.numeric` finds the rule that fits;
     inside kernels it is then "angles"."""
     stretched: bool = False
     """Whether the highlight has two widths, which the model's method `slope_widths` gives."""
     round_part: bool = False
     """Whether some of a stretched model is round; its method `eval_round` gives that part."""
     symmetric: bool = False
-    """Whether the plane of wo is a mirror for the values; `gonio.numeric_albedo` finds it out."""
+    """Whether the plane of wo is a mirror for the values; `gonio.albedos.numeric` finds it out."""
 
     def __post_init__(self) -> None:
         """Refuse what no rule can use."""

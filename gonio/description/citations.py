@@ -1,7 +1,7 @@
 """What to cite: the publications behind a model, as BibTeX.
 
-    gonio.citations.of_model(gonio.EON)            # [Publication(key="portsmouth2025", ...)]
-    print(gonio.citations.bibtex([gonio.EON()]))
+    gonio.description.citations.of_model(gonio.EON)            # [Publication(key="portsmouth2025", ...)]
+    print(gonio.description.citations.bibtex([gonio.EON()]))
 
 Nothing lists models. A model's file names its sources in its docstring, each by its title in quotes
 ("Source: Burley, "Physically-based shading at Disney", ..."), and `bibliography.bib` beside this file says
@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from importlib import resources
 from types import ModuleType
 
-from gonio.description import module_notes
+from gonio.description.about import module_notes
 from gonio.fields import ModelError
 from gonio.model import Child, Model
 
@@ -56,7 +56,11 @@ class Publication:
 @functools.cache
 def bibliography() -> dict[str, Publication]:
     """All publications by key."""
-    text = resources.files("gonio").joinpath("bibliography.bib").read_text(encoding="utf-8")
+    text = (
+        resources.files("gonio.description")
+        .joinpath("bibliography.bib")
+        .read_text(encoding="utf-8")
+    )
     found = {}
     for entry in re.finditer(r"^@(\w+)\{(\w+),\n(.*?)\n\}$", text, re.DOTALL | re.MULTILINE):
         fields = dict(re.findall(r"^  (\w+) = \{(.*)\},?$", entry[3], re.MULTILINE))

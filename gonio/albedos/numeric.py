@@ -1,6 +1,6 @@
 """Albedos without a closed form, as users ask for them: many lanes at once, and never silently wrong.
 
-`gonio.quadrature` has three rules, each for lobes of another shape. A model says which one fits
+`gonio.albedos.quadrature` has three rules, each for lobes of another shape. A model says which one fits
 (`numeric = NumericAlbedo("mirror")`); of a model that says nothing, the rule is found here by comparing all
 three with the model's own sampler, at some of the directions that are asked for. Where none agrees, a
 `Notice` says by how much they differ, and what to do.
@@ -17,9 +17,9 @@ from typing import Any, ClassVar, Protocol, Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from gonio.albedos.quadrature import RULES, NumericAlbedo, mean_nodes
 from gonio.fields import Parameter, framework, is_array
-from gonio.notices import notice
-from gonio.quadrature import RULES, NumericAlbedo, mean_nodes
+from gonio.messages import notice
 
 # Values of parameters up to which a mean is taken over an array of directions; more keep a machine busy by
 # themselves, and the directions take their turns in the kernel.

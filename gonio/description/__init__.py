@@ -1,0 +1,1 @@
+"""What a model is, in words: its description, and the publications it comes from."""
