@@ -20,7 +20,7 @@ from gonio.cli.export import choose
 from gonio.export import ExportError, export
 from gonio.export import targets as target_tables
 from gonio.export.files import texts
-from gonio.export.printer import number
+from gonio.export.print_expressions import number
 from gonio.export.source import source
 from gonio.export.targets import TARGETS
 from gonio.export.vocabulary import RULES

@@ -257,7 +257,8 @@ BREAKAGES: dict[str, tuple[int, Callable[[pytest.MonkeyPatch], None]]] = {
     "a wrong constant": (
         2,
         lambda patch: patch.setattr(
-            "gonio.export.printer.number", lambda value, suffix: f"{value * 1.001!r}{suffix}"
+            "gonio.export.print_expressions.number",
+            lambda value, suffix: f"{value * 1.001!r}{suffix}",
         ),
     ),
 }

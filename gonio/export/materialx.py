@@ -19,7 +19,8 @@ from gonio.description.about import summary
 from gonio.export.comments import plain_text
 from gonio.export.entry import Export
 from gonio.export.names import legal
-from gonio.export.printer import INDENT, fold, number
+from gonio.export.print_expressions import number
+from gonio.export.printer import INDENT, fold
 from gonio.export.targets import ESSL, GLSL_WORDS, HLSL_WORDS, MSL_WORDS, SLANG_WORDS
 from gonio.export.text import export, nested
 from gonio.export.tree import SELF, ExportError

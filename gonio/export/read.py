@@ -2,8 +2,8 @@
 
 Every function is read for the types of its arguments, with the model's options known: conditions on them
 are decided, and only the chosen branch is exported. docs/language.md describes what is understood; all
-else is refused with its place and with what to write instead. `ast` is known to this file's two
-companions only: `gonio.export.statements` and `gonio.export.expressions`.
+else is refused with its place and with what to write instead. `ast` is known to this file's
+companions only: `gonio.export.statements`, `assignments`, `calls` and `expressions`.
 """
 
 from __future__ import annotations

@@ -8,12 +8,11 @@ from __future__ import annotations
 import ast
 import types
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
-from typing import NoReturn
+from dataclasses import replace
 
 from gonio import lang
-from gonio.export.aliases import aliases, same
-from gonio.export.calls import Calls
+from gonio.export.aliases import same
+from gonio.export.assignments import Assignments, Loop
 from gonio.export.expressions import SIGNATURES, UNTESTED, Collector
 from gonio.export.names import snake
 from gonio.export.source import source
@@ -40,17 +39,16 @@ from gonio.export.tree import (
     Type,
     Variable,
     children,
-    inside,
     walk,
 )
-from gonio.export.values import Changed, Many, Method, Static, Value, truth
+from gonio.export.values import Changed, Many, Static, truth
 from gonio.model import Model
 
 # More steps than this are a mistake, or hang a graphics driver.
 STEPS_MAX = 2**16
 
 
-class Body(Calls):
+class Body(Assignments):
     """Reads one function."""
 
     def __init__(
@@ -66,19 +64,11 @@ class Body(Calls):
         super().__init__(reader, function, owner)
         self.method = method
         self.guarded = guarded
-        self.node = self.source.function(function)
         self.parameters: list[tuple[str, Type]] = []
-        self.statements: list[Statement] = []
         self.result: Type | None = SIGNATURES[method][1] if method in SIGNATURES else None
         self.done = False
         self.pending: tuple[str, ...] = ()  # comments for the next statement
         self.branch_taken = True  # whether the branch that ends right above was taken
-        names = [n for n in ast.walk(self.node) if isinstance(n, ast.Name)]
-        self.used = {n.id for n in names}
-        self.unread = {"_"} - {n.id for n in names if isinstance(n.ctx, ast.Load)}
-        # Names whose value no other name has: `x += y` changes it in place
-        self.own: set[str] = set()
-        self.loops: list[_Loop] = []
         self._bind(given)
 
     def _bind(self, given: tuple[Type | Static, ...]) -> None:
@@ -342,7 +332,7 @@ class Body(Calls):
         self.scope[name] = "float"
         self.plain.add(name)
         kept, self.statements = self.statements, []
-        self.loops.append(_Loop(frozenset(outside)))
+        self.loops.append(Loop(frozenset(outside)))
         self.block(node.body, node.lineno)
         if self.done:
             self.refuse(node, "a loop cannot return; return its result after it.")
@@ -429,185 +419,6 @@ class Body(Calls):
             )
         return tuple(names)
 
-    def _fresh(self, name: str) -> str:
-        """A local name that the function does not use; its type is set by the caller."""
-        free = (n for n in (name, *(f"{name}_{i}" for i in range(2, 100))) if n not in self.used)
-        name = next(free)
-        self.used.add(name)
-        return name
-
-    def _assign(self, node: ast.Assign) -> None:
-        value = self._result(node.value)
-        for i, target in enumerate(node.targets):
-            if isinstance(target, ast.Name):
-                self._store(node, target.id, value)
-                if i + 1 < len(node.targets) and not isinstance(value, (Static, Method, Many)):
-                    value = Variable(target.id, value.type)  # computed once
-            elif isinstance(target, ast.Tuple) and len(node.targets) == 1:
-                names = [t.id for t in target.elts if isinstance(t, ast.Name)]
-                if len(names) != len(target.elts):
-                    self.refuse(target, "only names can be assigned; unpack once more below.")
-                self._unpack(node, names, value)
-            else:
-                self.refuse(target, "only a name, or names separated by commas, can be assigned.")
-
-    def _augment(self, node: ast.AugAssign) -> None:
-        """x += y, which changes x in place: in Python other names may have its value, and change too."""
-        target = node.target
-        if not isinstance(target, ast.Name):
-            self.refuse(
-                target, "only a name can be changed; write v = vec3(...) with what changes."
-            )
-        name = target.id
-        if name in self.arguments or name == self.self_name:
-            self.refuse(
-                node,
-                f"{name} is an argument, which Python would change for the caller as well; write "
-                f"{name}_changed = ...",
-            )
-        known = self.scope.get(name)
-        if known is None or isinstance(known, Static):
-            self.refuse(node, f"{name} has no value here that could be changed.")
-        if name not in self.own:
-            self._refuse_in_place(node, name)
-        for loop in self.loops:
-            if name in loop.outside:
-                loop.changed.setdefault(name, node)
-        value = self._operation(node, node.op, Variable(name, known), self.expr(node.value))
-        self._store(node, name, value)
-
-    def _refuse_in_place(self, node: ast.AugAssign, name: str) -> NoReturn:
-        self.refuse(
-            node,
-            f"{name} may be the value of another name too, which Python changes with it; write "
-            f"{name} = {name} {_SIGNS.get(type(node.op), '+')} ...",
-        )
-
-    def _note_sharing(self, name: str, value: Expr) -> None:
-        """Take note of which names may have one value: a += b would change it for all of them."""
-        shared = aliases(value)
-        self.own -= shared
-        for loop in self.loops:
-            loop.shared |= shared
-        if shared:
-            self.own.discard(name)
-            for loop in self.loops:
-                loop.shared.add(name)
-        else:
-            self.own.add(name)
-
-    def _result(self, node: ast.expr) -> Value:
-        value = self.value(node)
-        if isinstance(value, Method):
-            self.refuse(node, "a method must be called.")
-        return value
-
-    def _unpack(self, node: ast.Assign, names: list[str], value: Value) -> None:
-        if isinstance(value, Static) and isinstance(value.value, tuple):
-            if len(value.value) != len(names):
-                self.refuse(node, f"{len(names)} names for {len(value.value)} values.")
-            for name, known in zip(names, value.value, strict=True):
-                self._store(node, name, Static(known))
-            return
-        if isinstance(value, Many):
-            values = list(value.values)
-            if len(values) != len(names):
-                self.refuse(node, f"{len(names)} names for {len(values)} values.")
-            for i, v in enumerate(values):
-                # All values are taken before the first name gets its own: a, b = b, a
-                if {e.name for e in inside(v) if isinstance(e, Variable)} & set(names[:i]):
-                    label = self._fresh(f"new_{names[i].strip('_')}")
-                    self._store(node, label, v)
-                    values[i] = Variable(label, v.type)
-            for name, v in zip(names, values, strict=True):
-                if name not in self.unread:
-                    self._store(node, name, v)
-            return
-        expr = self._expr(node.value, value)
-        kind = expr.type
-        if not isinstance(kind, Struct) or kind.model is not None:
-            self.refuse(node, f"this is not {len(names)} values.")
-        if len(kind.members) + len(kind.fixed) != len(names):
-            self.refuse(node, f"this is not {len(names)} values.")
-        if not isinstance(expr, Variable):
-            label = expr.function.method.strip("_") if isinstance(expr, Call) else "several"
-            label = self._fresh(f"{label}_result")
-            self.statements.append(Assign(label, expr))
-            expr = Variable(label, kind)
-        types = {m.name: m.type for m in kind.members}
-        fixed = dict(kind.fixed)
-        for name, member in zip(names, kind.order or types, strict=True):
-            if name not in self.unread:
-                known = Static(fixed[member]) if member in fixed else None
-                self._store(node, name, known or Access(expr, member, types[member]))
-
-    def _store(self, node: ast.stmt, name: str, value: Value) -> None:
-        self._check_name(node, name)
-        known = self.scope.get(name)
-        repeated = any(name in loop.outside for loop in self.loops)
-        if isinstance(value, (Static, Method)):
-            if isinstance(value, Method):
-                self.refuse(node, "a method must be called.")
-            if not isinstance(known, Static) and known is not None:
-                self.refuse(node, f"{name} cannot be a number here and something else there.")
-            if repeated:
-                self.refuse(
-                    node,
-                    f"{name} changes from step to step, but is known when the shader is made; make it "
-                    "a number, or write the first step before the loop.",
-                )
-            self.scope[name] = value
-            return
-        if isinstance(value, Many):
-            self.refuse(node, f"several values for one name; unpack them: {name}_1, {name}_2 = ...")
-        if name in self.arguments or name == self.self_name:
-            self.refuse(node, f"the argument {name} cannot be assigned; use another name.")
-        if isinstance(known, Static) and repeated:
-            self.refuse(node, f"{name} cannot be a number here and something else there.")
-        if isinstance(value, Changed):
-            self._change(node, name, value)
-            return
-        self._note_sharing(name, value)
-        names = {e.name for e in inside(value) if isinstance(e, Variable)}
-        dynamic = (Access, Call)
-        if names <= self.plain and not any(isinstance(e, dynamic) for e in inside(value)):
-            self.plain.add(name)
-        else:
-            self.plain.discard(name)
-        if known is None or isinstance(known, Static):
-            self.scope[name] = value.type
-            self.statements.append(Assign(name, value))
-            return
-        value = self._coerce(node, value, known)
-        self.statements.append(Assign(name, value, declares=False))
-
-    def _change(self, node: ast.stmt, name: str, value: Changed) -> None:
-        """A copy of a model, and then its changed members."""
-        known = self.scope.get(name)
-        self.own.discard(name)
-        if known is not None:
-            if known is not value.type:
-                self.refuse(node, f"{name} is another model already; use another name.")
-            if any(isinstance(e, Variable) and e.name == name for e in inside(value.model)):
-                self.refuse(node, f"{name} is changed by itself; use another name.")
-        self.scope[name] = value.type
-        self.statements.append(Assign(name, value.model, declares=known is None))
-        for member, expr in value.members.items():
-            assert isinstance(value.type, Struct)
-            self.statements.append(SetMember(name, member, expr, value.type))
-
-
-@dataclass
-class _Loop:
-    """What is known of a loop whose body is being read."""
-
-    outside: frozenset[str]
-    """Names that have a value before it."""
-    shared: set[str] = field(default_factory=set)
-    """Names that come to have the value of another one in it."""
-    changed: dict[str, ast.AugAssign] = field(default_factory=dict)
-    """Names from outside that are changed in place."""
-
 
 def record_of(function: types.FunctionType, given: Sequence[Type | Static]) -> type | None:
     """The NamedTuple that a function is a method of, if the first of its arguments is one."""
@@ -615,9 +426,6 @@ def record_of(function: types.FunctionType, given: Sequence[Type | Static]) -> t
     if not isinstance(first, Struct) or first.python is None:
         return None
     return first.python if function in vars(first.python).values() else None
-
-
-_SIGNS: dict[type, str] = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
 
 
 def _is_contract(expr: Expr, method: str) -> bool:

@@ -13,7 +13,8 @@ from gonio.export import library
 from gonio.export.comments import comment, plain_text
 from gonio.export.entry import Entry, Export, Member
 from gonio.export.names import Names, legal
-from gonio.export.printer import INDENT, WIDTH, Printer, constants_of, in_order, number
+from gonio.export.print_expressions import number
+from gonio.export.printer import INDENT, WIDTH, Printer, constants_of, in_order
 from gonio.export.read import Reader, camel
 from gonio.export.targets import TARGETS, Target
 from gonio.export.tidy import members, tidy
