@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 from gonio.cli import main
 from gonio.images import write_linear
-from gonio.notices import Notice
+from gonio.messages import Notice
 from gonio.render import render
 
 SMALL = {"size": (16, 12), "spp": 16}

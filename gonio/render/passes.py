@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gonio import backend
-from gonio.notices import notice
+from gonio.messages import notice
 from gonio.render import fireflies
 
 Pixels = NDArray[np.float32]
