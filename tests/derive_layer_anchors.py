@@ -11,11 +11,12 @@ belong to exactly those doubles.
 """
 
 import csv
+import functools
 import json
 import math
 import pathlib
 
-from mpmath import erf, exp, log, mp, mpc, mpf, nstr, pi, quad, sqrt
+from mpmath import acos, cos, erf, exp, log, mp, mpc, mpf, nstr, pi, quad, sin, sqrt
 
 mp.dps = 40
 HERE = "tests/derive_layer_anchors.py"
@@ -66,6 +67,32 @@ def beckmann(cos_m, m):
 def ggx(cos_m, a):
     """a^2 / (pi ((N.H)^2 (a^2 - 1) + 1)^2)."""
     return a**2 / (pi * (cos_m**2 * (a**2 - 1) + 1) ** 2)
+
+
+def blinn_phong(cos_m, a):
+    """(n + 2) / (2 pi) (N.H)^n with n = 2 / a^2 - 2."""
+    n = 2 / a**2 - 2
+    return (n + 2) / (2 * pi) * cos_m**n
+
+
+@functools.cache
+def gaussian_area(a):
+    """Integral of exp(-(theta / a)^2) cos(theta) over the hemisphere, by quadrature."""
+    ends = [0, *(k * a for k in (1, 2, 4, 7) if k * a < pi / 2), pi / 2]
+    return quad(lambda t: 2 * pi * exp(-((t / a) ** 2)) * cos(t) * sin(t), ends)
+
+
+def gaussian(cos_m, a):
+    """c exp(-(theta / a)^2), with the c that normalises it."""
+    return exp(-((acos(cos_m) / a) ** 2)) / gaussian_area(a)
+
+
+DISTRIBUTIONS = {
+    "beckmann": beckmann,
+    "ggx": ggx,
+    "blinn_phong": blinn_phong,
+    "gaussian": gaussian,
+}
 
 
 def smith_correlated(mu_i, mu_o, a):
@@ -130,11 +157,13 @@ def weidlich_wilkie(p, wi, wo):
         F = ((n - 1) ** 2 + 4 * n * (1 - c) ** 5) / (n + 1) ** 2
     else:
         F = fresnel(c, n)
-    if p.get("masking") == "smith_correlated":
-        assert p["distribution"] == "ggx"
-        D, G = ggx(h[2], alpha), smith_correlated(wi[2], wo[2], alpha)
+    D = DISTRIBUTIONS[p.get("distribution", "beckmann")](h[2], alpha)
+    if p.get("masking") != "smith_correlated":
+        G = cook_torrance(wi[2], wo[2], h[2], c)
+    elif p["distribution"] == "ggx":
+        G = smith_correlated(wi[2], wo[2], alpha)
     else:
-        D, G = beckmann(h[2], alpha), cook_torrance(wi[2], wo[2], h[2], c)
+        G = smith_correlated_beckmann(wi[2], wo[2], alpha)
     coat = F * D * G / (4 * wi[2] * wo[2])
     if smooth:
         coat, G = 0, mpf(1)
@@ -330,6 +359,10 @@ WEIDLICH_WILKIE = [
     COAT | SHINY_BASE | TINTED,
     COAT | SHINY_BASE | GGX | {"roughness_clamp": "off", "solid_angle": "compressed"},
     COAT | THREE,
+    COAT | LAMBERT | {"distribution": "blinn_phong"},
+    COAT | LAMBERT | TINTED | {"distribution": "gaussian", "fresnel": "lazanyi"},
+    COAT | LAMBERT | {"distribution": "blinn_phong", "masking": "smith_correlated"},
+    COAT | LAMBERT | {"distribution": "gaussian", "masking": "smith_correlated", "alpha": 0.6},
 ]
 
 LAYERS = {

@@ -13,7 +13,7 @@ from gonio.claims import Claims, Place, at_most, kink
 from gonio.lang import Color, Float, Sample, Vec2, Vec3, exp, maximum, safe_sqrt, select
 from gonio.model import Model, child, option, param
 from gonio.parts.coat import attenuation_least, optical_depth, usual_cos_half
-from gonio.parts.distribution import ALPHA_MIN, RoundBeckmann, RoundGGX
+from gonio.parts.distribution import ALPHA_MIN, BlinnPhong, Gaussian, RoundBeckmann, RoundGGX
 from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
 from gonio.parts.fresnel import (
     F_dielectric_entering,
@@ -66,9 +66,18 @@ class WeidlichWilkie(Model):
     interface: str = option(
         "rough", "smooth", doc="a smooth coat's mirror reflection is no function and is left out"
     )
-    distribution: str = option("beckmann", "ggx", doc="of the coat's facets")
+    distribution: str = option(
+        "beckmann",
+        "ggx",
+        "blinn_phong",
+        "gaussian",
+        doc="of the coat's facets; Blinn-Phong's exponent is 2 / alpha^2 - 2",
+    )
     masking: str = option(
-        "cook_torrance", "smith_correlated", "smith", doc="of the coat's facets, and G of Eq. 4"
+        "cook_torrance",
+        "smith_correlated",
+        "smith",
+        doc="of the coat's facets, and G of Eq. 4; Smith's is GGX's own or Beckmann's",
     )
     fresnel: str = option("exact", "lazanyi", doc="of the coat; Elek's code has Lazányi's fit")
     transmission: str = option(
@@ -111,7 +120,10 @@ class WeidlichWilkie(Model):
             at_most(10.13, bounces="diffuse"),
             at_most(2, interface="rough", transmission="half_vector"),
         ),
-        wasted=at_most(0.501, interface="rough", masking="cook_torrance"),
+        wasted=(
+            at_most(0.509, interface="rough", masking="cook_torrance", distribution="gaussian"),
+            at_most(0.501, interface="rough", masking="cook_torrance"),
+        ),
         numeric_albedo=(
             at_most(0.007, masking="cook_torrance", interface="rough"),
             at_most(1e-4, masking=("smith", "smith_correlated")),
@@ -250,10 +262,20 @@ class WeidlichWilkie(Model):
             return transmittance_entering(cos_theta, self.eta)
         return transmittance_lazanyi(cos_theta, self.eta)
 
-    def _facets(self) -> RoundBeckmann | RoundGGX:
+    def _facets(self) -> RoundBeckmann | RoundGGX | BlinnPhong | Gaussian:
         if self.distribution == "beckmann":
             return RoundBeckmann(self.alpha)
+        if self.distribution == "blinn_phong":
+            return BlinnPhong(self.alpha)
+        if self.distribution == "gaussian":
+            return Gaussian(self.alpha)
         return RoundGGX(self.alpha)
+
+    def _masked(self) -> RoundBeckmann | RoundGGX:
+        """Facets whose Smith masking it is: those that have none take that of Beckmann's, as wide."""
+        if self.distribution == "ggx":
+            return RoundGGX(self.alpha)
+        return RoundBeckmann(self.alpha)
 
     def _G(self, wi: Vec3, wo: Vec3) -> Float:
         if self.masking == "cook_torrance":
@@ -265,8 +287,8 @@ class WeidlichWilkie(Model):
         if self.masking == "cook_torrance":
             return V_cook_torrance(wi, wo, half_vector(wi, wo).z, cos_half(wi, wo))
         if self.masking == "smith_correlated":
-            return V_smith_correlated(self._facets(), wi, wo)
-        return V_smith(self._facets(), wi, wo)
+            return V_smith_correlated(self._masked(), wi, wo)
+        return V_smith(self._masked(), wi, wo)
 
     def _transmitted(self, wi: Vec3, wo: Vec3) -> Float:
         """T12 t: what the surface lets in and out again."""
