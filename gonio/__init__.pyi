@@ -81,6 +81,26 @@ class AshikhminShirley(Model):
     shininess_x: Any
     shininess_y: Any
 
+class Blinn(Model):
+    """The classic Blinn-Phong: diffuse, specular and gloss, without Fresnel or normalisation.
+
+    Parameters:
+        rho: albedo of the diffuse term, linear RGB; 0 to 1, default (0.5, 0.5, 0.5)
+        specular: weight of the highlight, linear RGB; 0 to 1, default (0.3, 0.3, 0.3)
+        shininess: exponent n of the highlight, its gloss; 0 to 100000, default 50
+    """
+
+    def __init__(
+        self,
+        *,
+        rho: _Color = (0.5, 0.5, 0.5),
+        specular: _Color = (0.3, 0.3, 0.3),
+        shininess: _Number = 50.0,
+    ) -> None: ...
+    rho: Any
+    specular: Any
+    shininess: Any
+
 class BurleyDiffuse(Model):
     """Diffuse with darker edges when smooth and a bright rim when rough. Reciprocal.
 
@@ -840,9 +860,10 @@ class WeidlichWilkie(Model):
             'lambert'
         interface: a smooth coat's mirror reflection is no function and is left out; 'rough',
             'smooth'; default 'rough'
-        distribution: of the coat's facets; 'beckmann', 'ggx'; default 'beckmann'
-        masking: of the coat's facets, and G of Eq. 4; 'cook_torrance', 'smith_correlated', 'smith';
-            default 'cook_torrance'
+        distribution: of the coat's facets; Blinn-Phong's exponent is 2 / alpha^2 - 2; 'beckmann',
+            'ggx', 'blinn_phong', 'gaussian'; default 'beckmann'
+        masking: of the coat's facets, and G of Eq. 4; Smith's is GGX's own or Beckmann's;
+            'cook_torrance', 'smith_correlated', 'smith'; default 'cook_torrance'
         fresnel: of the coat; Elek's code has Lazányi's fit; 'exact', 'lazanyi'; default 'exact'
         transmission: T12 t of Eq. 2 and 4, or T(wi) T(wo) at the mean surface; 'half_vector',
             'both_ways'; default 'half_vector'
@@ -862,7 +883,7 @@ class WeidlichWilkie(Model):
         thickness: _Number = 1.0,
         base: Model | str = "lambert",
         interface: Literal["rough", "smooth"] = "rough",
-        distribution: Literal["beckmann", "ggx"] = "beckmann",
+        distribution: Literal["beckmann", "ggx", "blinn_phong", "gaussian"] = "beckmann",
         masking: Literal["cook_torrance", "smith_correlated", "smith"] = "cook_torrance",
         fresnel: Literal["exact", "lazanyi"] = "exact",
         transmission: Literal["half_vector", "both_ways"] = "half_vector",
@@ -876,7 +897,7 @@ class WeidlichWilkie(Model):
     thickness: Any
     base: Model
     interface: Literal["rough", "smooth"]
-    distribution: Literal["beckmann", "ggx"]
+    distribution: Literal["beckmann", "ggx", "blinn_phong", "gaussian"]
     masking: Literal["cook_torrance", "smith_correlated", "smith"]
     fresnel: Literal["exact", "lazanyi"]
     transmission: Literal["half_vector", "both_ways"]

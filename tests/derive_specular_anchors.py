@@ -302,6 +302,14 @@ def phong(m, p, wi, wo):
     ]
 
 
+def blinn(m, p, wi, wo):
+    """Blinn 1977: p_d (N.L) + p_s (N.H)^n, over N.L."""
+    lobe = half_vector(m, wi, wo)[2] ** p["shininess"] / wi[2]
+    return [
+        rho / m.pi + specular * lobe for rho, specular in zip(p["rho"], p["specular"], strict=True)
+    ]
+
+
 def triace_blinn_phong(m, p, wi, wo):
     """Gotanda 2012, Eq. 1, and Eq. 25 for a rough diffuse part."""
     n, h = p["shininess"], half_vector(m, wi, wo)
@@ -593,6 +601,15 @@ PHONG_SETS = [
         ([0.5, 0.5, 0.5], BLUE, 150.0),
     )
 ]
+BLINN_SETS = [
+    {"rho": rho, "specular": specular, "shininess": n}
+    for rho, specular, n in (
+        (CLAY, [0.3, 0.2, 0.1], 50.0),
+        (BLACK, WHITE, 0.0),
+        (LEAF, [0.02, 0.5, 0.9], 7.5),
+        ([0.5, 0.5, 0.5], BLUE, 400.0),
+    )
+]
 TRIACE_SETS = [
     {"rho": CLAY, "f0": [0.04, 0.04, 0.04], "shininess": 50.0},
     {"rho": LEAF, "f0": [0.95, 0.64, 0.54], "shininess": 10.0},
@@ -748,6 +765,7 @@ MODELS = {
             "brdfexplorer disney.brdf with a linear base colour",
         ],
     ),
+    "blinn": (blinn, BLINN_SETS, 5, ["blinn1977 as (N.H)^c in place of Phong's cosine"]),
 }
 # Roughnesses below the models' own lower limits (alpha 0.002 and 0.001; BRDF2 has none, and loses its
 # highlight), seen along the normal, where no rounding is amplified.
@@ -756,7 +774,11 @@ CLAMPED = {
     "unity_brdf2": [{"base_color": CLAY, "metallic": 0.5, "roughness": r} for r in (0.03, 0.0)],
     "disney": [{**DISNEY_BASE, "metallic": 0.5, "roughness": r} for r in (0.02, 0.0)],
 }
-NOT_RECIPROCAL = {"form": "classical"}  # Phong's radiance has no cosine to divide out
+
+
+def is_reciprocal(name, p):
+    """Phong's and Blinn's radiance has no cosine to divide out."""
+    return name != "blinn" and p.get("form") != "classical"
 
 
 def sources_of(name, p):
@@ -777,7 +799,7 @@ def eval_rows(name):
             if max(value) > VISIBLE:
                 chosen.append((wi, wo, value))
         for wi, wo, value in chosen:
-            if not NOT_RECIPROCAL.items() <= p.items():
+            if is_reciprocal(name, p):
                 swapped = model(Exact, exact(p), exact(wo), exact(wi))
                 ratio = [s / v if v else mpf(1) for s, v in zip(swapped, value, strict=True)]
                 compare(ratio, [mpf(1)] * 3, UNIT_TO, f"reciprocity of {name} {p}")
@@ -904,6 +926,15 @@ def rounded_rows():
         yield row("triace_blinn_phong", p, None, NORMAL, "albedo", value, found_by)
 
 
+def blinn_rows():
+    """The highlight alone from the normal, where H halves the angle: 8 pi / (n + 2) (1 - 2^(-n/2 - 1))."""
+    for n in (0.0, 5.0, 23.0, 1000.0):
+        p = {"rho": BLACK, "specular": WHITE, "shininess": n}
+        value = 8 * mp.pi / (mpf(n) + 2) * (1 - mpf(2) ** (-mpf(n) / 2 - 1))
+        found_by = source(f"{BY_FORMULA}, closed form", MODELS["blinn"][3], HERE, "blinn_rows")
+        yield row("blinn", p, None, NORMAL, "albedo", [value] * 3, found_by)
+
+
 def check_parts():
     """Every D has projected area 1; Lambda makes the projected area of what is visible mu_o."""
     for name, d in DISTRIBUTIONS.items():
@@ -948,6 +979,7 @@ def main():
         rows += [*eval_rows(name), *albedo_rows(name)]
     rows += pdf_rows()
     rows += rough_rows()
+    rows += blinn_rows()
     path = pathlib.Path(__file__).with_name("anchors_specular.csv")
     with path.open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")

@@ -438,6 +438,7 @@ STATED: list[tuple[str, dict[str, Any], float, float]] = [
     ("triace_blinn_phong", {"rho": 1, "f0": 0, "shininess": 1e5}, 80, 1.066),
     ("phong", {"rho": 0, "specular": 1, "shininess": 20}, 90, 0.088),
     ("phong", {"rho": 0, "specular": 1, "shininess": 5.28, "form": "classical"}, 0, 1.0),
+    ("blinn", {"rho": 0, "specular": 1, "shininess": 23.1}, 0, 1.0),
     ("disney", {"base_color": 1, "roughness": 1}, 90, 1.601),
     ("disney", {"base_color": 1, "roughness": 1, "sheen": 1}, 90, 1.689),
     (

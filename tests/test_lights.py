@@ -86,6 +86,7 @@ HIGHLIGHTS = {
     "unity_standard": TABLE,
     "unity_brdf2": TABLE,
     "phong": TABLE,
+    "blinn": TABLE,
     "ward:form=balanced": TABLE,
     "ashikhmin_shirley": TABLE,
     "triace_blinn_phong:diffuse=oren_nayar,shininess=5": TABLE,

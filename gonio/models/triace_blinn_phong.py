@@ -42,6 +42,7 @@ class TriAceBlinnPhong(Model):
         "Has a kink where cos(phi_i - phi_o) changes sign, with diffuse='oren_nayar'.",
     )
     unlike = (
+        ("blinn", "is the classic one, without Fresnel and normalisation."),
         (
             "phong",
             "measures from the mirror direction; its exponent is a fourth as large for the same width.",

@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: Apache-2.0
+// Blinn: a diffuse term and a highlight around the half vector, as early hardware shaded it.
+//
+// Source: Blinn, "Models of light reflection for computer synthesized pictures", SIGGRAPH 1977: Phong's
+// formula with the angle between the normal and the half vector in place of that to the mirror direction.
+// The formula gives the radiance f cos(theta_i), which is divided by the cosine here.
+//
+// Metal, made by gonio from gonio/models/blinn.py.
+// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
+// albedo has no closed form here; it takes many evaluations, for tables and previews.
+// Usage: Blinn params; params.rho = ...; ... blinn_eval(params, wi, wo)
+
+#include <metal_stdlib>
+using namespace metal;
+
+// A sampled direction and its density.
+struct BlinnSample {
+    float3 wi;  // direction towards the light, unit, local frame
+    float pdf;  // its density in 1/sr; 0 marks a wasted sample
+};
+
+// blinn: The classic Blinn-Phong: diffuse, specular and gloss, without Fresnel or normalisation.
+struct Blinn {
+    float3 rho;  // albedo of the diffuse term, linear RGB; 0 to 1, default (0.5, 0.5, 0.5)
+    float3 specular;  // weight of the highlight, linear RGB; 0 to 1, default (0.3, 0.3, 0.3)
+    float shininess;  // exponent n of the highlight, its gloss; 0 to 100000, default 50
+};
+
+// Which of two lobes a sample is taken from.
+struct BlinnChoice {
+    bool is_first;  // Whether it is the first one
+    float2 u;  // Fresh random numbers, made of those that chose
+};
+
+// `GGX` facets of the same width in all directions.
+struct BlinnRoundGGX {
+    float alpha;  // width of the slopes
+};
+
+// Facets of GGX, also called Trowbridge-Reitz.
+struct BlinnGGX {
+    float alpha_x;  // width of the slopes along x
+    float alpha_y;  // width of the slopes along y
+};
+
+// ---- evaluation ----------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline float3 blinn_half_vector(float3 wi, float3 wo) {
+    float3 h = wi + wo;
+    return h / length(h);  // which `cos_half` needs as well
+}
+
+// atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25.
+inline float blinn_atanh_over(float y) {
+    float y2 = y * y;
+    float series = 1.0 / 9.0
+        + y2 * (1.0 / 11.0 + y2 * (1.0 / 13.0 + y2 * (1.0 / 15.0 + y2 * (1.0 / 17.0))));
+    return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * series)));
+}
+
+// log(1 + x) / x for x > -1; 1 at x = 0.
+inline float blinn_log1p_over(float x) {
+    // Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+    const float LOG1P_SMALL = 0.25;
+    float near = max(min(x, LOG1P_SMALL), -LOG1P_SMALL);
+    bool small = x > -LOG1P_SMALL && x < LOG1P_SMALL;
+    float far = small ? 1.0 : x;
+    float series = blinn_atanh_over(near / (2.0 + near));
+    return small ? 2.0 / (2.0 + near) * series : log(1.0 + far) / far;
+}
+
+// log(1 + x) for x > -1, exact where x is small.
+inline float blinn_log1p(float x) {
+    return x * blinn_log1p_over(x);
+}
+
+// (N.m)^exponent, exact for sharp lobes.
+inline float blinn_cos_power(float3 m, float exponent) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    // (N.m)^n = (1 + tan^2)^(-n / 2): a sharp lobe needs the digits of the tangent, not of the cosine
+    float tan2 = (m.x * m.x + m.y * m.y) / max(m.z * m.z, 0.25);
+    float steep = log(clamp(m.z, mu_min, 0.75));
+    return exp(exponent * (m.z > 0.5 ? -0.5 * blinn_log1p(tan2) : steep));
+}
+
+// The highlight without its weight.
+inline float blinn_highlight(Blinn params, float3 wi, float3 wo) {
+    return blinn_cos_power(blinn_half_vector(wi, wo), params.shininess) / wi.z;
+}
+
+// BRDF value in 1/sr, without the cosine.
+inline float3 blinn_eval(Blinn params, float3 wi, float3 wo) {
+    const float inv_pi = 0.31830987;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return float3(0.0);
+    }
+    return params.rho * inv_pi + params.specular * blinn_highlight(params, wi, wo);
+}
+
+// ---- sampling ------------------------------------------------------------------------------
+
+// The width that matches an exponent n: sqrt(2 / (n + 2)).
+inline float blinn_blinn_phong_alpha(float exponent) {
+    return sqrt(2.0 / (exponent + 2.0));
+}
+
+// Mean of the three channels, by which lobes are weighed against each other.
+inline float blinn_average(float3 color) {
+    return (color.x + color.y + color.z) / 3.0;
+}
+
+inline float blinn_raised(float probability) {
+    // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
+    // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
+    const float SHARE_LEAST = 0.1;
+    const float ESTIMATE_TRUST = 50.0;
+    return max(probability, min(SHARE_LEAST, ESTIMATE_TRUST * probability));
+}
+
+// Probabilities of two lobes with the given albedos; the first is certain if both are black.
+inline float2 blinn_lobes_shares(float first, float second) {
+    // Added to the first lobe's weight, so that two black lobes still leave something to choose and the
+    // reciprocal of their sum has a derivative; no albedo that can be seen is that small.
+    const float BLACK = 1.0e-12;
+    float lifted = first + BLACK;
+    float inv = 1.0 / (lifted + second);
+    float a = blinn_raised(lifted * inv);
+    float b = blinn_raised(second * inv);
+    // The smaller one by itself: 1 minus a probability near 1 has no digits left.
+    bool smaller = lifted < second;
+    return float2(smaller ? a : 1.0 - b, smaller ? 1.0 - a : b);
+}
+
+// Probabilities of the diffuse lobe and of the highlight.
+inline float2 blinn_shares(Blinn params, float3 wo) {
+    const float pi = 3.1415927;
+    // 4 mu_h dw_h of a narrow lobe; half of it lies below the horizon at grazing angles
+    float highlight = 4.0 * pi / (params.shininess + 2.0) * (1.0 + wo.z);
+    return blinn_lobes_shares(blinn_average(params.rho),
+        blinn_average(params.specular) * highlight);
+}
+
+// Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.
+inline BlinnChoice blinn_choose(float probability, float2 u) {
+    // Smallest probability that is divided by: a random number falls below it once in a million million.
+    const float SHARE_MIN = 1.0e-12;
+    // The largest float32 below 1, up to which random numbers go.
+    const float RANDOM_MAX = 0.99999994;
+    bool first = u.x < probability;
+    float below = u.x / max(probability, SHARE_MIN);
+    float above = (u.x - probability) / max(1.0 - probability, SHARE_MIN);
+    return BlinnChoice{first, float2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y)};
+}
+
+// A direction with density cos(theta) / pi.
+inline float3 blinn_sample_cosine(float2 u) {
+    const float two_pi = 6.2831855;
+    float r = sqrt(max(u.x, 0.0));
+    float phi = two_pi * u.y;
+    return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+//
+// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
+inline float3 blinn_ggx_sample_visible(BlinnGGX ggx, float3 wo, float2 u, float bound) {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const float RANDOM_MARGIN = 5.9604645e-8;
+    const float two_pi = 6.2831855;
+    float3 w = normalize(float3(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
+    float height = 1.0 + bound * w.z;
+    float drop = u1 * height;
+    float r = sqrt(max(drop * (2.0 - drop), 0.0));
+    float phi = two_pi * u.y;
+    // z + w.z as a sum of positive terms
+    float z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    float3 h = float3(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
+    return normalize(float3(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m); see blinn_ggx_sample_visible.
+inline float3 blinn_round_ggx_sample_visible(BlinnRoundGGX round_ggx, float3 wo, float2 u,
+    float bound) {
+    return blinn_ggx_sample_visible(BlinnGGX{round_ggx.alpha, round_ggx.alpha}, wo, u, bound);
+}
+
+// wo mirrored at a facet with normal m; it may leave below the horizon.
+inline float3 blinn_mirror(float3 wo, float3 m) {
+    return 2.0 * dot(wo, m) * m - wo;
+}
+
+// wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
+//
+// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
+// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+inline float3 blinn_sample_ggx_lobe(BlinnRoundGGX facets, float3 wo, float2 u) {
+    float3 w = blinn_mirror(wo, blinn_round_ggx_sample_visible(facets, wo, u, 1.0));
+    return float3(w.x, w.y, abs(w.z));
+}
+
+// A direction of one of the two lobes; shares: the probabilities of the matte one and of the other.
+inline float3 blinn_sample_matte_gloss(float3 wo, float alpha, float2 shares, float2 u) {
+    BlinnChoice choose_result = blinn_choose(shares.x, u);
+    bool matte = choose_result.is_first;
+    float2 v = choose_result.u;
+    return matte ? blinn_sample_cosine(v) : blinn_sample_ggx_lobe(BlinnRoundGGX{alpha}, wo, v);
+}
+
+// Density of blinn_sample_cosine in 1/sr, for w above the horizon.
+inline float blinn_pdf_cosine(float3 w) {
+    const float inv_pi = 0.31830987;
+    return w.z * inv_pi;
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+inline float blinn_round_ggx_D(BlinnRoundGGX round_ggx, float3 m) {
+    const float inv_pi = 0.31830987;
+    float3 v = float3(m.x, m.y, round_ggx.alpha * m.z);
+    float s = dot(v, v);
+    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
+}
+
+// mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
+inline float blinn_round_ggx_area(BlinnRoundGGX round_ggx, float3 w) {
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
+}
+
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
+inline float blinn_pdf_visible(BlinnRoundGGX facets, float3 wo, float3 m, float bound) {
+    return 0.5 * blinn_round_ggx_D(facets, m) / (bound * wo.z + blinn_round_ggx_area(facets, wo));
+}
+
+// Density of blinn_sample_ggx_lobe in 1/sr.
+inline float blinn_pdf_ggx_lobe(BlinnRoundGGX facets, float3 wi, float3 wo) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    float straight = blinn_pdf_visible(facets, wo, blinn_half_vector(wi, wo), 1.0);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    bool exists = wo.z > wi.z;
+    float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
+    // The least lift, for two that are equally high but for their last digits
+    float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
+    float folded = blinn_pdf_visible(facets, wo, blinn_half_vector(image, higher), 1.0);
+    return straight + (exists ? folded : 0.0);
+}
+
+// Density of blinn_sample_matte_gloss in 1/sr.
+inline float blinn_pdf_matte_gloss(float3 wi, float3 wo, float alpha, float2 shares) {
+    return shares.x * blinn_pdf_cosine(wi)
+        + shares.y * blinn_pdf_ggx_lobe(BlinnRoundGGX{alpha}, wi, wo);
+}
+
+// Density of blinn_sample in 1/sr.
+inline float blinn_pdf(Blinn params, float3 wi, float3 wo) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return 0.0;
+    }
+    return blinn_pdf_matte_gloss(wi, wo, blinn_blinn_phong_alpha(params.shininess),
+        blinn_shares(params, wo));
+}
+
+// Cosine-weighted, or the GGX lobe of the same width, whose longer tail bounds the weights.
+inline BlinnSample blinn_sample(Blinn params, float3 wo, float2 u) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z <= mu_min) {  // in the horizon or below
+        return BlinnSample{float3(0.0, 0.0, 1.0), 0.0};
+    }
+    float3 wi = blinn_sample_matte_gloss(wo, blinn_blinn_phong_alpha(params.shininess),
+        blinn_shares(params, wo), u);
+    return BlinnSample{wi, blinn_pdf(params, wi, wo)};
+}
+
+// ---- albedo --------------------------------------------------------------------------------
+
+// Directional albedo of a model without a closed form: the mean weight of its own samples.
+//
+// For tables and previews; the random numbers are a Fibonacci lattice.
+inline float3 blinn_albedo(Blinn params, float3 wo) {
+    // Steps of the rule in blinn_albedo: a Fibonacci number, and the golden ratio.
+    const float ALBEDO_SAMPLES = 987.0;
+    const float GOLDEN = 0.618034;
+    // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
+    const float HORIZON = 1.0e-6;
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (wo.z < 0.0) {  // below the horizon
+        return float3(0.0);
+    }
+    float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
+    float3 total = float3(0.0, 0.0, 0.0);
+    for (int i_step = 0; i_step < 987; ++i_step) {
+        float i = float(i_step);
+        float2 u = float2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
+        BlinnSample drawn = blinn_sample(params, w, u);
+        float weight = drawn.pdf > 0.0 ? drawn.wi.z / max(drawn.pdf, mu_min) : 0.0;
+        total = total + blinn_eval(params, drawn.wi, w) * weight;
+    }
+    return total / ALBEDO_SAMPLES;
+}
