@@ -5,6 +5,7 @@ formula with the angle between the normal and the half vector in place of that t
 The formula gives the radiance f cos(theta_i), which is divided by the cosine here.
 """
 
+from gonio.albedos.quadrature import NumericAlbedo
 from gonio.claims import Claims, at_most
 from gonio.lang import INV_PI, PI, Color, Float, Sample, Vec2, Vec3
 from gonio.model import Model, param
@@ -14,7 +15,6 @@ from gonio.parts.image import ImageLobes
 from gonio.parts.lobes import average, cos_power, shares
 from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
 from gonio.parts.roughness import at_most_blinn_phong
-from gonio.quadrature import NumericAlbedo
 
 
 class Blinn(Model):
