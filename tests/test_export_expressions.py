@@ -256,10 +256,13 @@ BREAKAGES: dict[str, tuple[int, Callable[[pytest.MonkeyPatch], None]]] = {
     ),
     "a wrong constant": (
         2,
-        lambda patch: patch.setattr(
-            "gonio.export.print_expressions.number",
-            lambda value, suffix: f"{value * 1.001!r}{suffix}",
-        ),
+        lambda patch: [
+            patch.setattr(
+                f"gonio.export.{module}.number",
+                lambda value, suffix: f"{value * 1.001!r}{suffix}",
+            )
+            for module in ("printer", "print_expressions")
+        ],
     ),
 }
 

@@ -588,7 +588,7 @@ def test_a_named_tuple_becomes_a_struct_with_its_names_and_descriptions(tmp_path
     for language in TARGETS:
         found = export({"mine": model}, language, only=["eval"])[0].source
         assert "// A lobe of light." in found
-        assert re.search(r"struct MineLobe \{", found)
+        assert re.search(r"struct MineLobe( : IDifferentiable)? \{", found)
         assert re.search(r"weight\b.*// How much$", found, re.M)
         assert re.search(r"made\.weight", found)
         assert "first" not in found
