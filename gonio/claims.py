@@ -136,12 +136,15 @@ class Claims:
     falls: tuple[str, ...] = ()
     """Parameters that lower the mean albedo, or leave it, when they grow."""
 
+    def known(self, promise: str, chosen: Mapping[str, str]) -> Known | None:
+        """The known departure with these options; None where the promise is kept."""
+        entries: tuple[Known, ...] = as_tuple(getattr(self, promise))
+        return next((entry for entry in entries if entry.applies(chosen)), None)
+
     def size(self, promise: str, chosen: Mapping[str, str]) -> float | None:
-        """The known size of a departure with these options; None where the promise is kept."""
-        for entry in as_tuple(getattr(self, promise)):
-            if entry.applies(chosen):
-                return float(entry.size)
-        return None
+        """Its size."""
+        entry = self.known(promise, chosen)
+        return None if entry is None else float(entry.size)
 
     def known_kinks(self, chosen: Mapping[str, str]) -> list[Kink]:
         """The kinks and jumps that a model with these options has."""

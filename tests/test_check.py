@@ -15,13 +15,23 @@ from hypothesis import strategies as st
 
 import gonio
 from gonio import check
-from gonio.check import energy, fuzz, hemisphere, sampling, statistics
+from gonio.check import continuity, energy, fuzz, hemisphere, sampling, statistics
+from gonio.check.continuity import find, find_in_parameters
 from gonio.check.kernels import evaluate
 from gonio.check.report import EFFORTS, FAIL, Finding, Report, judge, junit, table
 from gonio.check.search import maximise
 from gonio.check.subject import ModelSubject, cosine_at, directions
 from gonio.check.variants import part_of, value_at
-from gonio.claims import PROMISES, UNBOUNDED, Claims, as_tuple, at_most, dark_ring, white_furnace
+from gonio.claims import (
+    PROMISES,
+    UNBOUNDED,
+    Claims,
+    Place,
+    as_tuple,
+    at_most,
+    dark_ring,
+    white_furnace,
+)
 from gonio.fields import ModelError, Option, Parameter
 from gonio.lang import Sample, select
 from gonio.materials import model_file
@@ -210,6 +220,20 @@ def test_continuity_names_the_dark_ring_of_qon_and_no_other() -> None:
         found = findings(name, "continuity")
         assert DARK_RING not in found
         assert "kink at s = 0" in found
+
+
+def test_a_kink_that_passes_a_named_place_by_chance_has_not_its_name() -> None:
+    """V-cavities' lies elsewhere; on one of the paths it comes to 1e-5 of wi.wo = 0."""
+    found = find(ModelSubject(gonio.model("student_t")), QUICK.population // 4)
+    assert {f.kink.place for f in found} == {Place.EQUAL_COSINES, Place.ELSEWHERE}
+
+
+def test_a_rare_kink_is_looked_for_before_its_claim_is_refused() -> None:
+    """The first look misses the jump of flakes that are seen edge-on."""
+    subject = ModelSubject(gonio.model("car_paint", flake_cosine="light"))
+    effort = EFFORTS["normal"].less()
+    assert not find_in_parameters(subject, effort.population // 16)
+    assert not continuity.check(subject, effort).failed
 
 
 def test_smooth_models_have_no_kink_however_sharp_they_are() -> None:
@@ -424,6 +448,21 @@ def test_a_furnace_may_be_better_than_it_is_claimed() -> None:
 def test_with_something_fixed_a_claimed_error_is_an_upper_bound() -> None:
     metal = gonio.model("torrance_sparrow", alpha=0.3)
     assert not energy.check(ModelSubject(metal, frozenset({"alpha"})), QUICK).failed
+
+
+@pytest.mark.parametrize(
+    ("options", "verdict"), [({"variant": "eq24"}, "FAIL"), ({"variant": "eq23"}, "pass")]
+)
+def test_with_further_options_a_claimed_size_is_an_upper_bound(
+    options: dict[str, str], verdict: str
+) -> None:
+    """One that is made for an option is measured there, and one for none with the defaults."""
+
+    class Documented(gonio.models()["triace_oren_nayar"], register=False):  # type: ignore[misc]
+        claims = Claims(energy=(at_most(1.5, variant="eq24"), at_most(1.5)))
+
+    subject = ModelSubject(Documented(**options))
+    assert judge(subject, "energy", 1.0, limit=1.00001, ideal=1.0, effort=QUICK)[0] == verdict
 
 
 def test_the_first_size_that_fits_the_options_counts() -> None:

@@ -41,6 +41,7 @@ class MitsubaSubject:
     claims = Claims()
     claiming = False
     chosen: Mapping[str, str] = {}
+    varied: frozenset[str] = frozenset()
     isotropic = False  # not known beforehand
     whole = False
     float32 = True

@@ -52,7 +52,7 @@ class Size:
 
     size: float
     own: bool
-    """Whether the model itself documents it; that of an inner model is an upper bound only."""
+    """Whether the model itself documents it for these options alone; else it is an upper bound only."""
 
 
 class Subject(Protocol):
@@ -61,6 +61,8 @@ class Subject(Protocol):
     name: str
     parameters: tuple[FreeNumber, ...]
     chosen: Mapping[str, str]
+    varied: frozenset[str]
+    """Options that are not the defaults."""
     claims: Claims
     claiming: bool
     """Whether it says what it promises; a plug-in of others is measured all the same."""
@@ -165,6 +167,7 @@ class ModelSubject:
         self.claims = model.claims
         self.claiming = True
         self.chosen: Mapping[str, str] = _choices(model)
+        self.varied = frozenset(n for n, v in self.chosen.items() if v != model.fields[n].default)
         self.isotropic = model.isotropic and all(m.isotropic for m in inner_models(model))
         self.whole = not fixed
         self.float32 = False
@@ -214,11 +217,7 @@ class ModelSubject:
 
     def tag(self) -> str:
         """Options that are not the defaults, such as "sampler=ltc"."""
-        return ", ".join(
-            f"{name}={value}"
-            for name, value in self.chosen.items()
-            if value != self.model.fields[name].default
-        )
+        return ", ".join(f"{n}={v}" for n, v in self.chosen.items() if n in self.varied)
 
     def with_options(self, choice: Mapping[str, str]) -> ModelSubject:
         """The model with other options."""
@@ -226,7 +225,8 @@ class ModelSubject:
 
     def size(self, promise: str) -> Size | None:
         """The documented size of a departure, that of inner models included; None where it is promised."""
-        own = self.claims.size(promise, self.chosen)
+        known = self.claims.known(promise, self.chosen)
+        own = None if known is None else float(known.size)
         below = [
             size
             for inner in inner_models(self.model)
@@ -234,7 +234,9 @@ class ModelSubject:
         ]
         if own is None and not below:
             return None
-        return Size(max([*below, *([] if own is None else [own])]), own is not None and not below)
+        # What other options do to it nobody has said
+        exact = known is not None and self.varied <= set(known.options) and not below
+        return Size(max([*below, *([] if own is None else [own])]), exact)
 
     def kinks(self) -> list[tuple[Kink, bool]]:
         """Documented kinks, and whether the model itself documents them."""

@@ -20,6 +20,7 @@ class ForeignSubject:
     claims = Claims()
     claiming = False
     chosen: Mapping[str, str] = {}
+    varied: frozenset[str] = frozenset()
     isotropic = False  # not known beforehand
     whole = False
     float32 = True

@@ -14,7 +14,7 @@ Those of D, G and F are named in gonio.parts.distribution, masking and fresnel.
 from typing import Any
 
 from gonio.albedos.quadrature import NumericAlbedo
-from gonio.claims import Claims, Place, at_most, kink, white_furnace
+from gonio.claims import Claims, Place, at_most, jump, kink, white_furnace
 from gonio.fields import ModelError
 from gonio.lang import (
     INV_PI,
@@ -65,6 +65,9 @@ SHARE_MIN = 0.05
 
 # Cook and Torrance's V-shaped grooves, and Kelemen's short form: they show facets that Smith's hide.
 GROOVES = ("cook_torrance", "kelemen")
+
+# Distributions that smith_walter fits Beckmann's masking for; GGX has its own.
+FITTED = ("beckmann", "blinn_phong", "gaussian")
 
 
 class TorranceSparrow(Model):
@@ -159,6 +162,8 @@ class TorranceSparrow(Model):
         kinks=(
             kink(Place.EQUAL_COSINES, masking=("cook_torrance", "neumann")),
             kink(Place.ELSEWHERE, masking="cook_torrance"),
+            # Walter's fit reaches 1.00006 where it ends
+            jump(Place.ELSEWHERE, masking="smith_walter", distribution=FITTED),
         ),
         furnace=(
             white_furnace(

@@ -25,6 +25,10 @@ from gonio.parts.frame import cos_half, sin2_half
 # It is reached at the edge of total internal reflection, where the true derivative is infinite.
 ROOT_MIN = 1e-16
 
+# A trace of absorption, which keeps a conductor's roots from 0: its square is just within a float32. The
+# trace itself reflects where the index is matched in the horizon, by (ABSORPTION_MIN / (2 mu^2))^2.
+ABSORPTION_MIN = 1e-19
+
 # Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
 NEAR_NORMAL = 0.75
 
@@ -83,8 +87,7 @@ def F_conductor_half(cos_h: Float, sin2_h: Float, eta: Color, k: Color) -> Color
     """Exact reflectance of a conductor, eta + i k, at a facet, from both `cos_half` and `sin2_half`."""
     # As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     c = cos_h
-    # A trace of absorption keeps the roots below from 0
-    contrast_re, half_im = (eta - 1) * (eta + 1) - k * k, eta * k + ROOT_MIN
+    contrast_re, half_im = (eta - 1) * (eta + 1) - k * k, eta * k + ABSORPTION_MIN
     c2 = c * c
     # The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
     near = cos_h > NEAR_NORMAL
@@ -188,7 +191,7 @@ def split_conductor(cos_theta: Float, eta: Color, k: Color) -> Split:
     # With eps = (eta + i k)^2 and g^2 = eps - 1 + c^2: 1 - R_s = 4 c Re(g) / |c + g|^2, and 1 - R_p is
     # 4 c Re(conj(g) eps) / |eps c + g|^2. The roots are those of F.
     c = cos_theta
-    contrast_re, half_im = (eta - 1) * (eta + 1) - k * k, eta * k + ROOT_MIN
+    contrast_re, half_im = (eta - 1) * (eta + 1) - k * k, eta * k + ABSORPTION_MIN
     eps_re, eps_im = (eta - k) * (eta + k), 2 * half_im
     c2, sin2 = c * c, _sin2(c)
     w_re = contrast_re + c2

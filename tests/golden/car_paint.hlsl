@@ -192,16 +192,15 @@ float car_paint_refracted_sin2_half(float3 wi, float3 wo, float excess) {
 
 // Exact reflectance of a conductor, eta + i k, at a facet, from both car_paint_cos_half and `sin2_half`.
 float3 car_paint_F_conductor_half(float cos_h, float sin2_h, float3 eta, float3 k) {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
-    // is reached at the edge of total internal reflection, where the true derivative is infinite.
-    const float ROOT_MIN = 1.0e-16;
+    // A trace of absorption, which keeps a conductor's roots from 0: its square is just within a float32. The
+    // trace itself reflects where the index is matched in the horizon, by (ABSORPTION_MIN / (2 mu^2))^2.
+    const float ABSORPTION_MIN = 1.0e-19;
     // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
     const float NEAR_NORMAL = 0.75;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     float c = cos_h;
-    // A trace of absorption keeps the roots below from 0
     float3 contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
-    float3 half_im = eta * k + ROOT_MIN;
+    float3 half_im = eta * k + ABSORPTION_MIN;
     float c2 = c * c;
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
     bool near = cos_h > NEAR_NORMAL;

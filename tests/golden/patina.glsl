@@ -97,16 +97,15 @@ float patina_sin2_half(vec3 wi, vec3 wo) {
 
 // Exact reflectance of a conductor, eta + i k, at a facet, from both patina_cos_half and patina_sin2_half.
 vec3 patina_F_conductor_half(float cos_h, float sin2_h, vec3 eta, vec3 k) {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
-    // is reached at the edge of total internal reflection, where the true derivative is infinite.
-    const float ROOT_MIN = 1.0e-16;
+    // A trace of absorption, which keeps a conductor's roots from 0: its square is just within a float32. The
+    // trace itself reflects where the index is matched in the horizon, by (ABSORPTION_MIN / (2 mu^2))^2.
+    const float ABSORPTION_MIN = 1.0e-19;
     // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
     const float NEAR_NORMAL = 0.75;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     float c = cos_h;
-    // A trace of absorption keeps the roots below from 0
     vec3 contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
-    vec3 half_im = eta * k + ROOT_MIN;
+    vec3 half_im = eta * k + ABSORPTION_MIN;
     float c2 = c * c;
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
     bool near = cos_h > NEAR_NORMAL;
@@ -210,12 +209,12 @@ float patina_sin2(float cos_theta) {
 
 // `F_conductor` of what is denser than the medium above, and 1 - F, exact where it nearly vanishes.
 PatinaSplit patina_split_conductor(float cos_theta, vec3 eta, vec3 k) {
-    const float ROOT_MIN = 1.0e-16;
+    const float ABSORPTION_MIN = 1.0e-19;
     // With eps = (eta + i k)^2 and g^2 = eps - 1 + c^2: 1 - R_s = 4 c Re(g) / |c + g|^2, and 1 - R_p is 4 c
     // Re(conj(g) eps) / |eps c + g|^2. The roots are those of F.
     float c = cos_theta;
     vec3 contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
-    vec3 half_im = eta * k + ROOT_MIN;
+    vec3 half_im = eta * k + ABSORPTION_MIN;
     vec3 eps_re = (eta - k) * (eta + k);
     vec3 eps_im = 2.0 * half_im;
     float c2 = c * c;

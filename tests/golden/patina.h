@@ -131,9 +131,9 @@ inline Vec3 exp(Vec3 a) {
     return Vec3{expf(a.x), expf(a.y), expf(a.z)};
 }
 
-// Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
-// is reached at the edge of total internal reflection, where the true derivative is infinite.
-constexpr float ROOT_MIN = 1.0e-16f;
+// A trace of absorption, which keeps a conductor's roots from 0: its square is just within a float32. The
+// trace itself reflects where the index is matched in the horizon, by (ABSORPTION_MIN / (2 mu^2))^2.
+constexpr float ABSORPTION_MIN = 1.0e-19f;
 // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
 constexpr float NEAR_NORMAL = 0.75f;
 constexpr float two_pi = 6.2831855f;
@@ -247,9 +247,8 @@ inline float patina_sin2_half(Vec3 wi, Vec3 wo) {
 inline Vec3 patina_F_conductor_half(float cos_h, float sin2_h, Vec3 eta, Vec3 k) {
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     float c = cos_h;
-    // A trace of absorption keeps the roots below from 0
     Vec3 contrast_re = (eta - 1.0f) * (eta + 1.0f) - k * k;
-    Vec3 half_im = eta * k + ROOT_MIN;
+    Vec3 half_im = eta * k + ABSORPTION_MIN;
     float c2 = c * c;
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
     bool near = cos_h > NEAR_NORMAL;
@@ -356,7 +355,7 @@ inline PatinaSplit patina_split_conductor(float cos_theta, Vec3 eta, Vec3 k) {
     // Re(conj(g) eps) / |eps c + g|^2. The roots are those of F.
     float c = cos_theta;
     Vec3 contrast_re = (eta - 1.0f) * (eta + 1.0f) - k * k;
-    Vec3 half_im = eta * k + ROOT_MIN;
+    Vec3 half_im = eta * k + ABSORPTION_MIN;
     Vec3 eps_re = (eta - k) * (eta + k);
     Vec3 eps_im = 2.0f * half_im;
     float c2 = c * c;

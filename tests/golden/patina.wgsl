@@ -97,16 +97,15 @@ fn patina_sin2_half(wi: vec3f, wo: vec3f) -> f32 {
 
 // Exact reflectance of a conductor, eta + i k, at a facet, from both patina_cos_half and patina_sin2_half.
 fn patina_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3f) -> vec3f {
-    // Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
-    // is reached at the edge of total internal reflection, where the true derivative is infinite.
-    const ROOT_MIN = 1.0e-16;
+    // A trace of absorption, which keeps a conductor's roots from 0: its square is just within a float32. The
+    // trace itself reflects where the index is matched in the horizon, by (ABSORPTION_MIN / (2 mu^2))^2.
+    const ABSORPTION_MIN = 1.0e-19;
     // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
     const NEAR_NORMAL = 0.75;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     let c = cos_h;
-    // A trace of absorption keeps the roots below from 0
     let contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
-    let half_im = eta * k + ROOT_MIN;
+    let half_im = eta * k + ABSORPTION_MIN;
     let c2 = c * c;
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
     let near = cos_h > NEAR_NORMAL;
@@ -210,12 +209,12 @@ fn patina_sin2(cos_theta: f32) -> f32 {
 
 // `F_conductor` of what is denser than the medium above, and 1 - F, exact where it nearly vanishes.
 fn patina_split_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> PatinaSplit {
-    const ROOT_MIN = 1.0e-16;
+    const ABSORPTION_MIN = 1.0e-19;
     // With eps = (eta + i k)^2 and g^2 = eps - 1 + c^2: 1 - R_s = 4 c Re(g) / |c + g|^2, and 1 - R_p is 4 c
     // Re(conj(g) eps) / |eps c + g|^2. The roots are those of F.
     let c = cos_theta;
     let contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
-    let half_im = eta * k + ROOT_MIN;
+    let half_im = eta * k + ABSORPTION_MIN;
     let eps_re = (eta - k) * (eta + k);
     let eps_im = 2.0 * half_im;
     let c2 = c * c;

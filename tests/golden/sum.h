@@ -124,9 +124,9 @@ inline Vec3 sqrt(Vec3 a) {
 constexpr float two_pi = 6.2831855f;
 constexpr float inv_pi = 0.31830987f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
-// Smallest value whose square root is taken: the root's derivative, 5e7, still leaves room in a float32. It
-// is reached at the edge of total internal reflection, where the true derivative is infinite.
-constexpr float ROOT_MIN = 1.0e-16f;
+// A trace of absorption, which keeps a conductor's roots from 0: its square is just within a float32. The
+// trace itself reflects where the index is matched in the horizon, by (ABSORPTION_MIN / (2 mu^2))^2.
+constexpr float ABSORPTION_MIN = 1.0e-19f;
 // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
 constexpr float NEAR_NORMAL = 0.75f;
 // Added to the first lobe's weight, so that two black lobes still leave something to choose and the
@@ -224,9 +224,8 @@ inline float sum_sin2_half(Vec3 wi, Vec3 wo) {
 inline Vec3 sum_F_conductor_half(float cos_h, float sin2_h, Vec3 eta, Vec3 k) {
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     float c = cos_h;
-    // A trace of absorption keeps the roots below from 0
     Vec3 contrast_re = (eta - 1.0f) * (eta + 1.0f) - k * k;
-    Vec3 half_im = eta * k + ROOT_MIN;
+    Vec3 half_im = eta * k + ABSORPTION_MIN;
     float c2 = c * c;
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
     bool near = cos_h > NEAR_NORMAL;
