@@ -625,6 +625,7 @@ class TorranceSparrow(Model):
             1.44204)
         k: extinction, the imaginary part of the index; not for dielectric; 0 to 20, default
             (3.98299, 2.38556, 1.60336)
+        rho: albedo of the matte part below; only with diffuse; 0 to 1, default (0.5, 0.5, 0.5)
         f0: reflectance at normal incidence; only for schlick; 0 to 1, default (0.9, 0.9, 0.9)
         f90: reflectance at grazing incidence; only for schlick; 0 to 1, default (1, 1, 1)
         distribution: D: how the facets are tilted; Blinn-Phong's exponent is 2 / alpha^2 - 2;
@@ -636,6 +637,8 @@ class TorranceSparrow(Model):
             'conductor', 'dielectric', 'schlick', 'lazanyi', 'white'; default 'conductor'
         compensation: puts back what facets reflect more than once; for ggx with smith_correlated;
             'none', 'kulla_conty', 'turquin'; default 'none'
+        diffuse: a matte part below, with what F at the half vector leaves it; not with a
+            compensation; 'none', 'lambert'; default 'none'
     """
 
     def __init__(
@@ -645,23 +648,27 @@ class TorranceSparrow(Model):
         anisotropy: _Number = 0.0,
         eta: _Color = (0.143037, 0.375306, 1.44204),
         k: _Color = (3.98299, 2.38556, 1.60336),
+        rho: _Color = (0.5, 0.5, 0.5),
         f0: _Color = (0.9, 0.9, 0.9),
         f90: _Color = (1.0, 1.0, 1.0),
         distribution: Literal["ggx", "beckmann", "blinn_phong", "gaussian"] = "ggx",
         masking: Literal["smith_correlated", "smith", "smith_walter", "cook_torrance", "kelemen", "neumann", "implicit", "schlick_ggx", "schlick_beckmann"] = "smith_correlated",
         fresnel: Literal["conductor", "dielectric", "schlick", "lazanyi", "white"] = "conductor",
         compensation: Literal["none", "kulla_conty", "turquin"] = "none",
+        diffuse: Literal["none", "lambert"] = "none",
     ) -> None: ...
     alpha: Any
     anisotropy: Any
     eta: Any
     k: Any
+    rho: Any
     f0: Any
     f90: Any
     distribution: Literal["ggx", "beckmann", "blinn_phong", "gaussian"]
     masking: Literal["smith_correlated", "smith", "smith_walter", "cook_torrance", "kelemen", "neumann", "implicit", "schlick_ggx", "schlick_beckmann"]
     fresnel: Literal["conductor", "dielectric", "schlick", "lazanyi", "white"]
     compensation: Literal["none", "kulla_conty", "turquin"]
+    diffuse: Literal["none", "lambert"]
 
 class TriAceBlinnPhong(Model):
     """Lambert under a Blinn-Phong highlight with Schlick's Fresnel. Reciprocal.

@@ -245,7 +245,12 @@ def torrance_sparrow(m, p, wi, wo):
     """F D G / (4 mu_i mu_o), Torrance & Sparrow 1967, Cook & Torrance 1982."""
     h = half_vector(m, wi, wo)
     factor = DISTRIBUTIONS[p["distribution"]](m, p, h) * masking(m, p, wi, wo, h)
-    return [f * factor / (4 * wi[2] * wo[2]) for f in fresnel(m, p, dot(wo, h))]
+    single = [f * factor / (4 * wi[2] * wo[2]) for f in fresnel(m, p, dot(wo, h))]
+    if p.get("diffuse") != "lambert":
+        return single
+    # Elek 2010, Algorithm 1, line 23, whose light carries a factor pi
+    matte = [r * (1 - f) / m.pi for r, f in zip(p["rho"], fresnel(m, p, dot(wo, h)), strict=True)]
+    return [s + d for s, d in zip(single, matte, strict=True)]
 
 
 def torrance_sparrow_pdf(p, wi, wo):
@@ -903,6 +908,34 @@ def rough_rows():
             yield row("triace_blinn_phong", p, wi, wo, "eval", value, found_by)
 
 
+def matte_rows():
+    """Facets over a matte part: values for every F, and an albedo for each."""
+    pairs, views = itertools.cycle(PAIRS), itertools.cycle(VIEWS)
+    for law, (distribution, kind) in zip(
+        FRESNELS,
+        [
+            ("beckmann", "cook_torrance"),
+            ("ggx", "smith_correlated"),
+            ("blinn_phong", "smith"),
+            ("gaussian", "cook_torrance"),
+            ("ggx", "smith"),
+        ],
+        strict=True,
+    ):
+        options = {"distribution": distribution, "masking": kind, "fresnel": law}
+        p = {"alpha": 0.3, **FRESNEL_SETS[law][0], **options, "diffuse": "lambert", "rho": CLAY}
+        publications = ["elek2010 Algorithm 1 line 23", *facet_sources(p)]
+        for _ in range(4):
+            wi, wo = next(pairs)
+            value = torrance_sparrow(Exact, exact(p), exact(wi), exact(wo))
+            found_by = source(BY_FORMULA, publications, HERE, "matte_rows")
+            yield row("torrance_sparrow", p, wi, wo, "eval", value, found_by)
+        wo = next(views)
+        value = albedo(torrance_sparrow, p, wo, kinks_of("torrance_sparrow", p))
+        found_by = source(BY_QUADRATURE, publications, HERE, "matte_rows")
+        yield row("torrance_sparrow", p, None, wo, "albedo", value, found_by)
+
+
 ROUNDED_TRIACE = {1.0: "0.36", 10.0: "0.73", 50.0: "0.93", 100.0: "0.96"}
 ROUNDED_BECKMANN = "0.996"
 
@@ -980,6 +1013,7 @@ def main():
     rows += pdf_rows()
     rows += rough_rows()
     rows += blinn_rows()
+    rows += matte_rows()
     path = pathlib.Path(__file__).with_name("anchors_specular.csv")
     with path.open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")

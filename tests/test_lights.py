@@ -95,6 +95,7 @@ HIGHLIGHTS = {
     "disney:subsurface=1,roughness=0.7": FIT,
     "torrance_sparrow:fresnel=schlick,compensation=kulla_conty": TABLE,
     "torrance_sparrow:fresnel=white,compensation=turquin": TABLE,
+    "torrance_sparrow:fresnel=schlick,f0=0.1,f90=0.7,diffuse=lambert,rho=0.8": TABLE,
     "torrance_sparrow": ONE_COSINE / 3,
     "torrance_sparrow:fresnel=dielectric,eta=1.5": ONE_COSINE,
 }

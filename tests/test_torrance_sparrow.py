@@ -190,6 +190,8 @@ def test_compensation_is_refused_where_it_was_not_made_for() -> None:
         TorranceSparrow(compensation="turquin", distribution="beckmann")
     with pytest.raises(gonio.ModelError, match="got 'ggx' with 'smith'"):
         TorranceSparrow(compensation="kulla_conty", masking="smith")
+    with pytest.raises(gonio.ModelError, match="nothing below them, got diffuse='lambert'"):
+        TorranceSparrow(compensation="turquin", diffuse="lambert")
 
 
 def test_dark_facets_darken_more_when_light_meets_them_again() -> None:

@@ -7,7 +7,8 @@ Torrance, Sparrow, "Theory for off-specular reflection from roughened surfaces",
 Cook, Torrance, "A reflectance model for computer graphics", 1982;
 Walter et al., "Microfacet models for refraction through rough surfaces", EGSR 2007;
 Kulla, Conty, "Revisiting physically based shading at Imageworks", SIGGRAPH 2017 course;
-Turquin, "Practical multiple scattering compensation for microfacet models", 2019.
+Turquin, "Practical multiple scattering compensation for microfacet models", 2019;
+Elek, "Layered materials in real-time rendering", CESCG 2010, Algorithm 1: a matte part below.
 Those of D, G and F are named in gonio.parts.distribution, masking and fresnel.
 """
 
@@ -24,12 +25,15 @@ from gonio.lang import (
     Vec2,
     Vec3,
     clamp,
+    lerp,
+    minimum,
     select,
     sqrt,
     vec2,
 )
 from gonio.model import Model, option, param
 from gonio.parts import distribution, frame, fresnel, ggx_loss, masking
+from gonio.parts.coat import usual_cos_half
 from gonio.parts.distribution import (
     ALPHA_MIN,
     GGX,
@@ -40,9 +44,9 @@ from gonio.parts.distribution import (
     RoundGGX,
     pdf_visible,
 )
-from gonio.parts.hemisphere import pdf_grazing, sample_grazing
-from gonio.parts.image import ImageLobes, facet_cosine, schlick_albedo
-from gonio.parts.lobes import pdf_ggx_lobe, sample_ggx_lobe
+from gonio.parts.hemisphere import pdf_cosine, pdf_grazing, sample_cosine, sample_grazing
+from gonio.parts.image import ImageLobes, facet_cosine, lost_at_facets, schlick_albedo
+from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, shares
 from gonio.parts.metals import metal
 from gonio.parts.roughness import at_least_alpha
 
@@ -90,6 +94,7 @@ class TorranceSparrow(Model):
     k: Color = param(
         GOLD["k"], 0, 20, "extinction, the imaginary part of the index; not for dielectric"
     )
+    rho: Color = param((0.5, 0.5, 0.5), 0, 1, "albedo of the matte part below; only with diffuse")
     f0: Color = param((0.9, 0.9, 0.9), 0, 1, "reflectance at normal incidence; only for schlick")
     f90: Color = param((1, 1, 1), 0, 1, "reflectance at grazing incidence; only for schlick")
     distribution: str = option(
@@ -125,6 +130,11 @@ class TorranceSparrow(Model):
         "turquin",
         doc="puts back what facets reflect more than once; for ggx with smith_correlated",
     )
+    diffuse: str = option(
+        "none",
+        "lambert",
+        doc="a matte part below, with what F at the half vector leaves it; not with a compensation",
+    )
     caveats = (
         "Loses what facets reflect more than once: white GGX of alpha 1 reflects 31 % at the normal. "
         "compensation='kulla_conty' or 'turquin' puts it back to 0.4 %.",
@@ -134,11 +144,18 @@ class TorranceSparrow(Model):
         "Reflects more than it receives with maskings that do not belong to the distribution, up to: "
         "schlick_ggx 2.99, schlick_beckmann 1.83, neumann 1.58; with Beckmann's masking for other facets, "
         "blinn_phong 1.78, gaussian 1.08.",
+        "diffuse='lambert' gains at grazing angles: 1 - F at the half vector leaves nearly all of the "
+        "matte part beside the highlight. White under smooth facets reaches 2.0; with "
+        "schlick_ggx 3.92, with schlick_beckmann 2.77.",
         "The compensations do not know of the stretch: anisotropic facets gain up to 8 % (kulla_conty) "
         "and 9 % (turquin).",
     )
     claims = Claims(
         energy=(
+            # What facets reflect, and nearly all of the matte part beside it
+            at_most(3.995, diffuse="lambert", masking="schlick_ggx"),
+            at_most(2.829, diffuse="lambert", masking="schlick_beckmann"),
+            at_most(2.02, diffuse="lambert"),
             at_most(1.778, distribution="blinn_phong"),
             at_most(1.084, distribution="gaussian"),
             at_most(1.582, masking="neumann"),
@@ -174,13 +191,18 @@ class TorranceSparrow(Model):
     )
 
     def __init__(self, **given: Any) -> None:
-        """As every model; also refuses a compensation that was not made for the chosen D and G."""
+        """As every model; also refuses a compensation for what it was not made for."""
         super().__init__(**given)
         made_for = self.distribution == "ggx" and self.masking == "smith_correlated"
         if self.compensation != "none" and not made_for:
             raise ModelError(
                 f"{self.name}: compensation={self.compensation!r} is made for distribution='ggx' with "
                 f"masking='smith_correlated', got {self.distribution!r} with {self.masking!r}."
+            )
+        if self.compensation != "none" and self.diffuse != "none":
+            raise ModelError(
+                f"{self.name}: compensation={self.compensation!r} is made for facets with nothing below "
+                f"them, got diffuse={self.diffuse!r}; leave one of the two at 'none'."
             )
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
@@ -198,6 +220,9 @@ class TorranceSparrow(Model):
             # Turquin, Eq. 16
             lost = ggx_loss.loss(wo.z, self.alpha)
             return single * (1 + self._F(1, 0) * (lost / (1 - lost)))
+        if self.diffuse == "lambert":
+            # Elek, Algorithm 1, line 23
+            return single + self.rho * (INV_PI * self._T(cos_h, frame.sin2_half(wi, wo)))
         return single
 
     def highlight(self, wi: Vec3, wo: Vec3) -> Float:
@@ -221,12 +246,17 @@ class TorranceSparrow(Model):
         return single
 
     def image_lobes(self, mu: Float) -> ImageLobes:
-        """The highlight, for light from pictures."""
+        """The highlight and the diffuse part, for light from pictures."""
         a = self.slope_widths()
-        return ImageLobes(sqrt(a.x * a.y), 0)
+        alpha = sqrt(a.x * a.y)
+        if self.diffuse == "lambert":
+            # As if F went from the normal to grazing angles by Schlick's weight
+            lost = lost_at_facets(mu)
+            return ImageLobes(alpha, self.rho * lerp(self._T(1, 0), self._T(0, 1), lost))
+        return ImageLobes(alpha, 0)
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
-        """Visible normals where the masking has them, else normals; a grazing lobe for Kulla-Conty."""
+        """Visible normals where the masking has them, else normals; with lobes for what is added."""
         if self.compensation == "kulla_conty":
             share = self._diffuse_share(wo)
             diffuse = u.x < share
@@ -234,6 +264,9 @@ class TorranceSparrow(Model):
             facet = self._sample_facets(wo, vec2(u1, u.y))
             lost = sample_grazing(LOST_WIDTH * self.alpha, vec2(u1, u.y))
             wi = select(diffuse, lost, facet)
+        elif self.diffuse == "lambert":
+            matte, v = choose(self._shares(wo).x, u)
+            wi = select(matte, sample_cosine(v), self._sample_facets(wo, v))
         else:
             wi = self._sample_facets(wo, u)
         return Sample(wi, self.pdf(wi, wo))
@@ -245,6 +278,9 @@ class TorranceSparrow(Model):
             share = self._diffuse_share(wo)
             lost = pdf_grazing(wi, LOST_WIDTH * self.alpha)
             return share * lost + (1 - share) * specular
+        if self.diffuse == "lambert":
+            P = self._shares(wo)
+            return P.x * pdf_cosine(wi) + P.y * specular
         return specular
 
     def facet_terms(self, wi: Vec3, wo: Vec3) -> dict[str, Float]:
@@ -314,6 +350,18 @@ class TorranceSparrow(Model):
             return fresnel.F_lazanyi(cos_h, self.eta, self.k)
         return 1
 
+    def _T(self, cos_h: Float, sin2_h: Float) -> Color:
+        """1 - F."""
+        if self.fresnel == "conductor":
+            return fresnel.transmittance_conductor_half(cos_h, sin2_h, self.eta, self.k)
+        if self.fresnel == "dielectric":
+            return fresnel.transmittance_half(cos_h, sin2_h, self.eta)
+        if self.fresnel == "schlick":
+            return fresnel.transmittance_schlick(cos_h, self.f0, self.f90)
+        if self.fresnel == "lazanyi":
+            return fresnel.transmittance_lazanyi_conductor(minimum(cos_h, 1), self.eta, self.k)
+        return 0
+
     def _F_mean(self) -> Color:
         """Mean of F over the hemisphere, by Gauss's rule."""
         F_1, F_2 = self._F(MU_1, 1 - MU_1 * MU_1), self._F(MU_2, 1 - MU_2 * MU_2)
@@ -324,6 +372,12 @@ class TorranceSparrow(Model):
         F = self._F_mean()
         lost = ggx_loss.mean_loss(self.alpha)
         return F * F * (1 - lost) / (1 - F * lost)
+
+    def _shares(self, wo: Vec3) -> Vec2:
+        """Probabilities of the matte part and of the facets."""
+        mu, c = wo.z, usual_cos_half(wo)
+        reflected = self._F(mu, (1 - mu) * (1 + mu))
+        return shares(average(self.rho * self._T(c, (1 - c) * (1 + c))), average(reflected))
 
     def _diffuse_share(self, wo: Vec3) -> Float:
         """How many samples the compensation gets: as much as it reflects of white."""

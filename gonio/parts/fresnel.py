@@ -165,6 +165,40 @@ def transmittance(mu: Float, eta: Float) -> Float:
     return select(refracted_cos2(mu, eta) > ROOT_MIN, transmittance_entering(mu, eta), 0)
 
 
+def transmittance_schlick(cos_theta: Float, f0: Color, f90: Color) -> Color:
+    """1 - F_schlick, without its cancellation."""
+    c = minimum(cos_theta, 1)
+    return (1 - f0) * schlick_complement(c) + (1 - f90) * schlick_weight(c)
+
+
+def transmittance_half(cos_h: Float, sin2_h: Float, eta: Color) -> Color:
+    """1 - F_dielectric_half, exact where it nearly vanishes."""
+    c = cos_h
+    g2 = select(c > NEAR_NORMAL, eta * eta - sin2_h, refracted_cos2(c, eta))
+    g = sqrt(maximum(g2, ROOT_MIN))
+    s, q = c + g, c * g + sin2_h
+    # As in `transmittance_entering`; one quotient after the other, for small indices in the horizon
+    T = 2 * c * g / (s * s) * (1 + eta / q * (eta / q))
+    return select(g2 > ROOT_MIN, T, 0)
+
+
+def transmittance_conductor_half(cos_h: Float, sin2_h: Float, eta: Color, k: Color) -> Color:
+    """1 - F_conductor_half, exact where it nearly vanishes."""
+    # The roots are those of F_conductor_half, the sum is that of `split_conductor`
+    c = cos_h
+    contrast_re, half_im = (eta - 1) * (eta + 1) - k * k, eta * k + ROOT_MIN
+    eps_re, im = (eta - k) * (eta + k), 2 * half_im
+    near = c > NEAR_NORMAL
+    w_re = select(near, eps_re, contrast_re) + select(near, -sin2_h, c * c)
+    w_abs = sqrt(w_re * w_re + im * im)
+    large = sqrt(0.5 * (w_abs + absolute(w_re)))
+    small = half_im / large
+    g_re, g_im = select(w_re > 0, large, small), select(w_re > 0, small, large)
+    p_re, p_im = eps_re * c + g_re, im * c + g_im
+    T_s = g_re / (c * c + w_abs + 2 * c * g_re)
+    return 2 * c * (T_s + (eps_re * g_re + im * g_im) / (p_re * p_re + p_im * p_im))
+
+
 def transmittance_lazanyi(cos_theta: Float, eta: Float) -> Float:
     """1 - F of Lazányi's approximation, which is Schlick's for a dielectric."""
     above = eta + 1

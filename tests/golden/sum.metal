@@ -18,7 +18,8 @@
 // Cook, Torrance, "A reflectance model for computer graphics", 1982;
 // Walter et al., "Microfacet models for refraction through rough surfaces", EGSR 2007;
 // Kulla, Conty, "Revisiting physically based shading at Imageworks", SIGGRAPH 2017 course;
-// Turquin, "Practical multiple scattering compensation for microfacet models", 2019.
+// Turquin, "Practical multiple scattering compensation for microfacet models", 2019;
+// Elek, "Layered materials in real-time rendering", CESCG 2010, Algorithm 1: a matte part below.
 // Those of D, G and F are named in gonio.parts.distribution, masking and fresnel.
 //
 // Metal, made by gonio from gonio/models/sum.py, gonio/models/lambert.py, gonio/models/torrance_sparrow.py.
@@ -44,7 +45,7 @@ struct SumFirst {
 
 // Parameters of torrance_sparrow: Rough metal, or the reflection of a rough dielectric. Reciprocal; loses
 // energy when rough. Exported with distribution='ggx', masking='smith_correlated', fresnel='conductor',
-// compensation='none'.
+// compensation='none', diffuse='none'.
 struct SumSecond {
     // width of the facets' slopes: GGX's alpha, Beckmann's m; 0.0001 to 1, default 0.3
     float alpha;
@@ -336,7 +337,7 @@ inline float sum_second_pdf(SumSecond params, float3 wi, float3 wo) {
     return specular;
 }
 
-// Visible normals where the masking has them, else normals; a grazing lobe for Kulla-Conty.
+// Visible normals where the masking has them, else normals; with lobes for what is added.
 inline SumSample sum_second_sample(SumSecond params, float3 wo, float2 u) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z <= mu_min) {  // in the horizon or below

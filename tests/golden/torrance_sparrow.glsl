@@ -8,7 +8,8 @@
 // Cook, Torrance, "A reflectance model for computer graphics", 1982;
 // Walter et al., "Microfacet models for refraction through rough surfaces", EGSR 2007;
 // Kulla, Conty, "Revisiting physically based shading at Imageworks", SIGGRAPH 2017 course;
-// Turquin, "Practical multiple scattering compensation for microfacet models", 2019.
+// Turquin, "Practical multiple scattering compensation for microfacet models", 2019;
+// Elek, "Layered materials in real-time rendering", CESCG 2010, Algorithm 1: a matte part below.
 // Those of D, G and F are named in gonio.parts.distribution, masking and fresnel.
 //
 // GLSL 4.5, made by gonio from gonio/models/torrance_sparrow.py.
@@ -24,8 +25,9 @@ struct TorranceSparrowSample {
 };
 
 // torrance_sparrow: Rough metal, or the reflection of a rough dielectric. Reciprocal; loses energy when
-// rough. Exported with distribution='ggx', masking='smith_correlated', fresnel='conductor',
-// compensation='none'.
+// rough.
+// Exported with distribution='ggx', masking='smith_correlated', fresnel='conductor', compensation='none',
+// diffuse='none'.
 struct TorranceSparrow {
     // width of the facets' slopes: GGX's alpha, Beckmann's m; 0.0001 to 1, default 0.3
     float alpha;
@@ -231,7 +233,7 @@ float torrance_sparrow_pdf(TorranceSparrow params, vec3 wi, vec3 wo) {
     return specular;
 }
 
-// Visible normals where the masking has them, else normals; a grazing lobe for Kulla-Conty.
+// Visible normals where the masking has them, else normals; with lobes for what is added.
 TorranceSparrowSample torrance_sparrow_sample(TorranceSparrow params, vec3 wo, vec2 u) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z <= mu_min) {  // in the horizon or below
