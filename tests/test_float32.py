@@ -16,7 +16,7 @@ import gonio
 from gonio import reference
 from gonio.claims import UNBOUNDED
 from gonio.fields import ModelError
-from gonio.parts import lobes, masking
+from gonio.parts import fresnel, lobes, masking
 
 COUNT = 1 << 14
 
@@ -272,6 +272,36 @@ def test_below_where_derivatives_end_values_go_on() -> None:
         # D = 1 / (pi alpha^2 (1 + tan^2 / alpha^2)^2), whose slope is half the width here; G = 1
         peak = 1 / (np.pi * 1e-8) / 1.25**2 * 0.25
         assert value[0] * mu * mu == pytest.approx(peak, rel=1e-3)
+
+
+def matched_slopes() -> tuple[float, float]:
+    """By cosine and absorption: a highlight of 1e21 times F, for an index of 1 that hardly absorbs."""
+    c, k = Float(1.2e-7), Array3f(1e-12)
+    dr.enable_grad(c, k)
+    dr.backward(1e21 * Array3f(fresnel.F_conductor(c, Array3f(1), k)).x)
+    return float(dr.grad(c)[0]), float(dr.grad(k).x[0])
+
+
+def test_a_matched_conductor_in_the_horizon_keeps_its_derivatives(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Against Fresnel's equations in 60 digits; squares and their root would leave a float32."""
+    mp.dps = 60
+    cosine, absorption = mp.mpf(float(np.float32(1.2e-7))), mp.mpf(float(np.float32(1e-12)))
+
+    def F(c: Any, k: Any) -> Any:
+        eps = (1 + 1j * k) ** 2
+        g = mp.sqrt(eps - 1 + c * c)
+        r_s, r_p = (c - g) / (c + g), (eps * c - g) / (eps * c + g)
+        return 1e21 * (abs(r_s) ** 2 + abs(r_p) ** 2) / 2
+
+    by_cosine = mp.diff(lambda c: F(c, absorption), cosine, h=mp.mpf("1e-20"))
+    by_absorption = mp.diff(lambda k: F(cosine, k), absorption, h=mp.mpf("1e-25"))
+    # Both are sums of terms that cancel to a tenth
+    expected = pytest.approx((float(by_cosine), float(by_absorption)), rel=10 * SINGLE_PROMISED)
+    assert matched_slopes() == expected
+    monkeypatch.setattr(fresnel, "_size", lambda re, im: dr.sqrt(re * re + im * im))
+    assert not np.isfinite(matched_slopes()).all()
 
 
 def test_two_black_lobes_without_a_slope_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:

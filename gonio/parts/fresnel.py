@@ -25,8 +25,8 @@ from gonio.parts.frame import cos_half, sin2_half
 # It is reached at the edge of total internal reflection, where the true derivative is infinite.
 ROOT_MIN = 1e-16
 
-# A trace of absorption, which keeps a conductor's roots from 0: its square is just within a float32. The
-# trace itself reflects where the index is matched in the horizon, by (ABSORPTION_MIN / (2 mu^2))^2.
+# A trace of absorption, which keeps a conductor's roots from 0. By itself it reflects where the index is
+# matched in the horizon, (ABSORPTION_MIN / (2 mu^2))^2.
 ABSORPTION_MIN = 1e-19
 
 # Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
@@ -93,7 +93,7 @@ def F_conductor_half(cos_h: Float, sin2_h: Float, eta: Color, k: Color) -> Color
     near = cos_h > NEAR_NORMAL
     w_re = select(near, eta * eta - k * k, contrast_re) + select(near, -sin2_h, c2)
     im = 2 * half_im
-    w_abs = sqrt(w_re * w_re + im * im)
+    w_abs = _size(w_re, im)
     # Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     large = sqrt(0.5 * (w_abs + absolute(w_re)))
     g_re = select(w_re > 0, large, half_im / large)
@@ -104,6 +104,13 @@ def F_conductor_half(cos_h: Float, sin2_h: Float, eta: Color, k: Color) -> Color
     # Quotients before their squares: for a matched index in the horizon these would leave a float32
     r_re, r_im = contrast_re / s_abs2, im / s_abs2
     return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2_h))
+
+
+def _size(re: Color, im: Color) -> Color:
+    """|re + i im| for im > 0, whatever their size: squares and their derivatives would leave a float32."""
+    scale = absolute(re) + im
+    x, y = re / scale, im / scale
+    return scale * sqrt(x * x + y * y)
 
 
 def _sin2(cos_theta: Float) -> Float:
@@ -229,7 +236,7 @@ def split_conductor(cos_theta: Float, eta: Color, k: Color) -> Split:
     eps_re, eps_im = (eta - k) * (eta + k), 2 * half_im
     c2, sin2 = c * c, _sin2(c)
     w_re = contrast_re + c2
-    w_abs = sqrt(w_re * w_re + eps_im * eps_im)
+    w_abs = _size(w_re, eps_im)
     large = sqrt(0.5 * (w_abs + absolute(w_re)))
     small = half_im / large
     g_re, g_im = select(w_re > 0, large, small), select(w_re > 0, small, large)

@@ -184,10 +184,18 @@ float car_paint_refracted_sin2_half(vec3 wi, vec3 wo, float excess) {
     return 0.25 * dot(apart, apart);
 }
 
+// |re + i im| for im > 0, whatever their size: squares and their derivatives would leave a float32.
+vec3 car_paint_size(vec3 re, vec3 im) {
+    vec3 scale = abs(re) + im;
+    vec3 x = re / scale;
+    vec3 y = im / scale;
+    return scale * sqrt(x * x + y * y);
+}
+
 // Exact reflectance of a conductor, eta + i k, at a facet, from both car_paint_cos_half and `sin2_half`.
 vec3 car_paint_F_conductor_half(float cos_h, float sin2_h, vec3 eta, vec3 k) {
-    // A trace of absorption, which keeps a conductor's roots from 0: its square is just within a float32. The
-    // trace itself reflects where the index is matched in the horizon, by (ABSORPTION_MIN / (2 mu^2))^2.
+    // A trace of absorption, which keeps a conductor's roots from 0. By itself it reflects where the index is
+    // matched in the horizon, (ABSORPTION_MIN / (2 mu^2))^2.
     const float ABSORPTION_MIN = 1.0e-19;
     // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
     const float NEAR_NORMAL = 0.75;
@@ -200,7 +208,7 @@ vec3 car_paint_F_conductor_half(float cos_h, float sin2_h, vec3 eta, vec3 k) {
     bool near = cos_h > NEAR_NORMAL;
     vec3 w_re = mix(contrast_re, eta * eta - k * k, bvec3(near)) + (near ? -sin2_h : c2);
     vec3 im = 2.0 * half_im;
-    vec3 w_abs = sqrt(w_re * w_re + im * im);
+    vec3 w_abs = car_paint_size(w_re, im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     vec3 large = sqrt(0.5 * (w_abs + abs(w_re)));
     vec3 g_re = mix(half_im / large, large, greaterThan(w_re, vec3(0.0)));

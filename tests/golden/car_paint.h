@@ -126,8 +126,8 @@ inline Vec3 exp(Vec3 a) {
 constexpr float two_pi = 6.2831855f;
 constexpr float inv_pi = 0.31830987f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
-// A trace of absorption, which keeps a conductor's roots from 0: its square is just within a float32. The
-// trace itself reflects where the index is matched in the horizon, by (ABSORPTION_MIN / (2 mu^2))^2.
+// A trace of absorption, which keeps a conductor's roots from 0. By itself it reflects where the index is
+// matched in the horizon, (ABSORPTION_MIN / (2 mu^2))^2.
 constexpr float ABSORPTION_MIN = 1.0e-19f;
 // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
 constexpr float NEAR_NORMAL = 0.75f;
@@ -320,6 +320,14 @@ inline float car_paint_refracted_sin2_half(Vec3 wi, Vec3 wo, float excess) {
     return 0.25f * dot(apart, apart);
 }
 
+// |re + i im| for im > 0, whatever their size: squares and their derivatives would leave a float32.
+inline Vec3 car_paint_size(Vec3 re, Vec3 im) {
+    Vec3 scale = absolute(re) + im;
+    Vec3 x = re / scale;
+    Vec3 y = im / scale;
+    return scale * sqrt(x * x + y * y);
+}
+
 // Exact reflectance of a conductor, eta + i k, at a facet, from both car_paint_cos_half and `sin2_half`.
 inline Vec3 car_paint_F_conductor_half(float cos_h, float sin2_h, Vec3 eta, Vec3 k) {
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
@@ -331,7 +339,7 @@ inline Vec3 car_paint_F_conductor_half(float cos_h, float sin2_h, Vec3 eta, Vec3
     bool near = cos_h > NEAR_NORMAL;
     Vec3 w_re = (near ? eta * eta - k * k : contrast_re) + (near ? -sin2_h : c2);
     Vec3 im = 2.0f * half_im;
-    Vec3 w_abs = sqrt(w_re * w_re + im * im);
+    Vec3 w_abs = car_paint_size(w_re, im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     Vec3 large = sqrt(0.5f * (w_abs + absolute(w_re)));
     Vec3 g_re = select(w_re > splat(0.0f), large, half_im / large);

@@ -190,10 +190,18 @@ float car_paint_refracted_sin2_half(float3 wi, float3 wo, float excess) {
     return 0.25 * dot(apart, apart);
 }
 
+// |re + i im| for im > 0, whatever their size: squares and their derivatives would leave a float32.
+float3 car_paint_size(float3 re, float3 im) {
+    float3 scale = abs(re) + im;
+    float3 x = re / scale;
+    float3 y = im / scale;
+    return scale * sqrt(x * x + y * y);
+}
+
 // Exact reflectance of a conductor, eta + i k, at a facet, from both car_paint_cos_half and `sin2_half`.
 float3 car_paint_F_conductor_half(float cos_h, float sin2_h, float3 eta, float3 k) {
-    // A trace of absorption, which keeps a conductor's roots from 0: its square is just within a float32. The
-    // trace itself reflects where the index is matched in the horizon, by (ABSORPTION_MIN / (2 mu^2))^2.
+    // A trace of absorption, which keeps a conductor's roots from 0. By itself it reflects where the index is
+    // matched in the horizon, (ABSORPTION_MIN / (2 mu^2))^2.
     const float ABSORPTION_MIN = 1.0e-19;
     // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
     const float NEAR_NORMAL = 0.75;
@@ -206,7 +214,7 @@ float3 car_paint_F_conductor_half(float cos_h, float sin2_h, float3 eta, float3 
     bool near = cos_h > NEAR_NORMAL;
     float3 w_re = (near ? eta * eta - k * k : contrast_re) + (near ? -sin2_h : c2);
     float3 im = 2.0 * half_im;
-    float3 w_abs = sqrt(w_re * w_re + im * im);
+    float3 w_abs = car_paint_size(w_re, im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     float3 large = sqrt(0.5 * (w_abs + abs(w_re)));
     float3 g_re = car_paint_select(w_re > float3(0.0, 0.0, 0.0), large, half_im / large);

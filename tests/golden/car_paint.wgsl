@@ -184,10 +184,18 @@ fn car_paint_refracted_sin2_half(wi: vec3f, wo: vec3f, excess: f32) -> f32 {
     return 0.25 * dot(apart, apart);
 }
 
+// |re + i im| for im > 0, whatever their size: squares and their derivatives would leave a float32.
+fn car_paint_size(re: vec3f, im: vec3f) -> vec3f {
+    let scale = abs(re) + im;
+    let x = re / scale;
+    let y = im / scale;
+    return scale * sqrt(x * x + y * y);
+}
+
 // Exact reflectance of a conductor, eta + i k, at a facet, from both car_paint_cos_half and `sin2_half`.
 fn car_paint_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3f) -> vec3f {
-    // A trace of absorption, which keeps a conductor's roots from 0: its square is just within a float32. The
-    // trace itself reflects where the index is matched in the horizon, by (ABSORPTION_MIN / (2 mu^2))^2.
+    // A trace of absorption, which keeps a conductor's roots from 0. By itself it reflects where the index is
+    // matched in the horizon, (ABSORPTION_MIN / (2 mu^2))^2.
     const ABSORPTION_MIN = 1.0e-19;
     // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
     const NEAR_NORMAL = 0.75;
@@ -200,7 +208,7 @@ fn car_paint_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3f) -> 
     let near = cos_h > NEAR_NORMAL;
     let w_re = select(contrast_re, eta * eta - k * k, near) + select(c2, -sin2_h, near);
     let im = 2.0 * half_im;
-    let w_abs = sqrt(w_re * w_re + im * im);
+    let w_abs = car_paint_size(w_re, im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     let large = sqrt(0.5 * (w_abs + abs(w_re)));
     let g_re = select(half_im / large, large, w_re > vec3f(0.0));

@@ -112,8 +112,8 @@ inline Vec3 sqrt(Vec3 a) {
     return Vec3{sqrtf(a.x), sqrtf(a.y), sqrtf(a.z)};
 }
 
-// A trace of absorption, which keeps a conductor's roots from 0: its square is just within a float32. The
-// trace itself reflects where the index is matched in the horizon, by (ABSORPTION_MIN / (2 mu^2))^2.
+// A trace of absorption, which keeps a conductor's roots from 0. By itself it reflects where the index is
+// matched in the horizon, (ABSORPTION_MIN / (2 mu^2))^2.
 constexpr float ABSORPTION_MIN = 1.0e-19f;
 // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
 constexpr float NEAR_NORMAL = 0.75f;
@@ -177,6 +177,14 @@ inline float torrance_sparrow_sin2_half(Vec3 wi, Vec3 wo) {
     return 0.25f * dot(apart, apart);
 }
 
+// |re + i im| for im > 0, whatever their size: squares and their derivatives would leave a float32.
+inline Vec3 torrance_sparrow_size(Vec3 re, Vec3 im) {
+    Vec3 scale = absolute(re) + im;
+    Vec3 x = re / scale;
+    Vec3 y = im / scale;
+    return scale * sqrt(x * x + y * y);
+}
+
 // Exact reflectance of a conductor, eta + i k, at a facet, from both torrance_sparrow_cos_half and
 // torrance_sparrow_sin2_half.
 inline Vec3 torrance_sparrow_F_conductor_half(float cos_h, float sin2_h, Vec3 eta, Vec3 k) {
@@ -189,7 +197,7 @@ inline Vec3 torrance_sparrow_F_conductor_half(float cos_h, float sin2_h, Vec3 et
     bool near = cos_h > NEAR_NORMAL;
     Vec3 w_re = (near ? eta * eta - k * k : contrast_re) + (near ? -sin2_h : c2);
     Vec3 im = 2.0f * half_im;
-    Vec3 w_abs = sqrt(w_re * w_re + im * im);
+    Vec3 w_abs = torrance_sparrow_size(w_re, im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     Vec3 large = sqrt(0.5f * (w_abs + absolute(w_re)));
     Vec3 g_re = select(w_re > splat(0.0f), large, half_im / large);
