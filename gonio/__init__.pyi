@@ -861,6 +861,9 @@ class WeidlichWilkie(Model):
     Parameters:
         eta: index of the coat over that of the medium above it; 1 to 3, default 1.5
         alpha: slope width of the coat's facets; unused when smooth; 0.0001 to 1, default 0.1
+        mirror_eta: index by which a coloured coat reflects; eta refracts; 1 to 10, default (1.5,
+            1.5, 1.5)
+        mirror_k: extinction by which a coloured coat reflects; 0 to 10, default (0, 0, 0)
         sigma_a: absorption of the coat per unit of thickness; 0 to 10, default (0, 0, 0)
         thickness: thickness of the coat, in the unit of sigma_a; 0 to 1, default 1
         base: what lies below; its indices are relative to the coat; a model or its name, default
@@ -871,7 +874,9 @@ class WeidlichWilkie(Model):
             'ggx', 'blinn_phong', 'gaussian'; default 'beckmann'
         masking: of the coat's facets, and G of Eq. 4; Smith's is GGX's own or Beckmann's;
             'cook_torrance', 'smith_correlated', 'smith'; default 'cook_torrance'
-        fresnel: of the coat; Elek's code has Lazányi's fit; 'exact', 'lazanyi'; default 'exact'
+        fresnel: of the coat, exact or Lazányi's fit as in Elek's code; the last two are coloured,
+            by mirror_eta and mirror_k; 'exact', 'lazanyi', 'conductor', 'lazanyi_conductor';
+            default 'exact'
         transmission: T12 t of Eq. 2 and 4, or T(wi) T(wo) at the mean surface; 'half_vector',
             'both_ways'; default 'half_vector'
         solid_angle: 1 / eta^2 for light that leaves the coat; 'none', 'compressed'; default 'none'
@@ -886,13 +891,15 @@ class WeidlichWilkie(Model):
         *,
         eta: _Number = 1.5,
         alpha: _Number = 0.1,
+        mirror_eta: _Color = (1.5, 1.5, 1.5),
+        mirror_k: _Color = (0.0, 0.0, 0.0),
         sigma_a: _Color = (0.0, 0.0, 0.0),
         thickness: _Number = 1.0,
         base: Model | str = "lambert",
         interface: Literal["rough", "smooth"] = "rough",
         distribution: Literal["beckmann", "ggx", "blinn_phong", "gaussian"] = "beckmann",
         masking: Literal["cook_torrance", "smith_correlated", "smith"] = "cook_torrance",
-        fresnel: Literal["exact", "lazanyi"] = "exact",
+        fresnel: Literal["exact", "lazanyi", "conductor", "lazanyi_conductor"] = "exact",
         transmission: Literal["half_vector", "both_ways"] = "half_vector",
         solid_angle: Literal["none", "compressed"] = "none",
         bounces: Literal["none", "diffuse"] = "none",
@@ -900,13 +907,15 @@ class WeidlichWilkie(Model):
     ) -> None: ...
     eta: Any
     alpha: Any
+    mirror_eta: Any
+    mirror_k: Any
     sigma_a: Any
     thickness: Any
     base: Model
     interface: Literal["rough", "smooth"]
     distribution: Literal["beckmann", "ggx", "blinn_phong", "gaussian"]
     masking: Literal["cook_torrance", "smith_correlated", "smith"]
-    fresnel: Literal["exact", "lazanyi"]
+    fresnel: Literal["exact", "lazanyi", "conductor", "lazanyi_conductor"]
     transmission: Literal["half_vector", "both_ways"]
     solid_angle: Literal["none", "compressed"]
     bounces: Literal["none", "diffuse"]

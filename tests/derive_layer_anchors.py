@@ -148,15 +148,28 @@ def base_value(p, wi, wo, alpha_min):
 
 
 def weidlich_wilkie(p, wi, wo):
-    """Elek, Eq. 2 to 4, and the options that make it exact for a smooth coat over a diffuse base."""
+    """Elek, Eq. 2 to 4, and the options that make it exact for a smooth coat over a diffuse base.
+
+    Algorithm 1 takes F1 by an index and an extinction of each channel; rays are refracted by one index.
+    """
+    values = []
+    for channel in range(3):
+        n = p["eta"]
+        law = p.get("fresnel", "exact")
+        if law in ("conductor", "lazanyi_conductor"):
+            n = mpc(p["mirror_eta"][channel], p["mirror_k"][channel])
+        fit = {"fresnel": "lazanyi"} if law.startswith("lazanyi") else {}
+        values.append(one_channel(p, wi, wo, channel, functools.partial(reflected, fit, n=n)))
+    return values
+
+
+def one_channel(p, wi, wo, channel, mirrored):
+    """A channel of `weidlich_wilkie`; mirrored: F of its coat at a cosine."""
     n, alpha = p["eta"], p["alpha"]
     smooth = p.get("interface") == "smooth"
     h = half(wi, wo)
     c = dot(wo, h)
-    if p.get("fresnel") == "lazanyi":
-        F = ((n - 1) ** 2 + 4 * n * (1 - c) ** 5) / (n + 1) ** 2
-    else:
-        F = fresnel(c, n)
+    F = mirrored(c)
     D = DISTRIBUTIONS[p.get("distribution", "beckmann")](h[2], alpha)
     if p.get("masking") != "smith_correlated":
         G = cook_torrance(wi[2], wo[2], h[2], c)
@@ -169,21 +182,18 @@ def weidlich_wilkie(p, wi, wo):
         coat, G = 0, mpf(1)
     through = (1 - F) * ((1 - G) + (1 - F) * G)
     if p.get("transmission") == "both_ways":
-        through = (1 - fresnel(wi[2], n)) * (1 - fresnel(wo[2], n))
+        through = (1 - mirrored(wi[2])) * (1 - mirrored(wo[2]))
     if p.get("solid_angle") == "compressed":
         through /= n**2
     wi_t, wo_t = refract(wi, n), refract(wo, n)
     clamp = 0 if smooth or p.get("roughness_clamp") == "off" else alpha
-    below = base_value(p, wi_t, wo_t, clamp)
+    below = base_value(p, wi_t, wo_t, clamp)[channel]
     if p.get("bounces") == "diffuse":
         assert p.get("base", "lambert") == "lambert"
         assert not any(p["sigma_a"])
         inside = 1 - (1 - diffuse_fresnel(n)) / n**2
-        below = [b / (1 - rho * inside) for b, rho in zip(below, p["base.rho"], strict=True)]
-    return [
-        coat + through * kept(s, p["thickness"], wi_t, wo_t) * b
-        for s, b in zip(p["sigma_a"], below, strict=True)
-    ]
+        below /= 1 - p["base.rho"][channel] * inside
+    return coat + through * kept(p["sigma_a"][channel], p["thickness"], wi_t, wo_t) * below
 
 
 def triace_lobe(wi, wo, n):
@@ -336,6 +346,7 @@ EXACT = {
     "bounces": "diffuse",
 }
 GGX = {"distribution": "ggx", "masking": "smith_correlated"}
+COLOURED = {"mirror_eta": [2.95, 1.4, 3.03], "mirror_k": [0.1, 0.0, 0.67]}
 SHINY_BASE = {"base": "torrance_sparrow", "base.fresnel": "white", "base.alpha": 0.1}
 THREE = {
     "base": "weidlich_wilkie",
@@ -359,6 +370,9 @@ WEIDLICH_WILKIE = [
     COAT | SHINY_BASE | TINTED,
     COAT | SHINY_BASE | GGX | {"roughness_clamp": "off", "solid_angle": "compressed"},
     COAT | THREE,
+    COAT | LAMBERT | TINTED | COLOURED | {"fresnel": "conductor"},
+    COAT | LAMBERT | TINTED | COLOURED | {"fresnel": "lazanyi_conductor"},
+    COAT | LAMBERT | COLOURED | GGX | {"fresnel": "conductor", "transmission": "both_ways"},
     COAT | LAMBERT | {"distribution": "blinn_phong"},
     COAT | LAMBERT | TINTED | {"distribution": "gaussian", "fresnel": "lazanyi"},
     COAT | LAMBERT | {"distribution": "blinn_phong", "masking": "smith_correlated"},

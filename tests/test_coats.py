@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from support.directions import polar, random_directions
+from support.tolerances import SINGLE
 
 import gonio
 from gonio.check import sampling
@@ -142,3 +143,18 @@ def test_a_model_without_its_own_way_out_is_exported_with_that_of_every_model() 
     assert "deep_base_base_pdf_leaving(" in body(text, "deep_base_pdf_leaving")
     assert "deep_base_base_sample_leaving(" in body(text, "deep_base_sample_leaving")
     assert body(text, "deep_base_base_pdf_leaving").count("deep_base_base_pdf(") == 2
+
+
+def test_a_coloured_coat_refuses_a_series_of_one_index() -> None:
+    with pytest.raises(gonio.ModelError, match="one for each channel; take 'exact' or 'lazanyi'"):
+        WeidlichWilkie(fresnel="conductor", bounces="diffuse")
+
+
+def test_a_coloured_coat_of_equal_channels_is_the_plain_one() -> None:
+    wi, wo = random_directions(200, 1), random_directions(200, 2)
+    base = gonio.model("torrance_sparrow", alpha=0.3)
+    for plain, coloured in (("exact", "conductor"), ("lazanyi", "lazanyi_conductor")):
+        expected = WeidlichWilkie(eta=1.7, fresnel=plain, base=base)
+        found = expected.replace(fresnel=coloured, mirror_eta=1.7)
+        np.testing.assert_allclose(found.eval(wi, wo), expected.eval(wi, wo), rtol=SINGLE)
+        np.testing.assert_allclose(found.pdf(wi, wo), expected.pdf(wi, wo), rtol=SINGLE)

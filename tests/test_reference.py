@@ -694,6 +694,7 @@ def test_parameters_do_not_recompile() -> None:
         (lambda: Stack([]), "at least one layer"),
         (lambda: Stack([1.5]), "takes layers, got 1.5"),
         (lambda: Stack([Layer()], gonio.Lambert(rho=np.ones(3))), "rho is an array"),
+        (lambda: Stack.of(gonio.WeidlichWilkie(fresnel="conductor")), "take fresnel='exact'"),
         (lambda: Stack.of(gonio.EON()), "models that do are weidlich_wilkie"),
         (lambda: Stack([Layer()]).eval((0, 0, 2), (0, 0, 1)), "not of unit length"),
         (lambda: Stack([Layer()]).eval((0, 1), (0, 0, 1)), "must hold 3 components"),

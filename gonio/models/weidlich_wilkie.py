@@ -4,22 +4,30 @@ Source: Elek, "Layered materials in real-time rendering", CESCG 2010, Eq. 2 to 4
 Weidlich, Wilkie, "Arbitrarily layered micro-facet surfaces", GRAPHITE 2007. Symbols are Elek's.
 Deviations: refracted directions keep the azimuth of the ones they belong to (Algorithm 1 mirrors them at
 the normal, which would turn an anisotropic base by 180 degrees); F is exact by default, not Lazányi's fit;
-D carries the 1 / pi that Elek's lacks. What Eq. 2 leaves out can be switched on: Fresnel's reflection at
-both crossings, the compression of solid angles, and the light that bounces between base and surface.
+D carries the 1 / pi that Elek's lacks; a coloured coat, which has an index and an extinction for each
+channel as in Algorithm 1, refracts by one index. What Eq. 2 leaves out can be switched on: Fresnel's
+reflection at both crossings, the compression of solid angles, and the light that bounces between base and
+surface.
 """
+
+from typing import Any
 
 from gonio.albedos.quadrature import NumericAlbedo
 from gonio.claims import Claims, Place, at_most, kink
+from gonio.fields import ModelError
 from gonio.lang import Color, Float, Sample, Vec2, Vec3, exp, maximum, safe_sqrt, select
 from gonio.model import Model, child, option, param
 from gonio.parts.coat import attenuation_least, optical_depth, usual_cos_half
 from gonio.parts.distribution import ALPHA_MIN, BlinnPhong, Gaussian, RoundBeckmann, RoundGGX
 from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
 from gonio.parts.fresnel import (
+    F_conductor,
     F_dielectric_entering,
     F_lazanyi,
+    split_conductor,
     transmittance_entering,
     transmittance_lazanyi,
+    transmittance_lazanyi_conductor,
 )
 from gonio.parts.image import ImageCoat
 from gonio.parts.interface import (
@@ -46,6 +54,9 @@ from gonio.parts.roughness import at_least_alpha
 # where they are tilted, and this bounds their weight.
 COAT_SHARE_MIN = 0.1
 
+# The coat reflects each channel by an index of its own.
+COLOURED = ("conductor", "lazanyi_conductor")
+
 
 class WeidlichWilkie(Model):
     """A clear, tinted coat over any base; nest it for more layers. Reciprocal if the base is."""
@@ -60,6 +71,10 @@ class WeidlichWilkie(Model):
         "slope width of the coat's facets; unused when smooth",
         rougher=at_least_alpha,
     )
+    mirror_eta: Color = param(
+        (1.5, 1.5, 1.5), 1, 10, "index by which a coloured coat reflects; eta refracts"
+    )
+    mirror_k: Color = param((0, 0, 0), 0, 10, "extinction by which a coloured coat reflects")
     sigma_a: Color = param((0, 0, 0), 0, 10, "absorption of the coat per unit of thickness")
     thickness: Float = param(1, 0, 1, "thickness of the coat, in the unit of sigma_a")
     base: Model = child("lambert", "what lies below; its indices are relative to the coat")
@@ -79,7 +94,14 @@ class WeidlichWilkie(Model):
         "smith",
         doc="of the coat's facets, and G of Eq. 4; Smith's is GGX's own or Beckmann's",
     )
-    fresnel: str = option("exact", "lazanyi", doc="of the coat; Elek's code has Lazányi's fit")
+    fresnel: str = option(
+        "exact",
+        "lazanyi",
+        "conductor",
+        "lazanyi_conductor",
+        doc="of the coat, exact or Lazányi's fit as in Elek's code; the last two are coloured, by "
+        "mirror_eta and mirror_k",
+    )
     transmission: str = option(
         "half_vector", "both_ways", doc="T12 t of Eq. 2 and 4, or T(wi) T(wo) at the mean surface"
     )
@@ -141,6 +163,15 @@ class WeidlichWilkie(Model):
             kink(Place.ELSEWHERE, masking="cook_torrance", interface="rough"),
         ),
     )
+
+    def __init__(self, **given: Any) -> None:
+        """As every model; also refuses a series of bounces below a coloured coat."""
+        super().__init__(**given)
+        if self.bounces != "none" and self.fresnel in COLOURED:
+            raise ModelError(
+                f"{self.name}: bounces={self.bounces!r} is a series of reflections by one index, got "
+                f"fresnel={self.fresnel!r} with one for each channel; take 'exact' or 'lazanyi'."
+            )
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """Eq. 2: BRDF value in 1/sr, without the cosine."""
@@ -228,7 +259,7 @@ class WeidlichWilkie(Model):
         """D and G of the coat at a pair of directions; for plots."""
         return {"D": self._facets().D(half_vector(wi, wo)), "G": self._G(wi, wo)}
 
-    def reflectances(self, cos_theta: Float) -> dict[str, Float]:
+    def reflectances(self, cos_theta: Float) -> dict[str, Color]:
         """F of the coat at a cosine outside, and what both crossings let through; for plots."""
         T = self._T(cos_theta)
         return {"F, coat": self._F(cos_theta), "T, there and back": T * T}
@@ -259,16 +290,30 @@ class WeidlichWilkie(Model):
             return self.base
         return self.base.at_least_as_rough(self.alpha)
 
-    def _F(self, cos_h: Float) -> Float:
+    def _F(self, cos_h: Float) -> Color:
+        if self.fresnel == "conductor":
+            return F_conductor(cos_h, self.mirror_eta, self.mirror_k)
+        if self.fresnel == "lazanyi_conductor":
+            return F_lazanyi(cos_h, self.mirror_eta, self.mirror_k)
         if self.fresnel == "exact":
             return F_dielectric_entering(cos_h, self.eta)
         return F_lazanyi(cos_h, self.eta, 0)
 
-    def _T(self, cos_theta: Float) -> Float:
+    def _T(self, cos_theta: Float) -> Color:
         """1 - F."""
+        if self.fresnel == "conductor":
+            return split_conductor(cos_theta, self.mirror_eta, self.mirror_k).T
+        if self.fresnel == "lazanyi_conductor":
+            return transmittance_lazanyi_conductor(cos_theta, self.mirror_eta, self.mirror_k)
         if self.fresnel == "exact":
             return transmittance_entering(cos_theta, self.eta)
         return transmittance_lazanyi(cos_theta, self.eta)
+
+    def _gray(self, F_or_T: Color) -> Float:
+        """The mean of the channels of a coloured coat, to choose lobes with."""
+        if self.fresnel in COLOURED:
+            return average(F_or_T)
+        return F_or_T
 
     def _facets(self) -> RoundBeckmann | RoundGGX | BlinnPhong | Gaussian:
         if self.distribution == "beckmann":
@@ -298,7 +343,7 @@ class WeidlichWilkie(Model):
             return V_smith_correlated(self._masked(), wi, wo)
         return V_smith(self._masked(), wi, wo)
 
-    def _transmitted(self, wi: Vec3, wo: Vec3) -> Float:
+    def _transmitted(self, wi: Vec3, wo: Vec3) -> Color:
         """T12 t: what the surface lets in and out again."""
         if self.transmission == "both_ways":
             return self._T(wi.z) * self._T(wo.z)
@@ -318,6 +363,6 @@ class WeidlichWilkie(Model):
         mu = wo.z
         if self.transmission == "half_vector":
             mu = usual_cos_half(wo)
-        through = self._T(mu) * average(attenuation_least(self._optical_depth(), wo_t))
-        reflected = maximum(self._F(wo.z), COAT_SHARE_MIN * through + LOBE_MIN)
+        through = self._gray(self._T(mu)) * average(attenuation_least(self._optical_depth(), wo_t))
+        reflected = maximum(self._gray(self._F(wo.z)), COAT_SHARE_MIN * through + LOBE_MIN)
         return shares(reflected, through)

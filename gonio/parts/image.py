@@ -46,7 +46,7 @@ class ImageSurface(NamedTuple):
 class ImageCoat(NamedTuple):
     """A coat as light from a picture sees it."""
 
-    reflected: Float
+    reflected: Color
     """What it mirrors."""
     glossy: Color
     """What it lets in and out again of light that the base mirrors."""

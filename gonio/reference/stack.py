@@ -480,6 +480,11 @@ def _coats(coat: Model) -> tuple[list[Layer], Model]:
     layers = []
     below: Any = coat
     while below.name == "weidlich_wilkie":
+        if below.fresnel not in ("exact", "lazanyi"):
+            raise ModelError(
+                f"{below.name}: fresnel={below.fresnel!r} reflects each channel by an index of its own; "
+                "a stack's surfaces have one, so take fresnel='exact'."
+            )
         alpha = 0.0 if below.interface == "smooth" else below.alpha
         layers.append(Layer(below.eta, alpha, below.sigma_a, below.thickness, below.distribution))
         below = below.base

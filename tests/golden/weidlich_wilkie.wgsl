@@ -5,9 +5,10 @@
 // Weidlich, Wilkie, "Arbitrarily layered micro-facet surfaces", GRAPHITE 2007. Symbols are Elek's.
 // Deviations: refracted directions keep the azimuth of the ones they belong to (Algorithm 1 mirrors them at
 // the normal, which would turn an anisotropic base by 180 degrees); F is exact by default, not Lazanyi's
-// fit; D carries the 1 / pi that Elek's lacks. What Eq. 2 leaves out can be switched on: Fresnel's
-// reflection at both crossings, the compression of solid angles, and the light that bounces between base
-// and surface.
+// fit; D carries the 1 / pi that Elek's lacks; a coloured coat, which has an index and an extinction for
+// each channel as in Algorithm 1, refracts by one index. What Eq. 2 leaves out can be switched on:
+// Fresnel's reflection at both crossings, the compression of solid angles, and the light that bounces
+// between base and surface.
 //
 // Lambert: ideal diffuse reflection.
 //

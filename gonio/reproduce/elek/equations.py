@@ -148,6 +148,29 @@ def algorithm_1(sheet: Sheet) -> None:
             "arrives with N.L; "
             "Eq. 2 has no such factor",
         )
+    n1, k1 = (2.95, 1.4, 3.03), (0.1, 0.0, 0.67)
+    coloured = model.replace(
+        fresnel="lazanyi_conductor", mirror_eta=n1, mirror_k=k1, sigma_a=(0.1, 0.4, 2.0)
+    )
+    pairs = random_pairs(2000, lowest=0.05)
+    ours = np.asarray(coloured.eval(*pairs))
+    metal = functools.partial(formulas.torrance_sparrow, 0.3, 1.0)
+    for i, (channel, sigma) in enumerate(
+        zip(("red", "green", "blue"), (0.1, 0.4, 2.0), strict=True)
+    ):
+
+        def F1(cos: Floats, _: float, i: int = i) -> Floats:
+            return formulas.lazanyi(cos, n1[i], k1[i])
+
+        expected = formulas.layered(1.5, 0.2, sigma, metal, *pairs, F1)
+        apart = float((np.abs(ours[:, i] - expected) / (1 + expected)).max())
+        sheet.claim(
+            f"n1 and kappa1 of each channel, refraction by 1.5, {channel}: largest difference",
+            "<=",
+            ROUNDING,
+            apart,
+            why="relative where f is above 1",
+        )
 
 
 @TEXT.item("alg1-refract", "Algorithm 1, lines 8 and 9", "L' = -refract(L, N, 1 / n1)")
