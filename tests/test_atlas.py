@@ -51,10 +51,14 @@ def test_the_command_writes_a_picture_that_holds_the_rows(bits: str, tmp_path: P
 
 def test_what_is_no_material_is_one_line(tmp_path: Path) -> None:
     target = tmp_path / "atlas.png"
-    done = CliRunner().invoke(main, ["bake", "atlas", "Xx", "-o", str(target)])
-    assert done.exit_code != 0
-    assert done.output.count("\n") == 1
-    assert not target.exists()
+    for names in (["Xx"], ["Cu", "Cu"], ["-0"], ["1.5x"]):
+        done = CliRunner().invoke(main, ["bake", "atlas", "-o", str(target), "--", *names])
+        assert done.exit_code != 0
+        assert done.output.count("\n") == 1
+        assert not target.exists()
+    done = CliRunner().invoke(main, ["bake", "atlas", "water", "1.333", "-o", str(target)])
+    water, number = (line.split(": ")[1] for line in done.output.splitlines()[:2])
+    assert water == number
     with pytest.raises(ValueError, match="allowed are 8 and 16"):
         fresnel_atlas(MATERIALS, bits=10)
     with pytest.raises(ValueError, match="no material"):

@@ -93,6 +93,13 @@ def test_a_series_is_one_strip_of_all_steps() -> None:
     [
         (("bake", "fresnel"), "give either --eta, such as 1.5, or --metal, such as Cu"),
         (("bake", "fresnel", "--eta", "x"), "--eta x is not a number, or three as in"),
+        (("bake", "fresnel", "--eta", "1.5,1.4"), "is not a number, or three as in"),
+        (("bake", "fresnel", "--eta", "watr"), "did you mean 'water'"),
+        (("bake", "fresnel", "--metal", "Cu", "--k", "3"), "leave out --k"),
+        (("bake", "distribution", "--exponent", "nan"), "nan is not in the range"),
+        (("bake", "split-sum", "weidlich_wilkie"), "lambert has no highlight"),
+        (("bake", "cube", "studio", "-o", "none/sky"), "create it first"),
+        (("render", "gold", "--time", "nan"), "nan is not in the range"),
         (("bake", "fresnel", "--eta", "0"), "eta must be above 0"),
         (("bake", "fresnel", "--metal", "Xx"), "'Xx'"),
         (("bake", "fresnel", "--eta", "1.5", "-o", "f.png"), "must be .npy or .exr"),

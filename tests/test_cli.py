@@ -257,6 +257,8 @@ def test_named_substances_are_listed_with_what_they_reflect():
 
 def test_an_index_may_be_a_word():
     assert "eta = 1.333" in run("show", "torrance_sparrow:fresnel=dielectric,eta=water").stdout
+    for given, k in (("eta=water", 0), ("k=2,eta=water", 2)):  # not the extinction of copper
+        assert gonio.load(f"torrance_sparrow:{given}").k == k  # type: ignore[union-attr]
     wrong = run("show", "torrance_sparrow:fresnel=dielectric,eta=watr")
     assert wrong.exit_code == 1
     assert "did you mean 'water'" in wrong.stderr

@@ -204,6 +204,7 @@ def test_a_function_that_others_wrote_stands_beside_an_export(tmp_path: Path) ->
         (["eon", "--time", "--only", "pdf"], "--time"),
         (["eon", "-o", "cost.txt"], ".md or .json"),
         (["emo"], "did you mean"),
+        (["own.glsl#diffuse", "--gpu", "sm_86"], "add --gpu navi21"),
         (["--texts", "--gpu", "sm_86"], "add --gpu navi21"),
         (["--texts", "--against", "phong"], "--against is for models"),
     ],

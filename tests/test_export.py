@@ -588,6 +588,21 @@ def test_wrong_commands_are_answered_with_one_line(
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["eon", "--to", "cpp", "--prove", "--embed", "-o", "x.h"], "--embed and --output"),
+        (["eon", "--to", "cpp", "--prove", "--prefix", "shared"], "leave out --prefix"),
+        (["eon", "--to", "cpp", "--rows", "500"], "--rows is for --prove"),
+        (["--lit", "ue4", "--to", "cpp"], "name the model before it"),
+    ],
+)
+def test_no_option_is_ignored_in_silence(arguments: list[str], message: str) -> None:
+    result = run(*arguments)
+    assert result.exit_code == 2
+    assert message in result.stderr
+
+
 def test_a_material_tells_what_the_host_has_to_feed() -> None:
     flaked = next(name for name in library() if load_material(name).flakes)
     result = run(flaked, "--to", "glsl")

@@ -390,6 +390,40 @@ LANGUAGES = [name for name, target in TARGETS.items() if not target.shader]
 LIT = ["directional", "image"]
 
 
+SHADED = '''
+from gonio import Model, param
+from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, vec3
+from gonio.parts.hemisphere import pdf_cosine, sample_cosine
+
+
+class Shaded(Model):
+    """A number has the name of the function that lit exports add."""
+
+    shade: Float = param(0.5, 0, 1, "albedo")
+
+    def eval(self, wi: Vec3, wo: Vec3) -> Color:
+        """shade / pi."""
+        return vec3(self.shade * INV_PI)
+
+    def sample(self, wo: Vec3, u: Vec2) -> Sample:
+        """Cosine-weighted."""
+        wi = sample_cosine(u)
+        return Sample(wi, pdf_cosine(wi))
+
+    def pdf(self, wi: Vec3, wo: Vec3) -> Float:
+        """cos(theta_i) / pi."""
+        return pdf_cosine(wi)
+'''
+
+
+def test_a_parameter_may_be_called_shade_where_functions_are_methods(tmp_path: Path) -> None:
+    (tmp_path / "shaded.py").write_text(SHADED, "utf-8")
+    model = loaded(str(tmp_path / "shaded.py"))
+    made = export_lit(model, "shaded", ["directional"], "slang")
+    assert "float3 shade(float3 normal" in made.source
+    assert all(p.holds for p in prove([(model, made)], 100))
+
+
 def test_lit_exports_are_proven_in_every_language() -> None:
     model = loaded("metallic_roughness")
     pairs = [

@@ -61,17 +61,11 @@ class Cube:
             ValueError: another suffix.
             FileNotFoundError: the folder above does not exist.
         """
-        path = Path(path)
+        path = check_place_of(path)
         if path.suffix.lower() == ".ktx2":
-            check_place(path)
             with replacing(path) as temporary:
                 temporary.write_bytes(ktx2(self))
             return [path]
-        if path.suffix:
-            raise ValueError(
-                f"cannot write {path.name!r}; name a .ktx2 file, or a folder for six .exr files a level."
-            )
-        check_place(path)
         path.mkdir(exist_ok=True)
         written = []
         for number, level in enumerate(self.levels):
@@ -81,6 +75,18 @@ class Cube:
                     write_linear(temporary, face)
                 written.append(target)
         return written
+
+
+def check_place_of(path: str | Path) -> Path:
+    """The path, or a ValueError or OSError unless `Cube.write` can write there."""
+    path = Path(path)
+    if path.suffix.lower() == ".ktx2":
+        return check_place(path)
+    if path.suffix or path.is_file():
+        raise ValueError(
+            f"cannot write {path.name!r}; name a .ktx2 file, or a folder for six .exr files a level."
+        )
+    return path if path.is_dir() else check_place(path)
 
 
 def prefiltered(
@@ -104,7 +110,7 @@ def prefiltered(
     for k in range(LAST_LEVEL + 1):
         alpha = (k / LAST_LEVEL) ** 2
         picture = environment if k == 0 else environment.blurred(alpha)
-        levels.append(_faces(picture, size >> k))
+        levels.append(faces(picture, size >> k))
         if progress is not None:
             progress(k + 1, LAST_LEVEL + 1)
     return Cube(tuple(levels))
@@ -130,25 +136,66 @@ def directions(size: int, inset: ArrayLike = (0.5, 0.5)) -> Floats:
     return np.asarray(w / np.linalg.norm(w, axis=-1, keepdims=True))
 
 
-# Places in a texel whose mean stands for it.
-INSIDE = tuple((a, b) for a in (0.125, 0.375, 0.625, 0.875) for b in (0.125, 0.375, 0.625, 0.875))
+# Places along a texel's side whose mean stands for it.
+INSIDE = 4
+
+# Where more pixels of the picture than these lie side by side in a texel, places inside would miss some of
+# them, and near the poles most; then every pixel is poured into the texels that it covers, so finely that
+# so many places lie side by side in the middle of a face (a third of that in its corners).
+PIXELS_MOST, POURED = 3, 8
+
+# Rows of a picture that are poured at a time, for little memory.
+ROWS = 16
 
 
-def _faces(picture: Environment, size: int) -> Floats:
-    return np.asarray(np.mean([picture.radiance(directions(size, p)) for p in INSIDE], axis=0))
+def faces(picture: Environment, size: int) -> Floats:
+    """A picture as the faces of one level: the mean over each texel, shape (6, size, size, 3)."""
+    pixels = picture.pixels.shape[1] / (np.pi * size)
+    if pixels > PIXELS_MOST:
+        return _poured(picture, size, max(2, int(np.ceil(POURED / pixels))))
+    places = (np.arange(INSIDE) + 0.5) / INSIDE
+    found = [picture.radiance(directions(size, (a, b))) for a in places for b in places]
+    return np.asarray(np.mean(found, axis=0))
 
 
-def _look_up(level: Floats, w: Floats) -> Floats:
-    """Linear between the texels of a face; at its edge the outermost texel."""
-    size = level.shape[1]
+def _poured(picture: Environment, size: int, fine: int) -> Floats:
+    """The mean of a picture over each texel, from so many places along a pixel's side."""
+    rows, columns = picture.pixels.shape[:2]
+    phi = 2 * np.pi * (np.arange(fine * columns) + 0.5) / (fine * columns)
+    solid: Floats = np.zeros(6 * size * size)
+    light: Floats = np.zeros((solid.size, 3))
+    for first in range(0, rows - 1, ROWS):
+        last = min(first + ROWS, rows - 1)
+        theta = np.pi * (np.arange(fine * first, fine * last) + 0.5)[:, None] / (fine * (rows - 1))
+        sine = np.sin(theta)
+        x, z = sine * np.sin(phi), -sine * np.cos(phi)
+        w = np.stack(np.broadcast_arrays(x, np.cos(theta), z), axis=-1)
+        face, s, t = _on_faces(w)
+        i, j = (np.minimum((c * size).astype(int), size - 1) for c in (s, t))
+        texel = ((face * size + j) * size + i).ravel()
+        weight = np.broadcast_to(sine, face.shape)
+        solid += np.bincount(texel, weight.ravel(), solid.size)
+        for channel, values in enumerate(np.moveaxis(picture.radiance(w), -1, 0)):
+            light[:, channel] += np.bincount(texel, (weight * values).ravel(), solid.size)
+    return np.asarray((light / solid[:, None]).reshape(6, size, size, 3))
+
+
+def _on_faces(w: Floats) -> tuple[NDArray[np.intp], Floats, Floats]:
+    """The face that each direction meets, and where on it, from 0 to 1."""
     axis = np.argmax(np.abs(w), axis=-1)
     major = np.take_along_axis(w, axis[..., None], axis=-1)[..., 0]
     x, y, z = np.moveaxis(w / np.abs(major)[..., None], -1, 0)
     positive = major > 0
     s = np.select([axis == 0, axis == 1], [np.where(positive, -z, z), x], np.where(positive, x, -x))
     t = np.select([axis == 0, axis == 1], [-y, np.where(positive, z, -z)], -y)
-    face = 2 * axis + ~positive
-    i, j = (np.clip((c + 1) / 2 * size - 0.5, 0, size - 1) for c in (s, t))
+    return 2 * axis + ~positive, (s + 1) / 2, (t + 1) / 2
+
+
+def _look_up(level: Floats, w: Floats) -> Floats:
+    """Linear between the texels of a face; at its edge the outermost texel."""
+    size = level.shape[1]
+    face, s, t = _on_faces(w)
+    i, j = (np.clip(c * size - 0.5, 0, size - 1) for c in (s, t))
     i0, j0 = (np.minimum(c.astype(int), max(size - 2, 0)) for c in (i, j))
     p, q = (i - i0)[..., None], (j - j0)[..., None]
     above = (1 - p) * level[face, j0, i0] + p * level[face, j0, i0 + 1]

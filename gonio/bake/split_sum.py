@@ -106,6 +106,12 @@ def _sharpest(model: Model) -> Model:
     return model.replace(**sharp)
 
 
+def highlighted(model: Model) -> Model:
+    """The model whose highlight a material's table belongs to: of a coat its base, else itself."""
+    base = getattr(model, "base", None)
+    return base if hasattr(model, "image_coat") and isinstance(base, Model) else model
+
+
 def look_up(table: NDArray[Any], mu: ArrayLike, alpha: ArrayLike) -> Floats:
     """A and B as a graphics card looks them up: linear, clamped at the middles of the outer texels."""
     mu, alpha = np.broadcast_arrays(np.asarray(mu, np.float64), np.asarray(alpha, np.float64))

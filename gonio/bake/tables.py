@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gonio.arrays.elementwise import elementwise
-from gonio.files import replacing
+from gonio.files import check_place, replacing
 from gonio.images import write_linear
 from gonio.lang import Float, vec3
 from gonio.parts import distribution, fresnel
@@ -229,9 +229,7 @@ def write_table(path: str | Path, table: Table, bits: int = 32) -> None:
         ValueError: another suffix.
         FileNotFoundError: the folder does not exist.
     """
-    path = Path(path)
-    if path.suffix not in {".npy", ".exr"}:
-        raise ValueError(f"cannot write {path.name!r}; the suffix must be .npy or .exr.")
+    path = check_table(path)
     stored = table if bits == 32 else in_halves(table)
     with replacing(path) as temporary:
         if path.suffix == ".npy":
@@ -239,6 +237,14 @@ def write_table(path: str | Path, table: Table, bits: int = 32) -> None:
             return
 
         write_linear(temporary, _picture(stored), half=bits == 16)
+
+
+def check_table(path: str | Path) -> Path:
+    """The path, or a ValueError or OSError unless `write_table` can write a file of this name."""
+    path = Path(path)
+    if path.suffix not in {".npy", ".exr"}:
+        raise ValueError(f"cannot write {path.name!r}; the suffix must be .npy or .exr.")
+    return check_place(path)
 
 
 def _picture(table: Table) -> Table:

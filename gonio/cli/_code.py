@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from gonio.cli.program import plain_models
+from gonio.cli.program import FloatRange, plain_models
 from gonio.foreign import Foreign, ForeignError, as_model, is_foreign, load
 from gonio.materials import notation
 from gonio.model import Model
@@ -154,7 +154,7 @@ OPTIONS = (
     click.option(
         "--time-limit",
         "seconds",
-        type=click.FloatRange(0.1),
+        type=FloatRange(0.1),
         default=20.0,
         show_default=True,
         help="Seconds for a call of code.",

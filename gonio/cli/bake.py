@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from gonio.cli.program import complete, echo_json, json_option, progress
+from gonio.cli.program import FloatRange, complete, echo_json, json_option, progress
 
 
 @click.group(
@@ -32,17 +32,20 @@ def command(ctx: click.Context) -> None:
 
 
 @command.command(short_help="F of a material, by the cosine.")
-@click.option("--eta", metavar="N[,N,N]", help="Relative index; one number, or one per channel.")
-@click.option("--k", default="0", metavar="N[,N,N]", help="Extinction, for metals.")
+@click.option(
+    "--eta", metavar="N[,N,N]", help="Relative index; one number or three, or a dielectric's name."
+)
+@click.option("--k", metavar="N[,N,N]", help="Extinction, for metals (default: 0).")
 @click.option("--metal", metavar="SYMBOL", help="A metal such as Cu instead of --eta and --k.")
 @click.option("--entries", type=click.IntRange(2, 1 << 16), default=128, show_default=True)
 @click.option("-o", "--output", default="fresnel.npy", metavar="FILE", help="A .npy or .exr file.")
-def fresnel(eta: str | None, k: str, metal: str | None, entries: int, output: str) -> None:
+def fresnel(eta: str | None, k: str | None, metal: str | None, entries: int, output: str) -> None:
     """Write a table of the exact Fresnel reflectance at evenly spaced cosines from 0 to 1.
 
     \b
     Examples:
       gonio bake fresnel --eta 1.5 -o glass.npy
+      gonio bake fresnel --eta water -o water.npy
       gonio bake fresnel --metal Cu --entries 64 -o copper.exr
     """
     from gonio.bake import tables
@@ -50,21 +53,34 @@ def fresnel(eta: str | None, k: str, metal: str | None, entries: int, output: st
 
     if (eta is None) == (metal is None):
         raise click.UsageError("give either --eta, such as 1.5, or --metal, such as Cu")
+    if metal is not None and k is not None:
+        raise click.UsageError("--metal says what k is; leave out --k")
+    tables.check_table(output)
     if metal is not None:
         index: dict[str, Any] = dict(metals.metal(metal))
     else:
-        index = {"eta": _parse_numbers("--eta", str(eta)), "k": _parse_numbers("--k", k)}
+        index = {"eta": _parse_index(str(eta)), "k": _parse_numbers("--k", k or "0")}
     table = tables.fresnel_table(**index, entries=entries)
     tables.write_table(output, table)
     error = tables.fresnel_error(table, **index)
     click.echo(f"{output}: largest error {error.largest:.2g}, at {error.at:.1f} degrees")
 
 
+def _parse_index(text: str) -> list[float]:
+    """Numbers, or the index of a named dielectric."""
+    from gonio.parts.dielectrics import dielectric
+
+    return [dielectric(text)] if text[:1].isalpha() else _parse_numbers("--eta", text)
+
+
 def _parse_numbers(option: str, text: str) -> list[float]:
     try:
-        return [float(number) for number in text.split(",")]
+        numbers = [float(number) for number in text.split(",")]
     except ValueError:
-        raise ValueError(f"{option} {text} is not a number, or three as in 0.2,0.9,1.1.") from None
+        numbers = []
+    if len(numbers) not in (1, 3):
+        raise ValueError(f"{option} {text} is not a number, or three as in 0.2,0.9,1.1.")
+    return numbers
 
 
 @command.command(short_help="F of many materials in one picture.")
@@ -75,21 +91,19 @@ def _parse_numbers(option: str, text: str) -> list[float]:
 def atlas(materials: tuple[str, ...], entries: int, bits: str, output: str) -> None:
     """Write the exact Fresnel reflectance of MATERIALs, a row for each, over cosines from 0 to 1.
 
-    A MATERIAL is a metal's symbol, such as Cu, or an index, such as 1.5. Says what rounding and
-    interpolation cost each row.
+    A MATERIAL is a metal's symbol, such as Cu, a dielectric's name, such as water, or an index, such as
+    1.5. Says what rounding and interpolation cost each row.
 
     \b
     Examples:
-      gonio bake atlas Cu Au Al 1.5 1.33
+      gonio bake atlas Cu Au Al water 1.5
       gonio bake atlas Cu Cr --bits 16 --entries 256 -o metals.png
     """
     from gonio.bake import atlas as atlases
-    from gonio.parts import metals
 
-    indices: dict[str, Any] = {}
-    for name in materials:
-        number = name.replace(".", "", 1).isdigit()
-        indices[name] = {"eta": float(name)} if number else dict(metals.metal(name))
+    if twice := sorted({name for name in materials if materials.count(name) > 1}):
+        raise ValueError(f"{twice[0]} is named twice; rows have their materials' names.")
+    indices = {name: _index_of(name) for name in materials}
     made = atlases.fresnel_atlas(indices, entries=entries, bits=int(bits))
     made.write(output)
     for row, name in enumerate(made.names):
@@ -100,12 +114,27 @@ def atlas(materials: tuple[str, ...], entries: int, bits: str, output: str) -> N
     click.echo(output)
 
 
+def _index_of(name: str) -> dict[str, Any]:
+    """Index and extinction of a metal, a dielectric or a number."""
+    from gonio.parts import dielectrics, metals
+
+    if name[:1].isdecimal() or name[:1] == ".":
+        return {"eta": _parse_numbers("the index", name)}
+    if name in metals.metals():
+        return dict(metals.metal(name))
+    try:
+        return {"eta": dielectrics.dielectric(name)}
+    except ValueError as error:
+        known = ", ".join(metals.metals())
+        raise ValueError(f"no metal and {str(error)[:-1]}; of metals {known}.") from None
+
+
 @command.command(short_help="D for all widths and angles.")
 @click.argument("kind", default="beckmann", metavar="[DISTRIBUTION]")
 @click.option("--size", type=click.IntRange(2, 8192), default=512, show_default=True)
 @click.option(
     "--exponent",
-    type=click.FloatRange(1, 16),
+    type=FloatRange(1, 16),
     default=8,
     show_default=True,
     help="The angle is a quarter turn times u to this power; with 1 sharp highlights are lost.",
@@ -125,8 +154,9 @@ def distribution(kind: str, size: int, output: str | None, exponent: float, bits
     """
     from gonio.bake import tables
 
-    table = tables.distribution_table(kind, size, exponent)
     target = output or f"{kind}.npy"
+    tables.check_table(target)
+    table = tables.distribution_table(kind, size, exponent)
     tables.write_table(target, table, int(bits))
     stored = table if bits == "32" else tables.in_halves(table)
     error = tables.distribution_error(stored, kind, exponent)
@@ -140,7 +170,7 @@ def distribution(kind: str, size: int, output: str | None, exponent: float, bits
 @click.argument("environment", metavar="NAME|FILE")
 @click.option(
     "--alpha",
-    type=click.FloatRange(0, 1, min_open=True),
+    type=FloatRange(0, 1, min_open=True),
     required=True,
     help="Width of the surface's GGX facets.",
 )
@@ -208,10 +238,11 @@ def cube(environment: str, size: int, output: str) -> None:
     from gonio.bake import cube as cubes
     from gonio.bake import environment as environments
 
+    target = cubes.check_place_of(output.rstrip("/") or "/")
     sky = environments.load(environment)
     with progress("blurring") as step:
         made = cubes.prefiltered(sky, size, progress=step)
-    paths = made.write(output.rstrip("/"))
+    paths = made.write(target)
     click.echo("\n".join(map(str, paths)))
     for alpha in (0.09, 0.49):  # half way between two levels
         off = cubes.error(made, sky, alpha)
@@ -236,12 +267,14 @@ def split_sum(model: str, size: int, output: str | None) -> None:
       gonio bake split-sum triace_blinn_phong --size 128 -o ambient_brdf.exr
     """
     from gonio.bake import split_sum as sums
-    from gonio.bake.tables import write_table
+    from gonio.bake.tables import check_table, write_table
     from gonio.materials import Material, load
 
     found = load(model)
-    chosen = found.model if isinstance(found, Material) else found
-    target = output or f"{chosen.name}.exr"
+    given = found.model if isinstance(found, Material) else found
+    target = output or f"{given.name}.exr"
+    check_table(target)
+    chosen = sums.highlighted(given)
     with progress("integrating") as step:
         table = sums.split_sum_table(chosen, size, progress=step)
     write_table(target, table)

@@ -109,6 +109,8 @@ def command(
         raise CostError("--map says what arguments of FILE#FUNCTION are; none is given.")
     if files and "eval" not in functions:
         raise CostError(f"{files[0]} is compared with eval, which --only leaves out.")
+    if files and all(gpu.vendor != "amd" for gpu in wanted):
+        raise CostError(f"{files[0]} is GLSL, which only AMD's compiler takes; add --gpu navi21.")
     if timed and "eval" not in functions:
         raise CostError("--time runs eval, which --only leaves out.")
     if output is not None and Path(output).suffix not in (".md", ".json"):

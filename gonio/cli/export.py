@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import click
+from click.core import ParameterSource
 
 from gonio.cli.program import check_params, complete, param_option, say
 from gonio.export import materialx
@@ -236,7 +237,9 @@ def run_proof(
     metavar="PATH",
     help="A file, whose name says the language (x.wgsl), or a folder/.",
 )
+@click.pass_context
 def command(
+    ctx: click.Context,
     models: tuple[str, ...],
     languages: tuple[str, ...],
     params: tuple[str, ...],
@@ -276,9 +279,17 @@ def command(
       gonio export ue4 --to hlsl --lit                  with lights
       gonio export ue4 --to glsl --lit directional,image --prove
     """
+    lights = listed(lit) if lit else None
+    if lights and not (models or everything or materials):
+        raise click.UsageError(f"--lit took {lit[0]!r} for its lights; name the model before it")
+    idle = {"--embed": embed, "--load": load, "--manifest": manifest, "--prefix": prefix}
+    idle |= {"--output": output, "--lookups": lookups != "textures"}
+    if prove and (named := [option for option, value in idle.items() if value]):
+        raise click.UsageError(f"--prove writes no file; leave out {' and '.join(named)}.")
+    if not prove and ctx.get_parameter_source("rows") is ParameterSource.COMMANDLINE:
+        raise click.UsageError("--rows is for --prove; give that as well.")
     selection = choose(models, [*params, *options], everything, materials)
     to = [] if manifest and not languages else chosen_languages(languages, output)
-    lights = listed(lit) if lit else None
     usual_functions = list(FUNCTIONS) if lights is None else ["eval"]
     functions = [name.strip() for name in only.split(",")] if only else usual_functions
     if lights is not None and "all" in ",".join(languages).split(","):
@@ -286,8 +297,6 @@ def command(
         selection.notes.append("OSL and MaterialX are left out: their renderers light surfaces.")
     if lights is None and lookups != "textures":
         raise click.UsageError("--lookups is for lights; give --lit as well.")
-    if prove and (load or manifest):
-        raise click.UsageError("--prove writes no file; leave out --load and --manifest.")
     if load and not to:
         raise click.UsageError("--load adds to a text; say in which language with --to.")
     if prove:

@@ -231,16 +231,29 @@ def spp_option(default: int | None) -> Callable[[Any], Any]:
     return click.option("--spp", type=click.IntRange(1, 1 << 20), default=default, help=text)
 
 
+class FloatRange(click.FloatRange):
+    """A range that NaN, which is neither below nor above its ends, is not in."""
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """The number, or click's error."""
+        number = float(super().convert(value, param, ctx))
+        if number != number:
+            self.fail(f"{value} is not in the range {self._describe_range()}.", param, ctx)
+        return number
+
+
 noise_option = click.option(
     "--noise",
-    type=click.FloatRange(0, min_open=True),
+    type=FloatRange(0, min_open=True),
     metavar="PART",
     help="Stop when the noise is below this part of a pixel's brightness (default: 0.02, without --spp).",
 )
 time_option = click.option(
     "--time",
     "seconds",
-    type=click.FloatRange(0, min_open=True),
+    type=FloatRange(0, min_open=True),
     metavar="SECONDS",
     help="Begin no further pass after that time, for each picture of a strip.",
 )

@@ -18,6 +18,7 @@ from gonio.cli._stage import (
     tone_option,
 )
 from gonio.cli.program import (
+    FloatRange,
     Size,
     check_params,
     complete,
@@ -47,7 +48,7 @@ from gonio.cli.program import (
 @stage_options
 @click.option(
     "--diffusion",
-    type=click.FloatRange(0, 10),
+    type=FloatRange(0, 10),
     default=0.0,
     metavar="MM",
     help="For skin: a millimetre in units of the ball's radius, such as 0.01.",

@@ -26,8 +26,10 @@ NOTES = (
     "Registers are vector registers of a thread: more of them leave room for fewer threads.",
 )
 
-
-def measure(programs: Sequence[Program], gpu: Gpu) -> list[Measured | None]:
+LOOPS = (
+    "A loop counts once in the instructions, and in the cycles as if it had some 16 turns, "
+    "however many it has."
+)def measure(programs: Sequence[Program], gpu: Gpu) -> list[Measured | None]:
     """Numbers of each program on a GPU; None for what has no text for it.
 
     Raises:
@@ -100,7 +102,11 @@ def cost(
     return Section(
         "cost",
         "What shaders cost",
-        [*NOTES, *([f"Times are per call of eval on {device}."] if device else [])],
+        [
+            *NOTES,
+            *([LOOPS] if files else []),
+            *([f"Times are per call of eval on {device}."] if device else []),
+        ],
         _columns(gpus, None if against is None else against[0], bool(device)),
         rows,
     )

@@ -11,7 +11,7 @@ import numpy as np
 from gonio.export.names import Names, legal
 from gonio.export.targets import Target
 from gonio.export.tree import (
-    METHODS,
+    CALLED,
     SELF,
     Access,
     Builtin,
@@ -110,7 +110,11 @@ class ExpressionPrinter:
     def member(self, struct: Struct, name: str) -> str:
         """The name of a struct's member."""
         if id(struct) not in self.members:
-            names = Names(self.target.reserved | set(self.target.types.values()) | {struct.name})
+            taken = {struct.name}
+            if self.target.methods:  # what callers call keeps its name, and members give way
+                called = (f for f in self.functions if f.owner is struct)
+                taken |= {f.method for f in called if f.method in CALLED}
+            names = Names(self.target.reserved | set(self.target.types.values()) | taken)
             self.members[id(struct)] = {m.name: names.give(m.name) for m in struct.members}
         return self.members[id(struct)][name]
 
@@ -304,7 +308,7 @@ class ExpressionPrinter:
         name = function.method.strip("_")
         taken = {self.member(function.owner, m.name) for m in function.owner.members}
         # As methods they may be called what is reserved elsewhere, such as sample
-        reserved = frozenset() if name in METHODS else self.target.reserved
+        reserved = frozenset() if name in CALLED else self.target.reserved
         return legal(name, reserved | taken)
 
 

@@ -15,6 +15,9 @@ SELF = "params"
 # What users call of a model, under these names in every language.
 METHODS = ("eval", "sample", "pdf", "albedo")
 
+# The same with what lit exports have besides.
+CALLED = (*METHODS, "shade")
+
 
 class ExportError(ValueError):
     """Something that cannot be exported, with its place in the Python file and what to write instead."""

@@ -137,7 +137,7 @@ class Source:
                 return candidates[0]
             shown = ", ".join(dict.fromkeys(f.name for f in own)) or "none"
             raise ForeignError(
-                f"{self.path}: say which function with --function NAME; it has {shown}."
+                f"{self.path}: say which function, as {self.path}#NAME; it has {shown}."
             )
         parts = re.split(r"::|\.", name)
         for f in own:

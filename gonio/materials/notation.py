@@ -63,7 +63,8 @@ def assign(
         start: with its defaults, or as it was read.
         assignments: each "name=value". A colour is 0.8/0.3/0.1, 0.8,0.3,0.1 or #c08040 (sRGB), an angle
             may be pi/2. A model inside is named, its parameters have their path: base=lambert,
-            base.rho=0.5. metal=Cu stands for eta and k, and eta=water for the index of water.
+            base.rho=0.5. metal=Cu stands for eta and k, and eta=water for the index of water, with k = 0
+            where a metal's would stand.
         resolve: finds the inner models that are named.
 
     Raises:
@@ -97,6 +98,8 @@ def assign(
             values |= {f"{outer}.{n}" if outer else n: v for n, v in symbols.items()}
         elif isinstance(declared, Parameter):
             values[path] = parse_number(model.name, declared, text)
+            if named_index(model.name, declared, text) is not None:
+                values |= dict.fromkeys(_extinction(path, texts, model, children), 0.0)
         else:  # an option, or unknown, of which the model complains
             values[path] = text
     if isinstance(start, Material):
@@ -168,6 +171,20 @@ def _declaration(model: Model, path: str, children: Mapping[str, Material]) -> A
     outer, _, name = path.rpartition(".")
     owner = _owner(model, outer, children)
     return None if owner is None else owner.fields.get(name)
+
+
+def _extinction(
+    path: str, texts: Mapping[str, str], model: Model, children: Mapping[str, Material]
+) -> list[str]:
+    """The path of k beside an eta, unless there is none or it is given."""
+    beside = extinction_of(path)
+    known = isinstance(_declaration(model, beside, children), Parameter)
+    return [beside] if known and beside not in texts else []
+
+
+def extinction_of(index: str) -> str:
+    """The name of k that stands beside an index: a dielectric named there has none."""
+    return index.removesuffix("eta") + "k"
 
 
 def metal_parameters(

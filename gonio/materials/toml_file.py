@@ -34,7 +34,13 @@ from gonio.materials.material import (
     MaterialError,
     inside,
 )
-from gonio.materials.notation import hex_colour, metal_parameters, named_index, settings_of
+from gonio.materials.notation import (
+    extinction_of,
+    hex_colour,
+    metal_parameters,
+    named_index,
+    settings_of,
+)
 from gonio.materials.texture_file import split_channel, stored_values, texture_values
 from gonio.materials.toml_lines import lines
 from gonio.messages import notice
@@ -211,6 +217,10 @@ class _Reader:
                     textures[key], channel = self._texture(declared, value, section)
                     channels |= {key: channel} if channel else {}
                     continue
+                if named_index(cls.name, declared, value) is not None:
+                    beside = extinction_of(key)
+                    if beside in cls.fields and beside not in table:
+                        given[beside] = 0.0
                 value = number
             elif isinstance(declared, Child):
                 children[key] = self._child(key, value, section)
