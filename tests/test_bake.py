@@ -92,7 +92,7 @@ def test_a_series_is_one_strip_of_all_steps() -> None:
     ("arguments", "message"),
     [
         (("bake", "fresnel"), "give either --eta, such as 1.5, or --metal, such as Cu"),
-        (("bake", "fresnel", "--eta", "x"), "--eta x is not a number, or three as in"),
+        (("bake", "fresnel", "--eta", "x"), "no dielectric 'x'; known are vacuum"),
         (("bake", "fresnel", "--eta", "1.5,1.4"), "is not a number, or three as in"),
         (("bake", "fresnel", "--eta", "watr"), "did you mean 'water'"),
         (("bake", "fresnel", "--metal", "Cu", "--k", "3"), "leave out --k"),

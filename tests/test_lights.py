@@ -392,18 +392,19 @@ LIT = ["directional", "image"]
 
 SHADED = '''
 from gonio import Model, param
-from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, vec3
+from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
 
 
 class Shaded(Model):
     """A number has the name of the function that lit exports add."""
 
-    shade: Float = param(0.5, 0, 1, "albedo")
+    rho: Color = param((0.8, 0.8, 0.8), 0, 1, "albedo")
+    shade: Float = param(0.5, 0, 1, "its factor")
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
-        """shade / pi."""
-        return vec3(self.shade * INV_PI)
+        """rho shade / pi."""
+        return self.rho * (self.shade * INV_PI)
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """Cosine-weighted."""

@@ -139,10 +139,10 @@ def directions(size: int, inset: ArrayLike = (0.5, 0.5)) -> Floats:
 # Places along a texel's side whose mean stands for it.
 INSIDE = 4
 
-# Where more pixels of the picture than these lie side by side in a texel, places inside would miss some of
-# them, and near the poles most; then every pixel is poured into the texels that it covers, so finely that
-# so many places lie side by side in the middle of a face (a third of that in its corners).
-PIXELS_MOST, POURED = 3, 8
+# Where the picture is finer than the cube, places inside a texel would miss some of its pixels, and near the
+# poles, where these are slivers, most. Then every pixel is poured into the texels that it covers, so finely
+# that POURED places lie side by side in the middle of a face (a third of that in its corners).
+PIXELS_MOST, POURED = 1, 6
 
 # Rows of a picture that are poured at a time, for little memory.
 ROWS = 16
@@ -150,23 +150,25 @@ ROWS = 16
 
 def faces(picture: Environment, size: int) -> Floats:
     """A picture as the faces of one level: the mean over each texel, shape (6, size, size, 3)."""
-    pixels = picture.pixels.shape[1] / (np.pi * size)
-    if pixels > PIXELS_MOST:
-        return _poured(picture, size, max(2, int(np.ceil(POURED / pixels))))
+    rows, columns = picture.pixels.shape[:2]
+    pixels = np.array([2 * (rows - 1), columns]) / (np.pi * size)  # down and across a texel
+    if pixels.max() > PIXELS_MOST:
+        down, across = np.maximum(np.ceil(POURED / pixels), 2).astype(int)
+        return _poured(picture, size, down, across)
     places = (np.arange(INSIDE) + 0.5) / INSIDE
     found = [picture.radiance(directions(size, (a, b))) for a in places for b in places]
     return np.asarray(np.mean(found, axis=0))
 
 
-def _poured(picture: Environment, size: int, fine: int) -> Floats:
-    """The mean of a picture over each texel, from so many places along a pixel's side."""
+def _poured(picture: Environment, size: int, down: int, across: int) -> Floats:
+    """The mean of a picture over each texel, from so many places along a pixel's sides."""
     rows, columns = picture.pixels.shape[:2]
-    phi = 2 * np.pi * (np.arange(fine * columns) + 0.5) / (fine * columns)
+    phi = 2 * np.pi * (np.arange(across * columns) + 0.5) / (across * columns)
     solid: Floats = np.zeros(6 * size * size)
     light: Floats = np.zeros((solid.size, 3))
     for first in range(0, rows - 1, ROWS):
         last = min(first + ROWS, rows - 1)
-        theta = np.pi * (np.arange(fine * first, fine * last) + 0.5)[:, None] / (fine * (rows - 1))
+        theta = np.pi * (np.arange(down * first, down * last) + 0.5)[:, None] / (down * (rows - 1))
         sine = np.sin(theta)
         x, z = sine * np.sin(phi), -sine * np.cos(phi)
         w = np.stack(np.broadcast_arrays(x, np.cos(theta), z), axis=-1)

@@ -29,7 +29,10 @@ NOTES = (
 LOOPS = (
     "A loop counts once in the instructions, and in the cycles as if it had some 16 turns, "
     "however many it has."
-)def measure(programs: Sequence[Program], gpu: Gpu) -> list[Measured | None]:
+)
+
+
+def measure(programs: Sequence[Program], gpu: Gpu) -> list[Measured | None]:
     """Numbers of each program on a GPU; None for what has no text for it.
 
     Raises:
