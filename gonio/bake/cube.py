@@ -139,7 +139,7 @@ def directions(size: int, inset: ArrayLike = (0.5, 0.5)) -> Floats:
 # Places along a texel's side whose mean stands for it.
 INSIDE = 4
 
-# Where the picture is finer than the cube, places inside a texel would miss some of its pixels, and near the
+# Where the picture is finer than the cube, places in a texel would miss some of its pixels, and near the
 # poles, where these are slivers, most. Then every pixel is poured into the texels that it covers, so finely
 # that POURED places lie side by side in the middle of a face (a third of that in its corners).
 PIXELS_MOST, POURED = 1, 6
