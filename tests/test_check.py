@@ -213,6 +213,13 @@ def test_the_clamped_eon_of_a_material_library_has_its_published_albedo(
 DARK_RING = dark_ring().name
 
 
+def test_energy_finds_a_narrow_summit_beside_a_broad_plain() -> None:
+    """tri-Ace's layers reflect nearly 1 at the normal, and 1.049 in one corner at 78 degrees."""
+    model = gonio.model("triace_layered", bottom_fresnel="constant")
+    found = energy.check(ModelSubject(model), QUICK.less()).findings[0]
+    assert 1.02 < found.measured <= 1.05
+
+
 def test_continuity_names_the_dark_ring_of_qon_and_no_other() -> None:
     """Qualitative Oren-Nayar has it at s = 0; Fujii's form has a slope on both sides."""
     assert DARK_RING in findings("qon", "continuity")

@@ -200,6 +200,7 @@ def _largest(subject: Subject, effort: Effort) -> Finding:
         seed=1,
         starts=starts(subject)[: effort.albedos // 2],
         special=special,
+        bands=len(subject.parameters),
     )
     # From here on with the integrals that count
     points, albedos = maximise(

@@ -5,11 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gonio.check.subject import Array
 
 # The best eighth of what was seen has offspring.
 ELITE = 8
+
+# A coordinate is cut into so many bands where each is to be looked at.
+BANDS = 8
 
 
 def maximise(
@@ -22,6 +26,7 @@ def maximise(
     starts: Array | None = None,
     special: Sequence[Array] = (),
     steps: tuple[float, float] = (0.25, 1e-6),
+    bands: int | None = None,
 ) -> tuple[Array, Array]:
     """The highest values of a function of points in [0, 1]^dimensions, and where, best first.
 
@@ -38,6 +43,8 @@ def maximise(
         starts: points that the first round contains.
         special: for each of the first dimensions, values that are tried as they are and nearby.
         steps: the size of the first and of the last steps.
+        bands: a coordinate: half of what is remembered are the best of each of its bands, so that a broad
+            and nearly as high plain elsewhere does not drive out a narrow summit.
     """
     rng = np.random.default_rng(seed)
     points = _scattered(rng, population, dimensions)
@@ -53,7 +60,7 @@ def maximise(
         values = np.where(np.isnan(values), np.inf, values)
         best_points = np.concatenate([best_points, points])
         best_values = np.concatenate([best_values, values])
-        order = np.argsort(-best_values, kind="stable")[: max(population // ELITE, 4)]
+        order = _best(best_points, best_values, max(population // ELITE, 4), bands)
         best_points, best_values = best_points[order], best_values[order]
         if turn < rounds - 1:
             width = steps[0] * (steps[1] / steps[0]) ** (turn / max(rounds - 2, 1))
@@ -61,6 +68,20 @@ def maximise(
             if len(special):
                 points[3::8] = specialised(rng, points[3::8], special, 0.3)
     return best_points, best_values
+
+
+def _best(points: Array, values: Array, count: int, bands: int | None) -> NDArray[np.intp]:
+    """Rows of the highest values, best first; with `bands` half of them, and the best of each band."""
+    order = np.argsort(-values, kind="stable")
+    if bands is None:
+        return order[:count]
+    band = np.minimum((BANDS * points[order, bands]).astype(np.intp), BANDS - 1)
+    each = max(count // (2 * BANDS), 1)
+    kept = np.zeros(len(order), bool)
+    kept[: count // 2] = True
+    for number in range(BANDS):
+        kept[np.flatnonzero(band == number)[:each]] = True
+    return order[kept]
 
 
 def _scattered(rng: np.random.Generator, count: int, dimensions: int) -> Array:

@@ -193,11 +193,11 @@ def transmittance_conductor_half(cos_h: Float, sin2_h: Float, eta: Color, k: Col
     """1 - F_conductor_half, exact where it nearly vanishes."""
     # The roots are those of F_conductor_half, the sum is that of `split_conductor`
     c = cos_h
-    contrast_re, half_im = (eta - 1) * (eta + 1) - k * k, eta * k + ROOT_MIN
+    contrast_re, half_im = (eta - 1) * (eta + 1) - k * k, eta * k + ABSORPTION_MIN
     eps_re, im = (eta - k) * (eta + k), 2 * half_im
     near = c > NEAR_NORMAL
     w_re = select(near, eps_re, contrast_re) + select(near, -sin2_h, c * c)
-    w_abs = sqrt(w_re * w_re + im * im)
+    w_abs = _size(w_re, im)
     large = sqrt(0.5 * (w_abs + absolute(w_re)))
     small = half_im / large
     g_re, g_im = select(w_re > 0, large, small), select(w_re > 0, small, large)

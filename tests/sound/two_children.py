@@ -12,13 +12,17 @@ class TwoChildren(Model):
     first: Model = child("qon", "one of them")
     second: Model = child("torrance_sparrow", "the other one")
     cover: Float = param(0.3, 0.05, 0.95, "part of the second")
-    numeric = NumericAlbedo("half_vectors")
+    numeric = NumericAlbedo("half_vectors", stretched=True)
     isotropic = False
     claims = Claims()
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """The mean."""
         return lerp(self.first.eval(wi, wo), self.second.eval(wi, wo), self.cover)
+
+    def slope_widths(self) -> Vec2:
+        """Those of the highlight."""
+        return self.second.slope_widths()
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         """One of the two by their parts."""
