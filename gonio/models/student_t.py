@@ -21,6 +21,7 @@ from gonio.lang import (
     lerp,
     log,
     maximum,
+    minimum,
     normalize,
     safe_sqrt,
     sin,
@@ -33,13 +34,16 @@ from gonio.parts.fresnel import schlick_weight_half
 from gonio.parts.image import ImageLobes, schlick_albedo
 from gonio.parts.masking import V_cook_torrance
 from gonio.parts.roughness import at_least_alpha
-from gonio.parts.special import expm1
+from gonio.parts.special import expm1, log1p
 
 # Range of gamma: at 1.5 the mean slope has no end, and at 40 D is Beckmann's to a percent.
 GAMMA_MIN, GAMMA_MAX = 1.55, 40.0
 
 # Smallest width, below which a float32 has no digits left for the slopes.
 ALPHA_LEAST = 1e-3
+
+# Largest squared slope in units of the widths: more leaves a float32, and D is 0 long before.
+RATIO_MAX = 1e37
 
 
 class StudentT(Model):
@@ -93,12 +97,14 @@ class StudentT(Model):
         return pdf_mirror(self._D(m) * m.z, cos_half(wi, wo))
 
     def _D(self, m: Vec3) -> Float:
-        """1 / (pi a^2 z^4 (1 + tan^2 / ((g - 1) a^2))^g), its powers as one exponential."""
+        """1 / (pi a^2 z^4 (1 + x)^g) with x = tan^2 / ((g - 1) a^2)."""
         a2, z2 = self.alpha * self.alpha, m.z * m.z
         slope2 = (m.x * m.x + m.y * m.y) / ((self.gamma - 1) * a2)
-        # z^4 (1 + t)^g = z^(4 - 2 g) (z^2 + slope2)^g, finite in the horizon
-        inside = (2 - self.gamma) * log(z2) + self.gamma * log(z2 + slope2)
-        return INV_PI / a2 * exp(-inside)
+        # z^-4 (1 + x)^-g = (z^2 + slope2)^-2 (1 + x)^(2 - g), finite in the horizon; log1p keeps the digits
+        # that a large g multiplies
+        x = minimum(slope2 / z2, RATIO_MAX)
+        whole = z2 + slope2
+        return INV_PI / a2 / (whole * whole) * exp((2 - self.gamma) * log1p(x))
 
     def _normal(self, u: Vec2) -> Vec3:
         """tan^2 = (g - 1) a^2 ((1 - u)^(1 / (1 - g)) - 1)."""

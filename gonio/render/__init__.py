@@ -167,7 +167,8 @@ def without_diffuse(material: Shown) -> Model | Material:
             "a stack of layers has no diffuse colour whose light diffusion could spread."
         )
     model = material.model if isinstance(material, Material) else material
-    black = [path for path, _, _ in model.parameters() if path.rpartition(".")[2] == "rho"]
+    named = [path for path, _, _ in model.parameters() if path.rpartition(".")[2] == "rho"]
+    black = [path for path in named if _matters(model, path)]
     if not black:
         raise ValueError(
             f"{material.name} has no diffuse colour rho, whose light diffusion could spread."
@@ -178,6 +179,13 @@ def without_diffuse(material: Shown) -> Model | Material:
     textures = {path: file for path, file in material.textures.items() if path not in black}
     channels = {path: name for path, name in material.channels.items() if path in textures}
     return dataclasses.replace(material, model=model, textures=textures, channels=channels)
+
+
+def _matters(model: Model, path: str) -> bool:
+    """Whether a colour changes what is reflected: options may leave a model without its matte part."""
+    normal = np.array([0.0, 0.0, 1.0])
+    values = [model.replace(**{path: colour}).eval(normal, normal) for colour in (0.0, 1.0)]
+    return bool((np.asarray(values[0]) != np.asarray(values[1])).any())
 
 
 def _seen(loaded: Any) -> tuple[Any, Any, Any]:

@@ -74,14 +74,18 @@ inline Vec3 lerp(Vec3 a, Vec3 b, Vec3 c) {
     return Vec3{lerp(a.x, b.x, c.x), lerp(a.y, b.y, c.y), lerp(a.z, b.z, c.z)};
 }
 
+// Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+constexpr float LOG1P_SMALL = 0.25f;
+// Below this the series needs eleven terms; above, the plain difference is exact to 2e-7 in float32.
+constexpr float EXPM1_SMALL = 0.3f;
+// Largest squared slope in units of the widths: more leaves a float32, and D is 0 long before.
+constexpr float RATIO_MAX = 1.0e37f;
 constexpr float two_pi = 6.2831855f;
 constexpr float inv_pi = 0.31830987f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
 // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
 // it still is a float32. It is reached at cosines of 5e-16.
 constexpr float V_MAX = 1.0e30f;
-// Below this the series needs eleven terms; above, the plain difference is exact to 2e-7 in float32.
-constexpr float EXPM1_SMALL = 0.3f;
 // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
 constexpr float RANDOM_MARGIN = 5.9604645e-8f;
 // Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
@@ -133,14 +137,38 @@ inline Vec3 student_t_half_vector(Vec3 wi, Vec3 wo) {
     return h / length(h);  // which student_t_cos_half needs as well
 }
 
-// 1 / (pi a^2 z^4 (1 + tan^2 / ((g - 1) a^2))^g), its powers as one exponential.
+// atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25.
+inline float student_t_atanh_over(float y) {
+    float y2 = y * y;
+    float series = 1.0f / 9.0f
+        + y2 * (1.0f / 11.0f + y2 * (1.0f / 13.0f + y2 * (1.0f / 15.0f + y2 * (1.0f / 17.0f))));
+    return 1.0f + y2 * (1.0f / 3.0f + y2 * (1.0f / 5.0f + y2 * (1.0f / 7.0f + y2 * series)));
+}
+
+// log(1 + x) / x for x > -1; 1 at x = 0.
+inline float student_t_log1p_over(float x) {
+    float near = fmaxf(fminf(x, LOG1P_SMALL), -LOG1P_SMALL);
+    bool small = x > -LOG1P_SMALL && x < LOG1P_SMALL;
+    float far = small ? 1.0f : x;
+    float series = student_t_atanh_over(near / (2.0f + near));
+    return small ? 2.0f / (2.0f + near) * series : logf(1.0f + far) / far;
+}
+
+// log(1 + x) for x > -1, exact where x is small.
+inline float student_t_log1p(float x) {
+    return x * student_t_log1p_over(x);
+}
+
+// 1 / (pi a^2 z^4 (1 + x)^g) with x = tan^2 / ((g - 1) a^2).
 inline float student_t_D(const StudentT& params, Vec3 m) {
     float a2 = params.alpha * params.alpha;
     float z2 = m.z * m.z;
     float slope2 = (m.x * m.x + m.y * m.y) / ((params.gamma_ - 1.0f) * a2);
-    // z^4 (1 + t)^g = z^(4 - 2 g) (z^2 + slope2)^g, finite in the horizon
-    float inside = (2.0f - params.gamma_) * logf(z2) + params.gamma_ * logf(z2 + slope2);
-    return inv_pi / a2 * expf(-inside);
+    // z^-4 (1 + x)^-g = (z^2 + slope2)^-2 (1 + x)^(2 - g), finite in the horizon; log1p keeps the digits that a
+    // large g multiplies
+    float x = fminf(slope2 / z2, RATIO_MAX);
+    float whole = z2 + slope2;
+    return inv_pi / a2 / (whole * whole) * expf((2.0f - params.gamma_) * student_t_log1p(x));
 }
 
 // Of V-grooves: min(1, 2 cos_m mu_o / cos_h, 2 cos_m mu_i / cos_h) with cos_m = m.z, cos_h = wo . m.

@@ -55,15 +55,43 @@ fn student_t_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     return h / length(h);  // which student_t_cos_half needs as well
 }
 
-// 1 / (pi a^2 z^4 (1 + tan^2 / ((g - 1) a^2))^g), its powers as one exponential.
+// atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25.
+fn student_t_atanh_over(y: f32) -> f32 {
+    let y2 = y * y;
+    let series = 1.0 / 9.0
+        + y2 * (1.0 / 11.0 + y2 * (1.0 / 13.0 + y2 * (1.0 / 15.0 + y2 * (1.0 / 17.0))));
+    return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * series)));
+}
+
+// log(1 + x) / x for x > -1; 1 at x = 0.
+fn student_t_log1p_over(x: f32) -> f32 {
+    // Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+    const LOG1P_SMALL = 0.25;
+    let near = max(min(x, LOG1P_SMALL), -LOG1P_SMALL);
+    let small = x > -LOG1P_SMALL && x < LOG1P_SMALL;
+    let far = select(x, 1.0, small);
+    let series = student_t_atanh_over(near / (2.0 + near));
+    return select(log(1.0 + far) / far, 2.0 / (2.0 + near) * series, small);
+}
+
+// log(1 + x) for x > -1, exact where x is small.
+fn student_t_log1p(x: f32) -> f32 {
+    return x * student_t_log1p_over(x);
+}
+
+// 1 / (pi a^2 z^4 (1 + x)^g) with x = tan^2 / ((g - 1) a^2).
 fn student_t_D(params: StudentT, m: vec3f) -> f32 {
+    // Largest squared slope in units of the widths: more leaves a float32, and D is 0 long before.
+    const RATIO_MAX = 1.0e37;
     const inv_pi = 0.31830987;
     let a2 = params.alpha * params.alpha;
     let z2 = m.z * m.z;
     let slope2 = (m.x * m.x + m.y * m.y) / ((params.gamma - 1.0) * a2);
-    // z^4 (1 + t)^g = z^(4 - 2 g) (z^2 + slope2)^g, finite in the horizon
-    let inside = (2.0 - params.gamma) * log(z2) + params.gamma * log(z2 + slope2);
-    return inv_pi / a2 * exp(-inside);
+    // z^-4 (1 + x)^-g = (z^2 + slope2)^-2 (1 + x)^(2 - g), finite in the horizon; log1p keeps the digits that a
+    // large g multiplies
+    let x = min(slope2 / z2, RATIO_MAX);
+    let whole = z2 + slope2;
+    return inv_pi / a2 / (whole * whole) * exp((2.0 - params.gamma) * student_t_log1p(x));
 }
 
 // Of V-grooves: min(1, 2 cos_m mu_o / cos_h, 2 cos_m mu_i / cos_h) with cos_m = m.z, cos_h = wo . m.

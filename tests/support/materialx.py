@@ -41,6 +41,8 @@ GENERATORS = {
 FIS = PyMaterialXGenShader.HwSpecularEnvironmentMethod.SPECULAR_ENVIRONMENT_FIS
 PREFILTER = PyMaterialXGenShader.HwSpecularEnvironmentMethod.SPECULAR_ENVIRONMENT_PREFILTER
 
+FLUSHED = 2 * float(np.finfo(np.float32).tiny)  # for a light of half the brightness
+
 SIDE = 64  # of the square of pixels that the worker draws
 
 
@@ -117,7 +119,7 @@ CLOSE_LOOKS, TRIES, CLOSER = 40, 8, 256
 
 # Errors are relative to a channel, or to this share of the row's brightest one: of a mixture of a bright
 # and a dark part, float32 keeps no more of the dark one.
-DARKEST = 1e-3
+DARKEST = 5e-3
 
 Maker = Callable[[Any, Any], Model]
 """The model in a precision, np.float32 or np.float64, for some rows."""
@@ -159,7 +161,8 @@ def compare(model: Maker, wi: Array, wo: Array, got: Array, relative: float) -> 
     value = reflected(model(np.float64, every), np.float64, wi, wo)
     off = np.abs(got - value)
     size = np.maximum(np.abs(value), DARKEST * np.abs(value).max(-1, keepdims=True))
-    limit = relative * size + _rounding(model, every, wi, wo, TRIES)
+    # What is below the smallest normal number may be 0 in a shader
+    limit = relative * size + FLUSHED + _rounding(model, every, wi, wo, TRIES)
     wrong = np.nonzero(~(off <= limit).all(-1))[0]
     if 0 < len(wrong) <= CLOSE_LOOKS:
         closer = relative * size[wrong] + _rounding(model, wrong, wi, wo, CLOSER)
