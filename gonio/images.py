@@ -255,6 +255,8 @@ def _tiff_is_inverted(tags: Any) -> bool:
     if _SIGNED in formats or (bits == 32 and 1 in formats):
         kind = "signed" if _SIGNED in formats else "32-bit"
         raise ImageError(f"its numbers are {kind} integers; save it with 8 or 16 bits, or as .exr")
+    if bits not in (1, 2, 4, 8, 16, 32):  # Pillow gives codes of 12 bits as if they were of 16
+        raise ImageError(f"its numbers have {bits} bits; save it with 8 or 16 bits, or as .exr")
     if bits == 16 and tags.get(_PLANAR, 1) == 2:
         raise ImageError(
             "its channels lie apart from each other; save them interleaved, or as .png"

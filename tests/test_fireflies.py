@@ -50,6 +50,12 @@ def test_the_furnace_has_nothing_to_cut() -> None:
         render("clay", clamp=1.0, furnace=True, **SMALL)
 
 
+@pytest.mark.parametrize("depth", [1, 2])
+def test_paths_without_indirect_light_have_nothing_to_cut(depth: int) -> None:
+    with pytest.raises(ValueError, match="hold no indirect light"):
+        render("clay", clamp=1.0, max_depth=depth, **SMALL)
+
+
 def test_direct_light_is_not_cut(tmp_path: Path) -> None:
     """Seen from above, a black mesh has no indirect light: its highlights stay, and so does the sky."""
     write_linear(tmp_path / "sky.exr", np.full((8, 16, 3), 50, np.float32))

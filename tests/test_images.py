@@ -185,6 +185,18 @@ def test_what_is_wrong_is_one_sentence(tmp_path: Path, name: str, make: Any, rea
     assert "\n" not in str(error.value)
 
 
+def test_a_tiff_of_twelve_bits_is_not_read_as_one_of_sixteen(tmp_path: Path) -> None:
+    """Two white pixels of 12 bits are three bytes: 0xfff and 0xfff."""
+    path = tiff(tmp_path / "a.tif", np.full((1, 3), 255, "u1"))
+    content = bytearray(path.read_bytes())
+    for tag, value in ((256, 2), (258, 12)):  # width, bits
+        at = content.index(struct.pack("<HH", tag, 4)) + 8
+        content[at : at + 4] = struct.pack("<I", value)
+    path.write_bytes(content)
+    with pytest.raises(ImageError, match="12 bits"):
+        read_image(path)
+
+
 @pytest.mark.parametrize(("kind", "suffix"), [("RGB", ".png"), ("RGB", ".jpg"), ("L", ".tif")])
 @pytest.mark.parametrize("share", [0.3, 0.9])
 def test_files_that_are_cut_short_are_found_out(

@@ -288,6 +288,12 @@ def test_the_base_is_at_least_as_rough_as_a_rough_coat() -> None:
     np.testing.assert_allclose(
         clamped, WeidlichWilkie(base=rough, **coat).eval(wi, wo), rtol=DOUBLE
     )
+    between = {"interface": "smooth", "eta": 1.2}  # which keeps the clamp from what is below it
+    through = WeidlichWilkie(base=WeidlichWilkie(base=sharp, **between), **coat).eval(wi, wo)
+    free = WeidlichWilkie(
+        base=WeidlichWilkie(base=sharp, **between), roughness_clamp="off", **coat
+    ).eval(wi, wo)
+    np.testing.assert_array_equal(through, free)
     off = WeidlichWilkie(base=sharp, roughness_clamp="off", **coat).eval(wi, wo)
     assert np.abs(off - clamped).max() > 0.1
     smooth = WeidlichWilkie(base=sharp, interface="smooth", **coat)

@@ -178,6 +178,26 @@ def test_every_key_of_a_file_has_the_line_in_which_it_is_first_named(end: str) -
     assert lines(text) == expected
 
 
+def test_keys_with_escapes_have_their_line_too(tmp_path: Path) -> None:
+    text = 'model = "eon"\n\n"ro\\u0075ghness" = 7\n'
+    with pytest.raises(MaterialError, match=r"clay\.toml:3: .*roughness=7 is out of range"):
+        load_material(write(tmp_path, text))
+    assert lines('"a\\"b" = 1\n"\\\\" = 2') == {'a"b': 1, "\\": 2}
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b'model = "eon"\n# caf\xe9\n', r"a\.toml:2: .*save it as UTF-8"),
+        (b'model = "eon"\nrho = 1' + b"0" * 5000, r"a\.toml: a number in it has too many digits"),
+    ],
+)
+def test_what_tomllib_cannot_read_names_the_file(tmp_path, content: bytes, message: str) -> None:
+    (tmp_path / "a.toml").write_bytes(content)
+    with pytest.raises(MaterialError, match=message):
+        load_material(tmp_path / "a.toml")
+
+
 def test_names_of_models_and_materials_are_found() -> None:
     assert repr(gonio.load("eon:roughness=1")) == "EON(roughness=1.0)"
     assert gonio.load("gold").name == "gold"

@@ -7,6 +7,7 @@ import gzip
 import http.client
 import json
 import math
+import os
 import re
 import shutil
 import subprocess
@@ -374,6 +375,15 @@ def test_gonio_view_saves_a_page(tmp_path: Path) -> None:
     wrong = CliRunner().invoke(main, ["view", "lambert", "--save", str(tmp_path / "a.png")])
     assert wrong.exit_code != 0
     assert list(tmp_path.iterdir()) == [tmp_path / "a.html"]
+
+
+def test_a_saved_page_takes_names_that_are_no_utf8(tmp_path: Path) -> None:
+    file = os.fsdecode(os.fsencode(tmp_path) + b"/x\xff.toml")
+    Path(file).write_text('model = "lambert"\n')
+    done = CliRunner().invoke(main, ["view", file, "--save", str(tmp_path / "a.html")])
+    assert done.exit_code == 0, done.output
+    (shown,) = data_of((tmp_path / "a.html").read_text(encoding="utf-8"))["show"]
+    assert shown == f"{tmp_path}/x?.toml"
 
 
 def test_the_built_script_is_current(tmp_path: Path) -> None:

@@ -107,7 +107,7 @@ def _only_model(path: Path, module: str, names: dict[str, object]) -> type[Model
             )
         found = same
     cls = found[0]
-    cls.name = path.stem
+    cls.name = path.stem.encode(errors="replace").decode()  # Mitsuba's names are UTF-8
     for method in ("eval", "sample", "pdf"):
         if getattr(cls, method) is getattr(Model, method):
             raise ModelFileError(f"{path}: {cls.__name__} has no method {method}.")

@@ -89,8 +89,13 @@ def read(path: Path, resolve: Resolve) -> Material:
     try:
         text = path.read_text(encoding="utf-8-sig")
         table = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except tomllib.TOMLDecodeError as error:
         raise MaterialError(f"{path}: not a TOML file: {error}.") from None
+    except UnicodeDecodeError as error:
+        line = error.object.count(b"\n", 0, error.start) + 1
+        raise MaterialError(f"{path}:{line}: not a TOML file: save it as UTF-8.") from None
+    except ValueError:  # of int, which reads no more than some thousand digits
+        raise MaterialError(f"{path}: a number in it has too many digits.") from None
     except RecursionError:
         raise MaterialError(f"{path}: the values are nested too deeply.") from None
     reader = _Reader(path, text, resolve)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tomllib
 
 # What may stand between tokens: blanks, line ends and comments.
 GAP = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
@@ -22,6 +23,13 @@ def lines(text: str) -> dict[str, int]:
         text: a TOML file that `tomllib` reads. Keys in arrays have the array's path in front.
     """
     return _Scanner(text).found
+
+
+def _plain(written: str) -> str:
+    """A key without its quotes and escapes."""
+    if written.startswith('"') and "\\" in written:
+        return str(tomllib.loads(f"key = {written}")["key"])
+    return written.strip("\"'")
 
 
 class _Scanner:
@@ -54,7 +62,7 @@ class _Scanner:
             self._skip(BLANKS)
             begin = self.at
             self._skip(STRING if self.text[begin] in "\"'" else BARE)
-            path = (*path, self.text[begin : self.at].strip("\"'"))
+            path = (*path, _plain(self.text[begin : self.at]))
             self.found.setdefault(".".join(path), self.text.count("\n", 0, begin) + 1)
             self._skip(BLANKS)
             if not self.text.startswith(".", self.at):

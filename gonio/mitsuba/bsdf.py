@@ -23,6 +23,7 @@ from gonio.mitsuba.properties import (
     reject_unknown,
     sampling_of,
     say_slow,
+    transparent,
 )
 from gonio.mitsuba.upsampling import holds_rgb, spread
 from gonio.model import Child, Model
@@ -60,6 +61,7 @@ def derive(cls: type[Model]) -> Any:
                 say_slow()
             metal = metal_of(cls, properties)
             reject_unknown(cls.name, [*cls.fields, SAMPLING, *(METAL if metal else ())], properties)
+            named = metal or transparent(cls, properties)
             self.sampling = sampling_of(cls.name, properties)
             self.spread: Any = spread() if spectral else None
             self.parts: dict[str, Any] = {}  # texture or inner BSDF of each field
@@ -68,7 +70,7 @@ def derive(cls: type[Model]) -> Any:
             for name, declared in cls.fields.items():
                 if isinstance(declared, Parameter):
                     self.parts[name] = self.textures[name] = parameter_texture(
-                        cls.name, declared, properties, metal.get(name)
+                        cls.name, declared, properties, named.get(name)
                     )
                 elif isinstance(declared, Child):
                     inner = self.parts[name] = _inner(cls, declared, properties)

@@ -10,7 +10,7 @@ import mitsuba as mi
 
 from gonio.fields import ModelError, Parameter
 from gonio.lang import vec3
-from gonio.materials.notation import metal_parameters
+from gonio.materials.notation import extinction_of, metal_parameters, named_index
 from gonio.messages import did_you_mean
 from gonio.mitsuba.upsampling import rgb_constant
 from gonio.model import Model
@@ -54,6 +54,14 @@ def metal_of(cls: type[Model], properties: Any) -> dict[str, Any]:
         if name in properties:
             raise ModelError(f"{PREFIX}{cls.name}: metal already says what {name} is; drop one.")
     return found
+
+
+def transparent(cls: type[Model], properties: Any) -> dict[str, float]:
+    """No extinction beside an index named by `<string name="eta" value="water"/>`, where none is given."""
+    text = mi.Properties.Type.String
+    words = (n for n in cls.fields if n in properties and properties.type(n) == text)
+    beside = {extinction_of(name) for name in words}
+    return {n: 0.0 for n in beside if isinstance(cls.fields.get(n), Parameter)}
 
 
 SAMPLING = "sampling"
@@ -104,6 +112,8 @@ def parameter_texture(model: str, declared: Parameter, properties: Any, default:
             return properties.get_unbounded_texture(name)
         if value.is_uniform():
             value = float(value.values[0])
+    elif isinstance(value, str):  # <string name="eta" value="water"/>
+        value = named_index(PREFIX + model, declared, value) or value
     elif dr.is_array_v(value) and len(value) == 3:  # <rgb>
         value = tuple(float(v) for v in value)
     if isinstance(value, bool) or not isinstance(value, (int, float, tuple)):

@@ -126,6 +126,8 @@ class WeidlichWilkie(Model):
         "white base leaves 85 % with all options on.",
         "Wastes the samples that a facet mirrors below the horizon, with masking='cook_torrance': at most "
         "half of them, 51.3 % of Gaussian facets.",
+        "A rough coat widens the highlights right below it: through a coat that is smooth or has "
+        "roughness_clamp='off' it does not reach those below that one.",
         "A coat under a denser one, which needs eta < 1, is not covered: past the critical angle its light "
         "ends at a jump that numeric albedos miss by up to 1.5 %.",
         "What a grazing coat of the narrowest facets lets through has four digits in float32 where masking "

@@ -95,6 +95,11 @@ def render(
         raise ValueError(
             "clamp changes nothing in the furnace, where all light is 1; leave it out."
         )
+    if clamp is not None and stage.get("max_depth") in (1, 2):
+        raise ValueError(
+            "clamp changes nothing in paths of at most two segments, which hold no indirect light; leave "
+            "it out, or give max_depth 3 and more."
+        )
     loaded = built(material)
     until: dict[str, Any] = {"noise": noise, "seconds": seconds, "clamp": clamp}
     alpha = bool(stage.get("transparent"))

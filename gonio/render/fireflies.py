@@ -62,4 +62,4 @@ def cut(whole: Any, limit: float) -> Any:
 def lost(integrator: Any) -> float:
     """Part of the picture's light that was cut away."""
     light, kept = float(integrator.light[0]), float(integrator.kept[0])
-    return 1 - kept / light if light > 0 else 0.0
+    return max(0.0, 1 - kept / light) if light > 0 else 0.0  # sums in another order

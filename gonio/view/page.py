@@ -267,7 +267,8 @@ def start(names: Names, texts: Iterable[str]) -> dict[str, Any]:
 def embedded(data: Mapping[str, Any]) -> str:
     """Data for the inside of a script element: base64 of gzip of JSON, which cannot end that element."""
     text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    return base64.b64encode(gzip.compress(text.encode(), 9, mtime=0)).decode("ascii")
+    coded = text.encode(errors="replace")  # names of files need not be UTF-8
+    return base64.b64encode(gzip.compress(coded, 9, mtime=0)).decode("ascii")
 
 
 def document(title: str, script: str, data: str = "") -> str:
@@ -291,7 +292,7 @@ def saved(names: Names, texts: Iterable[str], extra: Mapping[str, Any] | None = 
     data = start(names, shown) | {"saved": True} | dict(extra or {})
     script = viewer_script().replace("</script", "<\\/script")
     return document(
-        f"{', '.join(shown)} – gonio view",
+        f"{', '.join(shown)} – gonio view".encode(errors="replace").decode(),
         f'<script type="module">{script}</script>',
         f'<script type="application/octet-stream" id="gonio-data">{embedded(data)}</script>',
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Any
 
@@ -49,6 +50,28 @@ def test_a_metal_is_its_index_and_extinction(symbol: str) -> None:
     indices = {k: {"type": "rgb", "value": list(v)} for k, v in metal(symbol, neutral=True).items()}
     given = mi.load_dict({"type": "gonio_torrance_sparrow", **indices})
     np.testing.assert_allclose(value(neutral), value(given), rtol=SINGLE_LONG)
+
+
+def test_a_dielectric_is_its_index() -> None:
+    named = mi.load_dict({"type": "gonio_weidlich_wilkie", "eta": "water"})
+    assert str(named) == str(mi.load_dict({"type": "gonio_weidlich_wilkie", "eta": 1.333}))
+    named = mi.load_dict({"type": "gonio_torrance_sparrow", "eta": "water"})
+    plain = mi.load_dict({"type": "gonio_torrance_sparrow", "eta": 1.333, "k": 0.0})
+    np.testing.assert_array_equal(value(named), value(plain))
+    for given in ({"eta": "watter"}, {"alpha": "water"}):
+        with pytest.raises(RuntimeError, match=r"did you mean 'water'|alpha is a str"):
+            mi.load_dict({"type": "gonio_weidlich_wilkie", **given})
+
+
+def test_a_models_file_may_have_a_name_that_is_no_utf8(tmp_path: Path) -> None:
+    text = Path(gonio.models()["lambert"].__module__.replace(".", "/") + ".py")
+    source = (Path(gonio.__file__).parents[1] / text).read_bytes()
+    file = Path(os.fsdecode(os.fsencode(tmp_path) + b"/lambert\xff.py"))
+    file.write_bytes(source)
+    loaded = gonio.load(file)
+    np.testing.assert_array_equal(
+        value(mi.load_dict(node(loaded))), value(mi.load_dict(node(gonio.model("lambert"))))
+    )
 
 
 def test_a_metal_stands_below_a_coat_and_in_a_paint() -> None:
