@@ -4,6 +4,7 @@ import csv
 import io
 import math
 import re
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -408,3 +409,13 @@ def test_inner_models_are_told_in_labels():
     coats = [gonio.WeidlichWilkie(base=base) for base in ("lambert", "phong")]
     _, labels, _ = named(coats)
     assert labels == ["weidlich_wilkie, base = lambert", "weidlich_wilkie, base = phong"]
+
+
+def test_the_facts_of_a_deep_model_leave_room_for_its_curves(tmp_path: Path) -> None:
+    """matplotlib warns, which is an error here, where text leaves the axes no room."""
+    deep: gonio.Model = gonio.EON()
+    for n in range(16):
+        deep = gonio.WeidlichWilkie(base=deep, eta=1.1 + 0.01 * n, alpha=0.2, thickness=0.5)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        polar([deep]).save(tmp_path / "a.png", dpi=40)

@@ -107,6 +107,11 @@ def draw_head(figure: Any, title: str, facts: Iterable[str]) -> None:
         figure.text(0.5, y, line, ha="center", va="center", color=FAINT)
 
 
+# Of models in models in models, a figure has room for the first.
+FACT_LINES = 8
+REST = " …; 'gonio show' has all"
+
+
 def _fact_lines(width: float, facts: Iterable[str]) -> list[str]:
     """Facts joined into lines that fit a figure's width in inches."""
     lines: list[str] = []
@@ -115,7 +120,7 @@ def _fact_lines(width: float, facts: Iterable[str]) -> list[str]:
         if lines and len(lines[-1]) + len(fact) < room - 4:
             lines[-1] += f";   {fact}"
         else:
-            lines += textwrap.wrap(fact, room)
+            lines += textwrap.wrap(fact, room, max_lines=FACT_LINES, placeholder=REST)
     return lines
 
 
