@@ -484,7 +484,8 @@ def test_white_surroundings_show_the_mean_weight_of_the_models_own_samples(
         )
     wo = support.frames(given, VIEW).wo
     assert share_near(got, mean_weight(model, wo, 16)) > 0.97
-    assert np.median(np.abs(got - np.asarray(model.albedo(wo)))) < 0.03
+    # The standard error of 16 samples, of weights that differ by a sixth of the albedo
+    assert np.median(np.abs(got - np.asarray(model.albedo(wo)))) < 0.04
     assert share_near(got, mean_weight(model.replace(**darker(model)), wo, 16)) < 0.5
 
 
@@ -494,7 +495,7 @@ def darker(model: Model) -> dict[str, Any]:
     return {path: 0.9 * value if declared.width == 1 else tuple(0.9 * v for v in value)}
 
 
-DARKER = ("rho", "base_color", "metal_k", "k", "base.rho", "base.k")
+DARKER = ("rho", "base_color", "metal_k", "k", "base.rho", "base.k", "first_weight", "f0")
 
 
 # --- what users do wrong -----------------------------------------------------------------------------
