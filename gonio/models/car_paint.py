@@ -232,7 +232,8 @@ class CarPaint(Model):
         """What the coat does not absorb."""
         if self.absorption == "flake":
             n = self._normal()
-            wi_t, wo_t = self._facing(to_tilted(wi_t, n)), self._facing(to_tilted(wo_t, n))
+            wi, wo = self._facing(to_tilted(wi_t, n)), self._facing(to_tilted(wo_t, n))
+            return attenuation(self._optical_depth(), wi, wo)
         return attenuation(self._optical_depth(), wi_t, wo_t)
 
     def _facets(self) -> Round:

@@ -51,6 +51,12 @@ class Sum(Model):
         P = self._shares()
         return P.x * self.first.pdf(wi, wo) + P.y * self.second.pdf(wi, wo)
 
+    def albedo(self, wo: Vec3) -> Color:
+        """Directional albedo: that of each, with its weight."""
+        return self.first_weight * self.first.albedo(wo) + (
+            self.second_weight * self.second.albedo(wo)
+        )
+
     def _shares(self) -> Vec2:
         """Probabilities of the two."""
         return shares(average(self.first_weight), average(self.second_weight))

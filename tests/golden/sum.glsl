@@ -26,7 +26,6 @@
 // gonio/models/torrance_sparrow.py. wi points towards the light and wo towards the viewer: unit vectors in
 // the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
-// albedo has no closed form here; it takes many evaluations, for tables and previews.
 // Usage: Sum params; params.first.rho = ...; ... sum_eval(params, wi, wo)
 
 // A sampled direction and its density.
@@ -389,11 +388,32 @@ SumSample sum_sample(Sum params, vec3 wo, vec2 u) {
 
 // ---- albedo --------------------------------------------------------------------------------
 
+// rho.
+vec3 sum_first_albedo(SumFirst params, vec3 wo) {
+    if (wo.z < 0.0) {  // below the horizon
+        return vec3(0.0);
+    }
+    return params.rho;
+}
+
+// BRDF value in 1/sr, without the cosine.
+vec3 sum_second_eval(SumSecond params, vec3 wi, vec3 wo) {
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return vec3(0.0);
+    }
+    vec3 m = sum_half_vector(wi, wo);
+    float cos_h = sum_cos_half(wi, wo);
+    vec3 single = sum_F_conductor_half(cos_h, sum_sin2_half(wi, wo), params.eta, params.k)
+        * (sum_ggx_D(sum_second_facets(params), m) * sum_second_V(params, wi, wo));
+    return single;
+}
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
-vec3 sum_albedo(Sum params, vec3 wo) {
-    // Steps of the rule in sum_albedo: a Fibonacci number, and the golden ratio.
+vec3 sum_second_albedo(SumSecond params, vec3 wo) {
+    // Steps of the rule in sum_second_albedo: a Fibonacci number, and the golden ratio.
     const float ALBEDO_SAMPLES = 987.0;
     const float GOLDEN = 0.618034;
     // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
@@ -407,9 +427,18 @@ vec3 sum_albedo(Sum params, vec3 wo) {
     for (int i_step = 0; i_step < 987; ++i_step) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
-        SumSample drawn = sum_sample(params, w, u);
+        SumSample drawn = sum_second_sample(params, w, u);
         float weight = drawn.pdf > 0.0 ? drawn.wi.z / max(drawn.pdf, mu_min) : 0.0;
-        total = total + sum_eval(params, drawn.wi, w) * weight;
+        total = total + sum_second_eval(params, drawn.wi, w) * weight;
     }
     return total / ALBEDO_SAMPLES;
+}
+
+// Directional albedo: that of each, with its weight.
+vec3 sum_albedo(Sum params, vec3 wo) {
+    if (wo.z < 0.0) {  // below the horizon
+        return vec3(0.0);
+    }
+    return params.first_weight * sum_first_albedo(params.first, wo)
+        + params.second_weight * sum_second_albedo(params.second, wo);
 }

@@ -25,7 +25,6 @@
 // C++, made by gonio from gonio/models/sum.py, gonio/models/lambert.py, gonio/models/torrance_sparrow.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
-// albedo has no closed form here; it takes many evaluations, for tables and previews.
 // Usage: gonio_sum::Sum params; params.first.rho = ...; ... gonio_sum::sum_eval(params, wi, wo)
 
 #pragma once
@@ -478,10 +477,30 @@ inline SumSample sum_sample(const Sum& params, Vec3 wo, Vec2 u) {
 
 // ---- albedo --------------------------------------------------------------------------------
 
+// rho.
+inline Vec3 sum_first_albedo(const SumFirst& params, Vec3 wo) {
+    if (wo.z < 0.0f) {  // below the horizon
+        return splat(0.0f);
+    }
+    return params.rho;
+}
+
+// BRDF value in 1/sr, without the cosine.
+inline Vec3 sum_second_eval(const SumSecond& params, Vec3 wi, Vec3 wo) {
+    if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return splat(0.0f);
+    }
+    Vec3 m = sum_half_vector(wi, wo);
+    float cos_h = sum_cos_half(wi, wo);
+    Vec3 single = sum_F_conductor_half(cos_h, sum_sin2_half(wi, wo), params.eta, params.k)
+        * (sum_ggx_D(sum_second_facets(params), m) * sum_second_V(params, wi, wo));
+    return single;
+}
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
-inline Vec3 sum_albedo(const Sum& params, Vec3 wo) {
+inline Vec3 sum_second_albedo(const SumSecond& params, Vec3 wo) {
     if (wo.z < 0.0f) {  // below the horizon
         return splat(0.0f);
     }
@@ -490,11 +509,20 @@ inline Vec3 sum_albedo(const Sum& params, Vec3 wo) {
     for (int i_step = 0; i_step < 987; ++i_step) {
         float i = float(i_step);
         Vec2 u = Vec2{(i + 0.5f) / ALBEDO_SAMPLES, fract((i + 0.5f) * GOLDEN)};
-        SumSample drawn = sum_sample(params, w, u);
+        SumSample drawn = sum_second_sample(params, w, u);
         float weight = drawn.pdf > 0.0f ? drawn.wi.z / fmaxf(drawn.pdf, mu_min) : 0.0f;
-        total = total + sum_eval(params, drawn.wi, w) * weight;
+        total = total + sum_second_eval(params, drawn.wi, w) * weight;
     }
     return total / ALBEDO_SAMPLES;
+}
+
+// Directional albedo: that of each, with its weight.
+inline Vec3 sum_albedo(const Sum& params, Vec3 wo) {
+    if (wo.z < 0.0f) {  // below the horizon
+        return splat(0.0f);
+    }
+    return params.first_weight * sum_first_albedo(params.first, wo)
+        + params.second_weight * sum_second_albedo(params.second, wo);
 }
 
 }  // namespace gonio_sum

@@ -26,7 +26,6 @@
 // gonio/models/torrance_sparrow.py. wi points towards the light and wo towards the viewer: unit vectors in
 // the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
-// albedo has no closed form here; it takes many evaluations, for tables and previews.
 // Usage: var params: Sum; params.first.rho = ...; ... sum_eval(params, wi, wo)
 
 // A sampled direction and its density.
@@ -387,11 +386,32 @@ fn sum_sample(params: Sum, wo: vec3f, u: vec2f) -> SumSample {
 
 // ---- albedo --------------------------------------------------------------------------------
 
+// rho.
+fn sum_first_albedo(params: SumFirst, wo: vec3f) -> vec3f {
+    if (wo.z < 0.0) {  // below the horizon
+        return vec3f(0.0);
+    }
+    return params.rho;
+}
+
+// BRDF value in 1/sr, without the cosine.
+fn sum_second_eval(params: SumSecond, wi: vec3f, wo: vec3f) -> vec3f {
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
+        return vec3f(0.0);
+    }
+    let m = sum_half_vector(wi, wo);
+    let cos_h = sum_cos_half(wi, wo);
+    let single = sum_F_conductor_half(cos_h, sum_sin2_half(wi, wo), params.eta, params.k)
+        * (sum_ggx_D(sum_second_facets(params), m) * sum_second_V(params, wi, wo));
+    return single;
+}
+
 // Directional albedo of a model without a closed form: the mean weight of its own samples.
 //
 // For tables and previews; the random numbers are a Fibonacci lattice.
-fn sum_albedo(params: Sum, wo: vec3f) -> vec3f {
-    // Steps of the rule in sum_albedo: a Fibonacci number, and the golden ratio.
+fn sum_second_albedo(params: SumSecond, wo: vec3f) -> vec3f {
+    // Steps of the rule in sum_second_albedo: a Fibonacci number, and the golden ratio.
     const ALBEDO_SAMPLES = 987.0;
     const GOLDEN = 0.618034;
     // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
@@ -405,9 +425,18 @@ fn sum_albedo(params: Sum, wo: vec3f) -> vec3f {
     for (var i_step = 0; i_step < 987; i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
-        let drawn = sum_sample(params, w, u);
+        let drawn = sum_second_sample(params, w, u);
         let weight = select(0.0, drawn.wi.z / max(drawn.pdf, mu_min), drawn.pdf > 0.0);
-        total = total + sum_eval(params, drawn.wi, w) * weight;
+        total = total + sum_second_eval(params, drawn.wi, w) * weight;
     }
     return total / ALBEDO_SAMPLES;
+}
+
+// Directional albedo: that of each, with its weight.
+fn sum_albedo(params: Sum, wo: vec3f) -> vec3f {
+    if (wo.z < 0.0) {  // below the horizon
+        return vec3f(0.0);
+    }
+    return params.first_weight * sum_first_albedo(params.first, wo)
+        + params.second_weight * sum_second_albedo(params.second, wo);
 }
