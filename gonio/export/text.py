@@ -114,8 +114,20 @@ def _namespace(shared: str) -> str:
 
 def _albedo_error(root: Struct, only: Sequence[str]) -> float:
     assert root.model is not None
-    closed = inspect.unwrap(type(root.model).albedo) is not inspect.unwrap(Model.albedo)
-    return 0.0 if closed or "albedo" not in only else SAMPLED_ALBEDO
+    return 0.0 if _closed(root.model) or "albedo" not in only else SAMPLED_ALBEDO
+
+
+def _closed(model: Model) -> bool:
+    """Whether a model's albedo is a formula, and of models inside it as well."""
+    if not has_own_albedo(model):
+        return False
+    children = [n for n, declared in type(model).fields.items() if isinstance(declared, Child)]
+    return all(_closed(getattr(model, name)) for name in children)
+
+
+def has_own_albedo(model: Model) -> bool:
+    """Whether a model writes a method `albedo`, in place of the numeric one."""
+    return inspect.unwrap(type(model).albedo) is not inspect.unwrap(Model.albedo)
 
 
 class Text:
