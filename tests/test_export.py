@@ -253,6 +253,9 @@ def test_embedding_writes_the_parameters_of_a_material() -> None:
     assert "OrangeLacquer orange_lacquer_material() {" in found
     model = chosen.models["orange_lacquer"]
     for path, declared, value in model.parameters():
+        if "mirror" in path:  # of coats that absorb, which this is not
+            assert f"material.{path} = " not in found
+            continue
         numbers = value if isinstance(value, tuple) else (value,) * declared.width
         printed = ", ".join(number(v, "") for v in numbers)
         shown = f"float3({printed})" if declared.width == 3 else printed

@@ -336,7 +336,6 @@ float average(Vec3 c) { return (c.x + c.y + c.z) / 3.0f; }
 struct TorranceSparrow {
     float alpha, anisotropy;
     Vec3 eta, k;
-    Vec3 f0, f90;  // of Schlick's Fresnel, which this row does not have
 };
 
 struct Widths {

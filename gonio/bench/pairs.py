@@ -26,6 +26,7 @@ from gonio.bench.report import (
     ratio,
 )
 from gonio.bench.timing import SHORT_CALLS, Side, alternate, stopwatch
+from gonio.export import export
 from gonio.fields import Option
 from gonio.model import Model
 
@@ -115,10 +116,13 @@ class Entry:
 
     @property
     def parameters(self) -> tuple[float, ...]:
-        """All numbers of the model as the baseline takes them: in order, three for a colour."""
+        """The numbers that `eval` reads, as the baseline takes them: in order, three for a colour."""
+        made = export({"x": self.model}, "cpp", only=["eval"])[0]
+        values = {path: value for path, _, value in self.model.parameters()}
         numbers: list[float] = []
-        for _, declared, value in self.model.parameters():
-            numbers.extend(value if isinstance(value, tuple) else (value,) * declared.width)
+        for member in made.entry.members:
+            value = values[member.path]
+            numbers.extend(value if isinstance(value, tuple) else (value,) * member.width)
         return tuple(numbers)
 
 

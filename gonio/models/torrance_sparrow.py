@@ -30,7 +30,6 @@ from gonio.lang import (
     select,
     sqrt,
     vec2,
-    vec3,
 )
 from gonio.model import Model, option, param
 from gonio.parts import distribution, frame, fresnel, ggx_loss, masking
@@ -378,9 +377,10 @@ class TorranceSparrow(Model):
     def _shares(self, wo: Vec3) -> Vec2:
         """Probabilities of the matte part and of the facets."""
         mu, c = wo.z, usual_cos_half(wo)
-        # White facets have the plain number 1
-        reflected = self._F(mu, (1 - mu) * (1 + mu)) * vec3(1, 1, 1)
-        return shares(average(self.rho * self._T(c, (1 - c) * (1 + c))), average(reflected))
+        through = average(self.rho * self._T(c, (1 - c) * (1 + c)))
+        if self.fresnel == "white":
+            return shares(through, 1)
+        return shares(through, average(self._F(mu, (1 - mu) * (1 + mu))))
 
     def _diffuse_share(self, wo: Vec3) -> Float:
         """How many samples the compensation gets: as much as it reflects of white."""
