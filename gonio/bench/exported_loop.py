@@ -21,7 +21,9 @@ from gonio.export import export
 from gonio.export.entry import Entry
 from gonio.model import Model
 
-FLAGS = ("-std=c++17", "-Ofast", "-march=native", "-fPIC", "-shared", "-pthread")
+# A library that is linked with -Ofast tells the processor to flush small numbers, for the whole program
+# that loads it; the start files that do so are left out.
+FLAGS = ("-std=c++17", "-Ofast", "-march=native", "-fPIC", "-shared", "-nostartfiles", "-pthread")
 
 
 class ExportedLoop:
