@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import drjit as dr
@@ -114,7 +114,7 @@ class Entry:
     model: Model
     in_baseline: bool
 
-    @property
+    @cached_property
     def parameters(self) -> tuple[float, ...]:
         """The numbers that `eval` reads, as the baseline takes them: in order, three for a colour."""
         made = export({"x": self.model}, "cpp", only=["eval"])[0]

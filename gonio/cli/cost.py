@@ -7,6 +7,8 @@ from pathlib import Path
 import click
 
 from gonio.cli.program import complete, json_option, param_option, say
+from gonio.cost.gpus import GPUS, USUAL
+from gonio.cost.program import LANGUAGES
 
 ROUNDS = 9
 """How often --time runs each shader; the median is said."""
@@ -21,8 +23,8 @@ ROUNDS = 9
     "gpus",
     multiple=True,
     metavar="NAME[,NAME]",
-    help="For which GPUs, none of which need be there: tahiti, polaris10, vega10, navi10, navi21, navi31, "
-    "sm_75, sm_86, sm_89, sm_90, sm_120, or all (default: navi21,sm_86).",
+    help=f"For which GPUs, none of which need be there: {', '.join(GPUS)}, or all "
+    f"(default: {','.join(USUAL)}).",
 )
 @click.option(
     "--only",
@@ -35,8 +37,8 @@ ROUNDS = 9
 @click.option(
     "--to",
     "language",
-    type=click.Choice(["glsl", "hlsl", "slang"]),
-    default="glsl",
+    type=click.Choice(LANGUAGES),
+    default=LANGUAGES[0],
     help="Language of the exports that AMD's compiler gets; NVIDIA's always gets CUDA.",
 )
 @click.option(

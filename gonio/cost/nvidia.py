@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import struct
-import sys
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,8 +10,11 @@ from pathlib import Path
 from gonio.cost.gpus import Gpu
 from gonio.cost.measured import Measured
 from gonio.cost.program import Program
-from gonio.export.prove import tools
+from gonio.export.prove.cuda import compile_kernels
 from gonio.export.prove.tools import ProofError
+
+FAST = "--use_fast_math"
+"""As games are compiled: short functions of the hardware in place of exact ones."""
 
 WORD = 16
 """Bytes per instruction, on all GPUs since 2017."""
@@ -30,26 +32,16 @@ def measure(programs: Sequence[Program], gpu: Gpu) -> list[Measured]:
     Raises:
         ProofError: the compiler is missing, or refuses a kernel.
     """
-    library = tools.program("nvrtc", "compiles CUDA")
     with tempfile.TemporaryDirectory(prefix="gonio-") as name:
         folder = Path(name)
-        for k, program in enumerate(programs):
-            header, kernel = program.cuda
-            (folder / f"{k}.cuh").write_text(header, encoding="utf-8")
-            (folder / f"{k}.cu").write_text(kernel, encoding="utf-8")
-        script = str(Path(__file__).with_name("_nvidia_worker.py"))
-        command = [sys.executable, "-P", script, library, gpu.name, name]
-        done = tools.run(command, folder, tools.SECONDS + tools.SECONDS_PER_JOB * len(programs))
-        if done.returncode != 0:
-            reason = (done.stderr.strip() or "no message").splitlines()[-1]
-            raise ProofError(f"nvrtc does not work here ({reason}); {tools.INSTALL['nvrtc']}.")
+        compile_kernels([program.cuda for program in programs], folder, gpu.name, FAST)
         return [_read(program, gpu, folder / str(k)) for k, program in enumerate(programs)]
 
 
 def _read(program: Program, gpu: Gpu, stem: Path) -> Measured:
     error = stem.with_suffix(".error")
     if error.exists():
-        said = error.read_bytes().rstrip(b"\0").decode("utf-8", "replace").strip()
+        said = error.read_text(encoding="utf-8", errors="replace").strip()
         first = said.splitlines()[0] if said else "no message"
         raise ProofError(f"{program.label}: NVRTC refuses it for {gpu.name}: {first}")
     instructions, registers = machine_code(stem.with_suffix(".cubin").read_bytes())

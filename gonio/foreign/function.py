@@ -12,13 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gonio.fields import Parameter
+from gonio.foreign.declarations import Function
 from gonio.foreign.expressions import Array
 from gonio.foreign.library import is_library
 from gonio.foreign.materialx import is_materialx
 from gonio.foreign.process import Running
 from gonio.foreign.python_code import is_python
 from gonio.foreign.roles import DIRECTIONS, Matched, environment
-from gonio.foreign.source import ENDINGS, ForeignError, Function, Source
+from gonio.foreign.source import ENDINGS, ForeignError, Source
 
 # The least cosine that values with a cosine are divided by.
 COSINE_MIN = 1e-12

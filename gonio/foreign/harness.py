@@ -10,9 +10,10 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from gonio.foreign.declarations import Function, Variable
 from gonio.foreign.python_code import job
 from gonio.foreign.roles import Leaf, Matched, is_role, leaves_of
-from gonio.foreign.source import FILE_LINES, SHADERS, ForeignError, Function, Source, Variable
+from gonio.foreign.source import FILE_LINES, SHADERS, ForeignError, Source
 
 # Of a value the first three; of a sample its direction and density.
 OUTPUTS = 4

@@ -15,7 +15,8 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
-from gonio.foreign.source import ForeignError, Source, Variable, of_text, swizzled
+from gonio.foreign.declarations import Variable
+from gonio.foreign.source import ForeignError, Source, of_text, swizzled
 from gonio.messages import did_you_mean
 
 # The library of MaterialX itself, in place of a file: materialx#oren_nayar_diffuse_bsdf.

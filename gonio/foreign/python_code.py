@@ -13,8 +13,9 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from gonio.foreign.declarations import Function, Variable
 from gonio.foreign.roles import COSINES, DIRECTIONS, Matched
-from gonio.foreign.source import ForeignError, Function, Source, Variable
+from gonio.foreign.source import ForeignError, Source
 
 # Names of arguments that are colours where neither a default nor an annotation says so.
 _COLOURS = frozenset(

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from gonio.fields import Parameter
+from gonio.foreign.declarations import Function, Variable
 from gonio.foreign.expressions import Array, Expression, parse
-from gonio.foreign.source import ForeignError, Function, Source, Variable
+from gonio.foreign.source import ForeignError, Source
 from gonio.messages import did_you_mean
 from gonio.model import models
 

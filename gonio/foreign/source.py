@@ -12,6 +12,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from gonio.foreign.conditions import active
+from gonio.foreign.declarations import (
+    Function,
+    Variable,
+    closing,
+    depth,
+    functions_in,
+    members_in,
+    plain_type,
+    structs_in,
+)
 from gonio.messages import did_you_mean
 
 
@@ -51,50 +61,6 @@ FILE_LINES = 100_000
 
 # Those that run as a fragment shader of gonio's own.
 SHADERS = ("glsl", "essl", "brdf")
-
-
-@dataclass(frozen=True)
-class Variable:
-    """An argument of a function, a member of a struct, a uniform, or a parameter of a .brdf file."""
-
-    name: str
-    type: str
-    """As it is written, without qualifiers and spaces."""
-    written: bool = False
-    """Whether the function writes to it (out, inout, a pointer or reference that is not const)."""
-    array: str = ""
-    """What stands between the brackets of an array."""
-    pointer: bool = False
-    default: tuple[float, ...] = ()
-    low: float | None = None
-    high: float | None = None
-    shown: str = ""
-    """How users call it, where its own name was made by a generator."""
-    fixed: bool = False
-    """Whether it keeps its default: no parameter."""
-
-
-@dataclass(frozen=True)
-class Function:
-    """The definition of a function."""
-
-    name: str
-    scope: tuple[str, ...]
-    """Namespaces and the struct that it stands in, from the outside."""
-    returns: str
-    arguments: tuple[Variable, ...]
-    line: int
-    body: str
-    owner: str = ""
-    """The struct that it is a method of."""
-
-    @property
-    def signature(self) -> str:
-        """In one line, for people."""
-        inside = ", ".join(
-            f"{a.type} {a.name}{f'[{a.array}]' if a.array else ''}" for a in self.arguments
-        )
-        return f"{self.returns} {'::'.join((*self.scope, self.name))}({inside})"
 
 
 @dataclass(frozen=True)
@@ -240,7 +206,7 @@ def read(
     if language == "wgsl":
         bare, text, found = _wgsl_uniforms(bare, text)
         uniforms += found
-    functions = tuple(_functions(bare, language))
+    functions = tuple(functions_in(bare, language))
     seen = bare
     if language not in (*SHADERS, "wgsl"):
         seen += "".join(_headers(bare, path, [Path(p) for p in include], set()))
@@ -249,7 +215,7 @@ def read(
         language,
         text,
         functions,
-        _structs(seen, language),
+        structs_in(seen, language),
         tuple(uniforms),
         tuple(files),
         textures=_samplers(bare, language),
@@ -268,8 +234,8 @@ def of_text(
 ) -> Source:
     """Generated code as a source; its uniforms are globals already."""
     bare = blank_comments(text)
-    functions = tuple(_functions(bare, language))
-    structs = _structs(bare, language)
+    functions = tuple(functions_in(bare, language))
+    structs = structs_in(bare, language)
     return Source(
         path,
         language,
@@ -354,7 +320,7 @@ def _osl(bare: str) -> str:
     while match := re.compile(r"\b(?:shader|surface|displacement|volume)(?=\s+\w+\s*\()").search(
         text, position
     ):
-        close = _closing(text, text.index("(", match.end()), "(", ")")
+        close = closing(text, text.index("(", match.end()), "(", ")")
         inside = re.sub(r"=\s*(?:\w+\s*\([^()]*\)|[^,()]*)", blank, text[match.end() : close])
         text = f"{text[: match.start()]}void{inside}{text[close:]}"
         position = match.end()
@@ -422,14 +388,14 @@ def _uniforms(bare: str, text: str, language: str) -> tuple[str, str, list[Varia
         for m in re.finditer(pattern, bare, re.M):
             if m[3].startswith(("sampler", "isampler", "usampler", "image")):
                 continue
-            if _depth(bare, m.start()) == 0:
+            if depth(bare, m.start()) == 0:
                 edits.append((m.start(1), m.end(1), ""))
                 if m[2] not in ("out",):
                     numbers = tuple(float(x) for x in re.findall(r"(?<!\w)-?\d+\.?\d*", m[6] or ""))
                     found.append(Variable(m[4], m[3], array=(m[5] or "")[1:-1], default=numbers))
         for m in re.finditer(rf"{layout}uniform\s+\w+\s*(\{{)([^}}]*)(\}})\s*;", bare):
             edits += [(m.start(), m.end(1), ""), (m.start(3), m.end(), "")]
-            found += [v for v in _members(m[2], language) if not v.array]
+            found += [v for v in members_in(m[2], language) if not v.array]
     else:
         for m in re.finditer(
             r"\bcbuffer\s+\w+\s*(?::\s*register\s*\([^)]*\)\s*)?(\{)([^}]*)(\}\s*;?)", bare
@@ -445,7 +411,7 @@ def _uniforms(bare: str, text: str, language: str) -> tuple[str, str, list[Varia
             bare,
             re.M,
         ):
-            if _depth(bare, m.start()) == 0:
+            if depth(bare, m.start()) == 0:
                 edits.append((m.start(1), m.end(1), "static "))
                 found.append(Variable(m[3], m[2]))
     for start, end, new in sorted(edits, reverse=True):
@@ -464,7 +430,7 @@ def _wgsl_uniforms(bare: str, text: str) -> tuple[str, str, list[Variable]]:
         bare,
     ):
         edits.append((m.start(), m.end(), f"var<private> {m[1]}: {m[2]};"))
-        found.append(Variable(m[1], _type(m[2])))
+        found.append(Variable(m[1], plain_type(m[2])))
     for start, end, new in sorted(edits, reverse=True):
         new += "\n" * text[start:end].count("\n")
         text = text[:start] + new + text[end:]
@@ -475,187 +441,8 @@ def _wgsl_uniforms(bare: str, text: str) -> tuple[str, str, list[Variable]]:
 def _without_main(bare: str, text: str) -> tuple[str, str]:
     """A shader without its entry, whose lines stay empty."""
     for match in re.finditer(r"\bvoid\s+main\s*\(\s*(?:void)?\s*\)\s*\{", bare):
-        end = _closing(bare, match.end() - 1, "{", "}")
+        end = closing(bare, match.end() - 1, "{", "}")
         empty = re.sub(r"[^\n]", " ", text[match.start() : end])
         bare = bare[: match.start()] + empty + bare[end:]
         text = text[: match.start()] + empty + text[end:]
     return bare, text
-
-
-def _depth(bare: str, position: int) -> int:
-    return bare.count("{", 0, position) - bare.count("}", 0, position)
-
-
-_HEAD = re.compile(
-    r"(?P<type>[A-Za-z_][\w:]*(?:\s*<[^<>;{}()]*>)?(?:\s*[&*])?)\s+(?P<name>[A-Za-z_]\w*)\s*\("
-)
-_WORDS = {
-    "return",
-    "else",
-    "if",
-    "for",
-    "while",
-    "switch",
-    "do",
-    "new",
-    "case",
-    "define",
-    "namespace",
-}
-
-
-def _functions(bare: str, language: str) -> Iterable[Function]:
-    """All definitions of functions, with the scopes that they stand in."""
-    code = re.sub(
-        r"^[ \t]*#(?:\\\n|[^\n])*", lambda m: re.sub(r"[^\n]", " ", m[0]), bare, flags=re.M
-    )
-    head = re.compile(r"\bfn\s+(?P<name>\w+)\s*\(") if language == "wgsl" else _HEAD
-    position = 0
-    scopes: list[tuple[str, str]] = []
-    while position < len(code):
-        brace = re.compile(r"[{}]").search(code, position)
-        found = head.search(code, position)
-        if found is not None and (brace is None or found.start() < brace.start()):
-            end = _closing(code, found.end() - 1, "(", ")")
-            after = re.compile(
-                r"\s*(?:->\s*(?P<to>[\w:<>, ]+?)"
-                r"|(?:const|noexcept|override|:\s*\w+|\[\[[^\]]*\]\])\s*)*\s*\{"
-            ).match(code, end)
-            kind = found.groupdict().get("type", "")
-            if after is None or kind in _WORDS:
-                position = found.end()
-                continue
-            close = _closing(code, after.end() - 1, "{", "}")
-            inside = code[found.end() : end - 1]
-            returns = after["to"] or kind or "void"
-            owner = scopes[-1][1] if scopes and scopes[-1][0] == "struct" else ""
-            yield Function(
-                found["name"],
-                tuple(name for _, name in scopes if name),
-                _type(returns),
-                tuple(
-                    _argument(piece, language)
-                    for piece in _pieces(inside)
-                    if piece.strip() not in ("", "void")
-                ),
-                code.count("\n", 0, found.start()) + 1,
-                code[after.end() : close],
-                owner,
-            )
-            position = close
-        elif brace is None:
-            return
-        elif brace[0] == "}":
-            if scopes:
-                scopes.pop()
-            position = brace.end()
-        else:
-            before = re.split(r"[;{}]", code[: brace.start()])[-1]
-            scope = re.search(r"\b(namespace|struct|class)\s+([\w:]*)", before)
-            if scope or "extern" in before or re.search(r"\bnamespace\s*$", before):
-                kind = "" if scope is None else "struct" if scope[1] != "namespace" else "namespace"
-                scopes.append((kind, scope[2] if scope else ""))
-                position = brace.end()
-            else:
-                position = _closing(code, brace.start(), "{", "}")
-
-
-def _closing(text: str, position: int, open_: str, close: str) -> int:
-    """The position behind the bracket that closes the one at `position`."""
-    depth = 0
-    for place in range(position, len(text)):
-        if text[place] == open_:
-            depth += 1
-        elif text[place] == close:
-            depth -= 1
-            if depth == 0:
-                return place + 1
-    return len(text)
-
-
-def _pieces(text: str) -> list[str]:
-    """Split at commas outside of brackets."""
-    found, depth = [""], 0
-    for letter in text:
-        depth += (letter in "(<[{") - (letter in ")>]}")
-        if letter == "," and depth == 0:
-            found.append("")
-        else:
-            found[-1] += letter
-    return found
-
-
-_QUALIFIERS = {
-    "const", "in", "highp", "mediump", "lowp", "precise", "thread", "device", "constant", "uniform",
-    "restrict", "__restrict__", "static", "constexpr", "volatile", "struct", "nointerpolation", "inline",
-}  # fmt: skip
-
-
-def _type(text: str) -> str:
-    return re.sub(r"\s+", "", text).rstrip("&*")
-
-
-def _argument(piece: str, language: str) -> Variable:
-    """One argument as it is written."""
-    piece = re.sub(r"\[\[.*?\]\]|@\w+(\([^)]*\))?", " ", piece, flags=re.S)
-    if language == "wgsl":
-        name, _, kind = piece.partition(":")
-        return Variable(name.strip(), _type(kind), pointer="ptr<" in kind)
-    given = piece.partition("=")[2].strip()
-    piece = (
-        re.sub(r":\s*\w+\s*$", " ", piece.partition("=")[0])
-        if "::" not in piece
-        else piece.partition("=")[0]
-    )
-    array = re.search(r"\[([^\]]*)\]", piece)
-    piece = re.sub(r"\[[^\]]*\]", " ", piece)
-    reference = "&" in piece
-    pointer = "*" in piece
-    words = re.findall(r"[A-Za-z_][\w:]*(?:\s*<[^<>]*>)?", piece)
-    constant = "const" in words or "constant" in words
-    written = "out" in words or "inout" in words or ((reference or pointer) and not constant)
-    words = [w for w in words if w not in _QUALIFIERS and w not in ("out", "inout")]
-    name = words[-1] if len(words) > 1 else ""
-    kind = words[-2] if len(words) > 1 else words[0] if words else ""
-    default = (
-        (float(given.rstrip("fF")),) if re.fullmatch(r"[-+]?[\d.]+(e[-+]?\d+)?[fF]?", given) else ()
-    )
-    return Variable(name, _type(kind), written, array[1].strip() if array else "", pointer, default)
-
-
-def _structs(bare: str, language: str) -> dict[str, tuple[Variable, ...]]:
-    """Members of all structs, by name."""
-    bare = re.sub(r"^[ \t]*#[^\n]*", lambda m: " " * len(m[0]), bare, flags=re.M)
-    found: dict[str, tuple[Variable, ...]] = {}
-    for match in re.finditer(
-        r"\b(?:struct|class)\s+(?:alignas\s*\([^)]*\)\s*)?(\w+)\s*(?::[^{;]*)?\{", bare
-    ):
-        close = _closing(bare, match.end() - 1, "{", "}")
-        inside = bare[match.end() : close - 1]
-        while "{" in inside:  # methods, and constructors
-            start = inside.index("{")
-            end = _closing(inside, start, "{", "}")
-            inside = inside[:start] + ";" + inside[end:]
-        found[match[1]] = tuple(_members(inside, language))
-    return found
-
-
-def _members(inside: str, language: str) -> Iterable[Variable]:
-    if language == "wgsl":
-        for piece in _pieces(inside):
-            if ":" in piece:
-                yield _argument(piece, language)
-        return
-    for statement in inside.split(";"):
-        statement = re.sub(r"\b(public|private|protected)\s*:", " ", statement)
-        if not statement.strip() or "(" in statement.partition("=")[0] or "operator" in statement:
-            continue
-        if re.match(r"\s*(static|using|typedef|typealias|friend)\b", statement):
-            continue
-        first, *others = _pieces(statement)
-        variable = _argument(first, language)
-        if not variable.name:
-            continue
-        yield variable
-        for other in others:
-            yield _argument(f"{variable.type} {other}", language)

@@ -1,46 +1,56 @@
-"""Compiles CUDA by NVIDIA's runtime compiler: `python -P _nvrtc_worker.py LIBRARY FOLDER`, its own process.
+"""Compiles CUDA by NVIDIA's runtime compiler: `python -P _nvrtc_worker.py LIBRARY FOLDER ARCHITECTURE ...`.
 
-It does not import gonio: the compiler brings an LLVM that must not meet Dr.Jit's. Kernel k is the file
-k.cu, which includes k.cuh as "export.h". What the compiler refuses goes to k.error; nothing runs.
+What follows is given to the compiler. A process of its own, without gonio: the compiler brings an LLVM that
+must not meet Dr.Jit's. Kernel k is the file k.cu, which includes k.cuh as "export.h". What is refused goes
+to k.error, machine code of a real architecture (sm_86) to k.cubin; a virtual one (compute_80) has none.
 """
 
 import ctypes
 import sys
 from pathlib import Path
 
-# A virtual architecture that GPUs from 2020 on have.
-OPTIONS = (b"--gpu-architecture=compute_80", b"--std=c++17")
+LANGUAGE = "--std=c++17"
 
 # The compiler has the functions of math.h without the file.
 MATH = b"#pragma once\n"
 
 
-def main(library: Path, folder: Path) -> None:
+def main(library: Path, folder: Path, options: list[str]) -> None:
     """Compile all kernels of the folder."""
     nvrtc = ctypes.CDLL(str(library))
     for kernel in sorted(folder.glob("*.cu")):
-        complaint = refused(nvrtc, kernel.read_bytes(), kernel.with_suffix(".cuh").read_bytes())
-        if complaint is not None:
-            kernel.with_suffix(".error").write_text(complaint, encoding="utf-8")
+        compiled(nvrtc, kernel, options)
 
 
-def refused(nvrtc: ctypes.CDLL, kernel: bytes, header: bytes) -> str | None:
-    """The compiler's messages if it refuses a kernel."""
+def compiled(nvrtc: ctypes.CDLL, kernel: Path, options: list[str]) -> None:
+    """Write machine code or messages beside the kernel."""
     program = ctypes.c_void_p()
-    texts = (ctypes.c_char_p * 2)(header, MATH)
+    texts = (ctypes.c_char_p * 2)(kernel.with_suffix(".cuh").read_bytes(), MATH)
     names = (ctypes.c_char_p * 2)(b"export.h", b"math.h")
-    made = nvrtc.nvrtcCreateProgram(ctypes.byref(program), kernel, b"kernel.cu", 2, texts, names)
+    made = nvrtc.nvrtcCreateProgram(
+        ctypes.byref(program), kernel.read_bytes(), b"kernel.cu", 2, texts, names
+    )
     if made != 0:
         raise RuntimeError(f"nvrtcCreateProgram returned {made}")
-    options = (ctypes.c_char_p * len(OPTIONS))(*OPTIONS)
-    done = nvrtc.nvrtcCompileProgram(program, len(OPTIONS), options)
-    size = ctypes.c_size_t()
-    nvrtc.nvrtcGetProgramLogSize(program, ctypes.byref(size))
-    log = ctypes.create_string_buffer(size.value)
-    nvrtc.nvrtcGetProgramLog(program, log)
+    given = (ctypes.c_char_p * len(options))(*(option.encode() for option in options))
+    if nvrtc.nvrtcCompileProgram(program, len(options), given) != 0:
+        kernel.with_suffix(".error").write_bytes(
+            written(nvrtc, program, "ProgramLog").rstrip(b"\0")
+        )
+    elif code := written(nvrtc, program, "CUBIN"):
+        kernel.with_suffix(".cubin").write_bytes(code)
     nvrtc.nvrtcDestroyProgram(ctypes.byref(program))
-    return log.value.decode("utf-8", "replace") if done != 0 else None
+
+
+def written(nvrtc: ctypes.CDLL, program: ctypes.c_void_p, what: str) -> bytes:
+    """Something that the compiler holds."""
+    size = ctypes.c_size_t()
+    getattr(nvrtc, f"nvrtcGet{what}Size")(program, ctypes.byref(size))
+    content = ctypes.create_string_buffer(size.value)
+    getattr(nvrtc, f"nvrtcGet{what}")(program, content)
+    return content.raw
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), Path(sys.argv[2]))
+    architecture = f"--gpu-architecture={sys.argv[3]}"
+    main(Path(sys.argv[1]), Path(sys.argv[2]), [architecture, LANGUAGE, *sys.argv[4:]])
