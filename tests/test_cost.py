@@ -96,8 +96,8 @@ def test_the_harness_is_not_a_models_cost(gpu: cost.Gpu) -> None:
         ("disney", 1.04),
         # F of metals has quotients that derivatives need
         ("torrance_sparrow", 1.16),
-        # One division more in each coat: derivatives need small cosines one after the other
-        ("weidlich_wilkie", 1.13),
+        # One division more in each coat: derivatives need small cosines one after the other; and as above
+        ("weidlich_wilkie", 1.14),
     ],
 )
 def test_an_export_is_hardly_dearer_than_a_shader_written_by_hand(name: str, most: float) -> None:

@@ -157,11 +157,11 @@ class CarPaint(Model):
         """Eq. 2 with a tilted base: BRDF value in 1/sr, without the cosine."""
         m, cos_h = half_vector(wi, wo), cos_half(wi, wo)
         facets = self._facets()
-        coat = self._F(cos_h) * reflected_by(facets, wi, wo, m, cos_h, self.masking)
+        coat = self._F(cos_h) * reflected_by(facets, wi, wo, m, self.masking)
 
         if self.transmission == "half_vector":
             T = self._T(cos_h)
-            through = through_facets(facets, wi, wo, m, cos_h, self.masking, T)
+            through = through_facets(facets, wi, wo, self.masking, T)
         else:
             through = self._T(wi.z) * self._T(wo.z)
         if self.solid_angle == "compressed":
@@ -176,7 +176,7 @@ class CarPaint(Model):
             F = F_conductor_half(cos_t, sin2, metal_eta, metal_k)
         else:
             F = F_lazanyi(cos_t, metal_eta, metal_k)
-        flake = F * self._flake(wi_t, wo_t, both, cos_t)
+        flake = F * self._flake(wi_t, wo_t, both)
         return coat + flake * (self._kept(wi_t, wo_t) * through)
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
@@ -246,7 +246,7 @@ class CarPaint(Model):
         """w, or the flake's normal in place of a direction behind it, which is masked elsewhere."""
         return select(w.z > MU_MIN, w, vec3(0, 0, 1))
 
-    def _flake(self, wi_t: Vec3, wo_t: Vec3, both: Vec3, cos_t: Float) -> Float:
+    def _flake(self, wi_t: Vec3, wo_t: Vec3, both: Vec3) -> Float:
         """The flake's facets in its own frame; both: eta times the sum of the directions."""
         n = self._normal()
         tilted_i, tilted_o = to_tilted(wi_t, n), to_tilted(wo_t, n)
@@ -256,7 +256,7 @@ class CarPaint(Model):
         else:
             visible = seen(tilted_i.z, wi_t.z) * seen(tilted_o.z, wo_t.z)
         m = normalize(to_tilted(both, n))
-        f = reflected_by(self._flake_facets(), wi, wo, m, cos_t, self.masking)
+        f = reflected_by(self._flake_facets(), wi, wo, m, self.masking)
         return select(tilted_o.z > 0, f * visible, 0)
 
     def _pdf_flake(self, wi_t: Vec3, wo_t: Vec3, both: Vec3) -> Float:

@@ -127,7 +127,7 @@ class Patina(Model):
         """The bare and the coated metal, mixed: BRDF value in 1/sr, without the cosine."""
         m, cos_h = half_vector(wi, wo), cos_half(wi, wo)
         F = self._metal_F(cos_h, sin2_half(wi, wo))
-        bare = F * reflected_by(self._bare_facets(), wi, wo, m, cos_h, self.masking)
+        bare = F * reflected_by(self._bare_facets(), wi, wo, m, self.masking)
         return self._bare() * bare + self._grown() * self._coated(wi, wo)
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
@@ -227,10 +227,10 @@ class Patina(Model):
         m, cos_h, excess = half_vector(wi, wo), cos_half(wi, wo), self._excess()
         index, surface = 1 + excess, self._surface(cos_h)
         facets = self._facets()
-        glossy = reflected_by(facets, wi, wo, m, cos_h, self.masking)
+        glossy = reflected_by(facets, wi, wo, m, self.masking)
         coat = surface.F * glossy + (1 - self.sigma_a) * surface.T * INV_PI
 
-        through = through_facets(facets, wi, wo, m, cos_h, self.masking, surface.T)
+        through = through_facets(facets, wi, wo, self.masking, surface.T)
         if self.solid_angle == "compressed":
             through = through / (index * index)
         wi_t, wo_t = refract(wi, excess), refract(wo, excess)
@@ -239,7 +239,7 @@ class Patina(Model):
         cos_t = 0.5 * length(both) / index
         F = self._metal_F(cos_t, refracted_sin2_half(wi, wo, excess))
         below = self._facets_below()
-        metal = F * reflected_by(below, wi_t, wo_t, normalize(both), cos_t, self.masking)
+        metal = F * reflected_by(below, wi_t, wo_t, normalize(both), self.masking)
         return coat + metal * through * kept
 
     def _shares(self, wo: Vec3) -> tuple[Vec2, Vec2, Vec2]:

@@ -76,7 +76,7 @@ class StudentT(Model):
     def highlight(self, wi: Vec3, wo: Vec3) -> Float:
         """D G / (4 mu_i mu_o): the highlight without F."""
         m = half_vector(wi, wo)
-        return self._D(m) * V_cook_torrance(wi, wo, m.z, cos_half(wi, wo))
+        return self._D(m) * V_cook_torrance(wi, wo)
 
     def highlight_albedo(self, split: Vec2) -> Color:
         """What the highlight reflects of light from everywhere, from its table's A and B."""

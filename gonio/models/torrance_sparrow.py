@@ -323,7 +323,7 @@ class TorranceSparrow(Model):
     def _V(self, wi: Vec3, wo: Vec3, m: Vec3, cos_h: Float) -> Float:
         """G / (4 mu_i mu_o)."""
         if self.masking == "cook_torrance":
-            return masking.V_cook_torrance(wi, wo, m.z, cos_h)
+            return masking.V_cook_torrance(wi, wo)
         if self.masking == "kelemen":
             return masking.V_kelemen(cos_h)
         if self.masking == "neumann":

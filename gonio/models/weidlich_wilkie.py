@@ -47,6 +47,7 @@ from gonio.parts.masking import (
     V_cook_torrance,
     V_smith,
     V_smith_correlated,
+    lost_cook_torrance,
 )
 from gonio.parts.roughness import at_least_alpha
 
@@ -334,13 +335,13 @@ class WeidlichWilkie(Model):
 
     def _G(self, wi: Vec3, wo: Vec3) -> Float:
         if self.masking == "cook_torrance":
-            return G_cook_torrance(wi, wo, half_vector(wi, wo).z, cos_half(wi, wo))
+            return G_cook_torrance(wi, wo)
         return 4 * wi.z * wo.z * self._V(wi, wo)
 
     def _V(self, wi: Vec3, wo: Vec3) -> Float:
         """G / (4 mu_i mu_o)."""
         if self.masking == "cook_torrance":
-            return V_cook_torrance(wi, wo, half_vector(wi, wo).z, cos_half(wi, wo))
+            return V_cook_torrance(wi, wo)
         if self.masking == "smith_correlated":
             return V_smith_correlated(self._masked(), wi, wo)
         return V_smith(self._masked(), wi, wo)
@@ -352,8 +353,10 @@ class WeidlichWilkie(Model):
         T = self._T(cos_half(wi, wo))
         if self.interface == "smooth":
             return T * T
+        # Eq. 4; 1 - G F would lose the digits of a small T, and 1 - G those of a G near 1
         G = self._G(wi, wo)
-        return T * ((1 - G) + T * G)  # Eq. 4; 1 - G F would lose the digits of a small T
+        lost = lost_cook_torrance(wi, wo) if self.masking == "cook_torrance" else 1 - G
+        return T * (lost + T * G)
 
     def _compression(self) -> Float:
         if self.solid_angle == "compressed":

@@ -8,11 +8,15 @@ from gonio.parts.distribution import RoundBeckmann, RoundGGX, ggx_bound, pdf_vis
 from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
 from gonio.parts.interface import attenuation
 from gonio.parts.lobes import pdf_ggx_lobe, sample_ggx_lobe
-from gonio.parts.masking import G_cook_torrance, V_cook_torrance, V_smith_correlated
+from gonio.parts.masking import (
+    G_cook_torrance,
+    V_cook_torrance,
+    V_smith_correlated,
+    lost_cook_torrance,
+)
 
 # --- facets ----------------------------------------------------------------------------------------
-# masking is "smith_correlated" or "cook_torrance": V-cavities. m is the half vector, which both directions
-# meet at cos_h.
+# masking is "smith_correlated" or "cook_torrance": V-cavities. m is the half vector.
 
 Round = RoundBeckmann | RoundGGX
 
@@ -24,21 +28,18 @@ def facets_of(alpha: Float, distribution: str) -> Round:
     return RoundGGX(alpha)
 
 
-def reflected_by(facets: Round, wi: Vec3, wo: Vec3, m: Vec3, cos_h: Float, masking: str) -> Float:
+def reflected_by(facets: Round, wi: Vec3, wo: Vec3, m: Vec3, masking: str) -> Float:
     """D G / (4 mu_i mu_o); F is missing."""
     if masking == "cook_torrance":
-        return facets.D(m) * V_cook_torrance(wi, wo, m.z, cos_h)
+        return facets.D(m) * V_cook_torrance(wi, wo)
     return facets.D(m) * V_smith_correlated(facets, wi, wo)
 
 
-def through_facets(
-    facets: Round, wi: Vec3, wo: Vec3, m: Vec3, cos_h: Float, masking: str, T: Color
-) -> Color:
+def through_facets(facets: Round, wi: Vec3, wo: Vec3, masking: str, T: Color) -> Color:
     """T12 t of Eq. 2 and 4 with t = (1 - G) + T21 G, T21 = T12 = T at the half vector."""
     if masking == "cook_torrance":
-        G = G_cook_torrance(wi, wo, m.z, cos_h)
-    else:
-        G = 4 * wi.z * wo.z * V_smith_correlated(facets, wi, wo)
+        return T * (lost_cook_torrance(wi, wo) + T * G_cook_torrance(wi, wo))
+    G = 4 * wi.z * wo.z * V_smith_correlated(facets, wi, wo)
     return T * ((1 - G) + T * G)
 
 

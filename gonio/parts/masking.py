@@ -16,6 +16,7 @@ Unreal Engine 4", SIGGRAPH 2013 course.
 from gonio.lang import (
     Float,
     Vec3,
+    dot,
     maximum,
     minimum,
     select,
@@ -42,15 +43,26 @@ def V_neumann(wi: Vec3, wo: Vec3) -> Float:
     return 0.25 / maximum(wi.z, wo.z)
 
 
-def G_cook_torrance(wi: Vec3, wo: Vec3, cos_m: Float, cos_h: Float) -> Float:
-    """Of V-grooves: min(1, 2 cos_m mu_o / cos_h, 2 cos_m mu_i / cos_h) with cos_m = m.z, cos_h = wo . m."""
-    return minimum(2 * cos_m * minimum(wi.z, wo.z) / cos_h, 1)
+def G_cook_torrance(wi: Vec3, wo: Vec3) -> Float:
+    """Of V-grooves: min(1, 2 m.z mu_o / wo.m, 2 m.z mu_i / wo.m)."""
+    # 2 m.z / wo.m = 4 h.z / |h|^2, without a root
+    h = wi + wo
+    return minimum(4 * h.z * minimum(wi.z, wo.z) / dot(h, h), 1)
 
 
-def V_cook_torrance(wi: Vec3, wo: Vec3, cos_m: Float, cos_h: Float) -> Float:
-    """The same over 4 mu_i mu_o."""
+def lost_cook_torrance(wi: Vec3, wo: Vec3) -> Float:
+    """1 - G of V-grooves, 1 - 4 h.z min(mu_i, mu_o) / |h|^2 with h = wi + wo, exact where G is nearly 1."""
+    h = wi + wo
+    low, high = minimum(wi.z, wo.z), maximum(wi.z, wo.z)
+    # h.z^2 - 4 h.z low = h.z (high - 3 low); in two steps, both are exact where G is nearly 1
+    rest = (high - 2 * low) - low
+    return maximum((h.x * h.x + h.y * h.y + h.z * rest) / dot(h, h), 0)
+
+
+def V_cook_torrance(wi: Vec3, wo: Vec3) -> Float:
+    """G over 4 mu_i mu_o."""
     # One quotient after the other: the derivative by the product of two small cosines would be infinite
-    return minimum(0.25 * G_cook_torrance(wi, wo, cos_m, cos_h) / wi.z / wo.z, V_MAX)
+    return minimum(0.25 * G_cook_torrance(wi, wo) / wi.z / wo.z, V_MAX)
 
 
 def V_kelemen(cos_h: Float) -> Float:

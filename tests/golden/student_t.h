@@ -171,22 +171,23 @@ inline float student_t_D(const StudentT& params, Vec3 m) {
     return inv_pi / a2 / (whole * whole) * expf((2.0f - params.gamma_) * student_t_log1p(x));
 }
 
-// Of V-grooves: min(1, 2 cos_m mu_o / cos_h, 2 cos_m mu_i / cos_h) with cos_m = m.z, cos_h = wo . m.
-inline float student_t_G_cook_torrance(Vec3 wi, Vec3 wo, float cos_m, float cos_h) {
-    return fminf(2.0f * cos_m * fminf(wi.z, wo.z) / cos_h, 1.0f);
+// Of V-grooves: min(1, 2 m.z mu_o / wo.m, 2 m.z mu_i / wo.m).
+inline float student_t_G_cook_torrance(Vec3 wi, Vec3 wo) {
+    // 2 m.z / wo.m = 4 h.z / |h|^2, without a root
+    Vec3 h = wi + wo;
+    return fminf(4.0f * h.z * fminf(wi.z, wo.z) / dot(h, h), 1.0f);
 }
 
-// The same over 4 mu_i mu_o.
-inline float student_t_V_cook_torrance(Vec3 wi, Vec3 wo, float cos_m, float cos_h) {
+// G over 4 mu_i mu_o.
+inline float student_t_V_cook_torrance(Vec3 wi, Vec3 wo) {
     // One quotient after the other: the derivative by the product of two small cosines would be infinite
-    return fminf(0.25f * student_t_G_cook_torrance(wi, wo, cos_m, cos_h) / wi.z / wo.z, V_MAX);
+    return fminf(0.25f * student_t_G_cook_torrance(wi, wo) / wi.z / wo.z, V_MAX);
 }
 
 // D G / (4 mu_i mu_o): the highlight without F.
 inline float student_t_highlight(const StudentT& params, Vec3 wi, Vec3 wo) {
     Vec3 m = student_t_half_vector(wi, wo);
-    return student_t_D(params, m)
-        * student_t_V_cook_torrance(wi, wo, m.z, student_t_cos_half(wi, wo));
+    return student_t_D(params, m) * student_t_V_cook_torrance(wi, wo);
 }
 
 // F D G / (4 mu_i mu_o): BRDF value in 1/sr, without the cosine.

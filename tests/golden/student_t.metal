@@ -97,25 +97,26 @@ inline float student_t_D(StudentT params, float3 m) {
     return inv_pi / a2 / (whole * whole) * exp((2.0 - params.gamma) * student_t_log1p(x));
 }
 
-// Of V-grooves: min(1, 2 cos_m mu_o / cos_h, 2 cos_m mu_i / cos_h) with cos_m = m.z, cos_h = wo . m.
-inline float student_t_G_cook_torrance(float3 wi, float3 wo, float cos_m, float cos_h) {
-    return min(2.0 * cos_m * min(wi.z, wo.z) / cos_h, 1.0);
+// Of V-grooves: min(1, 2 m.z mu_o / wo.m, 2 m.z mu_i / wo.m).
+inline float student_t_G_cook_torrance(float3 wi, float3 wo) {
+    // 2 m.z / wo.m = 4 h.z / |h|^2, without a root
+    float3 h = wi + wo;
+    return min(4.0 * h.z * min(wi.z, wo.z) / dot(h, h), 1.0);
 }
 
-// The same over 4 mu_i mu_o.
-inline float student_t_V_cook_torrance(float3 wi, float3 wo, float cos_m, float cos_h) {
+// G over 4 mu_i mu_o.
+inline float student_t_V_cook_torrance(float3 wi, float3 wo) {
     // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
     // it still is a float32. It is reached at cosines of 5e-16.
     const float V_MAX = 1.0e30;
     // One quotient after the other: the derivative by the product of two small cosines would be infinite
-    return min(0.25 * student_t_G_cook_torrance(wi, wo, cos_m, cos_h) / wi.z / wo.z, V_MAX);
+    return min(0.25 * student_t_G_cook_torrance(wi, wo) / wi.z / wo.z, V_MAX);
 }
 
 // D G / (4 mu_i mu_o): the highlight without F.
 inline float student_t_highlight(StudentT params, float3 wi, float3 wo) {
     float3 m = student_t_half_vector(wi, wo);
-    return student_t_D(params, m)
-        * student_t_V_cook_torrance(wi, wo, m.z, student_t_cos_half(wi, wo));
+    return student_t_D(params, m) * student_t_V_cook_torrance(wi, wo);
 }
 
 // F D G / (4 mu_i mu_o): BRDF value in 1/sr, without the cosine.

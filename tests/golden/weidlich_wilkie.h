@@ -214,27 +214,30 @@ inline float weidlich_wilkie_transmittance_entering(float mu, float eta) {
     return 2.0f * p * (q * q + eta * eta) / (s * s * (q * q));
 }
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline Vec3 weidlich_wilkie_half_vector(Vec3 wi, Vec3 wo) {
+// Of V-grooves: min(1, 2 m.z mu_o / wo.m, 2 m.z mu_i / wo.m).
+inline float weidlich_wilkie_G_cook_torrance(Vec3 wi, Vec3 wo) {
+    // 2 m.z / wo.m = 4 h.z / |h|^2, without a root
     Vec3 h = wi + wo;
-    return h / length(h);  // which weidlich_wilkie_cos_half needs as well
+    return fminf(4.0f * h.z * fminf(wi.z, wo.z) / dot(h, h), 1.0f);
 }
 
-// Of V-grooves: min(1, 2 cos_m mu_o / cos_h, 2 cos_m mu_i / cos_h) with cos_m = m.z, cos_h = wo . m.
-inline float weidlich_wilkie_G_cook_torrance(Vec3 wi, Vec3 wo, float cos_m, float cos_h) {
-    return fminf(2.0f * cos_m * fminf(wi.z, wo.z) / cos_h, 1.0f);
-}
-
-inline float weidlich_wilkie_G(Vec3 wi, Vec3 wo) {
-    return weidlich_wilkie_G_cook_torrance(wi, wo, weidlich_wilkie_half_vector(wi, wo).z,
-        weidlich_wilkie_cos_half(wi, wo));
+// 1 - G of V-grooves, 1 - 4 h.z min(mu_i, mu_o) / |h|^2 with h = wi + wo, exact where G is nearly 1.
+inline float weidlich_wilkie_lost_cook_torrance(Vec3 wi, Vec3 wo) {
+    Vec3 h = wi + wo;
+    float low = fminf(wi.z, wo.z);
+    float high = fmaxf(wi.z, wo.z);
+    // h.z^2 - 4 h.z low = h.z (high - 3 low); in two steps, both are exact where G is nearly 1
+    float rest = high - 2.0f * low - low;
+    return fmaxf((h.x * h.x + h.y * h.y + h.z * rest) / dot(h, h), 0.0f);
 }
 
 // T12 t: what the surface lets in and out again.
 inline float weidlich_wilkie_transmitted(const WeidlichWilkie& params, Vec3 wi, Vec3 wo) {
     float T = weidlich_wilkie_transmittance_entering(weidlich_wilkie_cos_half(wi, wo), params.eta);
-    float G = weidlich_wilkie_G(wi, wo);
-    return T * (1.0f - G + T * G);  // Eq. 4; 1 - G F would lose the digits of a small T
+    // Eq. 4; 1 - G F would lose the digits of a small T, and 1 - G those of a G near 1
+    float G = weidlich_wilkie_G_cook_torrance(wi, wo);
+    float lost = weidlich_wilkie_lost_cook_torrance(wi, wo);
+    return T * (lost + T * G);
 }
 
 // rho / pi.
@@ -274,6 +277,12 @@ inline WeidlichWilkieRoundBeckmann weidlich_wilkie_facets(const WeidlichWilkie& 
     return WeidlichWilkieRoundBeckmann{params.alpha};
 }
 
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline Vec3 weidlich_wilkie_half_vector(Vec3 wi, Vec3 wo) {
+    Vec3 h = wi + wo;
+    return h / length(h);  // which weidlich_wilkie_cos_half needs as well
+}
+
 // Density of facets, in 1/sr. Walter et al., Eq. 25.
 inline float weidlich_wilkie_round_beckmann_D(WeidlichWilkieRoundBeckmann round_beckmann,
     Vec3 m) {
@@ -283,17 +292,10 @@ inline float weidlich_wilkie_round_beckmann_D(WeidlichWilkieRoundBeckmann round_
     return inv_pi / a2 * inv_cos2 * inv_cos2 * expf(-tan2 / a2);
 }
 
-// The same over 4 mu_i mu_o.
-inline float weidlich_wilkie_V_cook_torrance(Vec3 wi, Vec3 wo, float cos_m, float cos_h) {
+// G over 4 mu_i mu_o.
+inline float weidlich_wilkie_V_cook_torrance(Vec3 wi, Vec3 wo) {
     // One quotient after the other: the derivative by the product of two small cosines would be infinite
-    return fminf(0.25f * weidlich_wilkie_G_cook_torrance(wi, wo, cos_m, cos_h) / wi.z / wo.z,
-        V_MAX);
-}
-
-// G / (4 mu_i mu_o).
-inline float weidlich_wilkie_V(Vec3 wi, Vec3 wo) {
-    return weidlich_wilkie_V_cook_torrance(wi, wo, weidlich_wilkie_half_vector(wi, wo).z,
-        weidlich_wilkie_cos_half(wi, wo));
+    return fminf(0.25f * weidlich_wilkie_G_cook_torrance(wi, wo) / wi.z / wo.z, V_MAX);
 }
 
 // Eq. 2: BRDF value in 1/sr, without the cosine.
@@ -310,7 +312,7 @@ inline Vec3 weidlich_wilkie_eval(const WeidlichWilkie& params, Vec3 wi, Vec3 wo)
     float cos_h = weidlich_wilkie_cos_half(wi, wo);
     float coat = weidlich_wilkie_F_dielectric_entering(cos_h, params.eta)
         * weidlich_wilkie_round_beckmann_D(weidlich_wilkie_facets(params),
-            weidlich_wilkie_half_vector(wi, wo)) * weidlich_wilkie_V(wi, wo);
+            weidlich_wilkie_half_vector(wi, wo)) * weidlich_wilkie_V_cook_torrance(wi, wo);
     return below + coat;
 }
 

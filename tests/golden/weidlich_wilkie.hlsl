@@ -108,27 +108,30 @@ float weidlich_wilkie_transmittance_entering(float mu, float eta) {
     return 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
 }
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-float3 weidlich_wilkie_half_vector(float3 wi, float3 wo) {
+// Of V-grooves: min(1, 2 m.z mu_o / wo.m, 2 m.z mu_i / wo.m).
+float weidlich_wilkie_G_cook_torrance(float3 wi, float3 wo) {
+    // 2 m.z / wo.m = 4 h.z / |h|^2, without a root
     float3 h = wi + wo;
-    return h / length(h);  // which weidlich_wilkie_cos_half needs as well
+    return min(4.0 * h.z * min(wi.z, wo.z) / dot(h, h), 1.0);
 }
 
-// Of V-grooves: min(1, 2 cos_m mu_o / cos_h, 2 cos_m mu_i / cos_h) with cos_m = m.z, cos_h = wo . m.
-float weidlich_wilkie_G_cook_torrance(float3 wi, float3 wo, float cos_m, float cos_h) {
-    return min(2.0 * cos_m * min(wi.z, wo.z) / cos_h, 1.0);
-}
-
-float weidlich_wilkie_G(float3 wi, float3 wo) {
-    return weidlich_wilkie_G_cook_torrance(wi, wo, weidlich_wilkie_half_vector(wi, wo).z,
-        weidlich_wilkie_cos_half(wi, wo));
+// 1 - G of V-grooves, 1 - 4 h.z min(mu_i, mu_o) / |h|^2 with h = wi + wo, exact where G is nearly 1.
+float weidlich_wilkie_lost_cook_torrance(float3 wi, float3 wo) {
+    float3 h = wi + wo;
+    float low = min(wi.z, wo.z);
+    float high = max(wi.z, wo.z);
+    // h.z^2 - 4 h.z low = h.z (high - 3 low); in two steps, both are exact where G is nearly 1
+    float rest = high - 2.0 * low - low;
+    return max((h.x * h.x + h.y * h.y + h.z * rest) / dot(h, h), 0.0);
 }
 
 // T12 t: what the surface lets in and out again.
 float weidlich_wilkie_transmitted(WeidlichWilkie params, float3 wi, float3 wo) {
     float T = weidlich_wilkie_transmittance_entering(weidlich_wilkie_cos_half(wi, wo), params.eta);
-    float G = weidlich_wilkie_G(wi, wo);
-    return T * (1.0 - G + T * G);  // Eq. 4; 1 - G F would lose the digits of a small T
+    // Eq. 4; 1 - G F would lose the digits of a small T, and 1 - G those of a G near 1
+    float G = weidlich_wilkie_G_cook_torrance(wi, wo);
+    float lost = weidlich_wilkie_lost_cook_torrance(wi, wo);
+    return T * (lost + T * G);
 }
 
 // rho / pi.
@@ -172,6 +175,12 @@ WeidlichWilkieRoundBeckmann weidlich_wilkie_facets(WeidlichWilkie params) {
     return result;
 }
 
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+float3 weidlich_wilkie_half_vector(float3 wi, float3 wo) {
+    float3 h = wi + wo;
+    return h / length(h);  // which weidlich_wilkie_cos_half needs as well
+}
+
 // Density of facets, in 1/sr. Walter et al., Eq. 25.
 float weidlich_wilkie_round_beckmann_D(WeidlichWilkieRoundBeckmann round_beckmann, float3 m) {
     // Square of the cosine below which exp(-tan^2 / alpha^2) is 0 in any precision, for alpha up to 3.2.
@@ -183,19 +192,13 @@ float weidlich_wilkie_round_beckmann_D(WeidlichWilkieRoundBeckmann round_beckman
     return inv_pi / a2 * inv_cos2 * inv_cos2 * exp(-tan2 / a2);
 }
 
-// The same over 4 mu_i mu_o.
-float weidlich_wilkie_V_cook_torrance(float3 wi, float3 wo, float cos_m, float cos_h) {
+// G over 4 mu_i mu_o.
+float weidlich_wilkie_V_cook_torrance(float3 wi, float3 wo) {
     // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
     // it still is a float32. It is reached at cosines of 5e-16.
     const float V_MAX = 1.0e30;
     // One quotient after the other: the derivative by the product of two small cosines would be infinite
-    return min(0.25 * weidlich_wilkie_G_cook_torrance(wi, wo, cos_m, cos_h) / wi.z / wo.z, V_MAX);
-}
-
-// G / (4 mu_i mu_o).
-float weidlich_wilkie_V(float3 wi, float3 wo) {
-    return weidlich_wilkie_V_cook_torrance(wi, wo, weidlich_wilkie_half_vector(wi, wo).z,
-        weidlich_wilkie_cos_half(wi, wo));
+    return min(0.25 * weidlich_wilkie_G_cook_torrance(wi, wo) / wi.z / wo.z, V_MAX);
 }
 
 // Eq. 2: BRDF value in 1/sr, without the cosine.
@@ -213,7 +216,7 @@ float3 weidlich_wilkie_eval(WeidlichWilkie params, float3 wi, float3 wo) {
     float cos_h = weidlich_wilkie_cos_half(wi, wo);
     float coat = weidlich_wilkie_F_dielectric_entering(cos_h, params.eta)
         * weidlich_wilkie_round_beckmann_D(weidlich_wilkie_facets(params),
-            weidlich_wilkie_half_vector(wi, wo)) * weidlich_wilkie_V(wi, wo);
+            weidlich_wilkie_half_vector(wi, wo)) * weidlich_wilkie_V_cook_torrance(wi, wo);
     return below + coat;
 }
 

@@ -108,27 +108,30 @@ fn weidlich_wilkie_transmittance_entering(mu: f32, eta: f32) -> f32 {
     return 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
 }
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-fn weidlich_wilkie_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+// Of V-grooves: min(1, 2 m.z mu_o / wo.m, 2 m.z mu_i / wo.m).
+fn weidlich_wilkie_G_cook_torrance(wi: vec3f, wo: vec3f) -> f32 {
+    // 2 m.z / wo.m = 4 h.z / |h|^2, without a root
     let h = wi + wo;
-    return h / length(h);  // which weidlich_wilkie_cos_half needs as well
+    return min(4.0 * h.z * min(wi.z, wo.z) / dot(h, h), 1.0);
 }
 
-// Of V-grooves: min(1, 2 cos_m mu_o / cos_h, 2 cos_m mu_i / cos_h) with cos_m = m.z, cos_h = wo . m.
-fn weidlich_wilkie_G_cook_torrance(wi: vec3f, wo: vec3f, cos_m: f32, cos_h: f32) -> f32 {
-    return min(2.0 * cos_m * min(wi.z, wo.z) / cos_h, 1.0);
-}
-
-fn weidlich_wilkie_G(wi: vec3f, wo: vec3f) -> f32 {
-    return weidlich_wilkie_G_cook_torrance(wi, wo, weidlich_wilkie_half_vector(wi, wo).z,
-        weidlich_wilkie_cos_half(wi, wo));
+// 1 - G of V-grooves, 1 - 4 h.z min(mu_i, mu_o) / |h|^2 with h = wi + wo, exact where G is nearly 1.
+fn weidlich_wilkie_lost_cook_torrance(wi: vec3f, wo: vec3f) -> f32 {
+    let h = wi + wo;
+    let low = min(wi.z, wo.z);
+    let high = max(wi.z, wo.z);
+    // h.z^2 - 4 h.z low = h.z (high - 3 low); in two steps, both are exact where G is nearly 1
+    let rest = high - 2.0 * low - low;
+    return max((h.x * h.x + h.y * h.y + h.z * rest) / dot(h, h), 0.0);
 }
 
 // T12 t: what the surface lets in and out again.
 fn weidlich_wilkie_transmitted(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> f32 {
     let T = weidlich_wilkie_transmittance_entering(weidlich_wilkie_cos_half(wi, wo), params.eta);
-    let G = weidlich_wilkie_G(wi, wo);
-    return T * (1.0 - G + T * G);  // Eq. 4; 1 - G F would lose the digits of a small T
+    // Eq. 4; 1 - G F would lose the digits of a small T, and 1 - G those of a G near 1
+    let G = weidlich_wilkie_G_cook_torrance(wi, wo);
+    let lost = weidlich_wilkie_lost_cook_torrance(wi, wo);
+    return T * (lost + T * G);
 }
 
 // rho / pi.
@@ -170,6 +173,12 @@ fn weidlich_wilkie_facets(params: WeidlichWilkie) -> WeidlichWilkieRoundBeckmann
     return WeidlichWilkieRoundBeckmann(params.alpha);
 }
 
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn weidlich_wilkie_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    let h = wi + wo;
+    return h / length(h);  // which weidlich_wilkie_cos_half needs as well
+}
+
 // Density of facets, in 1/sr. Walter et al., Eq. 25.
 fn weidlich_wilkie_round_beckmann_D(round_beckmann: WeidlichWilkieRoundBeckmann,
     m: vec3f) -> f32 {
@@ -182,19 +191,13 @@ fn weidlich_wilkie_round_beckmann_D(round_beckmann: WeidlichWilkieRoundBeckmann,
     return inv_pi / a2 * inv_cos2 * inv_cos2 * exp(-tan2 / a2);
 }
 
-// The same over 4 mu_i mu_o.
-fn weidlich_wilkie_V_cook_torrance(wi: vec3f, wo: vec3f, cos_m: f32, cos_h: f32) -> f32 {
+// G over 4 mu_i mu_o.
+fn weidlich_wilkie_V_cook_torrance(wi: vec3f, wo: vec3f) -> f32 {
     // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
     // it still is a float32. It is reached at cosines of 5e-16.
     const V_MAX = 1.0e30;
     // One quotient after the other: the derivative by the product of two small cosines would be infinite
-    return min(0.25 * weidlich_wilkie_G_cook_torrance(wi, wo, cos_m, cos_h) / wi.z / wo.z, V_MAX);
-}
-
-// G / (4 mu_i mu_o).
-fn weidlich_wilkie_V(wi: vec3f, wo: vec3f) -> f32 {
-    return weidlich_wilkie_V_cook_torrance(wi, wo, weidlich_wilkie_half_vector(wi, wo).z,
-        weidlich_wilkie_cos_half(wi, wo));
+    return min(0.25 * weidlich_wilkie_G_cook_torrance(wi, wo) / wi.z / wo.z, V_MAX);
 }
 
 // Eq. 2: BRDF value in 1/sr, without the cosine.
@@ -212,7 +215,7 @@ fn weidlich_wilkie_eval(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> vec3f {
     let cos_h = weidlich_wilkie_cos_half(wi, wo);
     let coat = weidlich_wilkie_F_dielectric_entering(cos_h, params.eta)
         * weidlich_wilkie_round_beckmann_D(weidlich_wilkie_facets(params),
-            weidlich_wilkie_half_vector(wi, wo)) * weidlich_wilkie_V(wi, wo);
+            weidlich_wilkie_half_vector(wi, wo)) * weidlich_wilkie_V_cook_torrance(wi, wo);
     return below + coat;
 }
 

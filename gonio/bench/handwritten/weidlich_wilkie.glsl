@@ -35,7 +35,10 @@ vec2 weidlich_wilkie_coat(vec3 wi, vec3 wo, float contrast, float eta2, float al
     float length2 = hxy2 + hz2;
 
     // Cook and Torrance's masking
-    float G = min(4.0 * h.z * min(wi.z, wo.z) / length2, 1.0);
+    float low = min(wi.z, wo.z);
+    float G = min(4.0 * h.z * low / length2, 1.0);
+    // 1 - G keeps its digits near G = 1
+    float lost = max((hxy2 + h.z * (max(wi.z, wo.z) - 2.0 * low - low)) / length2, 0.0);
 
     // Beckmann; below cos^2 = 1e-6 its exponential is 0
     float a2 = alpha * alpha;
@@ -55,7 +58,7 @@ vec2 weidlich_wilkie_coat(vec3 wi, vec3 wo, float contrast, float eta2, float al
     float inv = 1.0 / (s * q2);
     float F = contrast * contrast * (p * p + s2 * s2) * inv / s;
     float T = 2.0 * p * (q2 + eta2) * inv;
-    return vec2(0.25 * F * D * G / (wi.z * wo.z), T * (1.0 - G * F));
+    return vec2(0.25 * F * D * G / (wi.z * wo.z), T * (lost + G * T));
 }
 
 vec3 weidlich_wilkie_eval(WeidlichWilkie params, vec3 wi, vec3 wo) {
