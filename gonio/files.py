@@ -49,6 +49,8 @@ def check_place(path: str | Path) -> Path:
 
 def _temporary(path: Path) -> Path:
     """An empty file beside the path, which may take its name."""
+    if path.parent.exists() and not path.parent.is_dir():
+        raise NotADirectoryError(f"{path.parent} is a file; {path.name} cannot be written into it.")
     if not path.parent.is_dir():
         raise FileNotFoundError(f"there is no folder {path.parent}; create it first.")
     if path.exists() and not path.is_file():

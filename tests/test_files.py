@@ -61,3 +61,13 @@ def test_a_place_that_cannot_be_written_is_found_before_the_work(
     assert result.exit_code == 1
     assert "no folder" in result.output or "is a folder" in result.output
     assert not list(tmp_path.glob(".gonio-*"))
+
+
+def test_a_file_in_the_place_of_the_folder_is_said(tmp_path: Path) -> None:
+    (tmp_path / "out").write_text("a file", encoding="utf-8")
+    with pytest.raises(
+        NotADirectoryError, match=r"out is a file; x\.png cannot be written into it"
+    ):
+        check_place(tmp_path / "out" / "x.png")
+    with pytest.raises(FileNotFoundError, match="there is no folder"):
+        check_place(tmp_path / "missing" / "x.png")
