@@ -208,6 +208,13 @@ def test_a_function_that_others_wrote_stands_beside_an_export(tmp_path: Path) ->
         (["own.glsl#diffuse", "--gpu", "sm_86"], "add --gpu navi21"),
         (["--texts", "--gpu", "sm_86"], "add --gpu navi21"),
         (["--texts", "--against", "phong"], "--against is for models"),
+        (["--texts", "--only", "pdf"], "--only is for models"),
+        (["--texts", "-p", "alpha=1"], "--param is for models"),
+        (["x.glsl#f", "-p", "alpha=1"], "--param is for models"),
+        (["eon", "--to", "hlsl", "--gpu", "sm_86"], "--to is for AMD's GPUs"),
+        (["eon", "--only", ""], "there are eval, sample, pdf, albedo"),
+        (["eon", "--gpu", ""], "no GPU ''"),
+        (["eon", "-o", "no/such/cost.md"], "there is no folder"),
     ],
 )
 def test_what_cannot_be_measured_is_said_in_one_line(arguments: list[str], word: str) -> None:

@@ -38,8 +38,7 @@ ROUNDS = 9
     "--to",
     "language",
     type=click.Choice(LANGUAGES),
-    default=LANGUAGES[0],
-    help="Language of the exports that AMD's compiler gets; NVIDIA's always gets CUDA.",
+    help=f"Language of the exports that AMD's compiler gets (default: {LANGUAGES[0]}); NVIDIA's gets CUDA.",
 )
 @click.option(
     "--map",
@@ -69,7 +68,7 @@ def command(
     gpus: tuple[str, ...],
     only: str | None,
     against: str | None,
-    language: str,
+    language: str | None,
     mapping: tuple[str, ...],
     timed: bool,
     of_texts: bool,
@@ -97,16 +96,25 @@ def command(
     from gonio.cost.table import FUNCTIONS, cost
     from gonio.cost.texts import tables
     from gonio.export.text import FUNCTIONS as ALL
+    from gonio.files import check_place
     from gonio.foreign import is_foreign
     from gonio.materials import load_model
 
     wanted = chosen(gpus)
-    functions = [part.strip() for part in (only or ",".join(FUNCTIONS)).split(",") if part.strip()]
+    functions = list(FUNCTIONS) if only is None else [part.strip() for part in only.split(",")]
     for name in functions:
         if name not in ALL:
             raise CostError(f"--only {name!r}: there are {', '.join(ALL)}.")
     files = [text for text in texts if is_foreign(text)]
     named = [text for text in texts if not is_foreign(text)]
+    of_models = {"--param": params, "--to": language, "--time": timed}
+    if of_texts and not files:  # whole shaders, compared with each other
+        of_models |= {"--only": only, "--against": against}
+    given = [name for name, value in of_models.items() if value]
+    if given and not named and not everything and (params or not (files and against)):
+        raise CostError(f"{given[0]} is for models; name one, or drop it.")
+    if language is not None and all(gpu.vendor != "amd" for gpu in wanted):
+        raise CostError("--to is for AMD's GPUs, and none is named; NVIDIA's compiler gets CUDA.")
     if mapping and not files:
         raise CostError("--map says what arguments of FILE#FUNCTION are; none is given.")
     if files and "eval" not in functions:
@@ -117,6 +125,8 @@ def command(
         raise CostError("--time runs eval, which --only leaves out.")
     if output is not None and Path(output).suffix not in (".md", ".json"):
         raise CostError(f"-o {output}: the file's name ends in .md or .json.")
+    if output is not None:
+        check_place(output)
     sections = []
     if named or everything or files or not of_texts:
         models = choose(named, params, everything).models if named or everything else {}
@@ -126,7 +136,7 @@ def command(
             models,
             files,
             functions=functions,
-            language=language,
+            language=language or LANGUAGES[0],
             gpus=wanted,
             against=None if against is None else (against, load_model(against)[0]),
             mapping=mapping,
@@ -134,8 +144,6 @@ def command(
             progress=say,
         )
         sections.append(found)
-    elif given := [name for name, value in (("--against", against), ("--time", timed)) if value]:
-        raise CostError(f"{given[0]} is for models; name one, or drop it.")
     if of_texts:
         sections += tables(wanted, say)
     report = Report(

@@ -53,7 +53,7 @@ def chosen(names: Sequence[str]) -> list[Gpu]:
     Raises:
         CostError: a name that is not known.
     """
-    wanted = [part.strip() for name in names for part in name.split(",") if part.strip()]
+    wanted = [part.strip() for name in names for part in name.split(",")]
     if "all" in wanted:
         return list(GPUS.values())
     for name in wanted:
