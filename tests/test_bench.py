@@ -2,6 +2,7 @@
 
 import json
 import statistics
+from functools import partial
 
 import drjit as dr
 import numpy as np
@@ -10,7 +11,7 @@ from support.tolerances import SINGLE
 
 import gonio
 from gonio.bench import BenchError, bench, command, kernels, native, pairs, pictures, startup
-from gonio.bench.exported_loop import ExportedLoop
+from gonio.bench.exported_loop import exported_loops
 from gonio.bench.report import GENERATED, Column, Report, Section, goal_text, milliseconds
 from gonio.bench.timing import alternate, stopwatch
 from gonio.fields import Parameter
@@ -58,6 +59,21 @@ class Twin:
 
     def bandwidth(self, threads, repeat):
         return 1e9
+
+
+class TwinLoop:
+    """The model itself in place of its export, so that nothing is compiled."""
+
+    def __init__(self, model):
+        self.model = model
+
+    def eval(self, wi, wo, threads):
+        value = self.model.eval(np.stack(wi, -1), np.stack(wo, -1))
+        return native.Timed(1e-3, np.ascontiguousarray(value.T))
+
+
+def twin_loops(models):
+    return {label: TwinLoop(model) for label, model in models.items()}
 
 
 def instantly():
@@ -111,9 +127,14 @@ def test_parameters_are_all_numbers_in_order_with_three_for_a_colour():
 
 
 @needs_llvm
-def test_a_row_holds_both_sides_and_what_follows_from_them(few):
+def test_a_row_holds_both_sides_and_what_follows_from_them(few, monkeypatch):
+    monkeypatch.setattr(pairs, "exported_loops", twin_loops)
     twin = Twin()
-    section = pairs.eval_section(twin, few, instantly, 2, everything, silent)
+
+    def some(entry):
+        return entry.label in {"fon", "eon_exact", "qon"}
+
+    section = pairs.eval_section(twin, few, instantly, 2, some, silent)
     rows = {row["row"]: row for row in section.rows}
     fon = rows["fon"]
     assert fon["calls_seconds"] == 1e-3
@@ -150,10 +171,11 @@ def test_numpy_is_compared_with_drjit():
 
 
 @needs_llvm
-def test_a_baseline_that_computes_something_else_is_an_error(few):
+def test_a_baseline_that_computes_something_else_is_an_error(few, monkeypatch):
     def only(entry):
         return entry.label == "fon"
 
+    monkeypatch.setattr(pairs, "exported_loops", twin_loops)
     with pytest.raises(BenchError, match=r"fon: gonio's value and .* differ by 0\.0099"):
         pairs.eval_section(Twin(1.01), few, instantly, 1, only, silent)
 
@@ -162,6 +184,47 @@ def test_a_baseline_that_computes_something_else_is_an_error(few):
 def test_a_baseline_with_another_density_is_an_error(few):
     with pytest.raises(BenchError, match=r"gonio's pdf and .* differ by 0\.0099"):
         pairs.sample_section(Twin(1.01), few, instantly, 1, everything, silent)
+
+
+@pytest.fixture(scope="module")
+def real_baseline(tmp_path_factory):
+    """The C++ baseline, compiled from what the repository has now."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+        yield native.compile_baseline.__wrapped__()
+
+
+@needs_llvm
+def test_the_baseline_samples_with_the_densities_of_today(real_baseline):
+    given = pairs.random_pairs(4096)
+    measured = [e for e in pairs.entries(real_baseline.sample_names) if e.in_baseline]
+    assert {entry.label for entry in measured} == set(real_baseline.sample_names)
+    for entry in measured:
+        samples = pairs._baseline_samples(real_baseline, entry, given)
+        assert pairs.compare_samples(entry, given, samples) <= pairs.TOLERANCE
+
+
+@needs_llvm
+def test_every_loop_over_an_export_computes_what_the_model_does(
+    real_baseline, monkeypatch, tmp_path
+):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    given = pairs.random_pairs(4096)
+    measured = list(pairs.entries(real_baseline.eval_names))
+    # One library without optimisation, which costs a second; the vectorised one is compared by `bench`
+    flags = ("-std=c++17", "-fPIC", "-shared", "-pthread")
+    loops = exported_loops({entry.label: entry.model for entry in measured}, flags)
+    for entry in measured:
+        theirs = partial(pairs._baseline_values, real_baseline, entry, given)
+        pairs.compare_values(
+            entry, given, loops[entry.label], theirs if entry.in_baseline else None
+        )
+    # Loops that are mixed up would be seen
+    eon = next(entry for entry in measured if entry.label == "eon_fitted")
+    with pytest.raises(
+        BenchError, match="eon_fitted: gonio's value and its C\\+\\+ export's differ"
+    ):
+        pairs.compare_values(eon, given, loops["fon"], None)
 
 
 @pytest.mark.parametrize("wrong", [np.nan, np.inf])
@@ -329,22 +392,11 @@ def test_a_goal_says_whether_it_is_met(text, value, bounds):
 # ------------------------------------------------------------------------------------ the command
 
 
-class TwinLoop:
-    """The model itself in place of its export, so that nothing is compiled."""
-
-    def __init__(self, label, model):
-        self.model = model
-
-    def eval(self, wi, wo, threads):
-        value = self.model.eval(np.stack(wi, -1), np.stack(wo, -1))
-        return native.Timed(1e-3, np.ascontiguousarray(value.T))
-
-
 @needs_llvm
 def test_bench_measures_what_was_asked_for(monkeypatch, tmp_path):
     monkeypatch.setattr(native, "compile_baseline", Twin)
     monkeypatch.setattr(native, "_find_compiler", lambda: ["echo"])
-    monkeypatch.setattr(pairs, "ExportedLoop", TwinLoop)
+    monkeypatch.setattr(pairs, "exported_loops", twin_loops)
     told = []
     output = tmp_path / "performance.md"
     found = bench(pairs=128, repeat=1, rows=["eon"], output=output, progress=told.append)
@@ -433,7 +485,7 @@ def test_sections_are_known_by_name():
 def test_the_loop_over_an_export_computes_what_the_model_does():
     model = gonio.model("weidlich_wilkie", alpha=0.3, sigma_a=(0.1, 0.5, 0.2))
     given = pairs.random_pairs(3000)
-    found = ExportedLoop("coat", model).eval(given.wi, given.wo, threads=2)
+    found = exported_loops({"coat": model})["coat"].eval(given.wi, given.wo, threads=2)
     expected = model.eval(np.stack(given.wi, -1), np.stack(given.wo, -1))
     assert found.seconds > 0
     # Small numbers are still numbers here: a library linked with -Ofast would flush them for all

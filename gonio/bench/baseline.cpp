@@ -291,6 +291,21 @@ float visible_ggx_pdf(Vec3 wo, Vec3 m, float ax, float ay) {
     return D_ggx(m, ax, ay) / ((1.0f + Lambda_ggx(wo, ax, ay)) * 4.0f * wo.z);
 }
 
+// wo mirrored at a visible normal; what would leave below the horizon is mirrored up again, as gonio does:
+// densities can only be compared with the same samples.
+Vec3 folded_ggx_sample(Vec3 wo, float ax, float ay, float u1, float u2) {
+    Vec3 wi = mirror(wo, visible_ggx_normal(wo, ax, ay, u1, u2));
+    wi.z = std::abs(wi.z);
+    return wi;
+}
+
+// The density of both ways to wi; a normal mirrors wo below the horizon, to wi's image, if wo is the higher.
+float folded_ggx_pdf(Vec3 wi, Vec3 wo, float ax, float ay) {
+    float pdf = visible_ggx_pdf(wo, half_vector(wi, wo).m, ax, ay);
+    if (wo.z > wi.z) pdf += visible_ggx_pdf(wo, half_vector({wi.x, wi.y, -wi.z}, wo).m, ax, ay);
+    return pdf;
+}
+
 // Exact reflectance of a conductor for one channel (Born and Wolf; as renderers have it).
 float F_conductor(float cos_theta, float eta, float k) {
     float cos2 = cos_theta * cos_theta, sin2 = 1.0f - cos2, sin4 = sin2 * sin2;
@@ -359,10 +374,9 @@ Vec3 torrance_sparrow(const TorranceSparrow& p, Vec3 wi, Vec3 wo) {
 
 Sample torrance_sparrow_sample(const TorranceSparrow& p, Vec3 wo, float u1, float u2) {
     Widths a = widths(p);
-    Vec3 m = visible_ggx_normal(wo, a.x, a.y, u1, u2);
-    Vec3 wi = mirror(wo, m);
+    Vec3 wi = folded_ggx_sample(wo, a.x, a.y, u1, u2);
     if (wi.z <= 0.0f) return WASTED;
-    return {wi, visible_ggx_pdf(wo, m, a.x, a.y)};
+    return {wi, folded_ggx_pdf(wi, wo, a.x, a.y)};
 }
 
 // ---- Disney 2012: Burley's disney.brdf, with the masking of the course notes ---------------------------------------
@@ -454,8 +468,7 @@ Sample disney_sample(const Disney& p, Vec3 wo, float u1, float u2) {
         float sine = std::sqrt(1.0f - z * z), phi = 2.0f * PI * u2;
         wi = {sine * std::cos(phi), sine * std::sin(phi), z};
     } else if (choose(P_highlight, u1)) {
-        wi = mirror(wo, visible_ggx_normal(wo, a.x, a.y, u1, u2));
-        wi.z = std::abs(wi.z);
+        wi = folded_ggx_sample(wo, a.x, a.y, u1, u2);
     } else {
         float a2 = coat_alpha * coat_alpha;  // Burley, Eq. 5
         float cos2 = (1.0f - std::pow(a2, 1.0f - u1)) / (1.0f - a2);
@@ -465,9 +478,7 @@ Sample disney_sample(const Disney& p, Vec3 wo, float u1, float u2) {
     if (wi.z <= 0.0f) return WASTED;
 
     Half h = half_vector(wi, wo);
-    float folded = 0.0f;
-    if (wo.z > wi.z) folded = visible_ggx_pdf(wo, half_vector({wi.x, wi.y, -wi.z}, wo).m, a.x, a.y);
-    float specular = P_highlight * (visible_ggx_pdf(wo, h.m, a.x, a.y) + folded) +
+    float specular = P_highlight * folded_ggx_pdf(wi, wo, a.x, a.y) +
                      (1.0f - P_highlight) * GTR1(h.m.z, coat_alpha) * h.m.z / (4.0f * h.cos_h);
     float matte = mix(wi.z / PI, 1.0f / (2.0f * PI), P_uniform);
     return {wi, P_diffuse * matte + (1.0f - P_diffuse) * specular};

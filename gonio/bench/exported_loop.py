@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import ctypes
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -26,29 +26,48 @@ from gonio.model import Model
 FLAGS = ("-std=c++17", "-Ofast", "-march=native", "-fPIC", "-shared", "-nostartfiles", "-pthread")
 
 
+def exported_loops(
+    models: Mapping[str, Model], flags: Sequence[str] = FLAGS
+) -> dict[str, ExportedLoop]:
+    """Compile the loops over the exports of some models, all in one library.
+
+    Args:
+        models: by names, which are those of C++ too.
+        flags: of the compiler.
+
+    Raises:
+        ExportError: a model cannot be exported.
+        RuntimeError: there is no C++ compiler, or it refuses the headers.
+    """
+    shaders = {
+        name: export({name: model}, "cpp", only=["eval"])[0] for name, model in models.items()
+    }
+    texts = [INCLUDES]
+    for name, shader in shaders.items():
+        texts += [shader.source, _loop(shader.entry, name)]
+    with tempfile.TemporaryDirectory(prefix="gonio-") as folder:
+        source = Path(folder) / "loops.cpp"
+        source.write_text("\n".join(texts), encoding="utf-8")
+        library = ctypes.CDLL(str(compiled_library(source, flags, f"export-{next(iter(models))}")))
+    return {
+        name: ExportedLoop(library[f"run_{name}"], _numbers(models[name], shader.entry))
+        for name, shader in shaders.items()
+    }
+
+
 class ExportedLoop:
     """`eval` of a model's C++ export over arrays."""
 
-    def __init__(self, label: str, model: Model) -> None:
-        """Compile it.
-
-        Raises:
-            ExportError: the model cannot be exported.
-            RuntimeError: there is no C++ compiler, or it refuses the header.
-        """
-        shader = export({label: model}, "cpp", only=["eval"])[0]
-        self.numbers = _numbers(model, shader.entry)
-        with tempfile.TemporaryDirectory(prefix="gonio-") as name:
-            source = Path(name) / "loop.cpp"
-            source.write_text(f"{shader.source}\n{_loop(shader.entry)}", encoding="utf-8")
-            self._c = ctypes.CDLL(str(compiled_library(source, FLAGS, f"export-{label}")))
-        self._c.run.restype = ctypes.c_double
+    def __init__(self, run: Any, numbers: Floats) -> None:
+        """Take the compiled function, and the parameters as it reads them."""
+        self._run, self._numbers = run, numbers
+        self._run.restype = ctypes.c_double
 
     def eval(self, wi: Directions, wo: Directions, threads: int) -> Timed:
         """Values for every pair, and how long that took."""
         out = np.empty((3, len(wi[0])), np.float32)
-        seconds = self._c.run(
-            self.numbers.ctypes.data_as(ctypes.POINTER(ctypes.c_float)),
+        seconds = self._run(
+            self._numbers.ctypes.data_as(ctypes.POINTER(ctypes.c_float)),
             pointers([*wi, *wo]),
             pointers(list(out)),
             ctypes.c_size_t(out.shape[1]),
@@ -67,8 +86,11 @@ def _numbers(model: Model, entry: Entry) -> Floats:
     return np.array(found, np.float32)
 
 
-def _loop(entry: Entry) -> str:
-    """The loop over all pairs and the threads that share them."""
+INCLUDES = "#include <chrono>\n#include <cstddef>\n#include <thread>\n#include <vector>\n"
+
+
+def _loop(entry: Entry, name: str) -> str:
+    """The loop over all pairs and the threads that share them: the function run_NAME."""
     scope = f"{entry.namespace}::"
     lines, column = [], 0
     for member in entry.members:
@@ -82,10 +104,7 @@ def _loop(entry: Entry) -> str:
     written = ", ".join(f"float* __restrict {channel}" for channel in "rgb")
     given = ", ".join([*(f"in[{k}]" for k in range(6)), *(f"out[{k}]" for k in range(3))])
     return f"""
-#include <chrono>
-#include <cstddef>
-#include <thread>
-#include <vector>
+namespace loop_{name} {{
 
 __attribute__((hot, flatten, noinline))
 static void loop(
@@ -106,7 +125,7 @@ static void part(
     loop(params, first, last, {given});
 }}
 
-extern "C" double run(
+extern "C" double run_{name}(
     const float* p, const float* const* in, float* const* out, std::size_t n, int threads) {{
     const auto start = std::chrono::steady_clock::now();
     std::vector<std::thread> others;
@@ -116,4 +135,6 @@ extern "C" double run(
     for (std::thread& other : others) other.join();
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }}
+
+}}  // namespace loop_{name}
 """

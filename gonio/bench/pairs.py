@@ -12,7 +12,7 @@ import numpy as np
 
 import gonio
 from gonio.bench import native
-from gonio.bench.exported_loop import ExportedLoop
+from gonio.bench.exported_loop import ExportedLoop, exported_loops
 from gonio.bench.kernels import changed_copies, launched, moved_bytes, needed_again
 from gonio.bench.native import Baseline, Directions, Floats
 from gonio.bench.report import (
@@ -172,11 +172,13 @@ def difference(ours: Floats, theirs: Floats) -> float:
     return worst
 
 
-def _agree(label: str, quantity: str, ours: Floats, theirs: Floats) -> float:
+def _agree(
+    label: str, quantity: str, ours: Floats, theirs: Floats, whose: str = "the C++ baseline's"
+) -> float:
     found = difference(ours, theirs)
     if not found <= TOLERANCE:
         raise BenchError(
-            f"{label}: gonio's {quantity} and the C++ baseline's differ by {found:.2g} (relative), "
+            f"{label}: gonio's {quantity} and {whose} differ by {found:.2g} (relative), "
             f"allowed is {TOLERANCE:g}: times of different results cannot be compared."
         )
     return found
@@ -230,22 +232,9 @@ def eval_section(
         def work(model: Model = model) -> Any:
             return _finished(model.eval(pairs.jit_wi, pairs.jit_wo))
 
-        theirs = None
-        if entry.in_baseline:
-
-            def theirs(*, entry: Entry = entry, **how: Any) -> native.Timed:
-                return baseline.eval(
-                    entry.label,
-                    pairs.wi,
-                    pairs.wo,
-                    entry.parameters,
-                    threads=dr.thread_count(),
-                    repeat=1,
-                    **how,
-                )
-
-        loop = ExportedLoop(entry.label, model)
-        exported = partial(loop.eval, pairs.wi, pairs.wo, dr.thread_count())
+        theirs = partial(_baseline_values, baseline, entry, pairs) if entry.in_baseline else None
+        loop = exported_loops({entry.label: model})[entry.label]
+        different = compare_values(entry, pairs, loop, theirs)
         row = _measure(
             entry.label,
             work,
@@ -254,12 +243,9 @@ def eval_section(
             memory,
             repeat,
             EVAL_GOALS | COMPLETE_GOALS,
-            exported,
+            partial(loop.eval, pairs.wi, pairs.wo, dr.thread_count()),
         )
-        (value,) = work()
-        _agree(entry.label, "value", value.numpy(), exported().value)
-        if theirs is not None:
-            row["difference"] = _agree(entry.label, "value", value.numpy(), theirs().value)
+        row["difference"] = different
         rows.append(row)
     title = f"eval of {_millions(pairs.count)} pairs of directions"
     return Section("eval", title, (*_HOW, _PEER), (*_COLUMNS, *_EXPORTED), rows)
@@ -280,21 +266,12 @@ def sample_section(
             wi, pdf = model.sample(pairs.jit_wo, pairs.jit_u)
             return _finished(wi, pdf, model.eval(wi, pairs.jit_wo))
 
-        def theirs(*, entry: Entry = entry, **how: Any) -> native.TimedSamples:
-            return baseline.sample_pdf_eval(
-                entry.label,
-                pairs.wo,
-                *pairs.u,
-                entry.parameters,
-                threads=dr.thread_count(),
-                repeat=1,
-                **how,
-            )
-
+        theirs = partial(_baseline_samples, baseline, entry, pairs)
+        different = compare_samples(entry, pairs, theirs())
         row = _measure(
             entry.label, work, theirs, pairs.count, memory, repeat, SAMPLE_GOALS | COMPLETE_GOALS
         )
-        row["difference"] = _compare_samples(entry.label, model, pairs, theirs())
+        row["difference"] = different
         rows.append(row)
     title = f"sample + pdf + eval, {_millions(pairs.count)} times"
     note = (
@@ -304,15 +281,63 @@ def sample_section(
     return Section("sample", title, [note], _COLUMNS, rows)
 
 
-def _compare_samples(label: str, model: Model, pairs: Pairs, samples: native.TimedSamples) -> float:
+def _baseline_values(
+    baseline: Baseline, entry: Entry, pairs: Pairs, *, inlined: bool = False
+) -> native.Timed:
+    return baseline.eval(
+        entry.label,
+        pairs.wi,
+        pairs.wo,
+        entry.parameters,
+        threads=dr.thread_count(),
+        repeat=1,
+        inlined=inlined,
+    )
+
+
+def _baseline_samples(
+    baseline: Baseline, entry: Entry, pairs: Pairs, *, inlined: bool = False
+) -> native.TimedSamples:
+    return baseline.sample_pdf_eval(
+        entry.label,
+        pairs.wo,
+        *pairs.u,
+        entry.parameters,
+        threads=dr.thread_count(),
+        repeat=1,
+        inlined=inlined,
+    )
+
+
+def compare_values(
+    entry: Entry, pairs: Pairs, loop: ExportedLoop, theirs: Callable[[], native.Timed] | None
+) -> float | None:
+    """How much the values of C++ differ from the model's at most; None without a row of the baseline.
+
+    Raises:
+        BenchError: they, or those of the export, differ by more than TOLERANCE.
+    """
+    (value,) = _finished(entry.model.eval(pairs.jit_wi, pairs.jit_wo))
+    ours = value.numpy()
+    exported = loop.eval(pairs.wi, pairs.wo, dr.thread_count()).value
+    _agree(entry.label, "value", ours, exported, "its C++ export's")
+    return None if theirs is None else _agree(entry.label, "value", ours, theirs().value)
+
+
+def compare_samples(entry: Entry, pairs: Pairs, samples: native.TimedSamples) -> float:
+    """How much pdf and value of C++ differ at most from the model's, at the directions of its samples.
+
+    Raises:
+        BenchError: by more than TOLERANCE.
+    """
     # Rounding may push a sample into the horizon, where gonio's guard returns zero.
     above = samples.wi[2] > 0
     wi = dr.llvm.ad.Array3f(*(np.ascontiguousarray(c[above]) for c in samples.wi))
     wo = dr.llvm.ad.Array3f(*(np.ascontiguousarray(c[above]) for c in pairs.wo))
-    pdf, value = _finished(model.pdf(wi, wo), model.eval(wi, wo))
+    pdf, value = _finished(entry.model.pdf(wi, wo), entry.model.eval(wi, wo))
     return max(
-        _agree(label, "pdf", pdf.numpy(), samples.pdf[above]),
-        _agree(label, "value", value.numpy(), samples.value[:, above]),
+        _agree(entry.label, "pdf", pdf.numpy(), samples.pdf[above]),
+        _agree(entry.label, "value", value.numpy(), samples.value[:, above]),
     )
 
 
