@@ -34,6 +34,7 @@ from gonio import parts as parts
 from gonio import plot as plot
 from gonio import reference as reference
 from gonio import reproduce as reproduce
+from gonio import table as table
 from gonio import view as view
 from gonio.backend import BackendError as BackendError
 from gonio.backend import use as use
@@ -570,6 +571,72 @@ class QONFujii(Model):
     ) -> None: ...
     rho: Any
     sigma: Any
+
+class Retroreflective(Model):
+    """Road signs and safety tape: bright where the light comes from. Reciprocal if the base is.
+
+    Parameters:
+        base: whose mirror direction becomes that of the light; a model or its name, default
+            'torrance_sparrow'
+    """
+
+    def __init__(
+        self,
+        *,
+        base: Model | str = "torrance_sparrow",
+    ) -> None: ...
+    base: Model
+
+class SGD(Model):
+    """Paints, metals and plastics as they were measured; the default is a gold paint. Reciprocal.
+
+    Parameters:
+        rho: diffuse albedo, linear RGB; 0 to 1, default (0.147708, 0.0806975, 0.033172)
+        specular: weight of the highlight, linear RGB; 0 to 10, default (0.160592, 0.217282,
+            0.236425)
+        alpha: shift, and width of the squared slopes; 1e-05 to 1, default (0.122506, 0.108069,
+            0.12187)
+        p: power of the distribution's tail; 0 to 2, default (0.795078, 0.637578, 0.936117)
+        f0: F's constant; 0 to 10, default (0, 0, 0.0024589)
+        f1: F's slope: f0 - f1 at normal incidence; -2 to 10, default (-0.596835, -0.331147,
+            -0.140729)
+        normalization: K: 1 / (alpha Gamma(1 - p, alpha)) where D is normalized; 0 to 1000000,
+            default (5.98176, 7.35539, 5.29722)
+        masking_strength: Lambda; 0 to 1e+08, default (2.64832, 3.04253, 2.3013)
+        masking_angle: theta_0 in radians: G is 1 up to there; -1 to 1.5, default (-0.284195,
+            -0.277297, -0.245352)
+        masking_width: c^(-1/k): radians from there on; 0.01 to 100, default (1.943735, 1.94587,
+            1.890624)
+        masking_exponent: k: how suddenly masking begins; 1 to 1000, default (24.3593, 24.4037,
+            25.3623)
+    """
+
+    def __init__(
+        self,
+        *,
+        rho: _Color = (0.147708, 0.0806975, 0.033172),
+        specular: _Color = (0.160592, 0.217282, 0.236425),
+        alpha: _Color = (0.122506, 0.108069, 0.12187),
+        p: _Color = (0.795078, 0.637578, 0.936117),
+        f0: _Color = (0.0, 0.0, 0.0024589),
+        f1: _Color = (-0.596835, -0.331147, -0.140729),
+        normalization: _Color = (5.98176, 7.35539, 5.29722),
+        masking_strength: _Color = (2.64832, 3.04253, 2.3013),
+        masking_angle: _Color = (-0.284195, -0.277297, -0.245352),
+        masking_width: _Color = (1.943735, 1.94587, 1.890624),
+        masking_exponent: _Color = (24.3593, 24.4037, 25.3623),
+    ) -> None: ...
+    rho: Any
+    specular: Any
+    alpha: Any
+    p: Any
+    f0: Any
+    f1: Any
+    normalization: Any
+    masking_strength: Any
+    masking_angle: Any
+    masking_width: Any
+    masking_exponent: Any
 
 class StudentT(Model):
     """Metals and plastics whose highlights have the tail that was measured. Reciprocal.

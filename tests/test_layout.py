@@ -23,7 +23,7 @@ FLOORS = (
         "backend",
         "claims",
     },
-    {"fields", "conversions"},
+    {"fields", "conversions", "table"},
     {"parts", "arrays"},
     {"albedos"},
     {"model"},

@@ -18,6 +18,7 @@ import numpy as np
 
 from gonio.bench.native import Directions, Floats, Timed, compiled_library, pointers
 from gonio.export import export
+from gonio.export.buffer import check_unread
 from gonio.export.entry import Entry
 from gonio.model import Model
 
@@ -44,6 +45,7 @@ def exported_loops(
     }
     texts = [INCLUDES]
     for name, shader in shaders.items():
+        check_unread(shader.buffer, "this loop")
         texts += [shader.source, _loop(shader.entry, name)]
     with tempfile.TemporaryDirectory(prefix="gonio-") as folder:
         source = Path(folder) / "loops.cpp"

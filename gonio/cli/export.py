@@ -13,6 +13,7 @@ from click.core import ParameterSource
 
 from gonio.cli.program import check_params, complete, param_option, say
 from gonio.export import materialx
+from gonio.export.buffer import RESOURCES
 from gonio.export.entry import Export
 from gonio.export.files import manifests, texts, write
 from gonio.export.lit import export_lit
@@ -179,6 +180,12 @@ def run_proof(
     return Proven(table(proofs).splitlines(), not all(p.holds for p in proofs))
 
 
+def _has_tables(models: Mapping[str, Model]) -> bool:
+    """Whether a model reads tables."""
+    found = (export({name: model}, "wgsl")[0].buffer for name, model in models.items())
+    return any(buffer is not None for buffer in found)
+
+
 @click.command("export", short_help="Write a model as shader or C++ source.")
 @click.argument("models", nargs=-1, metavar="MODEL...", shell_complete=complete)
 @click.option(
@@ -295,6 +302,9 @@ def command(
     if lights is not None and "all" in ",".join(languages).split(","):
         to = [name for name in to if name in TARGETS and not TARGETS[name].shader]
         selection.notes.append("OSL and MaterialX are left out: their renderers light surfaces.")
+    elif "all" in ",".join(languages).split(",") and _has_tables(selection.models):
+        to = [name for name in to if name in RESOURCES]
+        selection.notes.append("OSL and MaterialX are left out: they read no tables.")
     if lights is None and lookups != "textures":
         raise click.UsageError("--lookups is for lights; give --lit as well.")
     if load and not to:
@@ -324,8 +334,11 @@ def command(
             prefix=prefix,
             lit=lights,
         )
-    if output is None and len(files) == 1:
-        click.echo(next(iter(files.values())), nl=False)
+    shown = [text for text in files.values() if isinstance(text, str)]
+    if output is None and len(shown) == 1:
+        click.echo(shown[0], nl=False)
+        left = [name for name, content in files.items() if isinstance(content, bytes)]
+        selection.notes.extend(f"the text reads {name}, which -o FOLDER/ writes." for name in left)
     else:
         for path in write(files, output):
             click.echo(path)

@@ -12,6 +12,7 @@ from gonio.cost.gpus import Gpu
 from gonio.cost.measured import Measured
 from gonio.cost.program import Program, empty, of_function, of_model
 from gonio.export import export
+from gonio.export.buffer import check_unread
 from gonio.export.prove.harness import WIDTHS
 from gonio.model import Model
 
@@ -141,6 +142,7 @@ def _times(rows: Sequence[dict[str, Value]], models: Mapping[str, Model], rounds
     device = ""
     for row, (name, model) in zip(rows, models.items(), strict=False):
         shader = export({name: model}, "glsl", only=["eval"])[0]
+        check_unread(shader.buffer, "this program")
         seconds, device = shader_times.eval_times(model, [shader], rounds)
         row["seconds"] = seconds[0]
     return device

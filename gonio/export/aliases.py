@@ -36,6 +36,8 @@ def aliases(expr: Expr) -> set[str]:
 
 def _is_new(expr: Expr) -> bool:
     """Whether the value was computed, and is not a name's or a part of it."""
+    if isinstance(expr, Call) and expr.function.external:
+        return True
     if isinstance(expr, Call):
         last = expr.function.body[-1] if expr.function.body else None
         return isinstance(last, Return) and _is_new(last.value)

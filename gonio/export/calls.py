@@ -34,6 +34,7 @@ from gonio.export.vocabulary import RULES, widest
 from gonio.fields import Parameter
 from gonio.lights.lookups import Lookups
 from gonio.model import Model
+from gonio.table import Table, fetch
 
 # Whole powers up to this are products; beyond it, a power of the absolute value.
 PRODUCT_MAX = 16
@@ -63,6 +64,8 @@ class Calls(Expressions):
             return self._lookup(node, function)
         if isinstance(function, type) and hasattr(function, "_fields"):
             return self._record(node, function)
+        if function is fetch:
+            return self._fetch(node)
         if isinstance(function, types.FunctionType):
             if function.__module__ == lang.__name__ and function.__name__ in RULES:
                 return self._builtin(node, function.__name__)
@@ -244,6 +247,7 @@ class Calls(Expressions):
                 ".parts." in function.__module__
                 or ".models." in function.__module__
                 or ".lights." in function.__module__
+                or ".measured." in function.__module__
                 or (function.__module__ == library.__name__)
             )
         return "site-packages" not in path and "/lib/python" not in path and "<frozen" not in path
@@ -269,6 +273,22 @@ class Calls(Expressions):
             for (at, value), (_, kind) in zip(arguments, made.parameters, strict=True)
         )
         return Call(made, passed, made.result)
+
+    def _fetch(self, node: ast.Call) -> Expr:
+        """A call that reads a table."""
+        (at, found), (where, index) = self._arguments(node, fetch, 0)
+        if not isinstance(found, Static) or not isinstance(found.value, Table):
+            self.refuse(
+                at, "fetch reads a gonio.table.Table; give one a name in the module or class."
+            )
+        owned = self.owner is not None and any(
+            value is found.value
+            for cls in type(self.owner.model).__mro__
+            for value in vars(cls).values()
+        )
+        made = self.reader.table(found.value, self.owner if owned else None)
+        place = self._coerce(where, self._expr(where, index), "float")
+        return Call(made, (place,), made.result)
 
     def _arguments(self, node: ast.Call, function: Any, skip: int) -> list[tuple[ast.expr, Value]]:
         """The arguments of a call in the order of the function's own; `skip` of them are given already."""

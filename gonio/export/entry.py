@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from gonio.export.buffer import Buffer
+
 
 @dataclass(frozen=True)
 class Member:
@@ -54,13 +56,15 @@ class Entry:
     given: tuple[Given, ...] = ()
     """What `shade` takes besides."""
     lookups: tuple[str, ...] = ()
-    """What the host looks up, by its name in the text; methods of an object where `host` says so."""
+    """Pictures that the host looks up, by their names in the text; methods where there is an object."""
     binds: tuple[str, ...] = ()
     """Textures and samplers that the host binds."""
     lights: tuple[str, ...] = ()
     """The lights of `shade`, with their choices."""
-    host: bool = False
-    """Whether `shade` takes an object with the lookups as its last argument."""
+    hosted: tuple[str, ...] = ()
+    """Of its functions those that take an object with the lookups as their last argument."""
+    reading: tuple[str, ...] = ()
+    """Those that read tables, which the host binds."""
 
 
 @dataclass(frozen=True)
@@ -73,3 +77,5 @@ class Export:
     albedo_tolerance: float | None = 0.0
     """What `albedo` may differ from the model's by its own method, absolute, for a white surface;
     0 for closed forms, None where the export says nothing about its error."""
+    buffer: Buffer | None = None
+    """Tables that the text reads."""

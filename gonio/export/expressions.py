@@ -47,6 +47,7 @@ from gonio.export.values import (
 )
 from gonio.export.vocabulary import VECTORS, widest
 from gonio.model import Model
+from gonio.table import Table
 
 # `eval` without the test for the horizon.
 UNTESTED = "eval_above"
@@ -185,6 +186,10 @@ class Collector(Protocol):
 
     def lookup(self, function: types.FunctionType) -> Function:
         """What the host supplies under this declaration."""
+        ...
+
+    def table(self, table: Table, owner: Struct | None) -> Function:
+        """What reads an entry of a table, which may be one of a model's class."""
         ...
 
 

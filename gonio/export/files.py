@@ -28,14 +28,16 @@ def texts(
     load: bool = False,
     lit: Sequence[str] | None = None,
     textures: bool = True,
-) -> dict[str, str]:
+) -> dict[str, str | bytes]:
     """Source texts by file name: all models in one text per language, or a text for each of them.
+
+    What a text reads from a buffer is a file of bytes beside it (see `gonio.export.buffer`).
 
     `load` adds the function that fills the parameters from a buffer (see `gonio.export.manifest.loader`).
     With `lit`, names of lights, a text is a whole material function (see `gonio.export.lit`); with none of
     them, it has the usual ones.
     """
-    files: dict[str, str] = {}
+    files: dict[str, str | bytes] = {}
     if lit is not None and materialx.NAME in to:
         raise ExportError(
             "a MaterialX document is lit by its renderer; leave out --lit, or name another language."
@@ -73,6 +75,8 @@ def texts(
             loaders = [loader(one) for one in made] if load else []
             text = "\n".join([made[0].source, *loaders])
             files[f"{stem}.{TARGETS[language].extension}"] = text
+            if made[0].buffer is not None:
+                files[made[0].buffer.file] = made[0].buffer.content()
     return files
 
 
@@ -92,8 +96,10 @@ def manifests(
     }
 
 
-def write(files: Mapping[str, str], output: str | None) -> list[Path]:
+def write(files: Mapping[str, str | bytes], output: str | None) -> list[Path]:
     """Write texts to a file, or under their own names to a folder ("shaders/", made if need be).
+
+    Bytes keep their own names, beside the text that reads them.
 
     Raises:
         ExportError: several texts for one file.
@@ -102,15 +108,20 @@ def write(files: Mapping[str, str], output: str | None) -> list[Path]:
     if output is None:
         raise ExportError(f"{len(files)} files; give a folder for them: -o FOLDER/")
     folder = output.endswith("/") or Path(output).is_dir()
-    if not folder and len(files) > 1:
+    if not folder and sum(isinstance(content, str) for content in files.values()) > 1:
         raise ExportError(f"{len(files)} files for one name, {output}; give a folder.")
     root = Path(output)
     if folder:
         root.mkdir(parents=True, exist_ok=True)
     paths = []
-    for name, text in files.items():
+    for name, content in files.items():
         path = root / name if folder else root
+        if isinstance(content, bytes):
+            path = path if folder else root.parent / name
         with replacing(path) as temporary:
-            temporary.write_text(text, encoding="utf-8")
+            if isinstance(content, bytes):
+                temporary.write_bytes(content)
+            else:
+                temporary.write_text(content, encoding="utf-8")
         paths.append(path)
     return paths

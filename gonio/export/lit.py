@@ -14,7 +14,8 @@ from dataclasses import dataclass, replace
 from typing import Any, get_type_hints
 
 from gonio.export.entry import Export, Given
-from gonio.export.lookups import OBJECTS, definitions, resources
+from gonio.export.host import OBJECTS
+from gonio.export.lookups import resources
 from gonio.export.names import legal
 from gonio.export.printer import Printer
 from gonio.export.read import Reader
@@ -34,8 +35,6 @@ from gonio.export.tree import (
     Struct,
     Type,
     Variable,
-    rebuilt,
-    walk,
 )
 from gonio.export.values import Static
 from gonio.lights import frames
@@ -102,29 +101,18 @@ def export_lit(
         reader.sample,
         target.methods,
     )
-    lookups = [f for f in functions if f.external]
-    if target.name in OBJECTS:
-        _with_host(functions, OBJECTS[target.name])
     text = _LitText(
-        target,
-        shared,
-        reader,
-        functions,
-        [root],
-        [*wanted, shade.function],
-        embed,
-        lookups,
-        textures,
+        target, shared, reader, functions, [root], [*wanted, shade.function], embed, textures
     )
+    pictures = [f for f in text.lookups if f.table is None]
     entry = replace(
-        text.entry(root, [f for f in FUNCTIONS if f in only]),
+        text.entry(root, [*(f for f in FUNCTIONS if f in only), "shade"]),
         given=tuple(_described(text.printer, n, k) for n, k in shade.given),
         lights=tuple(lights),
-        lookups=tuple(f.name if target.name not in OBJECTS else f.plain for f in lookups),
-        binds=tuple(resources(lookups, shared, target.name)) if textures else (),
-        host=bool(lookups) and target.name in OBJECTS,
+        lookups=tuple(f.name if target.name not in OBJECTS else f.plain for f in pictures),
+        binds=tuple(resources(pictures, shared, target.name)) if textures else (),
     )
-    return Export(target.name, text.source, replace(entry, functions=(*entry.functions, "shade")))
+    return Export(target.name, text.source, entry, buffer=text.buffer)
 
 
 @dataclass(frozen=True)
@@ -210,81 +198,12 @@ def _helper(reader: Reader, function: Any) -> Function:
     return reader.function_for(function, [reader.of_annotation(kind) for kind in hints.values()])
 
 
-def _with_host(functions: Sequence[Function], host: Struct) -> None:
-    """Hand the host's object down to what looks things up; lookups become its methods."""
-    asking: set[int] = set()
-    variable = Variable("host", host)
-
-    def passed(expr: Expr) -> Expr:
-        expr = rebuilt(expr, passed)
-        if isinstance(expr, Call) and id(expr.function) in asking and not expr.function.external:
-            return replace(expr, arguments=(*expr.arguments, variable))
-        return expr
-
-    for function in functions:
-        if function.external:
-            function.name = f"host.{function.plain}"
-            asking.add(id(function))
-        elif any(isinstance(e, Call) and id(e.function) in asking for e in walk(function.body)):
-            asking.add(id(function))
-            function.parameters = (*function.parameters, ("host", host))
-            function.body = tuple(_changed(s, passed) for s in function.body)
-
-
-def _changed(statement: Statement, change: Any) -> Statement:
-    for part in ("condition", "value"):
-        if hasattr(statement, part):
-            statement = replace(statement, **{part: change(getattr(statement, part))})
-    return statement
-
-
-class _LitPrinter(Printer):
-    """Writes functions that take the host's object as templates."""
-
-    def function(self, function: Function) -> list[str]:
-        lines = super().function(function)
-        if not any(
-            name == "host" and isinstance(kind, Struct) for name, kind in function.parameters
-        ):
-            return lines
-        start = next(i for i, line in enumerate(lines) if not line.startswith("//"))
-        return [*lines[:start], "template <class Host>", *lines[start:]]
-
-
 class _LitText(Text):
     """The text of a lit export."""
-
-    def __init__(
-        self,
-        target: Target,
-        prefix: str,
-        reader: Reader,
-        functions: Sequence[Function],
-        roots: Sequence[Struct],
-        wanted: Sequence[Function],
-        embed: bool,
-        lookups: Sequence[Function],
-        textures: bool,
-    ) -> None:
-        self.lookups, self.textures = lookups, textures
-        super().__init__(target, prefix, reader, functions, roots, wanted, embed)
-
-    def _printer(self) -> Printer:
-        return _LitPrinter(self.target, self.prefix, self.functions, self.structs)
-
-    def _under_headings(self, functions: Sequence[Function]) -> list[list[str]]:
-        written = [f for f in functions if not f.external]
-        blocks = super()._under_headings(written)
-        if self.lookups:
-            blocks = [*definitions(self.printer, self.lookups, self.textures), *blocks]
-        return blocks
 
     def _purposes(self) -> dict[int, str]:
         found = super()._purposes()
         return {id(f): "light" for f in self.functions} | found
-
-    def _used_structs(self) -> set[Struct]:
-        return {s for s in super()._used_structs() if s not in OBJECTS.values()}
 
     def _usage(self) -> list[str]:
         root, shade = self.roots[0], self.wanted[-1]

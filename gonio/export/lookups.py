@@ -1,7 +1,7 @@
-"""What a host supplies to lights, in each language: declarations, and functions with textures.
+"""What a host supplies, in each language: declarations, and functions with textures and tables.
 
-Most languages have textures as global names, and a lookup is a function. C++, CUDA and Metal have none, or
-not everywhere: there a lookup is a method of an object that the host passes in, of any type.
+Most languages have textures and buffers as global names, and a lookup is a function. C++, CUDA and Metal
+have none, or not everywhere: there a lookup is a method of an object that the host passes in, of any type.
 
 Level k of the environment map is blurred by alpha = (k / LAST_LEVEL)^2; the table's axes are mu and the
 root of alpha, with values in the middles of its texels, so that clamped coordinates need no correction.
@@ -13,9 +13,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
+from gonio.export import buffer
 from gonio.export.comments import comment
+from gonio.export.host import OBJECTS
 from gonio.export.printer import INDENT, Printer
-from gonio.export.tree import Function, Struct
+from gonio.export.tree import Function
 from gonio.lights.lookups import LAST_LEVEL
 
 # What hosts bind: resources by lookup.
@@ -23,14 +25,8 @@ MAPS: Mapping[str, str] = MappingProxyType(
     {"environment": "environment_map", "split_sum": "split_sum_map"}
 )
 
-# Languages where the host passes an object, and how functions take it.
-OBJECTS: Mapping[str, Struct] = MappingProxyType(
-    {
-        "cpp": Struct("const Host&", ()),
-        "cuda": Struct("const Host&", ()),
-        "msl": Struct("thread const Host&", ()),
-    }
-)
+# What the object of C++, CUDA and Metal calls the buffer of tables.
+ROWS = "rows"
 
 # A lookup's statements, after the language's own words for textures: {map} is its resource.
 _LEVEL = f"{LAST_LEVEL}.0 * sqrt(alpha)"
@@ -118,23 +114,51 @@ _SAMPLERS = {
 
 
 def resources(lookups: Sequence[Function], prefix: str, language: str) -> list[str]:
-    """Names that the host binds, with textures; empty in a language without."""
+    """Names of pictures that the host binds, with textures; empty in a language without."""
+    lookups = [f for f in lookups if f.table is None]
     if language not in _RESOURCES:
         return []
     apart = language not in OBJECTS
     names = [f"{prefix}_{MAPS[f.plain]}" if apart else MAPS[f.plain] for f in lookups]
-    return [*names, *([f"{prefix}_linear_clamp"] if language in _SAMPLERS else [])]
+    return [*names, *([f"{prefix}_linear_clamp"] if names and language in _SAMPLERS else [])]
 
 
-def definitions(printer: Printer, lookups: Sequence[Function], textures: bool) -> list[list[str]]:
-    """The text about lookups, in blocks: with textures, or what the host has to define."""
+def definitions(
+    printer: Printer, lookups: Sequence[Function], textures: bool, stored: buffer.Buffer | None
+) -> list[list[str]]:
+    """The text about lookups, in blocks: with textures, or what the host has to define; and tables."""
     language = printer.target.name
     if language in OBJECTS:
-        return [_object(printer, lookups, textures and language in _BODIES)]
+        return _objects(printer, lookups, textures and language in _BODIES, stored)
+    blocks = [] if stored is None else _with_buffer(printer, lookups, stored)
+    pictures = [f for f in lookups if f.table is None]
     if textures:
-        return [*_samplers(printer), *(_with_texture(printer, f) for f in lookups)]
-    heads = [_head(printer, f) for f in lookups]
-    return [_without(printer, f, head) for f, head in zip(lookups, heads, strict=True)]
+        return [
+            *blocks,
+            *(_samplers(printer) if pictures else []),
+            *(_with_texture(printer, f) for f in pictures),
+        ]
+    return [*blocks, *(_without(printer, f, _head(printer, f)) for f in pictures)]
+
+
+def _place(function: Function, stored: buffer.Buffer) -> buffer.Placed:
+    return next(place for place in stored.placed if place.table is function.table)
+
+
+def _with_buffer(
+    printer: Printer, lookups: Sequence[Function], stored: buffer.Buffer
+) -> list[list[str]]:
+    """The buffer of tables, and the functions that read it."""
+    language, name = printer.target.name, f"{stored.prefix}_tables"
+    said = comment((f"All tables, {stored.entries} entries of four numbers: {stored.file}.",))
+    blocks = [[*said, buffer.resource(language, stored.prefix, name)]]
+    attribute = [printer.target.attribute] if printer.target.attribute else []
+    for function in lookups:
+        if function.table is not None:
+            body = buffer.body(language, name, _place(function, stored), "")
+            head = [*comment(function.doc), *attribute, f"{_head(printer, function)} {{"]
+            blocks.append([*head, *(INDENT + line for line in body), "}"])
+    return blocks
 
 
 def _head(printer: Printer, function: Function, name: str = "") -> str:
@@ -177,25 +201,52 @@ def _without(printer: Printer, function: Function, head: str) -> list[str]:
     return [*doc, f"{head};" if prototypes else f"// {head}"]
 
 
-def _object(printer: Printer, lookups: Sequence[Function], textures: bool) -> list[str]:
-    """What Host has to be, and in a language with textures one that uses them."""
+def object_name(prefix: str, of: str) -> str:
+    """The type of an object that has the lookups of a text."""
+    return "".join(part.capitalize() for part in prefix.split("_")) + of
+
+
+def _objects(
+    printer: Printer,
+    lookups: Sequence[Function],
+    textures: bool,
+    stored: buffer.Buffer | None,
+) -> list[list[str]]:
+    """What Host has to be, and one that uses textures and the buffer of tables."""
     language = printer.target.name
+    pictures = [f for f in lookups if f.table is None]
+    textures = textures and bool(pictures)
     said = ["Host is an object of yours with these methods:"]
     said += [f"    {_head(printer, f, f.plain).replace('inline ', '')} const" for f in lookups]
-    if not textures:
-        return comment(said)
-    struct = f"{''.join(p.capitalize() for p in printer.prefix.split('_'))}Textures"
-    lines = comment([*said, f"such as {struct}, which has them with textures."])
-    guard = language == "cuda"
+    if not textures and stored is None:
+        return [comment(said)]
+    struct = object_name(printer.prefix, "Textures" if textures else "Tables")
+    of = "textures" if textures else ""
+    if stored is not None:
+        of = f"{of} and {stored.file}" if of else stored.file
+        if pictures and not textures:
+            of += "; those for pictures are yours to add"
+    lines = comment([*said, f"such as {struct}, which has them with {of}."])
+    guard = language == "cuda" and textures
     lines += ["#ifdef __CUDACC__"] if guard else []
     lines.append(f"struct {struct} {{")
-    filled = [_filled(printer, f, False) for f in lookups]
-    for function, names in zip(lookups, filled, strict=True):
-        lines.append(INDENT + _RESOURCES[language][function.plain].format(**names))
-    for function, names in zip(lookups, filled, strict=True):
+    written = [f for f in lookups if f.table is not None or textures]
+    if stored is not None:
+        lines.append(INDENT + buffer.resource(language, stored.prefix, ROWS))
+    filled = {f.plain: _filled(printer, f, False) for f in pictures}
+    for function in pictures if textures else []:
+        lines.append(INDENT + _RESOURCES[language][function.plain].format(**filled[function.plain]))
+    for function in written:
         head = _head(printer, function, function.plain)
-        head = head.replace("__host__ __device__ inline", "__device__").replace("inline ", "")
-        body = [line.format(**names) for line in _BODIES[language][function.plain]]
+        if function.table is not None and stored is not None:
+            vector = printer.type("vec3")
+            body = buffer.body(language, ROWS, _place(function, stored), vector)
+        else:
+            head = head.replace("__host__ __device__ inline", "__device__")
+            body = [
+                line.format(**filled[function.plain]) for line in _BODIES[language][function.plain]
+            ]
+        head = head.replace("inline ", "")
         inside = [*comment(function.doc), f"{head} const {{", *(INDENT + b for b in body), "}"]
         lines += ["", *(INDENT + line for line in inside)]
-    return [*lines, "};", *(["#endif"] if guard else [])]
+    return [[*lines, "};", *(["#endif"] if guard else [])]]

@@ -89,7 +89,8 @@ def manifest(
         Names of struct and functions; under "parameters" path, width, kind, value, default, range, soft
         range, scale and byte offset of each; under "options" each value with the reason why it is refused,
         if it is, and with the changes that would allow it; under "models" what lies inside; under "hooks"
-        what a host gives per point; under "lit" what `shade` takes and what the host binds.
+        what a host gives per point; under "lit" what `shade` takes and what the host binds; under "buffer"
+        the tables that it binds.
         docs/embedding.md explains every entry.
 
     Raises:
@@ -97,11 +98,12 @@ def manifest(
     """
     model = what.model if isinstance(what, Material) else what
     if lit is None:
-        entry = export({name or model.name: model}, "wgsl", only=only, prefix=prefix)[0].entry
+        made = export({name or model.name: model}, "wgsl", only=only, prefix=prefix)[0]
     else:
         lights = lit or usual(model)
         own = name or model.name
-        entry = export_lit(model, own, lights, "wgsl", only=only, prefix=prefix).entry
+        made = export_lit(model, own, lights, "wgsl", only=only, prefix=prefix)
+    entry, buffer = made.entry, made.buffer
     module = inspect.getmodule(type(model))
     return {
         "gonio": __version__,
@@ -120,6 +122,7 @@ def manifest(
         "models": list(_models(model)),
         "hooks": _hooks(what) if isinstance(what, Material) else [],
         **({"lit": _lit(entry)} if lit is not None else {}),
+        **({"buffer": buffer.described(entry.reading)} if buffer is not None else {}),
     }
 
 

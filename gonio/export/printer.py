@@ -175,7 +175,7 @@ class Printer(ExpressionPrinter):
         return [*self._make(name, value), f"return {name};"]
 
     def _repeat(self, statement: Repeat, changing: set[str]) -> list[str]:
-        index = self.taken.give(f"{statement.variable}_step")
+        index = self.taken.give(f"{statement.variable.strip('_') or 'repeated'}_step")
         start = self.target.to_float.format(index)
         template = self.target.variable if statement.variable in changing else self.target.local
         name = self.name(statement.variable)

@@ -40,6 +40,7 @@ from gonio.export.tree import (
 from gonio.export.values import Static
 from gonio.fields import Option, Parameter
 from gonio.model import Child, Model
+from gonio.table import Table
 
 # What the annotations of a declaration mean, which has no arguments to take its types from.
 OF_ANNOTATIONS: dict[Any, Type] = {**ANNOTATED, lang.Float: "float"}
@@ -270,6 +271,27 @@ class Reader:
             self._read[function] = made
             self.functions.append(made)
         return self._read[function]
+
+    def table(self, table: Table, owner: Struct | None) -> Function:
+        """A function without a body that reads an entry of a table, which a model's class may have."""
+        if table not in self._read:
+            start = self.prefix if owner is None else owner.prefix
+            names = (
+                f"{start}_{table.name}",
+                *(f"{start}_{table.name}_{i}" for i in range(2, 1000)),
+            )
+            name = next(n for n in names if n not in self._names)
+            size = " x ".join(map(str, table.shape))
+            doc = (f"{table.doc or table.name}; an entry of {size}.",)
+            result: Type = "vec3" if table.colours else "float"
+            made = Function(
+                name, doc, (("index", "float"),), result, (), external=True, table=table
+            )
+            made.plain = name.removeprefix(f"{self.prefix}_")
+            self._names[name] = None
+            self._read[table] = made
+            self.functions.append(made)
+        return self._read[table]
 
     def of_annotation(self, kind: Any) -> Type:
         """The type of an annotation: of the vocabulary, or the struct of a NamedTuple."""

@@ -10,15 +10,19 @@ from pathlib import Path
 from typing import Any
 
 from gonio.export import library
+from gonio.export.buffer import check as check_buffer
+from gonio.export.buffer import placed
 from gonio.export.comments import comment, plain_text
 from gonio.export.entry import Entry, Export, Member
+from gonio.export.host import OBJECTS, HostPrinter, asking, with_host
+from gonio.export.lookups import definitions
 from gonio.export.names import Names, legal
 from gonio.export.print_expressions import number
 from gonio.export.printer import INDENT, WIDTH, Printer, constants_of, in_order
 from gonio.export.read import Reader, camel
 from gonio.export.targets import TARGETS, Target
 from gonio.export.tidy import members, tidy
-from gonio.export.tree import METHODS, SELF, Call, ExportError, Function, Struct, walk
+from gonio.export.tree import CALLED, METHODS, SELF, Call, ExportError, Function, Struct, walk
 from gonio.fields import Parameter
 from gonio.messages import did_you_mean
 from gonio.model import Child, Model
@@ -86,7 +90,13 @@ def export(
     functions = tidy(reader.functions, wanted, reader.sample, target.methods)
     text = Text(target, shared, reader, functions, roots, wanted, embed)
     return [
-        Export(target.name, text.source, text.entry(root, only), _albedo_error(root, only))
+        Export(
+            target.name,
+            text.source,
+            text.entry(root, only),
+            _albedo_error(root, only),
+            text.buffer,
+        )
         for root in roots
     ]
 
@@ -142,8 +152,12 @@ class Text:
         roots: Sequence[Struct],
         wanted: Sequence[Function],
         embed: bool,
+        textures: bool = True,
     ) -> None:
-        """Write some functions, callees before callers, of which `wanted` are those that users call."""
+        """Write some functions, callees before callers, of which `wanted` are those that users call.
+
+        With `textures` pictures are looked up in them; else the host defines that.
+        """
         self.target = target
         self.prefix = prefix
         self.reader = reader
@@ -151,6 +165,14 @@ class Text:
         self.roots = roots
         self.wanted = wanted
         self.embed = embed
+        self.textures = textures
+        self.lookups = [f for f in functions if f.external]
+        self.buffer = placed(functions, prefix)
+        check_buffer(self.buffer, target.name, target.title)
+        self.asking = asking(functions, self.lookups)
+        self.reading = asking(functions, [f for f in self.lookups if f.table is not None])
+        if target.name in OBJECTS:
+            with_host(functions, OBJECTS[target.name])
         used = self._used_structs()
         self.structs = [s for s in reader.structs if s in used]
         self.printer = self._printer()
@@ -163,7 +185,7 @@ class Text:
         return _namespace(self.prefix)
 
     def _printer(self) -> Printer:
-        return Printer(self.target, self.prefix, self.functions, self.structs)
+        return HostPrinter(self.target, self.prefix, self.functions, self.structs)
 
     def entry(self, root: Struct, only: Sequence[str]) -> Entry:
         """The names of what a model's part of the text defines."""
@@ -171,14 +193,17 @@ class Text:
         for path, member in members(root):
             name = self.ports.get(path) or self.printer.path(root, path)
             found.append(Member(path, 3 if member.type == "vec3" else 1, name))
-        functions = tuple(f for f in FUNCTIONS if f in only)
+        own = [f for f in self.wanted if f.owner is root]
+        hosted = own if self.target.name in OBJECTS else []
         return Entry(
             root.prefix,
             root.name,
             self.reader.sample.name,
             self.namespace,
             tuple(found),
-            functions,
+            tuple(f for f in CALLED if f in only),
+            hosted=tuple(f.method for f in hosted if f in self.asking),
+            reading=tuple(f.method for f in own if f in self.reading),
         )
 
     def _write(self) -> str:
@@ -222,8 +247,13 @@ class Text:
     def _under_headings(self, functions: Sequence[Function]) -> list[list[str]]:
         """Functions, with a heading where those for another purpose begin."""
         purposes = self._purposes()
-        blocks, last = [], ""
+        blocks: list[list[str]] = []
+        last = ""
+        if self.lookups:
+            blocks += definitions(self.printer, self.lookups, self.textures, self.buffer)
         for function in functions:
+            if function.external:
+                continue
             lines = self.printer.function(function)
             if (purpose := purposes[id(function)]) != last and len(set(purposes.values())) > 1:
                 lines = [*_heading(purpose), *lines]
@@ -251,7 +281,7 @@ class Text:
             used |= {kind for kind in kinds if isinstance(kind, Struct)}
         for struct in list(used):
             used |= set(_inner(struct))
-        return used
+        return used - set(OBJECTS.values())
 
     def _with_methods(self) -> list[list[str]]:
         """Structs with methods, and an interface for what a renderer calls."""
@@ -394,6 +424,8 @@ class Text:
             f"{self.target.title}, made by gonio from {self._files()}.",
             *self._conventions(),
         ]
+        if self.buffer is not None:
+            lines.append(f"The host binds the tables in {self.buffer.file}.")
         if self.target.note:
             lines.append(self.target.note)
         if any(f.doc and f.method == "albedo" and _is_sampled(f) for f in self.wanted):

@@ -49,10 +49,10 @@ def tidy(
         methods: whether the language calls methods on the model's struct.
     """
     for function in functions:
-        _rewrite(function, _inlined(wanted))
+        rewrite(function, _inlined(wanted))
     left = _reachable(functions, wanted)
     for function in left:
-        _rewrite(function, _without_arguments)
+        rewrite(function, _without_arguments)
         function.body = _without_unused(function.body)
         if function not in wanted and not function.external:
             _drop_arguments(function, methods)
@@ -61,7 +61,7 @@ def tidy(
     return left
 
 
-def _rewrite(function: Function, change: Callable[[Expr], Expr]) -> None:
+def rewrite(function: Function, change: Callable[[Expr], Expr]) -> None:
     """Apply a change to every expression of a function, inner ones first."""
 
     def all_of(expr: Expr) -> Expr:
@@ -227,7 +227,7 @@ def _drop_members(functions: Sequence[Function], sample: Struct) -> None:
         return expr
 
     for function in functions:
-        _rewrite(function, change)
+        rewrite(function, change)
         function.body = tuple(
             s
             for s in function.body

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
     from gonio.model import Model
+    from gonio.table import Table
 
 # Name of the struct of parameters where a function gets it.
 SELF = "params"
@@ -244,6 +245,8 @@ class Function:
     """Which arguments are left, once some were dropped because nothing reads them."""
     external: bool = False
     """Whether the host supplies it, so that it has no body here."""
+    table: Table | None = None
+    """Whose entries it reads, if it does."""
 
 
 def walk(statements: tuple[Statement, ...]) -> Iterator[Expr]:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import re
 import types
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 from gonio.albedos.quadrature import NumericAlbedo
 from gonio.lang import (
@@ -38,18 +38,19 @@ from gonio.lang import (
     vec3,
 )
 from gonio.measured.files import load
-from gonio.measured.lookup import Table, fetch
 from gonio.measured.measurement import DataError, Measurement
 from gonio.measured.tabulate import ALBEDOS, AZIMUTHS, BINS, ROWS, Tables, tabulate
 from gonio.model import Model, param
 from gonio.parts.frame import azimuth, cos_half, half_vector, mirror, pdf_mirror
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
+from gonio.table import Table, fetch
 
 # A length below which an azimuth means nothing.
 TINY = 1e-20
 
-# Steps of a search among up to 128 places.
+# Steps of a search among up to 128 places, and half of these.
 STEPS = 7
+HALF = 64
 
 
 def floor(x: Float) -> Float:
@@ -65,50 +66,88 @@ def angle(sine: Float, cosine: Float) -> Float:
 
 def half_turn(x: Float, y: Float) -> Float:
     """The azimuth of the line through (x, y), in [0, pi): opposite directions are one."""
-    x = select(y < 0, -x, x)
-    y = absolute(y)
+    along = select(y < 0, -x, x)
     # The tangent of half the angle to the nearer end of the x axis, at most 1
-    v = y / maximum(smooth_sqrt(x * x + y * y) + absolute(x), TINY)
+    v = absolute(y) / maximum(smooth_sqrt(x * x + y * y) + absolute(x), TINY)
     a = v * twice_atan_over(v)
-    return select(x < 0, PI - a, a)
+    return select(along < 0, PI - a, a)
+
+
+def wrapped(k: Float, period: Float) -> Float:
+    """A whole number in [0, 3 period) as one in [0, period)."""
+    once = select(k >= period, k - period, k)
+    return select(once >= period, once - period, once)
+
+
+class Angles(NamedTuple):
+    """Where a pair of directions stands in the table, in radians."""
+
+    theta_h: Float
+    """Between the half vector and the normal."""
+    theta_d: Float
+    """Between the half vector and either direction."""
+    phi_d: Float
+    """The azimuth of wi around the half vector, in [0, pi)."""
 
 
 class MeasuredIsotropic(Model, register=False):
     """A measured material that does not change when it turns. Reciprocal, as it was made to be."""
 
-    not_exported: ClassVar[str] = (
-        "its tables need buffers, which exported shaders do not have; export a model fitted to it"
-    )
     scale: Color = param((1.0, 1.0, 1.0), 0, 10, "multiplies what was measured")
     numeric = NumericAlbedo("half_vectors")
-    tables: ClassVar[Tables]
+    steps_h: ClassVar[int]  # of the table, along the root of theta_h
+    steps_d: ClassVar[int]  # along theta_d
+    steps_p: ClassVar[int]  # along phi_d
     values: ClassVar[Table]
     density: ClassVar[Table]
     cumulative: ClassVar[Table]
     bounds: ClassVar[Table]
     share: ClassVar[Table]
     albedos: ClassVar[Table]
+    mean_r: ClassVar[float]
+    mean_g: ClassVar[float]
+    mean_b: ClassVar[float]
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """The table's value, interpolated in three dimensions."""
-        n_h, n_d, n_p = self.tables.values.shape[:3]
         h = half_vector(wi, wo)
-        theta_h, theta_d, phi_d = self._angles(h, wi, wo)
-        # Numbers stand for the middle of their steps
-        x = clamp(n_h * smooth_sqrt(theta_h * (2 * INV_PI)) - 0.5, 0, n_h - 1)
-        y = clamp(n_d * theta_d * (2 * INV_PI) - 0.5, 0, n_d - 1)
-        z = n_p * phi_d * INV_PI + (n_p - 0.5)  # a turn further, so that it is positive
-        i, j, k = floor(x), floor(y), floor(z)
-        total = vec3(0 * x, 0 * x, 0 * x)
-        for corner in range(8):
-            a, b, c = corner // 4, corner // 2 % 2, corner % 2
-            weight = _part(x - i, a) * _part(y - j, b) * _part(z - k, c)
-            row = minimum(i + a, n_h - 1) * n_d + minimum(j + b, n_d - 1)
-            total = total + weight * fetch(self.values, row * n_p + _wrapped(k + c, n_p))
-        return self.scale * total
+        at = self._angles(h, wi, wo)
+        return self.scale * self._in_volume(0 * at.theta_h, at)
 
-    def _angles(self, h: Vec3, wi: Vec3, wo: Vec3) -> tuple[Float, Float, Float]:
-        """theta_h, theta_d, and phi_d in [0, pi)."""
+    def _in_volume(self, first: Float, at: Angles) -> Color:
+        """The value between the eight places around these angles, in a table that begins at `first`."""
+        # Numbers stand for the middle of their steps
+        x = self.steps_h * smooth_sqrt(at.theta_h * (2 * INV_PI)) - 0.5
+        x = clamp(x, 0, self.steps_h - 1)
+        y = clamp(self.steps_d * at.theta_d * (2 * INV_PI) - 0.5, 0, self.steps_d - 1)
+        z = self.steps_p * at.phi_d * INV_PI + (
+            self.steps_p - 0.5
+        )  # a turn further, so that it is positive
+        i = floor(x)
+        t = x - i
+        low = self._in_plane(first + i * (self.steps_d * self.steps_p), y, z)
+        above = minimum(i + 1, self.steps_h - 1)
+        high = self._in_plane(first + above * (self.steps_d * self.steps_p), y, z)
+        return (1 - t) * low + t * high
+
+    def _in_plane(self, first: Float, y: Float, z: Float) -> Color:
+        """The same in two dimensions."""
+        j = floor(y)
+        t = y - j
+        low = self._in_line(first + j * self.steps_p, z)
+        high = self._in_line(first + minimum(j + 1, self.steps_d - 1) * self.steps_p, z)
+        return (1 - t) * low + t * high
+
+    def _in_line(self, first: Float, z: Float) -> Color:
+        """The same in one, where the last place is followed by the first."""
+        k = floor(z)
+        t = z - k
+        low = fetch(self.values, first + wrapped(k, self.steps_p))
+        high = fetch(self.values, first + wrapped(k + 1, self.steps_p))
+        return (1 - t) * low + t * high
+
+    def _angles(self, h: Vec3, wi: Vec3, wo: Vec3) -> Angles:
+        """The angles between two directions and their half vector."""
         sine = smooth_sqrt(h.x * h.x + h.y * h.y)
         d = 0.5 * (wi - wo)
         theta_d = angle(smooth_sqrt(dot(d, d)), cos_half(wi, wo))
@@ -116,7 +155,7 @@ class MeasuredIsotropic(Model, register=False):
         axis = azimuth(h)
         x = h.z * (axis.x * wi.x + axis.y * wi.y) - sine * wi.z
         y = axis.x * wi.y - axis.y * wi.x
-        return angle(sine, h.z), theta_d, half_turn(x, y)
+        return Angles(angle(sine, h.z), theta_d, half_turn(x, y))
 
     def _row(self, wo: Vec3) -> Float:
         """Which of the distributions of normals a viewer has."""
@@ -131,9 +170,10 @@ class MeasuredIsotropic(Model, register=False):
         v = clamp(select(diffuse, u.x / share, (u.x - share) / (1 - share)), 0, 1 - 2.0**-24)
         # The last place whose cumulative value is not above v
         first = row * (BINS + 1)
-        k = 0 * v
-        for step in range(STEPS):
-            ahead = k + 2 ** (STEPS - 1 - step)
+        k, stride = 0 * v, 0 * v + HALF
+        for _ in range(STEPS):
+            ahead = k + stride
+            stride = 0.5 * stride
             inside = ahead < BINS
             place = first + minimum(ahead, BINS - 1)
             k = select(inside & (fetch(self.cumulative, place) <= v), ahead, k)
@@ -176,8 +216,7 @@ class MeasuredIsotropic(Model, register=False):
 
     def mean_albedo(self) -> Color:
         """The mean of the table of albedos."""
-        r, g, b = self.tables.mean_albedo
-        return self.scale * vec3(r, g, b)
+        return self.scale * vec3(self.mean_r, self.mean_g, self.mean_b)
 
 
 class MeasuredAnisotropic(MeasuredIsotropic, register=False):
@@ -185,26 +224,21 @@ class MeasuredAnisotropic(MeasuredIsotropic, register=False):
 
     isotropic = False
 
+    steps_q: ClassVar[int]  # along phi_h
+
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """The table's value, interpolated in four dimensions."""
-        n_q, n_h, n_d, n_p = self.tables.values.shape[:4]
         h = half_vector(wi, wo)
-        theta_h, theta_d, phi_d = self._angles(h, wi, wo)
+        at = self._angles(h, wi, wo)
         line = half_turn(h.x, h.y)
         phi_h = select(h.y < 0, line + PI, line)
-        q = n_q * phi_h * (0.5 * INV_PI) + (n_q - 0.5)
-        x = clamp(n_h * smooth_sqrt(theta_h * (2 * INV_PI)) - 0.5, 0, n_h - 1)
-        y = clamp(n_d * theta_d * (2 * INV_PI) - 0.5, 0, n_d - 1)
-        z = n_p * phi_d * INV_PI + (n_p - 0.5)
-        l, i, j, k = floor(q), floor(x), floor(y), floor(z)  # noqa: E741
-        total = vec3(0 * x, 0 * x, 0 * x)
-        for corner in range(16):
-            a, b, c, d = corner // 8, corner // 4 % 2, corner // 2 % 2, corner % 2
-            weight = _part(q - l, a) * _part(x - i, b) * _part(y - j, c) * _part(z - k, d)
-            row = _wrapped(l + a, n_q) * n_h + minimum(i + b, n_h - 1)
-            row = row * n_d + minimum(j + c, n_d - 1)
-            total = total + weight * fetch(self.values, row * n_p + _wrapped(k + d, n_p))
-        return self.scale * total
+        q = self.steps_q * phi_h * (0.5 * INV_PI) + (self.steps_q - 0.5)
+        l = floor(q)  # noqa: E741
+        t = q - l
+        size = self.steps_h * (self.steps_d * self.steps_p)
+        low = self._in_volume(wrapped(l, self.steps_q) * size, at)
+        high = self._in_volume(wrapped(l + 1, self.steps_q) * size, at)
+        return self.scale * ((1 - t) * low + t * high)
 
     def albedo(self, wo: Vec3) -> Color:
         """Integrated when the file was read, to 1e-2; it changes when the sample turns."""
@@ -213,21 +247,10 @@ class MeasuredAnisotropic(MeasuredIsotropic, register=False):
         x = AZIMUTHS * select(wo.y < 0, line + PI, line) * (0.5 * INV_PI)
         k = floor(x)
         t = x - k
-        low, high = _wrapped(k, AZIMUTHS) * ALBEDOS, _wrapped(k + 1, AZIMUTHS) * ALBEDOS
+        low, high = wrapped(k, AZIMUTHS) * ALBEDOS, wrapped(k + 1, AZIMUTHS) * ALBEDOS
         return self.scale * (
             (1 - t) * self._albedo_at(theta_o, low) + t * self._albedo_at(theta_o, high)
         )
-
-
-def _part(t: Float, upper: int) -> Float:
-    """The weight of the lower or upper neighbour."""
-    return t if upper else 1 - t
-
-
-def _wrapped(k: Float, period: int) -> Float:
-    """A whole number in [0, 3 period) as one in [0, period)."""
-    k = select(k >= 2 * period, k - 2 * period, k)
-    return select(k >= period, k - period, k)
 
 
 # --- classes for files ---------------------------------------------------------------------------
@@ -295,13 +318,7 @@ def _class_for(measured: Measurement, shape: tuple[int, ...] | None) -> type[Mod
     members: dict[str, Any] = {
         "__doc__": f"Measured: {measured.title}, from {measured.format}.",
         "__module__": __name__,
-        "tables": tables,
-        "values": Table(tables.values, 3),
-        "density": Table(tables.density),
-        "cumulative": Table(tables.cumulative),
-        "bounds": Table(tables.bounds),
-        "share": Table(tables.share),
-        "albedos": Table(tables.albedo, 3),
+        **_members(tables),
         "caveats": tables.notes,
     }
     made: type[Model] = types.new_class(
@@ -309,3 +326,23 @@ def _class_for(measured: Measurement, shape: tuple[int, ...] | None) -> type[Mod
     )
     made.name = name
     return made
+
+
+def _members(tables: Tables) -> dict[str, Any]:
+    """What the class of a model has of its tables."""
+    names = ("steps_q", "steps_h", "steps_d", "steps_p")
+    shape = tables.values.shape[:-1]
+    angles = ("phi_h", "theta_h", "theta_d", "phi_d")[-len(shape) :]
+    made = (
+        Table("values", tables.values, colours=True, doc=f"BRDF in 1/sr over {', '.join(angles)}"),
+        Table("density", tables.density, doc="Density of normals over theta_o and their own angle"),
+        Table("cumulative", tables.cumulative, doc="The same, summed up to the normal's angle"),
+        Table("bounds", tables.bounds, doc="1 - cos of the normal's angles"),
+        Table("share", tables.share, doc="Share of cosine-weighted samples over theta_o"),
+        Table("albedos", tables.albedo, colours=True, doc="Directional albedo over theta_o"),
+    )
+    return {
+        **dict(zip(names[-len(shape) :], shape, strict=True)),
+        **{table.name: table for table in made},
+        **dict(zip(("mean_r", "mean_g", "mean_b"), tables.mean_albedo, strict=True)),
+    }

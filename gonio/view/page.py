@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from gonio.description.about import describe, summary
+from gonio.export.buffer import check_unread
 from gonio.export.manifest import loader, manifest
 from gonio.export.text import export
 from gonio.fields import ModelError
@@ -96,6 +97,7 @@ def payload_of(names: Names, text: str, what: Model | Material) -> dict[str, Any
     model = what.model if isinstance(what, Material) else what
     about = manifest(what, NAME, refusals=False)
     made = {language: export({NAME: model}, language)[0] for language in SHADERS}
+    check_unread(made["wgsl"].buffer, "the page")
     start = names.start(text)
     return about | {
         "text": text,

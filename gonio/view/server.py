@@ -122,7 +122,7 @@ def code(names: Names, text: str, language: str) -> str:
     model = what.model if isinstance(what, Material) else what
     name = "".join(c if c.isalnum() else "_" for c in what.name)
     if language == materialx.NAME:
-        return "\n".join(texts({name: model}, [language]).values())
+        return "\n".join(map(str, texts({name: model}, [language]).values()))
     return export({name: model}, language)[0].source
 
 

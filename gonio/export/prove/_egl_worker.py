@@ -1,9 +1,9 @@
 """Runs GLSL and GLSL ES through OpenGL: `python -P _egl_worker.py FOLDER`, a process of its own.
 
 It does not import gonio: a driver on the processor brings an LLVM that must not meet Dr.Jit's.
-Job k has the rows k.npy and is one of: k.comp, a compute shader over buffers; k.frag, a fragment shader of
-OpenGL ES 3.00 over a texture, one pixel per row, as on a web page. Results go to k.out.npy, the compiler's
-complaints to k.error, and the name of the device to device.
+Job k has the rows k.npy, and k.tables.npy if it reads tables, and is one of: k.comp, a compute shader over
+buffers; k.frag, a fragment shader of OpenGL ES 3.00 over a texture, one pixel per row, as on a web page.
+Results go to k.out.npy, the compiler's complaints to k.error, and the name of the device to device.
 """
 
 import json
@@ -37,16 +37,26 @@ def main(folder: Path) -> None:
         path = folder / job["file"]
         run = compute if path.suffix == ".comp" else draw
         try:
-            outputs = run(context, path.read_text(encoding="utf-8"), rows, columns)
+            tables = folder / f"{number}.tables.npy"
+            bound = (job["tables"], np.load(tables)) if tables.exists() else None
+            outputs = run(context, path.read_text(encoding="utf-8"), rows, columns, bound)
         except moderngl.Error as error:
             (folder / f"{number}.error").write_text(str(error), encoding="utf-8")
         else:
             np.save(folder / f"{number}.out.npy", outputs)
 
 
-def compute(context: Any, text: str, rows: Rows, columns: int) -> Rows:
+Tables = tuple[dict[str, Any], Rows]
+"""Where tables are bound, and their numbers."""
+
+
+def compute(
+    context: Any, text: str, rows: Rows, columns: int, tables: Tables | None = None
+) -> Rows:
     """Run a compute shader on all rows."""
     shader = context.compute_shader(text)
+    if tables is not None:
+        context.buffer(tables[1].tobytes()).bind_to_storage_buffer(tables[0]["buffer"])
     given = context.buffer(rows.tobytes())
     made = context.buffer(np.full(len(rows) * columns, np.nan, np.float32).tobytes())
     given.bind_to_storage_buffer(0)
@@ -56,7 +66,7 @@ def compute(context: Any, text: str, rows: Rows, columns: int) -> Rows:
     return np.frombuffer(made.read(), np.float32).reshape(len(rows), columns)
 
 
-def draw(context: Any, text: str, rows: Rows, columns: int) -> Rows:
+def draw(context: Any, text: str, rows: Rows, columns: int, tables: Tables | None = None) -> Rows:
     """Draw one pixel per row; its inputs are some texels of a texture, its outputs up to three colours."""
     shader = context.program(vertex_shader=CORNERS, fragment_shader=text)
     texels = -(-rows.shape[1] // 4)
@@ -66,6 +76,12 @@ def draw(context: Any, text: str, rows: Rows, columns: int) -> Rows:
     padded[:, : rows.shape[1]] = rows[np.minimum(np.arange(SIDE * height), len(rows) - 1)]
     texture = context.texture((SIDE * texels, height), 4, padded.tobytes(), dtype="f4")
     texture.use(0)
+    if tables is not None:
+        facts, numbers = tables
+        size = (facts["width"], len(numbers) // facts["width"])
+        stored = context.texture(size, 4, numbers.tobytes(), dtype="f4")
+        stored.use(1)
+        shader["rows"].value, shader[facts["texture"]].value = 0, 1
     colours = -(-columns // 4)
     targets = [context.texture((SIDE, height), 4, dtype="f4") for _ in range(colours)]
     frame = context.framebuffer(targets)

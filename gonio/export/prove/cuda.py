@@ -9,7 +9,14 @@ from pathlib import Path
 
 from gonio.export.entry import Export
 from gonio.export.prove import tools
-from gonio.export.prove.harness import Results, indented, input_columns, output_columns, statements
+from gonio.export.prove.harness import (
+    Results,
+    given_rows,
+    indented,
+    input_columns,
+    output_columns,
+    statements,
+)
 from gonio.export.prove.native import cpp_dialect, run_cpp
 from gonio.export.prove.tools import ProofError, Rows
 
@@ -78,7 +85,8 @@ def kernel_text(export: Export) -> str:
     entry = export.entry
     return (
         '#include "export.h"\n\n'
-        'extern "C" __global__ void run(const float* x, float* y, int rows) {\n'
+        'extern "C" __global__ void run(const float* x, float* y, int rows'
+        f"{given_rows(export, 'const float*')}) {{\n"
         "    int row = blockIdx.x * blockDim.x + threadIdx.x;\n"
         "    if (row >= rows) {\n        return;\n    }\n"
         f"    x += row * {input_columns(entry)};\n"

@@ -14,6 +14,7 @@ from typing import Any
 import numpy.typing as npt
 
 from gonio.export.entry import Entry, Export
+from gonio.export.lookups import ROWS
 from gonio.export.prove.tools import ProofError, Rows
 
 
@@ -30,7 +31,10 @@ class Results:
 Runner = Callable[[Sequence[Export], Sequence[Rows]], Results]
 
 STAND_IN = "StandIn"
-"""Type of the object that stands for a host's lookups."""
+"""Type of the object that stands for a host's lookups of pictures, and has its tables."""
+
+BUFFER = "tables"
+"""What the function that runs all rows calls the numbers of tables."""
 
 GIVEN = 8
 """Columns before the parameters: wi, wo and u."""
@@ -87,6 +91,8 @@ class Dialect:
     read: str = "x[i + {column}]"
     write: str = "y[o + {0}] = {1};"
     call: str = "{prefix}_{function}(params, {arguments})"
+    buffer: str = BUFFER
+    """The numbers of tables as the host's object takes them."""
     scope: str = ""
     """What stands before the export's names, such as "gonio_eon::"."""
 
@@ -121,13 +127,14 @@ def statements(entry: Entry, dialect: Dialect) -> list[str]:
         lines.append(f"params.{member.place} = {read(column, member.width)};")
         column += member.width
     lines += _point(entry, d, read)
+    lines += _host(entry, d)
     column = 0
     for function in WIDTHS:
         if function not in entry.functions:
             continue
-        arguments = _ARGUMENTS.get(function) or ", ".join(
-            [*lit_columns(entry), *(["host"] if entry.host else [])]
-        )
+        arguments = _ARGUMENTS.get(function) or ", ".join(lit_columns(entry))
+        if function in entry.hosted:
+            arguments += ", host"
         call = d.call.format(prefix=d.scope + entry.prefix, function=function, arguments=arguments)
         kind = {
             "sample": d.scope + entry.sample_struct,
@@ -159,9 +166,27 @@ def _point(entry: Entry, d: Dialect, read: Callable[[int, int], str]) -> list[st
             value = read(column, width)
             lines.append(d.variable.format(type=kind, name=name, value=value))
         column += width
-    if entry.host:
-        lines.append(d.declaration.format(type=d.scope + STAND_IN, name="host"))
     return lines
+
+
+def _host(entry: Entry, d: Dialect) -> list[str]:
+    """The object with lookups, where functions take one."""
+    if not any(f in entry.hosted for f in entry.functions):
+        return []
+    lines = [d.declaration.format(type=d.scope + STAND_IN, name="host")]
+    if entry.reading:
+        lines.append(f"host.{ROWS} = {d.buffer};")
+    return lines
+
+
+def reads_buffer(export: Export) -> bool:
+    """Whether what is called reads tables."""
+    return any(f in export.entry.reading for f in export.entry.functions)
+
+
+def given_rows(export: Export, kind: str) -> str:
+    """The last parameter of the function that runs all rows: tables, if it has some."""
+    return f", {kind} {BUFFER}" if reads_buffer(export) else ""
 
 
 def indented(lines: Sequence[str], spaces: int = 4) -> str:

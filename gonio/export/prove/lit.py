@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from gonio.export.buffer import Buffer
 from gonio.export.entry import Entry, Export
-from gonio.export.lookups import OBJECTS
+from gonio.export.host import OBJECTS
+from gonio.export.lookups import object_name
 from gonio.export.printer import Printer
 from gonio.export.prove.harness import STAND_IN, lit_columns, point_column
 from gonio.export.prove.rows import rows_for, with_parameters
@@ -72,16 +74,16 @@ def shaded(
 
 
 def with_stand_ins(export: Export) -> Export:
-    """The export with its lookups defined by formulas; it was made without textures."""
+    """The export with its pictures defined by formulas; it was made without textures."""
     entry = export.entry
-    if not entry.lookups:
+    if not entry.lookups and not entry.hosted:
         return export
     target = TARGETS[{"spirv": "glsl"}.get(export.language, export.language)]
-    prefix = "stand_in" if entry.host else entry.prefix
+    prefix = "stand_in" if entry.hosted else entry.prefix
     reader = Reader(prefix, target.library)
     functions: list[Function] = []
     for name in entry.lookups:
-        plain = name if entry.host else name.removeprefix(f"{entry.prefix}_")
+        plain = name if entry.hosted else name.removeprefix(f"{entry.prefix}_")
         kinds = {"environment": ["vec3", "float"], "split_sum": ["float", "float"]}[plain]
         made = reader.function_for(getattr(stand_ins, plain), kinds)  # type: ignore[arg-type]
         made.name = f"{prefix}_{plain}"
@@ -89,16 +91,17 @@ def with_stand_ins(export: Export) -> Export:
     printer = Printer(target, prefix, functions)
     lines = [line for f in functions for line in [*printer.function(f), ""]]
     if target.name in OBJECTS:
-        lines += _object(printer, functions)
+        lines += _object(printer, functions, export.buffer)
     text = "\n".join(lines) + "\n"
     if target.foot:
         text = f"namespace {entry.namespace} {{\n{text}}}\n"
     return replace(export, source=f"{export.source}\n{text}")
 
 
-def _object(printer: Printer, functions: Sequence[Function]) -> list[str]:
-    """A struct whose methods are the functions."""
-    lines = [f"struct {STAND_IN} {{"]
+def _object(printer: Printer, functions: Sequence[Function], tables: Buffer | None) -> list[str]:
+    """A struct whose methods are the functions, beside those of tables."""
+    base = "" if tables is None else f" : {object_name(tables.prefix, 'Tables')}"
+    lines = [f"struct {STAND_IN}{base} {{"]
     for function in functions:
         head = printer.function(function)
         signature = next(line for line in head if not line.startswith("//"))

@@ -12,11 +12,14 @@ import numpy as np
 from gonio.export.entry import Export
 from gonio.export.prove import tools
 from gonio.export.prove.harness import (
+    BUFFER,
     Dialect,
     Results,
+    given_rows,
     indented,
     input_columns,
     output_columns,
+    reads_buffer,
     statements,
 )
 from gonio.export.prove.tools import Rows
@@ -68,7 +71,8 @@ def main_text(export: Export) -> str:
     dialect = METAL_DIALECT if export.language == "msl" else cpp_dialect(entry.namespace + "::")
     return (
         '#include "export.h"\n\n'
-        'extern "C" void run(const float* x, float* y, int rows) {\n'
+        f'extern "C" void run(const float* x, float* y, int rows'
+        f"{given_rows(export, 'const float*')}) {{\n"
         f"    for (int row = 0; row < rows; ++row, x += {input_columns(entry)}, "
         f"y += {output_columns(entry)}) {{\n"
         f"{indented(statements(entry, dialect), 8)}\n    }}\n}}\n"
@@ -95,6 +99,7 @@ METAL_DIALECT = Dialect(
     vec3_type="float3",
     read="x[{column}]",
     write="y[{0}] = {1};",
+    buffer=f"reinterpret_cast<const float4*>({BUFFER})",
 )
 
 
@@ -104,6 +109,20 @@ def call_library(library: Path, export: Export, inputs: Rows) -> Rows:
     outputs = np.full((len(inputs), output_columns(export.entry)), np.nan, np.float32)
     function = ctypes.CDLL(str(library)).run
     pointer = ctypes.POINTER(ctypes.c_float)
+    arguments = [inputs.ctypes.data_as(pointer), outputs.ctypes.data_as(pointer), len(inputs)]
     function.argtypes, function.restype = [pointer, pointer, ctypes.c_int], None
-    function(inputs.ctypes.data_as(pointer), outputs.ctypes.data_as(pointer), len(inputs))
+    if export.buffer is not None and reads_buffer(export):
+        rows = aligned(export.buffer.rows())
+        function.argtypes = [*function.argtypes, pointer]
+        arguments.append(rows.ctypes.data_as(pointer))
+    function(*arguments)
     return outputs
+
+
+def aligned(rows: Rows) -> Rows:
+    """The same numbers where vectors of four may lie."""
+    space = np.zeros(rows.size + 16, np.float32)
+    start = -space.ctypes.data % 64 // 4
+    found = space[start : start + rows.size].reshape(rows.shape)
+    found[:] = rows
+    return found

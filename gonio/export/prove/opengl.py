@@ -9,7 +9,9 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
+from gonio.export.buffer import BINDINGS, WIDTH
 from gonio.export.entry import Export
 from gonio.export.prove import tools
 from gonio.export.prove.harness import (
@@ -76,6 +78,7 @@ def _run(
             rows[k],
             output_columns(exports[k].entry),
             LINE,
+            _tables_of(exports[k]),
         )
         for k in good
     ]
@@ -84,6 +87,19 @@ def _run(
     )
     found = dict(zip(good, outputs, strict=True))
     return Results([found.get(k, result) for k, result in enumerate(checked)], device)
+
+
+def _tables_of(export: Export) -> dict[str, Any]:
+    """The number of the buffer, or the name and width of the texture."""
+    if export.buffer is None:
+        return {}
+    return {
+        "tables": {
+            "buffer": BINDINGS["glsl"][1],
+            "texture": f"{export.buffer.prefix}_tables",
+            "width": WIDTH,
+        }
+    }
 
 
 def compute_text(export: Export, count: int) -> str:

@@ -9,14 +9,18 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
+from gonio.export.buffer import resource
 from gonio.export.entry import Export
 from gonio.export.prove import tools
 from gonio.export.prove.harness import (
+    BUFFER,
     Dialect,
     Results,
+    given_rows,
     indented,
     input_columns,
     output_columns,
+    reads_buffer,
     statements,
 )
 from gonio.export.prove.native import FLAGS, call_library
@@ -60,11 +64,22 @@ def run_slang(exports: Sequence[Export], rows: Sequence[Rows]) -> Results:
 
 
 def loop_text(export: Export) -> str:
-    """The source and a loop over all rows, in Slang."""
+    """The source and a loop over all rows, in Slang.
+
+    On a processor there is no one who binds a buffer: a pointer has its name.
+    """
     dialect = HLSL if export.language == "hlsl" else SLANG
+    source, bound = export.source, ""
+    if export.buffer is not None:
+        name = f"{export.buffer.prefix}_tables"
+        declared = resource(export.language, export.buffer.prefix, name)
+        source = source.replace(declared, f"static float4* {name};")
+        if reads_buffer(export):
+            bound = f"    {name} = (float4*){BUFFER};\n"
     return (
-        f"{export.source}\n"
-        "export __extern_cpp void run(float* x, float* y, int rows)\n{\n"
+        f"{source}\n"
+        f"export __extern_cpp void run(float* x, float* y, int rows{given_rows(export, 'float*')})\n"
+        f"{{\n{bound}"
         "    for (int row = 0; row < rows; ++row)\n    {\n"
         f"        int i = row * {input_columns(export.entry)};\n"
         f"        int o = row * {output_columns(export.entry)};\n"

@@ -191,6 +191,12 @@ class Job:
     layout: dict[str, Any] = field(default_factory=dict)
     """What else the worker needs to know."""
 
+    @property
+    def tables(self) -> Rows | None:
+        """What the shader reads besides its rows."""
+        read = any(f in self.export.entry.reading for f in self.export.entry.functions)
+        return self.export.buffer.rows() if read and self.export.buffer is not None else None
+
 
 def run_worker(
     name: str, suffix: str, jobs: Sequence[Job], compiler: str, tool: str
@@ -220,6 +226,8 @@ def run_worker(
                 np.save(
                     folder / f"{number}.npy", np.ascontiguousarray(jobs[number].rows, np.float32)
                 )
+                if (tables := jobs[number].tables) is not None:
+                    np.save(folder / f"{number}.tables.npy", tables)
                 facts = {"number": number, "file": file, "columns": jobs[number].columns}
                 listing.append(facts | jobs[number].layout)
             (folder / "jobs.json").write_text(json.dumps(listing), encoding="utf-8")

@@ -6,6 +6,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
+from gonio.export.buffer import BINDINGS
 from gonio.export.entry import Export
 from gonio.export.prove import tools
 from gonio.export.prove.harness import Results, output_columns
@@ -24,7 +25,8 @@ def run_spirv(exports: Sequence[Export], rows: Sequence[Rows]) -> Results:
             compile_glsl(export, text, HEAD, ".comp", ["-V", "-o", "export.spv"], Path(name))
             words = (Path(name) / "export.spv").read_bytes()
         # wgpu speaks of words, not of lines
-        return tools.Job(export, words, inputs, output_columns(export.entry), r"(?!)")
+        binding = {"tables": BINDINGS["spirv"]}
+        return tools.Job(export, words, inputs, output_columns(export.entry), r"(?!)", binding)
 
     made = tools.side_by_side(compiled, exports, rows)
     good = {k: job for k, job in enumerate(made) if not isinstance(job, ProofError)}

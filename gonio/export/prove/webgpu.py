@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from gonio.export.buffer import BINDINGS
 from gonio.export.entry import Export
 from gonio.export.prove import tools
 from gonio.export.prove.harness import (
@@ -34,6 +35,7 @@ def run_wgsl(exports: Sequence[Export], rows: Sequence[Rows]) -> Results:
             inputs,
             output_columns(export.entry),
             r"wgsl:(\d+):",
+            {"tables": BINDINGS["wgsl"]},
         )
         for export, inputs in zip(exports, rows, strict=True)
     ]
