@@ -600,7 +600,7 @@ class SGD(Model):
         f0: F's constant; 0 to 10, default (0, 0, 0.0024589)
         f1: F's slope: f0 - f1 at normal incidence; -2 to 10, default (-0.596835, -0.331147,
             -0.140729)
-        normalization: K: 1 / (alpha Gamma(1 - p, alpha)) where D is normalized; 0 to 1000000,
+        normalization: K: 1 / (alpha Gamma(1 - p, alpha)) where D is normalized; 0 to 100000,
             default (5.98176, 7.35539, 5.29722)
         masking_strength: Lambda; 0 to 1e+08, default (2.64832, 3.04253, 2.3013)
         masking_angle: theta_0 in radians: G is 1 up to there; -1 to 1.5, default (-0.284195,

@@ -10,7 +10,7 @@ import csv
 import json
 import pathlib
 
-from mpmath import acos, atan2, cos, exp, log, mp, mpf, nstr, pi, quad, sin, sqrt, tan
+from mpmath import acos, atan2, cos, exp, gammainc, log, mp, mpf, nstr, pi, quad, sin, sqrt, tan
 
 mp.dps = 40
 HERE = "tests/derive_fit_anchors.py"
@@ -129,6 +129,36 @@ def student_t(p, wi, wo):
     return [f * (f0 + (1 - f0) * (1 - dot(wi, m)) ** 5) for f0 in p["f0"]]
 
 
+def sgd(p, wi, wo):
+    """Bagher et al. 2012: D by the incomplete gamma function, G with c, and F; a lobe per channel."""
+    m, found = half(wi, wo), []
+    u, tan2 = dot(wi, m), 1 / m[2] ** 2 - 1
+    for c in range(3):
+        a, power = mpf(p["alpha"][c]), mpf(p["p"][c])
+        chi = exp(-(a**2 + tan2) / a) / (a**2 + tan2) ** power
+        d = a ** (power - 1) / gammainc(1 - power, a) * chi / m[2] ** 4
+        k, g = mpf(p["masking_exponent"][c]), mpf(1)
+        weight = mpf(p["masking_width"][c]) ** -k
+        for w in (wi, wo):
+            beyond = max(acos(w[2]) - p["masking_angle"][c], mpf(0))
+            g *= max(1 + p["masking_strength"][c] * (1 - exp(weight * beyond**k)), mpf(0))
+        f = p["f0"][c] - p["f1"][c] * u + (1 - p["f0"][c]) * (1 - u) ** 5
+        f = p["specular"][c] * max(f, 0) * d * g / (wi[2] * wo[2])
+        found.append((p["rho"][c] + f) / pi)
+    return found
+
+
+def gamma_norm(a, power):
+    """K of a distribution that is normalized."""
+    return float(1 / (mpf(a) * gammainc(1 - mpf(power), mpf(a))))
+
+
+def retroreflective(p, wi, wo):
+    """Belcour et al. 2014: the half vector of wo and of wi mirrored at the normal, in a facets' lobe."""
+    mirrored = [-wi[0], -wi[1], wi[2]]
+    return student_t({k.partition(".")[2]: v for k, v in p.items() if "." in k}, mirrored, wo)
+
+
 def sum_(p, wi, wo):
     """w1 f1 + w2 f2 of Minnaert's law and Ward's model, Ngan, Durand, Matusik 2005, section 3."""
 
@@ -174,6 +204,28 @@ SETS = {
     student_t: [
         "ribardiere2017 Eq. of D; cook1982 G; schlick1994 F",
         [{"f0": F0, "alpha": a, "gamma": g} for a, g in ((0.1, 1.6), (0.3, 2.0), (0.5, 12.0))],
+    ],
+    sgd: [
+        "bagher2012 the distribution, masking and F",
+        [
+            {
+                "rho": RHO, "specular": [0.2, 0.4, 0.1], "alpha": a, "p": power, "f0": F0,
+                "f1": [-0.4, 0.1, 0.9], "masking_strength": [2.6, 1e-3, 1e5],
+                "normalization": [gamma_norm(x, y) for x, y in zip(a, power, strict=True)],
+                "masking_angle": [-0.3, 0.4, 0.2], "masking_width": [1.9, 0.6, 2.2],
+                "masking_exponent": [24.0, 9.0, 60.0],
+            }
+            for a, power in (
+                ([0.12, 0.4, 0.003], [0.8, 1.7, 0.1]), ([0.03, 0.01, 0.9], [0.5, 0.0, 1.0])
+            )
+        ],
+    ],
+    retroreflective: [
+        "belcour2014 the back vector; ribardiere2017 Eq. of D; cook1982 G; schlick1994 F",
+        [
+            {"base": "student_t", "base.f0": F0, "base.alpha": a, "base.gamma": g}
+            for a, g in ((0.2, 2.0), (0.4, 5.0))
+        ],
     ],
     sum_: [
         "ngan2005 section 3; minnaert1941 the law; duer2006 Eq. 1",

@@ -434,3 +434,18 @@ def test_command_refuses_in_one_line(words: tuple[str, ...], message: str) -> No
     assert result.exit_code != 0
     assert message in result.stderr
     assert result.stderr.count("\n") == 1
+
+
+def test_starts_in_two_parts_find_what_all_of_them_find() -> None:
+    true = gonio.model("student_t", alpha=0.2, gamma=4)
+    begin = gonio.model("student_t", alpha=0.7)
+    whole, *parts = (
+        fit.fit(begin, true, points=300, starts=count, first=first)
+        for count, first in ((4, 0), (2, 0), (2, 2))
+    )
+    best = min(parts, key=lambda f: f.misfit[f.metric])
+    assert best.values == whole.values  # to the last bit
+    assert best.model == whole.model
+    assert sorted(s for f in parts for s in f.starts) == sorted(whole.starts)
+    other = fit.fit(begin, true, points=300, starts=2, first=4)
+    assert other.starts != parts[1].starts

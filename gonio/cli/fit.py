@@ -94,7 +94,7 @@ def command(
     """Find the parameters of each MODEL that come nearest to DATA: a measured file, a folder, a model.
 
     Of a folder, every file of measured reflection in it and below is fitted. With --cluster or --run-dir,
-    more than 8 starts are several tasks, each with directions of its own.
+    more than 8 starts are several tasks; what is found is the same.
 
     What is given to a MODEL, as in disney:metallic=1, stays; --free lets it go from there. A sum of
     lobes is written with plus signs. All metrics are reported, because they do not agree: the misfit of

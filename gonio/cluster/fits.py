@@ -14,7 +14,7 @@ from gonio.fit import Fit
 from gonio.materials.notation import model_text
 from gonio.model import Model
 
-# Starts of a task; with more, each task draws directions and starts of its own.
+# Starts of a task; more are several tasks.
 STARTS = 8
 
 
@@ -48,7 +48,7 @@ def fits(
         arguments: of `gonio.fit.fit`.
     """
     given = dict(arguments)
-    starts, seed = given.pop("starts"), given.pop("seed")
+    starts = given.pop("starts")
     parts = [min(STARTS, starts - first) for first in range(0, starts, STARTS)]
     tasks = []
     for target in data:
@@ -58,7 +58,7 @@ def fits(
                 title = f"{name} by {model_text(model)}"
                 if len(parts) > 1:
                     title += f", starts {number * STARTS} to {number * STARTS + count}"
-                own = given | {"starts": count, "seed": seed + number}
+                own = given | {"starts": count, "first": number * STARTS}
                 own |= {"fixed": fixed, "tied": tied}
                 tasks.append(
                     Task.of(f"{__name__}:one", title, data=target, model=model, arguments=own)

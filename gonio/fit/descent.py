@@ -238,8 +238,12 @@ def search(
     starts: int,
     seed: int,
     progress: Progress | None = None,
+    first: int = 0,
 ) -> list[Found]:
     """Descend from the model's own values and from the best of places all over the ranges.
+
+    Start 0 is the model's own; each of the others has places of its own, by its number, so that starts
+    `first`, first + 1, ... are the same wherever they are made.
 
     Returns:
         What each start came to, the best first.
@@ -249,10 +253,13 @@ def search(
         chosen = np.random.default_rng(seed).choice(len(problem.wi), FEW, replace=False)
         few = problem.part(np.sort(chosen))
     found = []
-    for number, x in enumerate(_starts(few, metric, structure, starts, seed)):
+    seen = few.part(np.random.default_rng(seed + 1).permutation(len(few.wi))[:SEEN])
+    for number in range(first, first + starts):
+        x = _start(seen, metric, structure, number, seed)
         found.append(_descend(few, metric, structure, x, number))
         if progress is not None:
-            progress(number + 1, starts)
+            progress(number - first + 1, starts)
+    problem.evaluations += seen.evaluations
     problem.evaluations += few.evaluations if few is not problem else 0
     found.sort(key=lambda f: (f.cost, f.number))
     if few is problem:
@@ -267,23 +274,16 @@ def polish(problem: Problem, metric: Metric, structure: Structure, x: Floats) ->
     return _descend(problem, metric, structure, x, 0)
 
 
-def _starts(
-    problem: Problem, metric: Metric, structure: Structure, starts: int, seed: int
-) -> list[Floats]:
-    first = problem.start()
-    if starts == 1:
-        return [first]
-    random = np.random.default_rng(seed + 1)
-    few = problem.part(random.permutation(len(problem.wi))[:SEEN])
+def _start(
+    problem: Problem, metric: Metric, structure: Structure, number: int, seed: int
+) -> Floats:
+    """The model's own values, or the best of some places."""
+    if number == 0:
+        return problem.start()
     outside = list(structure.columns(False))
-    places = few.random(random, TRIED * (starts - 1))
-    costs = []
-    for x in places:
-        reduced = Reduced(few, metric, structure, x)
-        costs.append(reduced.cost(x[outside]))
-    problem.evaluations += few.evaluations
-    order = np.argsort(np.nan_to_num(costs, nan=np.inf), kind="stable")
-    return [first, *places[order[: starts - 1]]]
+    places = problem.random(np.random.default_rng((seed + 1, number)), TRIED)
+    costs = [Reduced(problem, metric, structure, x).cost(x[outside]) for x in places]
+    return np.asarray(places[np.nanargmin(np.nan_to_num(costs, nan=np.inf))])
 
 
 def _descend(

@@ -78,6 +78,7 @@ def fit(
     tied: Iterable[Sequence[str]] = (),
     starts: int = 4,
     points: int | None = POINTS,
+    first: int = 0,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Fit:
@@ -93,6 +94,7 @@ def fit(
         tied: groups of parameters that are one number, such as ("alpha_x", "alpha_y").
         starts: descents; the others begin at the best of places all over the ranges.
         points: directions that are drawn from the data; None for all.
+        first: number of the first start, where others are made elsewhere; start 0 is the model itself.
         seed: of the draw, of the starts and of the bootstrap.
         progress: called with the starts that are done, and all of them.
 
@@ -118,7 +120,7 @@ def fit(
         free = tuple(c for c in free if c.name not in (*idle, *spare))
         problem = replace(problem, free=free)
         tried = structure(problem, seed)
-    found, known = _search(problem, METRICS[metric], tried, starts, seed, progress)
+    found, known = _search(problem, METRICS[metric], tried, starts, seed, progress, first)
     x = _tidy(problem, found[0].x)
     made = problem.made(x)
     misfit = {name: _rms(problem.residuals(x, m)) for name, m in METRICS.items()}
@@ -167,12 +169,13 @@ def _search(
     starts: int,
     seed: int,
     progress: Progress | None,
+    first: int,
 ) -> tuple[list[Found], Structure]:
     try:
-        return search(problem, metric, known, starts, seed, progress), known
+        return search(problem, metric, known, starts, seed, progress, first), known
     except NotLinearError:  # a kink that the trials missed
         known = known.without_linear()
-        return search(problem, metric, known, starts, seed, progress), known
+        return search(problem, metric, known, starts, seed, progress, first), known
 
 
 def _again(problem: Problem, metric: Metric, known: Structure, x: Floats) -> Floats:
