@@ -2,7 +2,7 @@
 // Retroreflective: any model with its light turned by half a turn, so that highlights go back to the light.
 //
 // Source: Belcour, Pacanowski, Delahaie, Laville-Geay, Eupherte, "Bidirectional reflectance distribution
-// function measurements and analysis of retroreflecting materials", Journal of the Optical Society of
+// function measurements and analysis of retroreflective materials", Journal of the Optical Society of
 // America A 31(12), 2014: the back vector, which lies between wo and wi mirrored at the normal, takes the
 // place of the half vector.
 //
