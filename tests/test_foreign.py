@@ -134,6 +134,30 @@ def test_arguments_are_known_by_many_names(tmp_path: Path) -> None:
         assert [e.text for _, e in found.leaves] == expected
 
 
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        ("vec3 eyeDir, vec3 lampDir, vec3 n", {"eyeDir": "wo", "lampDir": "wi", "n": "normal"}),
+        ("vec3 I, vec3 L, vec3 N", {"I": "-wo", "L": "wi", "N": "normal"}),
+        ("vec3 P, vec3 lightPos, vec3 camPos", {"P": "(0, 0, 0)", "lightPos": "wi", "camPos": "wo"}),
+        ("vec3 l, vec3 n, vec3 kd", {"l": "wi", "n": "normal", "kd": "kd"}),
+        ("vec3 L, vec3 V, float nu, float nv", {"L": "wi", "V": "wo", "nu": "nu", "nv": "nv"}),
+        ("float nl, float nv, vec2 texCoord", {"nl": "cos_i", "nv": "cos_o", "texCoord": "(0.5, 0.5)"}),
+    ],
+)  # fmt: skip
+def test_what_names_leave_open_is_told_by_the_other_arguments(
+    tmp_path: Path, arguments: str, expected: dict[str, str]
+) -> None:
+    text = f"float f({arguments}) {{ return 1.0; }}"
+    found = source.read(write(tmp_path, "a.glsl", text))
+    matched = roles.match(found, found.find("f"), {}, {}, {})
+    assert {leaf.place: e.text for leaf, e in matched.leaves} == expected
+    guessed = {"lampDir", "I", "P", "kd"} & set(expected)
+    assert bool(guessed) == any(
+        "otherwise" in n or "if not" in n or "no argument" in n for n in matched.notes
+    )
+
+
 def test_ranges_come_from_brdf_files_the_registry_and_the_user(tmp_path: Path) -> None:
     text = (
         "analytic\n::begin parameters\nfloat n 1 1000 100\nbool on 1\ncolor tint .8 .2 .1\n"
@@ -259,6 +283,14 @@ def test_crashes_endless_loops_and_errors_are_one_sentence_each(tmp_path: Path) 
     wrong = write(tmp_path, "wrong.cpp", head + "float f(V wi, V wo) {\n\n  return wi.w;\n}")
     with pytest.raises(ForeignError, match=r"wrong\.cpp:4: .*no member named .w.*return wi\.w;"):
         foreign.load(wrong, function="f")
+    leaves = write(
+        tmp_path, "leaves.cpp", "#include <cstdlib>\n" + head + "float f(V wi, V wo) { exit(0); }"
+    )
+    with pytest.raises(ForeignError, match=r"ended its process by itself \(exit code 0\)"):
+        foreign.load(leaves, function="f")
+    throws = '#include <stdexcept>\nfloat f(V wi, V wo) { throw std::runtime_error("too bad"); }'
+    with pytest.raises(ForeignError, match=r"an exception that nobody catches: too bad"):
+        foreign.load(write(tmp_path, "throws.cpp", head + throws), function="f")
     greedy = (
         "#include <vector>\nfloat f(V wi, V wo) {\n"
         "  std::vector<char> x(8ull << 30, 1); return x[7]; }"
@@ -271,6 +303,58 @@ def test_crashes_endless_loops_and_errors_are_one_sentence_each(tmp_path: Path) 
     )
     code = foreign.load(write(tmp_path, "nosy.cpp", head + nosy), function="f", returns="f")
     assert code.raw(*probe(4))[0, 0] == 2
+
+
+LOOPS = """
+float endless(vec3 L, vec3 V, float r) {
+    float x = 0.0;
+    while (true) { x += r; if (x < 0.0) break; }
+    return x;
+}
+float body(vec3 L, vec3 V, float r) { float x = 0.0; do x += r; while (x >= 0.0); return x; }
+float nested(vec3 L, vec3 V, float r) {
+    float x = 0.0;
+    for (int i = 0; i < 300; ++i) for (int k = 0; ; ) { x += r; if (++k == 300) break; }
+    return x;
+}
+float fine(vec3 L, vec3 V, float r) {
+    float x = 0.0;
+    int k = 0;
+    for (int i = 0, n = 1000; i < n; i += 2) { if (i == 500) continue; x += 1.0; }
+    while (k < 100) k++;
+    do { k--; x += 1.0; } while (k > 0);
+    return x;
+}
+"""
+WGSL_LOOPS = """
+fn endless(L: vec3f, V: vec3f, r: f32) -> f32 {
+    var x = 0.0;
+    loop { x += r; if x < 0.0 { break; } continuing { x += 1.0; } }
+    return x;
+}
+fn fine(L: vec3f, V: vec3f, r: f32) -> f32 {
+    var x = 0.0;
+    for (var i = 0; i < 499; i++) { x += 1.0; }
+    while x < 500.0 { x += 1.0; }
+    loop { x += 1.0; if x >= 599.0 { break; } }
+    return x;
+}
+"""
+
+
+@pytest.mark.parametrize(("ending", "tool"), [("glsl", "moderngl"), ("wgsl", "wgpu")])
+def test_loops_that_a_driver_ends_in_silence_are_one_sentence(
+    tmp_path: Path, ending: str, tool: str
+) -> None:
+    # Mesa's drivers on the processor go on after 65535 turns of all loops with what there was
+    if tools.locate(tool) is None:
+        pytest.skip(f"needs {tool}")
+    path = write(tmp_path, f"a.{ending}", LOOPS if ending == "glsl" else WGSL_LOOPS)
+    fine = foreign.load(path, function="fine", returns="f")
+    assert fine.raw(*probe(4))[0, 0] == 599
+    for name in ("endless", "body", "nested") if ending == "glsl" else ("endless",):
+        with pytest.raises(ForeignError, match=r"turned more than|did not come back"):
+            foreign.load(path, function=name, returns="f", seconds=5)
 
 
 @needs_gl
@@ -392,6 +476,154 @@ def test_black_is_not_judged(tmp_path: Path) -> None:
     assert UNSURE in verdicts(found).values()
 
 
+@needs_gl
+def test_what_half_precision_makes_of_a_formula_is_told_apart(tmp_path: Path) -> None:
+    language = next(k for k in faulty.LANGUAGES if k.ending == "essl")
+    text = faulty.shader(language).replace("precision highp", "precision mediump")
+    path = write(tmp_path, "a.essl", text)
+    code = foreign.load(path, function="ggx", returns="f", ranges=["roughness=0.1..1"])
+    assert terms.identify(code)[0].exact
+    found = {
+        f.what: f for r in foreign.check(code, only=["isotropy", "precision"]) for f in r.findings
+    }
+    assert found["change by a turn"].verdict != FAIL
+    half = found["half precision"]
+    # alpha^2 = 1e-4 has a spacing of 6e-8 in half precision, but 1 - NoH^2 one of 5e-4: D is anything
+    assert half.measured > 0.5 or "changes nothing here" in half.text
+
+
+SHORT = {
+    "hlsl": "fixed3 f(half3 L, min16float3 V, half rough) {\n"
+    "  half3 k = half3(1.0h, 1, 1); return k * rough; }",
+    "metal": "#include <metal_stdlib>\nusing namespace metal;\n"
+    "half3 f(half3 L, half3 V, half rough) { return half3(1.0h) * rough * (M_PI_H / 3.14159265h); }",
+    "wgsl": "enable f16;\n"
+    "fn f(L: vec3h, V: vec3<f16>, rough: f16) -> vec3h { return vec3h(1.0h) * rough; }",
+}
+
+
+@pytest.mark.parametrize("ending", SHORT)
+def test_half_precision_that_cannot_be_run_is_float32_and_said(tmp_path: Path, ending: str) -> None:
+    if tools.locate(TEXTURING[ending]) is None:
+        pytest.skip(f"needs {TEXTURING[ending]}")
+    code = foreign.load(write(tmp_path, f"a.{ending}", SHORT[ending]), function="f", returns="f")
+    np.testing.assert_allclose(code.raw(*probe(4), {"rough": 0.3})[0], 0.3, rtol=1e-6)
+    said = {f.what for r in foreign.check(code, only=["finite"]) for f in r.findings}
+    assert "half precision" in said
+
+
+TEXTURED = {
+    "hlsl": "Texture2D<float4> map : register(t0);\nSamplerState s : register(s0);\n"
+    "float3 f(float3 L, float3 V, float2 uv) { return map.Sample(s, uv).rgb; }",
+    "slang": "Texture2D<float> map; SamplerState s;\n"
+    "float f(float3 L, float3 V, float2 uv) { return map.SampleLevel(s, uv, 0) + 0 * L.x; }",
+    "wgsl": "@group(0) @binding(0) var map: texture_2d<f32>;\n@group(0) @binding(1) var s: sampler;\n"
+    "fn f(L: vec3f, V: vec3f, uv: vec2f) -> vec3f { return textureSampleLevel(map, s, uv, 0.0).rgb; }",
+    "metal": "#include <metal_stdlib>\nusing namespace metal;\n"
+    "float3 f(float3 L, float3 V, float2 uv, texture2d<float> map [[texture(0)]], sampler s) {\n"
+    "  return map.sample(s, uv).rgb; }",
+    "cu": "#include <cuda_runtime.h>\n__device__ float3 f(float3 L, float3 V, cudaTextureObject_t map) {\n"
+    "  float4 c = tex2D<float4>(map, 0.5f, 0.5f); return make_float3(c.x, c.y, c.z); }",
+}
+TEXTURING = {"hlsl": "slangc", "slang": "slangc", "wgsl": "wgpu", "metal": "g++", "cu": "g++"}
+
+
+@pytest.mark.parametrize("ending", TEXTURED)
+def test_textures_are_constants_where_no_picture_can_be_read(tmp_path: Path, ending: str) -> None:
+    if tools.locate(TEXTURING[ending]) is None:
+        pytest.skip(f"needs {TEXTURING[ending]}")
+    path = write(tmp_path, f"a.{ending}", TEXTURED[ending])
+    value = "0.25" if ending == "slang" else "0.75/0.5/0.25"
+    code = foreign.load(path, function="f", returns="f", textures=[f"map={value}"])
+    expected = [0.25] * 3 if ending == "slang" else [0.75, 0.5, 0.25]
+    np.testing.assert_array_equal(code.raw(*probe(4))[0], expected)
+    if ending == "hlsl":
+        picture = tmp_path / "a.png"
+        Image.new("RGB", (2, 2)).save(picture)
+        with pytest.raises(
+            ForeignError, match=r"pictures are read for GLSL alone; give --texture map=0\.5"
+        ):
+            foreign.load(path, function="f", textures=[f"map={picture}"])
+        with pytest.raises(ForeignError, match=r"no texture 'mop'; did you mean 'map'"):
+            foreign.load(path, function="f", textures=["mop=0.5"])
+
+
+PARTS = """
+import numpy as np
+
+def ggx(L, V, roughness, f0):
+    H = (L + V) / np.linalg.norm(L + V, axis=1, keepdims=True)
+    nl, nv, nh, vh = L[:, 2], V[:, 2], H[:, 2], (V * H).sum(1)
+    a2 = roughness**4
+    D = a2 / (np.pi * (nh * nh * (a2 - 1) + 1) ** 2)
+    V_ = 0.5 / (nl * np.sqrt(nv * nv * (1 - a2) + a2) + nv * np.sqrt(nl * nl * (1 - a2) + a2))
+    return D * V_ * (f0 + (1 - f0) * (1 - vh) ** 5)
+
+def engine(L, V, base=(0.5, 0.5, 0.5), metallic=0.0, roughness=0.5):
+    f0 = 0.04 * (1 - metallic[:, None]) + base * metallic[:, None]
+    lobe = np.stack([ggx(L, V, roughness, f0[:, c]) for c in range(3)], 1)
+    return (base * (1 - metallic[:, None]) / np.pi + lobe) * L[:, 2:]
+
+def pi_twice(L, V, base=(0.5, 0.5, 0.5), roughness=0.5):
+    return base / np.pi**2 + ggx(L, V, roughness, 0.04)[:, None]
+
+def grazing(L, V, gain=0.5):
+    return (1 + gain) / np.pi * np.where((L[:, 2] < 1e-6) | (V[:, 2] < 1e-6), np.nan, 1)
+
+def narrow(L, V, m=0.5):
+    return 0.1 / m**2 * (L[:, 2] * V[:, 2] + m) * m**2
+"""
+
+
+def test_a_sum_is_taken_apart_and_each_part_named(tmp_path: Path) -> None:
+    path = write(tmp_path, "a.py", PARTS)
+    code = foreign.load(f"{path}#engine", ranges=["roughness=0.2..1"])
+    assert str(code.returns) == "f cos(theta_i)"
+    found = foreign.identify(code)
+    assert found.sum is not None
+    assert found.sum.pinned == {"metallic": 0}
+    (by, matte), (_, gloss) = found.sum.parts
+    assert by == "base"
+    assert str(matte) == "Lambert; times base; times N.L; times 1 / pi"
+    assert str(gloss).startswith(
+        "GGX, alpha = roughness^2; Smith's masking of GGX, height-correlated"
+    )
+    assert matte.odd == gloss.odd == ()
+    wrong = foreign.identify(foreign.load(f"{path}#pi_twice", returns="f"))
+    assert wrong.sum is not None
+    assert [p.odd for _, p in wrong.sum.parts] == [("pi twice",), ()]
+
+
+def test_ends_without_values_are_left_out_and_said(tmp_path: Path) -> None:
+    path = write(tmp_path, "a.py", PARTS)
+    reports = foreign.check(foreign.load(f"{path}#narrow", returns="f"), only=["energy", "finite"])
+    found = {f.what: f for r in reports for f in r.findings}
+    assert "no number at m = 0; all checks but 'finite' begin at 0.05" in found["left out"].text
+    assert found["not finite"].verdict == FAIL
+    # 0.1 (mu_i mu_o + m) over the hemisphere: 0.1 pi (2/3 + 1) at m = 1, straight from above
+    assert found["largest albedo"].measured == pytest.approx(0.1 * np.pi * 5 / 3, rel=1e-3)
+
+
+def test_energy_is_judged_beside_values_that_are_not_finite(tmp_path: Path) -> None:
+    path = write(tmp_path, "a.py", PARTS)
+    reports = foreign.check(foreign.load(f"{path}#grazing", returns="f"), only=["energy", "finite"])
+    found = {f.what: f for r in reports for f in r.findings}
+    assert found["largest albedo"].measured == pytest.approx(2, rel=1e-3)
+    assert found["largest albedo"].verdict == FAIL
+    assert found["not finite at the horizon"].measured > 0
+
+
+def test_the_only_colour_of_code_is_that_of_the_model(tmp_path: Path) -> None:
+    text = "import numpy as np\ndef f(L, V, tone=(0.5, 0.5, 0.5), gloss=0.5):\n    return tone / np.pi\n"
+    code = foreign.load(write(tmp_path, "a.py", text) + "#f", returns="f")
+    found = foreign.compare(code, gonio.model("lambert"))
+    assert found.largest < 1e-6
+    assert found.taken == {"tone": "rho"}
+    lines = "\n".join(found.lines())
+    assert "taken as the same: tone and rho" in lines
+    assert "parameters of the code alone: gloss = 0.5" in lines
+
+
 # --- comparison and identity ---------------------------------------------------------------------
 
 
@@ -415,6 +647,27 @@ def cases() -> list[tuple[faulty.Language, str]]:
     ]
 
 
+@pytest.mark.parametrize("language", faulty.LANGUAGES, ids=lambda language: language.ending)
+def test_right_shaders_in_every_language_have_nothing_unusual(
+    tmp_path: Path, language: faulty.Language, request: pytest.FixtureRequest
+) -> None:
+    if language.ending != "wgsl" and not request.config.getoption("--long"):
+        pytest.skip("every language: --long")
+    if tools.locate(language.tool) is None:
+        pytest.skip(f"needs {language.tool}")
+    for base, numbers in (
+        (faulty.SPECULAR, ["roughness"]),
+        (faulty.STRETCHED, ["ax", "ay"]),
+        (faulty.DIFFUSE, ["roughness"]),
+    ):
+        path = write(tmp_path, f"a.{language.ending}", faulty.shader(language, base))
+        ranges = [] if language.ending == "brdf" else [f"{number}=0.1..1" for number in numbers]
+        code = foreign.load(path, function=language.name, ranges=ranges)
+        best = terms.identify(code)[0]
+        assert best.exact
+        assert best.odd == ()
+
+
 @pytest.mark.parametrize(
     "number", range(len(faulty.PLANTED)), ids=lambda k: f"round {k}" if k else "first round"
 )
@@ -427,13 +680,17 @@ def test_planted_mistakes_are_named_in_every_language(
     for language, name in cases()[number * count : (number + 1) * count]:
         if tools.locate(language.tool) is None:
             continue
-        changed, words = faulty.PLANTED[name]
-        path = write(tmp_path, f"a.{language.ending}", faulty.shader(language, **changed))
-        ranges = [] if language.ending == "brdf" else ["roughness=0.1..1"]
+        fault = faulty.PLANTED[name]
+        text = faulty.shader(language, fault.base, **fault.changed)
+        path = write(tmp_path, f"a.{language.ending}", text)
+        numbers = ["ax", "ay"] if fault.base is faulty.STRETCHED else ["roughness"]
+        ranges = [] if language.ending == "brdf" else [f"{number}=0.1..1" for number in numbers]
         code = foreign.load(path, function=language.name, returns="f", ranges=ranges)
         best = terms.identify(code)[0]
         assert best.exact, (language.ending, name, str(best), best.misfit)
-        assert words in str(best), (language.ending, name, str(best))
+        said = "; ".join([str(best), *best.odd])
+        assert fault.words in said, (language.ending, name, said)
+        assert best.odd or best.remarks, (language.ending, name, said)
 
 
 # Diffuse formulas, each with the sentence that names it. Sources: Oren and Nayar 1994, Eq. 30; Fujii 2012.

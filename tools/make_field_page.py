@@ -12,7 +12,7 @@ import shutil
 import subprocess
 import tarfile
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -54,6 +54,8 @@ class Entry:
     energy: bool = True
     other: str = ""
     """Another target, which is compared with it."""
+    identify: bool = False
+    """Whether {identity} is asked for."""
 
 
 EON_NODE = {"uniforms": ["energy_compensation=1"], "mapping": ["color=rho"]}
@@ -80,6 +82,14 @@ ENTRIES = (
         "By itself it reflects up to {albedo} of the light, at grazing angles and small roughness.",
         "charlie",
         {"mapping": ["color=rho roughness=alpha"], "ranges": ["alpha=0.05..1"]},
+    ),
+    Entry(
+        "MaterialX: sheen_bsdf as it is, roughness 0.3",
+        "materialx",
+        "materialx#sheen_bsdf",
+        "Imageworks' sheen at the roughness that the node has by itself.",
+        "With a white colour it reflects up to {albedo} of the light, at grazing angles.",
+        options={"uniforms": ["roughness=0.3", "mode=0"]},
     ),
     Entry(
         "MaterialX: conductor_bsdf, GLSL and Slang",
@@ -179,15 +189,27 @@ def main() -> None:
     parser.add_argument("--only", help="Entries whose title has this word.")
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
-    fetch(given.folder)
     entries = [*ENTRIES, *(_explorer(given.brdf_explorer) if given.brdf_explorer else ())]
     chosen = [e for e in entries if not given.only or given.only.lower() in e.title.lower()]
+    if any(entry.origin in PACKAGES for entry in chosen):
+        fetch(given.folder)
     pictures = given.output.parent / "images"
-    parts = []
+    # What is not measured now stays as it was
+    parts = _sections(given.output)
     for number, entry in enumerate(chosen):
         print(f"{number + 1} of {len(chosen)}: {entry.title}", flush=True)
-        parts.append(_section(entry, given.folder, pictures))
-    given.output.write_text("\n\n".join([HEAD.strip(), *parts]) + "\n", encoding="utf-8")
+        parts[entry.title] = _section(entry, given.folder, pictures)
+    known = [e.title for e in (*ENTRIES, *EXPLORER)]
+    text = "\n\n".join([HEAD.strip(), *(parts[title] for title in known if title in parts)])
+    given.output.write_text(text + "\n", encoding="utf-8")
+
+
+def _sections(page: Path) -> dict[str, str]:
+    """The sections of a page, by their titles."""
+    if not page.is_file():
+        return {}
+    found = page.read_text(encoding="utf-8").split("\n## ")[1:]
+    return {part.partition("\n")[0]: f"## {part.strip()}" for part in found}
 
 
 def fetch(folder: Path) -> None:
@@ -215,19 +237,169 @@ def _string(path: Path) -> str:
     return text[text.index("`") + 1 : text.rindex("`")]
 
 
-def _explorer(folder: Path) -> Sequence[Entry]:
-    """Every .brdf file of a folder; the energy of each."""
-    return [
+# BRDF Explorer's files that are models of their own; those of single terms (d_, f_, g_) and the two that
+# show angles and vectors are no BRDFs.
+EXPLORER = (
+    Entry(
+        "BRDF Explorer: cooktorrance.brdf, as it opens",
+        "",
+        "cooktorrance.brdf",
+        "Cook and Torrance's model (1982), with switches for its Fresnel term and its masking, both on.",
+        "{identity} The switch of the masking is inverted: what is on leaves it out. The albedo reaches "
+        "{albedo}.",
+        options={"returns": "f", "ranges": ["m=0.05..0.3"]},
+        identify=True,
+    ),
+    Entry(
+        "BRDF Explorer: cooktorrance.brdf with include_G=0",
+        "",
+        "cooktorrance.brdf",
+        "Cook and Torrance's model (1982) without its masking.",
+        "{identity} This has the masking. Beckmann's distribution has no 1 / pi here, and nothing divides "
+        "by 4, or by Cook and Torrance's pi, so that it is 4 pi times as bright as Torrance and Sparrow's "
+        "model: the albedo reaches {albedo}.",
+        options={"returns": "f", "ranges": ["m=0.05..0.3"], "uniforms": ["include_G=0"]},
+        identify=True,
+    ),
+    Entry(
+        "BRDF Explorer: walter.brdf",
+        "",
+        "walter.brdf",
+        "GGX (Walter et al. 2007) over Lambert.",
+        "{identity} The albedo reaches {albedo} where both weights are 1, as a plain sum does.",
+        options={"returns": "f", "ranges": ["alphaG=0.1..1"]},
+        identify=True,
+    ),
+    Entry(
+        "BRDF Explorer: orennayar.brdf",
+        "",
+        "orennayar.brdf",
+        "The full model of Oren and Nayar (1994, Eqs. 30 and 31), sigma in degrees.",
+        "It differs from it by at most {largest}; the albedo reaches {albedo}.",
+        "oren_nayar",
+        {
+            "mapping": ["sigma=57.295779513*sigma"],
+            "ranges": ["sigma=0.02..1.5"],
+            "returns": "f",
+        },
+    ),
+    Entry(
+        "BRDF Explorer: disney.brdf",
+        "",
+        "disney.brdf",
+        "Burley's principled model (2012), whose colour is taken to the power of 2.2.",
+        "With a linear colour it differs from gonio's by at most {largest}; the albedo reaches {albedo}, "
+        "as that of the model does, which is a sum.",
+        "disney",
+        {
+            "mapping": [
+                "baseColor=base_color^0.45454545 specularTint=specular_tint sheenTint=sheen_tint "
+                "clearcoatGloss=clearcoat_gloss"
+            ],
+            "ranges": ["roughness=0.1..1", "base_color=0.02..1"],
+            "returns": "f",
+        },
+    ),
+    Entry(
+        "BRDF Explorer: ward.brdf",
+        "",
+        "ward.brdf",
+        "Ward's model (1992) as in Walter's notes (2005).",
+        "It differs from gonio's, in the form of 1992, by at most {largest}. Its highlight grows without "
+        "bound towards the horizon, as Ward's does: at cosines of 1e-6 the albedo is {albedo}.",
+        "ward:form=ward",
+        {
+            "mapping": ["Cs=specular Cd=rho"],
+            "ranges": ["alpha_x=0.05..1", "alpha_y=0.05..1"],
+            "returns": "f",
+        },
+    ),
+    Entry(
+        "BRDF Explorer: ashikhman_shirley.brdf",
+        "",
+        "ashikhman_shirley.brdf",
+        "Ashikhmin and Shirley's model (2000), with one exponent unless a switch says otherwise.",
+        "With two exponents it differs from gonio's by at most {largest}; the albedo reaches {albedo}.",
+        "ashikhmin_shirley",
+        {
+            "mapping": ["nu=shininess_x nv=shininess_y"],
+            "ranges": ["shininess_x=1..1000", "shininess_y=1..1000"],
+            "uniforms": ["isotropic=0"],
+            "returns": "f",
+        },
+    ),
+    Entry(
+        "BRDF Explorer: minnaert.brdf",
+        "",
+        "minnaert.brdf",
+        "Minnaert's model.",
+        "It differs from gonio's with a white colour by at most {largest}.",
+        "minnaert:rho=1",
+        {"returns": "f"},
+    ),
+    Entry(
+        "BRDF Explorer: modifiedphong.brdf",
+        "",
+        "modifiedphong.brdf",
+        "Phong's lobe with Lafortune and Willems' factor (n + 2) / (2 pi).",
+        "{identity} The albedo reaches {albedo}.",
+        options={"returns": "f"},
+        identify=True,
+    ),
+    *(
         Entry(
-            f"BRDF Explorer: {path.name}",
-            "BRDF Explorer",
-            str(path),
-            "See the file's own comments.",
-            "The largest albedo over all angles and parameters is {albedo}.",
+            f"BRDF Explorer: {name}.brdf",
+            "",
+            f"{name}.brdf",
+            says,
+            "{identity} The albedo reaches {albedo}. Exchanging light and viewer changes it by up to "
+            "{reciprocity} of its value.",
+            options={"returns": "f"},
+            identify=True,
+        )
+        for name, says in (
+            ("blinnphong", "Blinn's lobe, divided by N.L unless a switch says otherwise."),
+            ("phong", "Phong's lobe, divided by N.L unless a switch says otherwise."),
+        )
+    ),
+    *(
+        Entry(
+            f"BRDF Explorer: {name}.brdf",
+            "",
+            f"{name}.brdf",
+            says,
+            "The albedo reaches {albedo}; exchanging light and viewer changes it by up to {reciprocity} of "
+            "its value.",
             options={"returns": "f"},
         )
-        for path in sorted(folder.rglob("*.brdf"))
-    ]
+        for name, says in (
+            (
+                "blinn",
+                "Blinn's model (1977) with a Gaussian, divided by N.L unless a switch says otherwise.",
+            ),
+            (
+                "compare",
+                "A lobe whose terms are chosen by switches; as it opens, GGX without masking.",
+            ),
+            ("dAniso", "Disney's anisotropic highlight after Kajiya and Kay (1989)."),
+            ("edwards06", "Edwards and others' halfway vector disk (2006)."),
+            ("lambert", "Lambert's model."),
+            ("schlick", "Schlick's Fresnel term alone (1994)."),
+            ("stretchedphong", "Phong's lobe, divided by a power of the larger cosine."),
+        )
+    ),
+)
+
+
+def _explorer(folder: Path) -> Sequence[Entry]:
+    """The .brdf files of BRDF Explorer in a folder, with what is known of them."""
+    found = []
+    places = {path.name: path for path in sorted(folder.rglob("*.brdf"))}
+    for entry in EXPLORER:
+        if (path := places.get(entry.code)) is None:
+            raise SystemExit(f"{folder} has no {entry.code}; give BRDF Explorer's src/brdfs")
+        found.append(replace(entry, origin="wdas/brdf", code=str(path)))
+    return found
 
 
 def _section(entry: Entry, folder: Path, pictures: Path) -> str:
@@ -235,14 +407,24 @@ def _section(entry: Entry, folder: Path, pictures: Path) -> str:
     code = foreign.load(entry.code.format(field=folder), **entry.options)
     found: dict[str, str] = {}
     shown = entry.code.format(field="build/field")
+    if entry.origin == "wdas/brdf":
+        shown = f"src/brdfs/{Path(entry.code).name}"
     commands = []
     options = _options(entry.options)
     if entry.energy:
-        reports = foreign.check(code, only=["energy"])
-        largest = next(f for r in reports for f in r.findings if f.what == "largest albedo")
+        only = ["energy", "reciprocity"] if "{reciprocity}" in entry.verdict else ["energy"]
+        reports = foreign.check(code, only=only)
+        measured = {f.what: f for r in reports for f in r.findings}
+        if "relative difference" in measured:
+            found["reciprocity"] = f"{measured['relative difference'].measured:.2g}"
+        largest = measured["largest albedo"]
         found["albedo"] = f"{largest.measured:.3g}"
         found["where"] = f"at {(largest.replay or '').partition('wo = ')[2]}"
-        commands.append(f"gonio check {shown}{options} --only energy")
+        commands.append(f"gonio check {shown}{options} --only {','.join(only)}")
+    if entry.identify:
+        said = foreign.identify(code, ["lambert"]).lines()
+        found["identity"] = _sentence(said)
+        commands.append(f"gonio compare {shown} --identify{options}")
     picture = ""
     if entry.model:
         model, _ = gonio.materials.load_model(entry.model)
@@ -250,7 +432,7 @@ def _section(entry: Entry, folder: Path, pictures: Path) -> str:
         found["largest"] = f"{difference.largest:.2g}"
         found["at80"] = f"{_forward(code, model):.3g} times too bright"
         name = "field_" + "".join(c if c.isalnum() else "_" for c in entry.title.lower()) + ".png"
-        maps.write(pictures / name, code, [(model, difference)])
+        maps.write(pictures / name, [difference])
         picture = f"\n![where it differs from {entry.model}](images/{name})\n"
         commands.append(f"gonio compare {shown} {entry.model}{options} -o difference.png")
     if entry.other:
@@ -262,6 +444,15 @@ def _section(entry: Entry, folder: Path, pictures: Path) -> str:
         f"## {entry.title}\n\n{_origin(entry.origin)}\n\n{lines}\n{picture}\n"
         f"**It says:** {entry.says}\n\n**It is:** {entry.verdict.format(**found)}"
     )
+
+
+def _sentence(lines: Sequence[str]) -> str:
+    """What --identify says, without the name of the code."""
+    first = lines[0].partition(" is")[2].lstrip(":, ")
+    rest = [line.strip().partition(". ")[2] for line in lines[1:] if line.strip()[0].isdigit()]
+    odd = [line.partition(": ")[2] for line in lines if "unusual" in line]
+    text = f"It is {first}" + ("; and ".join(rest) and f" {'; and '.join(rest)}")
+    return text + (f"; unusual is: {'; '.join(odd)}." if odd else ".")
 
 
 def _forward(code: foreign.Foreign, model: Any) -> float:
@@ -292,6 +483,8 @@ def _options(given: dict[str, Any]) -> str:
 def _origin(name: str) -> str:
     if name in PACKAGES:
         return f"`{name}` {PACKAGES[name]} of npm."
+    if name == "wdas/brdf":
+        return "BRDF Explorer, `src/brdfs` of github.com/wdas/brdf."
     if name == "materialx":
         return f"`materialx` {metadata.version('MaterialX')} of PyPI."
     return f"{name}."

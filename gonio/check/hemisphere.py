@@ -281,7 +281,8 @@ def integrate(
             subject, parameters, wo, cut.side, np.repeat(root // count, 4), children, width
         )
         summed = fine.reshape(-1, 4, width).sum(axis=1)
-        change = np.abs(summed - coarse)[:, :4].max(axis=1)
+        with np.errstate(invalid="ignore"):  # values that are not finite are found in `change`
+            change = np.abs(summed - coarse)[:, :4].max(axis=1)
         # Not a comparison with >, which NaN would pass
         done = ~(change > limit) & ~_crowded(box, cell, probe) & (level >= first)
         if level == levels - 1 or np.count_nonzero(~done) > allowed:

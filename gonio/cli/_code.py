@@ -149,7 +149,7 @@ OPTIONS = (
         "textures",
         multiple=True,
         metavar="NAME=FILE|VALUE",
-        help="What a sampler of GLSL reads: a picture, 0.5 or 0.8/0.3/0.1 (default: black).",
+        help="What a texture has: 0.5, 0.8/0.3/0.1 or, in GLSL, a picture (default: black).",
     ),
     click.option(
         "--time-limit",

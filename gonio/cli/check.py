@@ -15,7 +15,7 @@ from gonio.check import CHECKS, Progress, check_subjects, data, failed, subjects
 from gonio.check import fuzz as fuzz_search
 from gonio.check.measured_data import DATA_CHECKS, check_file
 from gonio.check.picture import check_format, drawable, plot
-from gonio.check.report import FAIL, Report, junit, summary, table
+from gonio.check.report import FAIL, NOTE, PASS, UNSURE, Report, junit, summary, table
 from gonio.check.subject import ModelSubject, Subject
 from gonio.cli import _baseline as baselines
 from gonio.cli._cluster import cluster_options, run_of
@@ -228,7 +228,8 @@ def lines(reports: Sequence[Report]) -> list[str]:
     for name in dict.fromkeys(r.model for r in reports):
         own = [r for r in reports if r.model == name]
         seconds = sum(r.seconds for r in own)
-        state = FAIL if failed(own) else "pass"
+        verdicts = {f.verdict for r in own for f in r.findings}
+        state = FAIL if failed(own) else "not judged" if verdicts <= {NOTE, UNSURE} else PASS
         found += [f"{name}: {state}", *table(own), f"  {summary(own)} in {seconds:.1f} s", ""]
     return found[:-1]
 

@@ -166,7 +166,7 @@ def _code(
         found = [compare(foreign, m, fit_parameters=wanted.fit_parameters) for m in beside]
         identity = identified(foreign, progress=step) if wanted.identify else None
     if wanted.picture is not None:
-        maps.write(wanted.picture, foreign, list(zip(beside, found, strict=True)))
+        maps.write(wanted.picture, found)
     data: dict[str, Any] = {"comparisons": [c.data() for c in found]}
     if identity is not None:
         data["identity"] = identity.data()

@@ -7,6 +7,7 @@ here alone.
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -19,9 +20,10 @@ from gonio.check.variants import value_at
 from gonio.fields import Parameter
 from gonio.foreign.expressions import Array
 from gonio.foreign.function import Foreign
+from gonio.foreign.rounding import OFTEN, ROUNDINGS, Rounded, rounded
 from gonio.foreign.source import ForeignError
 from gonio.foreign.terms import constant_name
-from gonio.foreign.verdicts import FLOOR, OFTEN, ROUNDINGS, Rounded, rounded
+from gonio.foreign.verdicts import FLOOR
 from gonio.model import Model
 
 # Ends of the bands of angles, in degrees: the larger of the two angles counts.
@@ -60,6 +62,10 @@ class Comparison:
     bands: tuple[tuple[float, float, float], ...]
     """From and to which angle, and the largest difference there."""
     hint: str
+    foreign: Foreign
+    """The code, its parameters called as the model's."""
+    taken: dict[str, str]
+    """Parameters of the code that were taken for one of the model with another name."""
 
     def data(self) -> dict[str, Any]:
         """As plain data that JSON can hold."""
@@ -67,6 +73,7 @@ class Comparison:
             "code": self.code,
             "model": self.model.name,
             "linked": self.linked,
+            "taken": self.taken,
             "fitted": {k: _plain(v) for k, v in self.fitted.items()},
             "largest": self.largest,
             "rounding": self.rounding,
@@ -117,6 +124,19 @@ class Comparison:
         ]
         if self.linked:
             found.append("  same parameters: " + ", ".join(self.linked))
+        for name, path in self.taken.items():
+            found.append(
+                f"  taken as the same: {name} and {path}, the only colour of each; "
+                f'--map "{name}=..." says otherwise'
+            )
+        alone = [n for n in self.foreign.parameters if n not in self.linked]
+        if alone and not isinstance(self.model, Foreign):
+            kept = ", ".join(f"{n} = {_text(self.foreign.parameters[n].default)}" for n in alone)
+            others = ", ".join(self.fitted) or "none"
+            found.append(
+                f"  parameters of the code alone: {kept}; if one of them is {others}: "
+                f'--map "{alone[0]}={next(iter(self.fitted), alone[0])}"'
+            )
         if self.fitted:
             shown = ", ".join(f"{k} = {_text(v)}" for k, v in self.fitted.items())
             found.append(f"  parameters of {name} alone: {shown}")
@@ -166,6 +186,25 @@ def links(foreign: Foreign, model: Model | Foreign) -> dict[str, tuple[Parameter
     return found
 
 
+_COLOUR = re.compile(r"albedo|colou?r|diffuse|^k_?d$|reflectance|^rho|^base$|tint", re.I)
+
+
+def adopted(foreign: Foreign, model: Model | Foreign) -> tuple[Foreign, dict[str, str]]:
+    """The code with its one colour called as the model's one colour, and what was renamed."""
+    if isinstance(model, Foreign):
+        return foreign, {}
+    known = links(foreign, model)
+    own = [
+        n
+        for n, p in foreign.parameters.items()
+        if n not in known and (p.width == 3 or _COLOUR.search(n))
+    ]
+    other = [n for n, p in _declared(model).items() if n not in known and p.width == 3]
+    if len(own) != 1 or len(other) != 1 or other[0] in foreign.parameters or "." in other[0]:
+        return foreign, {}
+    return foreign.renamed(own[0], other[0]), {own[0]: other[0]}
+
+
 def compare(
     foreign: Foreign,
     model: Model | Foreign,
@@ -185,6 +224,7 @@ def compare(
         ForeignError: parameters that do not go together.
     """
     level = EFFORTS[effort] if isinstance(effort, str) else effort
+    foreign, taken = adopted(foreign, model)
     linked = links(foreign, model)
     if fit_parameters:
         if isinstance(model, Foreign):
@@ -255,6 +295,8 @@ def compare(
         float(truth[0, channel]),
         tuple(_bands(departure, count)),
         hint(foreign, model, spread, count),
+        foreign,
+        taken,
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from gonio.fields import Parameter
 from gonio.foreign.declarations import Function
-from gonio.foreign.expressions import Array
+from gonio.foreign.expressions import Array, parse
 from gonio.foreign.library import is_library
 from gonio.foreign.materialx import is_materialx
 from gonio.foreign.process import Running
@@ -123,6 +123,8 @@ class Foreign:
     returns: Returns = field(default_factory=Returns)
     label: str = ""
     """How it is called on the command line."""
+    shipped: Foreign | None = None
+    """The same with the half precision that it declares, if this one was made without."""
     sampler: Foreign | None = None
     """What draws directions, with the densities that `density` has."""
     density: Foreign | None = None
@@ -144,6 +146,18 @@ class Foreign:
     def defaults(self) -> dict[str, Any]:
         """Their default values."""
         return {name: p.default for name, p in self.parameters.items()}
+
+    def renamed(self, old: str, new: str) -> Foreign:
+        """The same code with another name for one of its parameters."""
+        matched = replace(
+            self.matched,
+            leaves=tuple(
+                (leaf, parse(re.sub(rf"\b{re.escape(old)}\b", new, expression.text)))
+                for leaf, expression in self.matched.leaves
+            ),
+            parameters={(new if n == old else n): p for n, p in self.parameters.items()},
+        )
+        return replace(self, matched=matched)
 
     def rows(
         self,

@@ -11,8 +11,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from gonio.foreign.declarations import Function, Variable
+from gonio.foreign.loops import COUNTER, CUT, TURNS, counted
 from gonio.foreign.python_code import job
 from gonio.foreign.roles import Leaf, Matched, is_role, leaves_of
+from gonio.foreign.sampled import NOTHING
 from gonio.foreign.source import FILE_LINES, SHADERS, ForeignError, Source
 
 # Of a value the first three; of a sample its direction and density.
@@ -69,6 +71,8 @@ def statements(source: Source, function: Function, matched: Matched) -> list[str
     for k, argument in enumerate(function.arguments):
         names[argument.name] = f"gonio_a{k}"
         lines.append(_declare(argument, f"gonio_a{k}", spelling))
+        if argument.written and not argument.array and not argument.pointer:
+            lines += _zeroed(source, argument, f"gonio_a{k}", spelling)
     if function.owner:
         lines.append(spelling.declaration.format(type=function.owner, name="gonio_self"))
     column = 0
@@ -99,6 +103,17 @@ def statements(source: Source, function: Function, matched: Matched) -> list[str
     ]
 
 
+def _zeroed(source: Source, argument: Variable, name: str, spelling: Spelling) -> Iterable[str]:
+    """What a function adds to begins at 0."""
+    try:
+        leaves = list(leaves_of(source, argument))
+    except ForeignError:
+        return
+    for leaf in leaves:
+        place = name + leaf.place.removeprefix(argument.name)
+        yield from _set(leaf, place, ["0.0"] * leaf.width, source.language, spelling)
+
+
 def _declare(argument: Variable, name: str, spelling: Spelling) -> str:
     if argument.array or (argument.pointer and "wgsl" not in argument.type):
         kind = re.sub(r"^ptr<\w+,(.*)>$", r"\1", argument.type)
@@ -122,6 +137,8 @@ def _set(
         return [f"{place} = {pattern.format(type=leaf.type, value=numbers[0])};"]
     if language == "cuda" and re.fullmatch(r"float[234]", leaf.type):
         return [f"{place} = make_{leaf.type}({', '.join(numbers)});"]
+    if language in ("cpp", "cuda", "library"):  # braces fill structs of templates as well
+        return [f"{place} = {leaf.type}{{{', '.join(numbers)}}};"]
     return [f"{place} = {leaf.type}({', '.join(numbers)});"]
 
 
@@ -152,6 +169,11 @@ def _result(source: Source, function: Function, names: Mapping[str, str]) -> lis
         found = []
     if function.returns != "void":
         found = [pair for pair in found if pair[1].startswith("gonio_result")]
+    widths = {leaf.width for leaf, _ in found}
+    if len(found) > 1 and function.returns == "void" and widths <= {1, 3}:
+        # Several colours are written, the diffuse and the specular one mostly: their sum
+        colours = [_parts(*pair) for pair in found]
+        return [" + ".join(c[k % len(c)] for c in colours) for k in range(3)]
     if len(found) != 1 or found[0][0].width == 2:
         raise ForeignError(
             f"{source.path}: {function.signature} gives back {function.returns}, which is neither a number "
@@ -201,7 +223,7 @@ def text(source: Source, function: Function, matched: Matched, defines: Sequence
         )
     scopes = [s for s in function.scope if s != function.owner]
     head = f'#include "{source.path.resolve()}"\n'
-    if source.language == "msl":
+    if source.language == "msl" or NOTHING in source.text:
         head = f'#line 1 "{source.path.resolve()}"\n{source.text}\n'
     if source.language == "osl":
         place = f'#line 1 "{source.path.resolve()}"'
@@ -249,9 +271,11 @@ def _fragment(
         *fetched,
         "gonio_made = vec4(1.0, 1.0, 1.0, -1.0);",
         *lines,
+        f"if ({COUNTER} > {TURNS}) {{ gonio_made.w = {CUT}; }}",
     ]
     return (
-        f"{head}#line 1\n{source.text}\n#line {OWN * FILE_LINES}\n"
+        f"{head}int {COUNTER} = 0;\n"
+        f"#line 1\n{counted(source.text, source.language)}\n#line {OWN * FILE_LINES}\n"
         f"uniform highp sampler2D gonio_rows;\nlayout(location = 0) out vec4 gonio_made;\n"
         f"void main() {{\n{_indented(body, 4)}\n}}\n"
     )
@@ -261,12 +285,14 @@ def _wgsl(source: Source, matched: Matched, lines: Sequence[str], defines: Seque
     if defines:
         raise ForeignError(f"{source.path}: WGSL has no preprocessor; -D means nothing to it.")
     return (
-        f"{source.text}\n"
+        f"{counted(source.text, source.language)}\n"
+        f"var<private> {COUNTER}: i32;\n"
         "@group(0) @binding(0) var<storage, read> gonio_x: array<f32>;\n"
         "@group(0) @binding(1) var<storage, read_write> gonio_y: array<f32>;\n\n"
         "@compute @workgroup_size(64)\n"
         "fn gonio_main(@builtin(global_invocation_id) id: vec3u) {\n"
         f"    if (id.x >= arrayLength(&gonio_y) / {OUTPUTS}u) {{\n        return;\n    }}\n"
         f"    let i = id.x * {matched.columns}u;\n    let o = id.x * {OUTPUTS}u;\n"
-        f"{_indented(lines, 4)}\n}}\n"
+        f"{_indented(lines, 4)}\n"
+        f"    if ({COUNTER} > {TURNS}) {{\n        gonio_y[o + 3u] = {CUT};\n    }}\n}}\n"
     )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from gonio.check.report import NOTE, Finding, Report
-from gonio.foreign import registry, terms
+from gonio.foreign import registry, sums, terms
 from gonio.foreign.function import Foreign
 
 Progress = Callable[[int, int], None]
@@ -23,11 +23,17 @@ class Identity:
     code: str
     products: tuple[terms.Product, ...]
     models: tuple[registry.Found, ...]
+    sum: sums.Sum | None = None
+    """Products that the code is the sum of."""
 
     @property
     def exact(self) -> bool:
         """Whether one of them is equal but for roundings."""
-        return any(p.exact for p in self.products[:1]) or any(m.exact for m in self.models[:1])
+        return (
+            any(p.exact for p in self.products[:1])
+            or any(m.exact for m in self.models[:1])
+            or self.sum is not None
+        )
 
     def lines(self) -> list[str]:
         """For people: the nearest first."""
@@ -35,17 +41,35 @@ class Identity:
         product = self.products[0] if self.products else None
         if product is not None and product.exact:
             found.append(f"{self.code} is: {product} (equal to {product.worst:.1g})")
-            found += [f"  unusual, and mostly a mistake: {odd}" for odd in product.odd]
-        for k, model in enumerate(self.models):
-            state = "is" if model.exact else "is nearest to" if k == 0 else "or to"
-            found.append(f"{self.code} {state} {model} (misfit {model.misfit:.2g})")
+            found += _remarks(product)
+        elif self.sum is not None:
+            at = "".join(f"{name} = {value:g}, " for name, value in self.sum.pinned.items())
+            found.append(f"{self.code} is, {'at ' if at else ''}{at}a sum:")
+            for k, (name, part) in enumerate(self.sum.parts, 1):
+                by = f", by {name}" if name and name not in str(part) else ""
+                found.append(f"  {k}{by}. {part} (equal to {part.worst:.1g})")
+                found += [f"  {line}" for line in _remarks(part)]
+        exact = any(m.exact for m in self.models[:1])
+        near = [m for m in self.models if m.misfit < FAR]
+        if self.models and not near and not found:
+            found.append(
+                f"{self.code} is like nothing that gonio knows; the nearest, {self.models[0].model.name}, "
+                f"is {self.models[0].misfit:.2g} away"
+            )
+        for k, model in enumerate(near):
+            state = (
+                "is" if model.exact else "is no model of gonio's; nearest is" if k == 0 else "or"
+            )
+            # What is not the model has numbers that mean nothing
+            text = str(model) if exact else model.named
+            found.append(f"{self.code} {state} {text} (misfit {model.misfit:.2g})")
             if model.exact:
                 break
-        if product is not None and not product.exact and product.misfit < FAR:
+        if product is not None and not product.exact and product.misfit < FAR and self.sum is None:
             found.append(
                 f"  as a product, nearest is: {product} (off by up to {product.worst:.2g})"
             )
-            found += [f"  unusual, and mostly a mistake: {odd}" for odd in product.odd]
+            found += _remarks(product)
         return found or [f"{self.code} is like nothing that gonio knows"]
 
     def data(self) -> dict[str, Any]:
@@ -61,6 +85,10 @@ class Identity:
                     "unusual": list(p.odd),
                 }
                 for p in self.products
+            ],
+            "sum": [
+                {"by": name, "terms": list(p.terms), "constant": p.constant, "unusual": list(p.odd)}
+                for name, p in (self.sum.parts if self.sum is not None else ())
             ],
             "models": [
                 {
@@ -78,13 +106,21 @@ class Identity:
         """As a report of `gonio check`."""
         first = self.products[0] if self.products else None
         misfit = first.misfit if first is not None and first.exact else float("nan")
-        if self.models and not (first is not None and first.exact):
+        if self.sum is not None:
+            misfit = max(p.misfit for _, p in self.sum.parts)
+        elif self.models and not (first is not None and first.exact):
             misfit = self.models[0].misfit
         return Report(
             "identity",
             name,
             (Finding("nearest", misfit, NOTE, "; ".join(x.strip() for x in self.lines())),),
         )
+
+
+def _remarks(product: terms.Product) -> list[str]:
+    return [f"  unusual, and mostly a mistake: {odd}" for odd in product.odd] + [
+        f"  note: {remark}" for remark in product.remarks
+    ]
 
 
 def identify(
@@ -104,6 +140,8 @@ def identify(
     """
     products = terms.identify(foreign)
     found: list[registry.Found] = []
-    if thorough or not (products and products[0].exact):
+    known = bool(products and products[0].exact)
+    apart = None if known else sums.identify(foreign)
+    if thorough or not (known or apart):
         found = registry.identify(foreign, names, thorough=thorough, progress=progress)
-    return Identity(foreign.label or foreign.name, tuple(products), tuple(found))
+    return Identity(foreign.label or foreign.name, tuple(products), tuple(found), apart)

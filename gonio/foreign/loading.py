@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from gonio.foreign import library, materialx, python_code
 from gonio.foreign.function import (
@@ -19,8 +20,9 @@ from gonio.foreign.harness import text as harness_text
 from gonio.foreign.process import MEMORY, SECONDS, Running
 from gonio.foreign.returned import measure
 from gonio.foreign.roles import match
-from gonio.foreign.source import ForeignError, Source, read
+from gonio.foreign.source import ForeignError, Source, blank_comments, read
 from gonio.foreign.textures import check as check_textures
+from gonio.foreign.textures import filled
 from gonio.foreign.textures import parse as parse_textures
 
 
@@ -57,7 +59,7 @@ def load(
         sample: the function that draws directions, of the same file or as FILE#FUNCTION.
         pdf: that of their density.
         albedo: that of the directional albedo.
-        textures: each "NAME=FILE.png" or "NAME=VALUE", for samplers of GLSL.
+        textures: each "NAME=VALUE", or "NAME=FILE.png" for samplers of GLSL.
         seconds: after which a call is given up.
         memory: that it may use, in bytes.
 
@@ -92,16 +94,39 @@ def load(
     else:
         source = read(file, include, defines)
     check_textures(source, start.textures)
+    source = filled(source, start.textures)
+    shipped = None
+    if (full := full_precision(source)) is not None:
+        shipped = start(source, function or named, text, "value")
+        source = full
     foreign = start(source, function or named, text, "value")
     foreign.returns = told or Returns()
     foreign.raw(*probe(8))
     if told is None:
         foreign.returns = measure(foreign)
+    if shipped is not None:
+        shipped.returns = foreign.returns
+        foreign.shipped = shipped
     others = {"sample": sample, "pdf": pdf, "albedo": albedo}
     beside = {kind: start.beside(foreign, name, kind) for kind, name in others.items() if name}
     foreign.sampler, foreign.density = beside.get("sample"), beside.get("pdf")
     foreign.reflectance = beside.get("albedo")
     return foreign
+
+
+def full_precision(source: Source) -> Source | None:
+    """The code with highp for mediump and lowp, where drivers heed these; None without any.
+
+    The formula is judged in float32, and what half precision makes of it by the difference.
+    """
+    if source.language != "essl":
+        return None
+    bare = blank_comments(source.text)
+    found = list(re.finditer(r"\b(?:mediump|lowp)\b", bare))
+    text = source.text
+    for at in reversed(found):
+        text = f"{text[: at.start()]}highp{text[at.end() :]}"
+    return replace(source, text=text) if found else None
 
 
 @dataclass(frozen=True)

@@ -40,26 +40,23 @@ def check_format(path: str | Path) -> None:
     check_place(path)
 
 
-def write(
-    path: str | Path, foreign: Foreign, pairs: Sequence[tuple[Model | Foreign, Comparison]]
-) -> None:
+def write(path: str | Path, comparisons: Sequence[Comparison]) -> None:
     """Draw comparisons, one below the other.
 
     Args:
         path: a .png, .svg or .pdf; it appears only when it is complete.
-        foreign: the code that was compared.
-        pairs: what it was compared with, and what `compare` found.
+        comparisons: what `compare` found.
     """
     import matplotlib
     from matplotlib.figure import Figure
 
-    numbers = [_numbers(foreign, model) for model, _ in pairs]
+    numbers = [_numbers(found.foreign, found.model) for found in comparisons]
     columns = 2 + max(min(len(n), MOST) for n in numbers)
     with matplotlib.rc_context({"font.family": "DejaVu Sans", "font.size": 9}):
-        figure = Figure(figsize=(3.6 * columns, 4.0 * len(pairs)), layout="constrained")
-        rows = figure.subfigures(len(pairs), 1, squeeze=False)[:, 0]
-        for row, (model, found), own in zip(rows, pairs, numbers, strict=True):
-            _row(row, foreign, model, found, own[:MOST], columns)
+        figure = Figure(figsize=(3.6 * columns, 4.0 * len(comparisons)), layout="constrained")
+        rows = figure.subfigures(len(comparisons), 1, squeeze=False)[:, 0]
+        for row, found, own in zip(rows, comparisons, numbers, strict=True):
+            _row(row, found.foreign, found.model, found, own[:MOST], columns)
         with replacing(path) as temporary:
             kind = Path(path).suffix.lower()[1:]
             figure.savefig(temporary, format=kind, dpi=110)

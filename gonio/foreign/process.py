@@ -20,6 +20,7 @@ from gonio.export.prove import tools
 from gonio.export.prove.native import FLAGS
 from gonio.foreign.harness import OUTPUTS, OWN
 from gonio.foreign.library import wrapper
+from gonio.foreign.loops import COUNTING, CUT, TURNS
 from gonio.foreign.source import FILE_LINES, ForeignError, Source
 from gonio.foreign.textures import write as write_textures
 
@@ -35,7 +36,7 @@ ROWS = 1 << 18
 # Seconds in which the process has to be there, with its shader compiled.
 START = 120.0
 
-CUDA = Path(__file__).with_name("cuda_words.h")
+CUDA = Path(__file__).with_name("cuda")
 METAL = Path(__file__).with_name("metal")
 OSL = Path(__file__).with_name("osl_words.h")
 
@@ -142,7 +143,14 @@ class Running:
             raise ForeignError(
                 self._ended(limit.over, self.seconds, f"in a call of {len(rows)} rows")
             )
-        return np.frombuffer(data, np.float32).reshape(-1, OUTPUTS)
+        made = np.frombuffer(data, np.float32).reshape(-1, OUTPUTS)
+        if COUNTING in self.device and (made[:, 3] == np.float32(CUT)).any():
+            raise ForeignError(
+                f"{self.source.path}: loops turned more than {TURNS} times in one call, and Mesa's "
+                "driver on the processor ends them in silence; is there an endless loop? If not, let "
+                "them turn less often, or use a machine with a GPU."
+            )
+        return made
 
     def _ended(self, over: bool, seconds: float, when: str) -> str:
         """What has happened to the process, in a sentence."""
@@ -155,6 +163,8 @@ class Running:
         last = said.splitlines()[-1]
         if self.source.language == "python" and code == 1:
             return str(_refused(self.source, last))
+        if code >= 0 and self.source.language != "python":
+            return f"{path}: the code ended its process by itself (exit code {code}) {when}."
         if "MemoryError" in last or "bad_alloc" in last or "ENOMEM" in last:
             return f"{path}: the code needs more than {self.memory / 2**30:.3g} GB of memory."
         names = {
@@ -165,6 +175,8 @@ class Running:
             -7: "a bus error",
         }
         reason = names.get(code, f"signal {-code}" if code < 0 else last)
+        if code == -6 and (thrown := re.search(r"what\(\):\s*(.+)", said)):
+            reason = f"an exception that nobody catches: {thrown[1].strip()}"
         return f"{path}: the code crashed ({reason}) {when}."
 
     def close(self) -> None:
@@ -236,7 +248,7 @@ def _compiled(
             return "native", _linked(gxx, source, text, folder)
         (folder / "code.cpp").write_text(text, encoding="utf-8")
         kinds = {
-            "cuda": ["-include", str(CUDA)],
+            "cuda": ["-include", str(CUDA / "cuda_runtime.h"), f"-I{CUDA}"],
             "msl": ["-fsingle-precision-constant", "-Wno-attributes", "-x", "c++", f"-I{METAL}"],
             "osl": ["-include", str(OSL), "-fsingle-precision-constant"],
         }
@@ -276,7 +288,7 @@ def _run(command: Sequence[str], folder: Path, source: Source) -> None:
 # What compilers write: g++ FILE:12:3:, slangc FILE(12) or, from 2026 on, --> FILE:12:3 below the message,
 # Mesa 0:12(3), NVIDIA 0(12), naga wgsl:12:3.
 _PLACES = (
-    re.compile(r"^\s*(?P<file>[^\s:()]*?\.\w+):(?P<line>\d+)(?::\d+)?:.*\berror\b"),
+    re.compile(r"^\s*(?P<file>[^\s:()]*?\.\w+|harness):(?P<line>\d+)(?::\d+)?:.*\berror\b"),
     re.compile(r"^\s*(?P<file>[^\s:()]*?\.\w+)\((?P<line>\d+)[^)]*\).*\berror\b"),
     re.compile(r"(?:^|ERROR:\s*)\d+:(?P<line>\d+)(?:\(\d+\))?:"),
     re.compile(r"^\d+\((?P<line>\d+)\)\s*:"),
@@ -325,6 +337,13 @@ def _quoted(source: Source, match: re.Match[str], line: str, first: str) -> str:
         elif name.name != source.path.name:
             path = name
     said = re.sub(r"^.*?\berror\b[^:]*:\s*", "", first, flags=re.I).strip() or line.strip()
+    if path is None and re.search(
+        r"no matching function for call to .(?:\w+::)*(\w+)::\1\(\)", said
+    ):
+        return (
+            f"{source.path}: the class has a constructor that wants arguments; write a function of the "
+            "directions and parameters that makes one and calls it."
+        )
     if path is None:
         return f"{source.path} does not take the arguments that were read from it: {said}"
     try:

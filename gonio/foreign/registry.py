@@ -73,14 +73,19 @@ class Found:
         """Whether only roundings are left."""
         return self.misfit < EXACT
 
-    def __str__(self) -> str:
-        """In a sentence."""
+    @property
+    def named(self) -> str:
+        """The model with its options."""
         chosen = [
             f"{name}={getattr(self.model, name)}"
             for name, f in self.model.fields.items()
             if isinstance(f, Option) and not f.is_default(getattr(self.model, name))
         ]
-        text = self.model.name + (f" with {', '.join(chosen)}" if chosen else "")
+        return self.model.name + (f" with {', '.join(chosen)}" if chosen else "")
+
+    def __str__(self) -> str:
+        """In a sentence."""
+        text = self.named
         if self.relations:
             text += ": " + ", ".join(f"{k} = {v}" for k, v in self.relations.items())
         return text + (f"; returns {self.factor}" if self.factor != "f" else "")

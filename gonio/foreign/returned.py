@@ -30,7 +30,8 @@ COARSE = 0.03
 
 _PI = r"(?:\b(?:M_)?(?:PI|pi|Pi)\b|\b3\.14\d*)"
 _OVER_PI = (
-    rf"(?i)/\s*\(?\s*{_PI}|(?:inv|one_?over|reciprocal|rcp)_?pi\b|_1_pi\b|pi_?inv\b|\b0?\.318\d*"
+    rf"(?i)/\s*{_PI}|/\s*\([^()]*{_PI}|(?:inv|one_?over|reciprocal|rcp)_?pi\b|_1_pi\b|pi_?inv\b"
+    r"|\b0?\.318\d*"
 )
 _TIMES_PI = rf"{_PI}f?\s*\*|\*\s*{_PI}"
 
@@ -60,23 +61,33 @@ def asymmetry(foreign: Foreign, cosine: int) -> float:
     return float(np.median(difference)) if len(difference) else 0.0
 
 
-def albedos(foreign: Foreign, values: dict[str, Any], cosine: int) -> Array:
-    """Roughly the directional albedos at a middling angle, one for each setting, (settings,)."""
+def around_the_mirror(wo: Array) -> tuple[Array, Array]:
+    """Directions (n, 3) of light for a viewer (3,), and weights of an integral over the hemisphere.
+
+    Half vectors are spread evenly over angles that grow with a cube: the mirror's lobe is resolved
+    whatever its width.
+    """
     x, w = np.polynomial.legendre.leggauss(NODES)
-    count = len(next(iter(values.values()))) if values else 1
     phi = 2 * np.pi * (np.arange(NODES) + 0.5) / NODES
-    # Half vectors over the hemisphere: the mirror's lobe is resolved whatever its width
     theta_h = 0.5 * np.pi * ((x + 1) / 2) ** 3
     jacobian = 0.5 * np.pi * 3 * ((x + 1) / 2) ** 2 * w / 2
     t, p = (a.ravel() for a in np.meshgrid(theta_h, phi, indexing="ij"))
     weight = np.repeat(jacobian, NODES) * np.sin(t) * 2 * np.pi / NODES
     h = np.stack([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)], -1)
-    wo = np.tile([np.sin(0.6), 0.0, np.cos(0.6)], (len(h), 1))
-    cos_d = (h * wo).sum(1)
+    cos_d = h @ wo
     wi = 2 * cos_d[:, None] * h - wo
-    weight = weight * 4 * cos_d * np.maximum(wi[:, 2], 0) ** (1 - cosine)
+    weight = weight * 4 * cos_d
     good = (cos_d > 0) & (wi[:, 2] > 1e-4)
-    wi, wo, weight = wi[good], wo[good], weight[good]
+    return wi[good], weight[good]
+
+
+def albedos(foreign: Foreign, values: dict[str, Any], cosine: int) -> Array:
+    """Roughly the directional albedos at a middling angle, one for each setting, (settings,)."""
+    count = len(next(iter(values.values()))) if values else 1
+    view = np.array([np.sin(0.6), 0.0, np.cos(0.6)])
+    wi, weight = around_the_mirror(view)
+    weight = weight * wi[:, 2] ** (1 - cosine)
+    wo = np.broadcast_to(view, wi.shape)
     found = np.empty(count)
     for k in range(count):
         f = foreign.raw(wi, wo, {n: v[k] for n, v in values.items()}).max(axis=1)
@@ -92,7 +103,9 @@ def measure(foreign: Foreign) -> Returns:
     largest = float(albedos(foreign, values, cosine).max())
     # Code that divides by pi itself, and gains energy, is wrong rather than pi f
     divides = any(re.search(_OVER_PI, f.body) for f in foreign.source.called(foreign.function))
-    times = re.search(_TIMES_PI, foreign.function.body) is not None
+    # What stands below, as in a^2 / (PI * t * t), is no factor of pi
+    left = re.sub(_OVER_PI, "", foreign.function.body)
+    times = re.search(_TIMES_PI, left) is not None
     plain = divides and not times
     factor = np.pi if 1.5 < largest <= np.pi * (1 + COARSE) and not plain else 1.0
     return Returns(float(factor), cosine)

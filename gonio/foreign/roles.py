@@ -14,6 +14,7 @@ import numpy as np
 from gonio.fields import Parameter
 from gonio.foreign.declarations import Function, Variable
 from gonio.foreign.expressions import Array, Expression, parse
+from gonio.foreign.sampled import NOTHING
 from gonio.foreign.source import ForeignError, Source
 from gonio.messages import did_you_mean
 from gonio.model import models
@@ -73,7 +74,7 @@ _COLOURS = re.compile(
 # Ranges that names suggest where gonio's own models do not have the name.
 SUGGESTED = (
     (r"(ior|eta|index)", 1.0, 3.0, 1.5),
-    (r"(shininess|exponent|glossiness_power|power|spec_?power|nu|nv)$", 1.0, 1000.0, 32.0),
+    (r"(shininess|exponent|glossiness_power|power|spec_?power|nu|nv|^n|^ns)$", 1.0, 1000.0, 32.0),
     (r"^k$|extinction", 0.0, 8.0, 3.0),
 )
 
@@ -134,6 +135,8 @@ def leaves_of(
         ForeignError: a type that is neither a number, nor a vector, nor a struct of these.
     """
     place = prefix + variable.name
+    if variable.type == NOTHING:
+        return
     if variable.pointer or variable.array:
         width = 3 if not variable.array else int(variable.array) if variable.array.isdigit() else 0
         if width_of(variable.type) == 1 and 1 <= width <= 4:
@@ -218,13 +221,34 @@ def match(
             )
     matched: list[tuple[Leaf, Expression]] = []
     notes: list[str] = []
+    incident = _incident(leaves, given)
+    pair = any(_plain(leaf.place.rpartition(".")[2])[0] == "nu" for leaf in leaves)
+    nameless, lone = _lone_direction(leaves, given) if kind == "value" else (None, "")
     for leaf in leaves:
         last = leaf.place.rpartition(".")[2]
         last = leaf.variable.shown or last
         text = given.get(leaf.place, given.get(last))
         if text is None:
             text = _random(leaf) if kind == "sample" else ""
-            text = text or _guess(source, leaf, ranges)
+            if not text and leaf is nameless:
+                text = "wi" if lone == "light" else "wo"
+                notes.append(
+                    f'{leaf.place} is taken for the {lone}; --map "{last}=..." says otherwise'
+                )
+            if not text and leaf is incident:
+                text = "-wo"
+                notes.append(
+                    f'{leaf.place} is -wo, where the viewer looks; --map "{last}=wi" if not'
+                )
+            text = text or _guess(source, leaf, ranges, pair)
+            if text in ("1", "(1, 1, 1)") and _LIT.search(leaf.place):
+                notes.append(f'{leaf.place} is 1, as it is the light; --map "{last}=..." if not')
+            if text in ("(0, 0, 0)", "wi", "wo") and re.search(
+                r"pos|^p$|^hit$|point", _plain(last)[0]
+            ):
+                notes.append(
+                    f'{leaf.place} is a position: {text}; --map "{last}=..." says otherwise'
+                )
             if leaf.whole and not leaf.variable.fixed:
                 notes.append(f"{leaf.place} is {text}; --uniform {last}=1 for another")
         matched.append((leaf, parse(text)))
@@ -236,6 +260,12 @@ def match(
         if what == "the light" and kind in ("sample", "albedo"):
             continue
         if not used & enough:
+            if what == "the viewer" and all(
+                leaf.width != 3 or set(e.names) & set(ROLES) or _COLOURED.search(leaf.place)
+                for leaf, e in matched
+            ):
+                notes.append("it has no argument for the viewer: all directions see the same")
+                continue
             role = "wi" if what == "the light" else "wo"
             raise ForeignError(
                 f"{source.path}: {function.signature} has no argument for {what}; say which one it is with "
@@ -276,6 +306,62 @@ def is_role(place: str, role: str) -> bool:
     )
 
 
+# What a vector that is no direction is called.
+_COLOURED = re.compile(
+    r"albedo|colou?r|diffuse|spec|f0|f90|\bk_?[ads]$|rho|base|tint|reflect|sheen|radiance|intensity",
+    re.I,
+)
+
+
+def _incident(leaves: Iterable[Leaf], given: Container[str]) -> Leaf | None:
+    """The I of reflect(I, N), which leads to the surface, if there is a light beside it and no viewer."""
+    found, roles = None, set()
+    for leaf in leaves:
+        last = leaf.variable.shown or leaf.place.rpartition(".")[2]
+        if leaf.width != 3 or leaf.place in given or last in given:
+            continue
+        names = set(_plain(last))
+        if names & {"i", "incident"}:
+            found = leaf
+        else:
+            roles |= {r for r, words in DIRECTIONS.items() if names & set(words.split())}
+    return found if "wi" in roles and "wo" not in roles else None
+
+
+# What belongs to the light, and how bright it is.
+_LIT = re.compile(r"light|lamp|sun|radiance|attenuation|shadow|visibility", re.I)
+_BRIGHT = re.compile(
+    r"colou?r$|intensity|radiance|power$|energy$|attenuation|strength|^light$|shadow|visibility",
+    re.I,
+)
+
+_DIRECTION = re.compile(r"dir(ection)?$|vec(tor)?$")
+
+
+def _lone_direction(leaves: Iterable[Leaf], given: Container[str]) -> tuple[Leaf | None, str]:
+    """The one vector that is called a direction and is not known, where one direction alone is missing.
+
+    What the others are tells which: "light" or "viewer".
+    """
+    found, roles = [], set()
+    for leaf in leaves:
+        last = leaf.variable.shown or leaf.place.rpartition(".")[2]
+        if leaf.width != 3:
+            continue
+        names = set(_plain(last))
+        known = next((r for r, words in DIRECTIONS.items() if names & set(words.split())), "")
+        if leaf.place in given or last in given:
+            return None, ""  # who maps one direction says all that is not clear
+        if known:
+            roles.add(known)
+        elif _DIRECTION.search(_plain(last)[0]):
+            found.append(leaf)
+    missing = [name for role, name in (("wi", "light"), ("wo", "viewer")) if role not in roles]
+    if len(found) == 1 and len(missing) == 1:
+        return found[0], missing[0]
+    return None, ""
+
+
 def _random(leaf: Leaf) -> str:
     """The random numbers that a name suggests."""
     plain, bare = _plain(leaf.place.rpartition(".")[2])
@@ -287,8 +373,15 @@ def _random(leaf: Leaf) -> str:
     return ""
 
 
-def _guess(source: Source, leaf: Leaf, ranges: Container[str]) -> str:
-    """The role that a name suggests, else a parameter of that name."""
+def _guess(source: Source, leaf: Leaf, ranges: Container[str], pair: bool) -> str:
+    """The role that a name suggests, else a parameter of that name.
+
+    Args:
+        source: for messages.
+        leaf: what is to be set.
+        ranges: names of parameters that the user knows.
+        pair: whether there is a nu, so that nv is an exponent.
+    """
     last = leaf.variable.shown or leaf.place.rpartition(".")[2]
     # A struct inside of a struct: params.base.rho is base_rho, beside params.rho
     name = leaf.variable.shown or "_".join(leaf.place.split(".")[1:]) or last
@@ -304,19 +397,27 @@ def _guess(source: Source, leaf: Leaf, ranges: Container[str]) -> str:
         return last
     if leaf.whole:
         return f"{leaf.variable.default[0]:g}" if leaf.variable.default else "0"
+    if leaf.width in (1, 3) and _LIT.search(leaf.place) and _BRIGHT.search(last):
+        return "1" if leaf.width == 1 else "(1, 1, 1)"
     if leaf.width == 3:
         for role, names in DIRECTIONS.items():
             if plain in names.split() or bare in names.split():
                 return role
-        if re.search(r"dir(ection)?$|pos(ition)?$|vec(tor)?$|^p$|normal|tangent", plain):
+        if re.search(r"pos(ition)?(ws)?$|^p$|^hit$|^point$", plain):
+            # Of a surface in the origin, with the light and the viewer at a distance of 1
+            light, viewer = (re.search(w, plain) for w in ("light|lamp|sun", "cam|eye|view"))
+            return "wi" if light else "wo" if viewer else "(0, 0, 0)"
+        if re.search(r"dir(ection)?$|vec(tor)?$|normal|tangent", plain):
             raise ForeignError(
                 f"{source.path}: cannot tell what {leaf.place} ({leaf.type}) is; say it with "
                 f'--map "{last}=wi", or wo, normal, tangent, bitangent, half, or (0, 0, 1).'
             )
-    if leaf.width == 1:
+    if leaf.width == 1 and leaf.variable.low is None and not (plain == "nv" and pair):
         for role, names in COSINES.items():
             if plain in names.split() or bare in names.split():
                 return role
+    if leaf.width == 2 and re.search(r"uv|tex_?coord|^st$", plain):
+        return "(0.5, 0.5)"
     if leaf.width == 2:
         raise ForeignError(
             f"{source.path}: cannot tell what {leaf.place} ({leaf.type}) is; say it with "

@@ -22,6 +22,7 @@ from gonio.foreign.declarations import (
     plain_type,
     structs_in,
 )
+from gonio.foreign.sampled import replaced
 from gonio.messages import did_you_mean
 
 
@@ -59,6 +60,10 @@ _PREDEFINED = {
 # So many lines are left for each file in the numbers that #line gives.
 FILE_LINES = 100_000
 
+_SHORT = re.compile(
+    r"\b(?:mediump|lowp|half[234]?|fixed[234]|min(?:16|10)float[234]?|f16|vec[234]h|float16_t)\b"
+)
+
 # Those that run as a fragment shader of gonio's own.
 SHADERS = ("glsl", "essl", "brdf")
 
@@ -80,9 +85,15 @@ class Source:
     entry: str = ""
     """The function of generated text, which is in no file."""
     textures: tuple[str, ...] = ()
-    """Names of its sampler2D."""
+    """Names of its sampler2D, or of what it reads as a texture in other languages."""
     module: str = ""
     """Of Python, if it was named by its module."""
+
+    @property
+    def short(self) -> bool:
+        """Whether the file declares half precision."""
+        written = _text(self.path) if self.path.is_file() and not self.entry else self.text
+        return _SHORT.search(blank_comments(written)) is not None
 
     def find(self, name: str | None) -> Function:
         """The function of a name such as "eval", "Eon.eval" or "gonio_eon::eon_eval".
@@ -198,6 +209,8 @@ def read(
     if language == "osl":
         text = _osl(bare)
         bare = text
+    bare, text = _singles(bare, text, language)
+    bare, text, read_from = replaced(bare, text, language)
     if language == "msl":
         text = swizzled(text)
     if language in (*SHADERS, "hlsl"):
@@ -218,8 +231,38 @@ def read(
         structs_in(seen, language),
         tuple(uniforms),
         tuple(files),
-        textures=_samplers(bare, language),
+        textures=_samplers(bare, language) or read_from,
     )
+
+
+# Half precision that cannot be run here, as float32: patterns and what stands for them.
+_HALF = {
+    "hlsl": (
+        (r"\b(?:half|min16float|min10float|float16_t)(?=(?:[1-4](?:x[1-4])?)?\b)", "float"),
+        (r"\bfixed(?=[1-4]\b|\s+[A-Za-z_]|\s*\()", "float"),
+        (r"(?<=[\d.])[hH]\b", "f"),
+    ),
+    "slang": (
+        (r"\b(?:half|float16_t)(?=(?:[1-4](?:x[1-4])?)?\b)", "float"),
+        (r"(?<=[\d.])[hH][fF]?\b", "f"),
+    ),
+    "wgsl": (
+        (r"\benable\s+f16\s*;", ""),
+        (r"\bf16\b", "f32"),
+        (r"\b(vec[234]|mat[234]x[234])h\b", r"\1f"),
+        (r"(?<=[\d.])h\b", "f"),
+    ),
+}
+
+
+def _singles(bare: str, text: str, language: str) -> tuple[str, str]:
+    """The text with float32 for half precision; lines stay where they are."""
+    for pattern, new in _HALF.get(language, ()):
+        for match in reversed(list(re.finditer(pattern, bare))):
+            made = match.expand(new) + "\n" * match[0].count("\n")
+            text = text[: match.start()] + made + text[match.end() :]
+            bare = bare[: match.start()] + made + bare[match.end() :]
+    return bare, text
 
 
 def _samplers(bare: str, language: str) -> tuple[str, ...]:
@@ -382,7 +425,8 @@ def _uniforms(bare: str, text: str, language: str) -> tuple[str, str, list[Varia
     layout = r"(?:layout\s*\([^)]*\)\s*)?"
     if language != "hlsl":
         pattern = (
-            rf"^[ \t]*({layout}(?:flat\s+|smooth\s+|highp\s+)?(uniform|varying|in|out|attribute)\s+)"
+            rf"(?:^|(?<=;))[ \t]*"
+            rf"({layout}(?:flat\s+|smooth\s+|highp\s+)?(uniform|varying|in|out|attribute)\s+)"
             rf"{_DECLARED}(\w+)\s+(\w+)\s*(\[[^\]]*\])?\s*(=[^;]*)?;"
         )
         for m in re.finditer(pattern, bare, re.M):
@@ -406,7 +450,7 @@ def _uniforms(bare: str, text: str, language: str) -> tuple[str, str, list[Varia
                 edits.append((start, start, "static "))
                 found.append(Variable(member[2], member[1], array=(member[3] or "")[1:-1]))
         for m in re.finditer(
-            r"^[ \t]*((?:uniform\s+)?)((?:float|half|int|bool|uint)[1-4]?)\s+(\w+)\s*"
+            r"(?:^|(?<=;))[ \t]*((?:uniform\s+)?)((?:float|half|int|bool|uint)[1-4]?)\s+(\w+)\s*"
             r"(?::\s*register\s*\([^)]*\)\s*)?;",
             bare,
             re.M,

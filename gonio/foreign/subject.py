@@ -12,6 +12,7 @@ from gonio.check.subject import Array, FreeNumber, Size, stored
 from gonio.check.variants import value_at
 from gonio.claims import Claims, Kink, WhiteFurnace
 from gonio.foreign.function import Foreign, picked
+from gonio.foreign.rounding import ROUNDINGS, rounded
 
 
 class ForeignSubject:
@@ -28,14 +29,15 @@ class ForeignSubject:
     albedos = ""
     mean_closed = False
 
-    def __init__(self, foreign: Foreign, drawn: bool = False) -> None:
+    def __init__(self, foreign: Foreign, drawn: bool = False, least: bool = False) -> None:
         """Take a function that is running.
 
         Args:
             foreign: the function.
             drawn: sample with the code's own sampler, which is to be judged; else with a cosine.
+            least: take off its values what roundings may have added.
         """
-        self.foreign, self.drawn = foreign, drawn
+        self.foreign, self.drawn, self.least = foreign, drawn, least
         self.name = foreign.name
         self.parameters: tuple[FreeNumber, ...] = tuple(
             FreeNumber(name, channel, declared, _special(declared.low, declared.high))
@@ -61,7 +63,7 @@ class ForeignSubject:
         """The function with the parameters of the rows that `index` names."""
         rows = index.numpy() if dr.is_array_v(index) else np.asarray(index)
         values = {name: v[rows] for name, v in self.values(parameters).items()}
-        return _Bound(self.foreign, Float, values, self.drawn)
+        return _Bound(self.foreign, Float, values, self.drawn, self.least)
 
     def bound(self, values: Mapping[str, Any], Float: Any) -> Any:
         """The function with Dr.Jit values for its parameters."""
@@ -128,9 +130,14 @@ class _Bound:
     """eval of the code, and its sampler or one of gonio's own that shows integrals where to look."""
 
     def __init__(
-        self, foreign: Foreign, Float: Any, values: Mapping[str, Any], drawn: bool
+        self,
+        foreign: Foreign,
+        Float: Any,
+        values: Mapping[str, Any],
+        drawn: bool,
+        least: bool = False,
     ) -> None:
-        self.foreign, self.Float, self.values = foreign, Float, values
+        self.foreign, self.Float, self.values, self.least = foreign, Float, values, least
         self.sampler = foreign.sampler if drawn else None
         self.density = foreign.density if drawn else None
 
@@ -139,7 +146,13 @@ class _Bound:
         a, b = self._plain(wi), self._plain(wo)
         n = max(len(a), len(b))
         a, b = np.broadcast_to(a, (n, 3)), np.broadcast_to(b, (n, 3))
-        f = self.foreign.brdf(a, b, self.values)
+        if self.least:
+            both = rounded(self.foreign, a, b, self.values)
+            f = np.maximum(both.values - ROUNDINGS * both.rounding, 0)
+        else:
+            f = self.foreign.brdf(a, b, self.values)
+        # What is not finite is a finding of its own, and must not hide what all the rest adds up to
+        f = np.where(np.isfinite(f), f, 0.0)
         Vec = dr.replace_shape_t(self.Float, (3, -1))
         return Vec(*(stored(self.Float, c) for c in f.T))
 

@@ -12,11 +12,14 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any, Protocol
 
 import numpy as np
 
+from gonio.fields import Parameter
+from gonio.foreign import anisotropic
 from gonio.foreign.expressions import Array
-from gonio.foreign.function import Foreign
+from gonio.foreign.function import Returns
 
 PAIRS = 300
 
@@ -27,6 +30,30 @@ FAINT = 1e-6
 EXACT = 2e-4
 
 TINY = 1e-30
+
+# Exponents up to here, so that tails have digits.
+EXPONENTS = 300.0
+
+# Values that change more than this by a turn about the normal are anisotropic.
+STRETCHED = 1e-3
+
+# So many colours at most are tried in pairs, one times the other.
+PAIRED = 5
+
+
+class Valued(Protocol):
+    """What can be identified: code, or what is left of it without some of its terms."""
+
+    returns: Returns
+
+    @property
+    def parameters(self) -> dict[str, Parameter]:
+        """By name."""
+        ...
+
+    def raw(self, wi: Array, wo: Array, values: dict[str, Any] | None = None) -> Array:
+        """What the code gives back, (n, 3)."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -49,6 +76,9 @@ class Choice:
     log: Array
     """Of its values, (n,)."""
     usual: bool = True
+    kind: str = ""
+    """diffuse; specular, whose cosines and 1 / 4 stand before D G; bare, without masking; lobe, a power."""
+    remark: str = ""
 
 
 @dataclass(frozen=True)
@@ -63,6 +93,8 @@ class Product:
     """Largest relative difference."""
     odd: tuple[str, ...]
     """Terms that are usually mistakes."""
+    remarks: tuple[str, ...] = ()
+    """What may be meant, and is not what most have."""
 
     @property
     def exact(self) -> bool:
@@ -195,7 +227,14 @@ COLOURS: dict[str, tuple[Callable[[Array], Array], bool]] = {
 def _fresnels(c: Cosines, colours: dict[str, Array]) -> Iterator[tuple[str, Array, bool]]:
     """Name, F, and whether it is usual."""
     yield "no Fresnel term", np.ones_like(c.d), True
-    yield "Schlick's Fresnel, F0 = 0.04", _schlick(c.d, np.full_like(c.d, 0.04)), True
+    fixed = np.full_like(c.d, 0.04)
+    yield "Schlick's Fresnel, F0 = 0.04", _schlick(c.d, fixed), True
+    for where, cosine in (("N.V", c.o), ("N.L", c.i), ("N.H", c.h)):
+        yield (
+            f"Schlick's Fresnel of {where} instead of V.H, F0 = 0.04",
+            _schlick(cosine, fixed),
+            False,
+        )
     for name, f0 in colours.items():
         for text, (turn, usual) in COLOURS.items():
             colour = turn(f0)
@@ -211,6 +250,20 @@ def _fresnels(c: Cosines, colours: dict[str, Array]) -> Iterator[tuple[str, Arra
                 _schlick(cosine, f0),
                 False,
             )
+    if len(colours) <= PAIRED:
+        for (a, x), (b, y) in itertools.permutations(colours.items(), 2):
+            yield f"times {a} (1 - {b})", x * (1 - y), True
+            yield f"times {a}; Schlick's Fresnel of V.H, F0 = {b}", x * _schlick(c.d, y), True
+            if a < b:
+                yield f"times {a} {b}", x * y, True
+
+
+def _plain_diffuse(c: Cosines) -> Iterator[tuple[str, Array, bool]]:
+    """Shapes without a width."""
+    yield "Lambert", np.ones_like(c.i), True
+    # Ashikhmin and Shirley 2000, Eq. 5
+    shape = 28 / 23 * (1 - (1 - c.i / 2) ** 5) * (1 - (1 - c.o / 2) ** 5)
+    yield "Ashikhmin and Shirley's diffuse term", shape, True
 
 
 def _diffuse(c: Cosines, r: Array, name: str) -> Iterator[tuple[str, Array, bool]]:
@@ -226,18 +279,26 @@ def _diffuse(c: Cosines, r: Array, name: str) -> Iterator[tuple[str, Array, bool
         A, B = 1 - 0.5 * s2 / (s2 + 0.33), 0.45 * s2 / (s2 + 0.09)
         A57 = 1 - 0.5 * s2 / (s2 + 0.57)
         over = np.maximum(c.i, c.o)
+        t = np.where(s > 0, over, 1)
+        cut = np.maximum(c.v, 0) - c.i * c.o
+        tc = np.where(cut > 0, over, 1)
         kinds = [
             ("Oren-Nayar", A + B * np.maximum(s, 0) / over, usual),
             ("Oren-Nayar with 0.57", A57 + B * np.maximum(s, 0) / over, usual),
+            ("Oren-Nayar with Fujii's t", A + B * s / t, usual),
+            ("Oren-Nayar with 0.57 and Fujii's t", A57 + B * s / t, usual),
             ("Oren-Nayar whose s / t is not cut at 0", A + B * s / over, False),
+            ("Oren-Nayar with Fujii's t and L.V cut at 0", A + B * cut / tc, False),
+            (
+                "Oren-Nayar whose s / t is not cut at 0, with L.V cut at 0",
+                A + B * cut / over,
+                False,
+            ),
         ]
         for kind, shape, fine in kinds:
             yield f"{kind}, sigma = {text}", shape, fine
         AF = 1 / (np.pi + (np.pi / 2 - 2 / 3) * sigma)
-        t = np.where(s > 0, over, 1)
         yield f"Fujii's Oren-Nayar, sigma = {text}", np.pi * AF * (1 + sigma * s / t), usual
-        cut = np.maximum(c.v, 0) - c.i * c.o
-        tc = np.where(cut > 0, over, 1)
         yield (
             f"Fujii's Oren-Nayar with L.V cut at 0, sigma = {text}",
             np.pi * AF * (1 + sigma * cut / tc),
@@ -261,7 +322,7 @@ def _diffuse(c: Cosines, r: Array, name: str) -> Iterator[tuple[str, Array, bool
 
 
 # Cosines that stand before the product, as powers of N.L and N.V, and what they mean.
-POWERS = ((-1, -1), (0, 0), (0, -1), (-1, 0), (1, 0), (1, -1), (1, 1), (0, 1))
+POWERS = ((-1, -1), (0, 0), (0, -1), (-1, 0), (1, 0), (1, -1), (1, 1), (0, 1), (2, 0))
 
 
 def directions(count: int, seed: int) -> tuple[Array, Array, Cosines]:
@@ -276,7 +337,7 @@ def directions(count: int, seed: int) -> tuple[Array, Array, Cosines]:
     return wi, wo, Cosines(wi[:, 2], wo[:, 2], h[:, 2], (wi * h).sum(1), (wi * wo).sum(1))
 
 
-def identify(foreign: Foreign, count: int = 6) -> list[Product]:
+def identify(foreign: Valued, count: int = 6) -> list[Product]:
     """The products that are nearest to a function, best first.
 
     Every scalar parameter is tried as the width, every colour and every other number as F0 or albedo;
@@ -291,8 +352,11 @@ def identify(foreign: Foreign, count: int = 6) -> list[Product]:
     for name, p in foreign.parameters.items():
         low, high = p.low, p.high
         t = rng.uniform(0.15, 0.9, n)
-        # Exponents from the first decade on, so that tails have digits
-        t = low + (high - low) * (t if high <= 10 else 0.05 * t)
+        if high > 10:
+            low = max(low, 1.0)
+            t = low * (min(high, EXPONENTS) / low) ** t
+        else:
+            t = low + (high - low) * t
         if p.width == 3:
             values[name] = np.repeat(t[:, None], 3, axis=1)
             colours[name] = t
@@ -302,6 +366,7 @@ def identify(foreign: Foreign, count: int = 6) -> list[Product]:
             if high <= 1:
                 colours[name] = t
     raw = foreign.raw(wi, wo, values)[:, 0]
+    turned = foreign.raw(_turned(wi), _turned(wo), values)[:, 0]
     good = np.isfinite(raw) & (raw > FAINT * np.nanmax(np.where(np.isfinite(raw), raw, 0)))
     if good.sum() < PAIRS // 4:
         return []
@@ -310,25 +375,57 @@ def identify(foreign: Foreign, count: int = 6) -> list[Product]:
     numbers = {k: v[good] for k, v in numbers.items()}
     colours = {k: v[good] for k, v in colours.items()}
     found: list[Product] = []
+    stretched = float(np.median(np.abs(turned - raw)[good] / raw[good])) > STRETCHED
+    if stretched and 1 < len(numbers) <= anisotropic.PAIRED:
+        found += _stretched(log_f, cut, (wi[good], wo[good]), numbers, colours, foreign.returns)
     with np.errstate(all="ignore"):
         for name in [*numbers, ""]:
             r = numbers.get(name, np.full(len(log_f), 0.5))
             others = {k: v for k, v in colours.items() if k != name}
             fresnel = _choices(_fresnels(cut, others))
-            found += _tried(log_f, cut, [Choice("Lambert", np.zeros_like(r))], fresnel)
+            plain = _choices(_plain_diffuse(cut), "diffuse")
+            found += _tried(log_f, cut, plain, fresnel, foreign.returns)
             if not name:
                 continue
-            found += _tried(log_f, cut, _choices(_diffuse(cut, r, name)), fresnel)
+            rough = _choices(_diffuse(cut, r, name), "diffuse")
+            found += _tried(log_f, cut, rough, fresnel, foreign.returns)
             for mistake, other in _halves(cut):
                 terms = _choices(_fresnels(other, others))
                 shapes = _speculars if foreign.parameters[name].high <= 1 else _powers
-                found += _tried(log_f, other, list(shapes(other, r, name, mistake)), terms)
+                made = list(shapes(other, r, name, mistake))
+                found += _tried(log_f, other, made, terms, foreign.returns)
     found.sort(key=lambda p: (max(p.misfit, 2 * EXACT / 3), len(p.odd), len(p.terms)))
     return found[:count]
 
 
-def _choices(pairs: Iterator[tuple[str, Array, bool]]) -> list[Choice]:
-    return [Choice(text, np.log(np.maximum(v, TINY)), usual) for text, v, usual in pairs]
+def _turned(w: Array) -> Array:
+    """Turned about the normal."""
+    c, s = np.cos(0.5), np.sin(0.5)
+    return np.stack([c * w[:, 0] - s * w[:, 1], s * w[:, 0] + c * w[:, 1], w[:, 2]], -1)
+
+
+def _stretched(
+    log_f: Array,
+    c: Cosines,
+    pair: tuple[Array, Array],
+    numbers: dict[str, Array],
+    colours: dict[str, Array],
+    returns: Returns,
+) -> list[Product]:
+    """The best anisotropic products; numbers that are widths are no F0."""
+    wi, wo = pair
+    h = wi + wo
+    h /= np.linalg.norm(h, axis=1, keepdims=True)
+    with np.errstate(all="ignore"):
+        shapes = [
+            Choice(s.text, s.log, not s.swapped, s.kind)
+            for s in anisotropic.shapes(anisotropic.Vectors(wi, wo, h), numbers)
+        ]
+        return _tried(log_f, c, shapes, _choices(_fresnels(c, colours)), returns) if shapes else []
+
+
+def _choices(pairs: Iterator[tuple[str, Array, bool]], kind: str = "") -> list[Choice]:
+    return [Choice(text, np.log(np.maximum(v, TINY)), usual, kind) for text, v, usual in pairs]
 
 
 def _halves(c: Cosines) -> Iterator[tuple[str, Cosines]]:
@@ -337,6 +434,7 @@ def _halves(c: Cosines) -> Iterator[tuple[str, Cosines]]:
     h, d = 2 * c.d * c.h, 2 * c.d * c.d
     yield "half vector not normalised", replace(c, h=np.minimum(h, 1), d=np.minimum(d, 1))
     yield "half vector not normalised, its cosines not cut at 1", replace(c, h=h, d=d)
+    yield "half vector (L + V) / 2, not normalised", replace(c, h=c.d * c.h, d=c.d * c.d)
 
 
 def _speculars(c: Cosines, r: Array, name: str, mistake: str) -> Iterator[Choice]:
@@ -349,8 +447,16 @@ def _speculars(c: Cosines, r: Array, name: str, mistake: str) -> Iterator[Choice
             text = f"{d_name}, alpha = {scale.format(name)}; {g_name}"
             if mistake:
                 text += f"; {mistake}"
-            yield Choice(text, log_d + np.log(np.maximum(G, TINY)), usual and common)
+            kind = "bare" if g_name in BARE else "specular"
+            remark = ""
+            if scale == "{}" and "rough" in name.lower():
+                remark = f"alpha = {name}; most engines have alpha = {name}^2"
+            log = log_d + np.log(np.maximum(G, TINY))
+            yield Choice(text, log, usual and common, kind, remark)
 
+
+# These are meant with cosines that cancel, in one way or another.
+BARE = ("no masking", "Kelemen's masking", "Neumann's masking")
 
 NORMALISED: dict[str, Callable[[Array], Array]] = {
     "not normalised": np.ones_like,
@@ -372,10 +478,12 @@ def _powers(c: Cosines, n: Array, name: str, mistake: str) -> Iterator[Choice]:
                     t for t in (f"{lobe} with n = {name}, {how}", g_name, mistake) if t
                 )
                 log = log_power + np.log(factor(n)) + np.log(np.maximum(G, TINY))
-                yield Choice(text, log, usual and not mistake and how != "not normalised")
+                yield Choice(text, log, usual and not mistake and how != "not normalised", "lobe")
 
 
-def _tried(log_f: Array, c: Cosines, shapes: list[Choice], fresnel: list[Choice]) -> list[Product]:
+def _tried(
+    log_f: Array, c: Cosines, shapes: list[Choice], fresnel: list[Choice], returns: Returns
+) -> list[Product]:
     """The best combinations of shapes, Fresnel terms and powers of cosines."""
     li, lo = np.log(c.i), np.log(c.o)
     best: list[tuple[float, int, int, int]] = []
@@ -402,16 +510,62 @@ def _tried(log_f: Array, c: Cosines, shapes: list[Choice], fresnel: list[Choice]
             if t and t != "no Fresnel term"
         ]
         odd = [t.text for t in (shapes[s], fresnel[k]) if not t.usual]
+        constant = float(np.exp(shift))
         found.append(
             Product(
                 tuple(terms),
-                float(np.exp(shift)),
+                constant,
                 float(off.std()),
                 float(np.expm1(np.abs(off).max())),
-                tuple(odd),
+                (*odd, *_before(shapes[s].kind, a - returns.cosine, b, constant / returns.factor)),
+                (shapes[s].remark,) if shapes[s].remark else (),
             )
         )
     return found
+
+
+def _before(kind: str, a: int, b: int, constant: float) -> Iterator[str]:
+    """What is wrong with the cosines and the constant that stand before a shape, if f is meant.
+
+    Args:
+        kind: of a Choice.
+        a: the power of N.L.
+        b: the power of N.V.
+        constant: the factor.
+    """
+    name = constant_name(constant)
+    if kind == "specular" and (a, b) == (0, 0):
+        yield "4 where 4 N.L N.V is meant" if name == "1 / 4" else "N.L N.V is missing below"
+    elif kind == "specular" and (a, b) != (-1, -1):
+        sides = [n for n, p in (("N.L", a), ("N.V", b)) if p > -1]
+        yield f"{' and '.join(sides)} {'is' if len(sides) == 1 else 'are'} missing below"
+    elif kind == "diffuse" and (a, b) != (0, 0):
+        above = [n for n, p in (("N.L", a), ("N.V", b)) if p > 0]
+        below = [n for n, p in (("N.L", a), ("N.V", b)) if p < 0]
+        yield "; ".join(
+            [f"times {n} once too often" for n in above]
+            + [f"divided by {n}, which reflection is not" for n in below]
+        )
+    if kind == "diffuse":
+        wrong = {
+            "1 / pi^2": "pi twice",
+            "": "1 / pi is missing",
+            "1 / (2 pi)": "1 / (2 pi) where 1 / pi is meant",
+            "2 / pi": "2 / pi where 1 / pi is meant",
+        }
+    elif kind in ("specular", "bare"):
+        wrong = {
+            "1 / (4 pi)": "pi twice: the distribution has 1 / pi already",
+            "": "1 / 4 is missing",
+            "1 / 2": "1 / 2 where 1 / 4 is meant",
+            "1 / 8": "1 / 8 where 1 / 4 is meant",
+            "1 / pi": "1 / pi where 1 / 4 is meant (Cook and Torrance had pi)",
+            "pi / 4": "pi is missing below",
+        }
+    else:
+        wrong = {"1 / pi": "pi twice: the lobe has 1 / pi already"}
+    if name in wrong and not (kind == "lobe" and a == b == 0 and name == ""):
+        yield wrong[name]
 
 
 def _power(a: int, b: int) -> str:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gonio.foreign.sampled import NOTHING, head
 from gonio.foreign.source import SHADERS, ForeignError, Source
 from gonio.images import ImageError, read_image
 from gonio.messages import did_you_mean
@@ -39,16 +41,33 @@ def check(source: Source, given: dict[str, str]) -> None:
     """Raise a ForeignError for textures that the code does not have, or a language without them."""
     if not given:
         return
-    if source.language not in SHADERS:
+    if source.language not in SHADERS and not source.textures:
         raise ForeignError(
-            f"{source.path}: textures are read for GLSL alone; write a constant into the code instead."
+            f"{source.path}: no texture was found that it reads; write a constant into the code instead."
         )
-    for name in given:
+    for name, value in given.items():
+        if source.language not in SHADERS and texels(value).shape[:2] != (1, 1):
+            raise ForeignError(
+                f"{source.path}: pictures are read for GLSL alone; give --texture {name}=0.5 or "
+                "=0.8/0.3/0.1."
+            )
         if name not in source.textures:
             raise ForeignError(
-                f"{source.path} has no sampler2D {name!r}; {did_you_mean(name, source.textures)}it has "
+                f"{source.path} has no texture {name!r}; {did_you_mean(name, source.textures)}it has "
                 f"{', '.join(source.textures) or 'none'}."
             )
+
+
+def filled(source: Source, given: dict[str, str]) -> Source:
+    """The source with the values of its textures, in languages where they are constants."""
+    if source.language in SHADERS or NOTHING not in source.text:
+        return source
+    values = {n: texels(given.get(n, "0"))[0, 0] for n in source.textures}
+    declared = head(source.language, values)
+    if source.language == "wgsl":  # whose first lines may be directives, and whose order is free
+        return replace(source, text=f"{source.text}\n{declared}\n")
+    place = f'#line 1 "{source.path.resolve()}"'
+    return replace(source, text=f"{declared}\n{place}\n{source.text}")
 
 
 def texels(value: str) -> Texels:
@@ -84,6 +103,6 @@ def _filled(pixels: Texels) -> Texels:
 
 def write(folder: Path, source: Source, given: dict[str, str]) -> None:
     """Put all textures of the code where its process looks for them; those not given are black."""
-    if source.textures:
+    if source.textures and source.language in SHADERS:
         found: dict[str, Any] = {n: texels(given.get(n, "0")) for n in source.textures}
         np.savez(folder / FILE, **found)

@@ -6,10 +6,9 @@ float32, and what that changes is taken off, several times over, before anything
 
 from __future__ import annotations
 
-import re
 import time
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,21 +19,11 @@ from gonio.check.reciprocity import dimensions
 from gonio.check.report import EFFORTS, FAIL, NOTE, PASS, UNSURE, Effort, Finding, Report
 from gonio.check.search import maximise
 from gonio.check.subject import Array
+from gonio.fields import Parameter
 from gonio.foreign.function import Foreign
-from gonio.foreign.source import blank_comments
+from gonio.foreign.returned import around_the_mirror
+from gonio.foreign.rounding import BEST, NEAR, NEIGHBOURS, OFTEN, ROUNDINGS, TIMES, Rounded, rounded
 from gonio.foreign.subject import ForeignSubject
-
-# float32 keeps 24 bits; directions are shaken by so many of its roundings, so many times.
-ULP = 2.0**-24
-SHAKEN, TIMES = 2.0, 4
-
-# So many times what shaking changes is allowed: sums in shaders have dozens of roundings.
-ROUNDINGS = 8.0
-
-# Rounding may look small at one place by luck, and a search finds such places. An error is there all around
-# as well: the best so many places are looked at again, at so many neighbours each, shaken more often; the
-# lower quartile of their departures counts.
-BEST, NEIGHBOURS, NEAR, OFTEN = 8, 24, 1e-4, 12
 
 # More than this of a value lost to roundings is said. At lower cosines half vectors are short, so that
 # their roundings are large whatever is done with them.
@@ -50,18 +39,17 @@ FLOOR = 1e-4
 # such directions.
 MU_LOW, MU_HARD = 1e-3, 1e-5
 
+# So many places tell whether an end of a parameter's range has values; if not, checks begin this part of
+# the range inside of it.
+PROBED, INSIDE = 256, 0.05
+
+# Half precision is compared at so many places; it has 11 bits, so that a few roundings are below this part.
+HALVES, HALF_LIMIT = 4096, 0.05
+
 # A largest value so small is black: nothing can be judged then.
 BLACK = 1e-8
 
 Progress = Callable[[int, int], None]
-
-
-@dataclass(frozen=True)
-class Rounded:
-    """Values, and how far roundings of the directions move them."""
-
-    values: Array
-    rounding: Array
 
 
 def check(
@@ -83,12 +71,14 @@ def check(
     subject = ForeignSubject(foreign)
     start = time.perf_counter()
     found = [_scope(foreign, subject)]
-    if any(f.verdict == UNSURE for f in found[0].findings):
+    if any(f.verdict in (UNSURE, FAIL) for f in found[0].findings):
         return found
+    inner, notes = _without_poles(subject)
+    found = [replace(found[0], findings=(*found[0].findings, *notes))]
     for done, name in enumerate(chosen):
         if progress is not None:
             progress(done, len(chosen))
-        findings = VERDICTS[name](subject, level)
+        findings = VERDICTS[name](subject if name == "finite" else inner, level)
         seconds = time.perf_counter() - start
         start = time.perf_counter()
         if findings:
@@ -105,11 +95,14 @@ def _scope(foreign: Foreign, subject: ForeignSubject) -> Report:
         Finding("returns", foreign.returns.factor, NOTE, f"{foreign.returns} ({how})"),
         Finding("arguments", float(foreign.matched.columns), NOTE, foreign.matched.explained()),
     ]
+    written = [a.name for a in foreign.function.arguments if a.written]
+    if foreign.function.returns == "void" and len(written) > 1:
+        text = f"{' + '.join(written)}, which it writes"
+        findings.append(Finding("judged", float(len(written)), NOTE, text))
     text = "factors, widths and terms that break no law; 'gonio compare' with a model finds these"
     findings.append(Finding("not judged", 0.0, NOTE, text))
-    short = r"\b(mediump|lowp|half[234]?|min16float[234]?|f16|float16_t)\b"
-    if re.search(short, blank_comments(foreign.source.text)):
-        text = "it is declared; what was measured is what this machine has, which may be float32"
+    if foreign.shipped is None and foreign.source.short:
+        text = "it is declared, and computed in float32 here, so that what it loses is not judged"
         findings.append(Finding("half precision", 0.0, NOTE, text))
     words = foreign.source.reached(foreign.function)
     for name in foreign.source.textures:
@@ -121,10 +114,49 @@ def _scope(foreign: Foreign, subject: ForeignSubject) -> Report:
     values = np.abs(foreign.brdf(*_places(subject, points)))
     largest = float(np.nanmax(values)) if np.isfinite(values).any() else float("nan")
     if not largest > BLACK:
-        what = "black" if largest == largest else "not a number"
+        black = largest == largest
+        what = "black" if black else "not a number"
         text = f"{what} at all of 512 random places, so that nothing can be judged; is --map right?"
-        findings.append(Finding("values", largest, UNSURE, text))
+        findings.append(Finding("values", largest, UNSURE if black else FAIL, text))
     return Report("scope", subject.name, tuple(findings))
+
+
+def _without_poles(subject: ForeignSubject) -> tuple[ForeignSubject, list[Finding]]:
+    """The subject without ends of parameters at which hardly any value is finite, and notes on them."""
+    foreign = subject.foreign
+    rng = np.random.default_rng(43)
+    points = rng.uniform(0.05, 0.95, (PROBED, dimensions(subject)))
+    # The mirror direction, where narrow lobes have their values
+    points[:, -2:] = np.where(rng.random((PROBED, 1)) < 0.5, points[:, -4:-2], points[:, -2:])
+    parameters, notes = dict(foreign.parameters), []
+    for name, p in foreign.parameters.items():
+        columns = [k for k, free in enumerate(subject.parameters) if free.path == name]
+        for end, value, word in ((0.0, p.low, "begin"), (1.0, p.high, "end")):
+            there = points.copy()
+            there[:, columns] = end
+            bad = ~np.isfinite(foreign.brdf(*_places(subject, there))).all(axis=1)
+            if bad.mean() < 0.5:
+                continue
+            kept = value + (1 - 2 * end) * INSIDE * (p.high - p.low)
+            p = replace(p, high=kept) if end else replace(p, low=kept)
+            p = replace(p, default=_within(p))
+            parameters[name] = p
+            text = (
+                f"no number at {name} = {value:g}; all checks but 'finite' {word} at {kept:g}; "
+                f"--range {name}={p.low:g}..{p.high:g} if it is never given that"
+            )
+            notes.append(Finding("left out", float(bad.mean()), NOTE, text))
+    if not notes:
+        return subject, []
+    matched = replace(foreign.matched, parameters=parameters)
+    return ForeignSubject(replace(foreign, matched=matched)), notes
+
+
+def _within(p: Parameter) -> Any:
+    """The default, not beyond the ends."""
+    if isinstance(p.default, tuple):
+        return tuple(float(np.clip(x, p.low, p.high)) for x in p.default)
+    return float(np.clip(p.default, p.low, p.high))
 
 
 def _places(
@@ -142,23 +174,6 @@ def _lifted(w: Array, low: float) -> Array:
     flat = np.maximum(np.hypot(w[:, 0], w[:, 1]), 1e-300)
     scale = np.sqrt(np.maximum(1 - z * z, 0)) / flat
     return np.stack([w[:, 0] * scale, w[:, 1] * scale, z], -1)
-
-
-def rounded(
-    foreign: Foreign, wi: Array, wo: Array, values: Any, seed: int = 5, times: int = TIMES
-) -> Rounded:
-    """Values (n, 3), and the largest change that roundings of the directions make."""
-    rng = np.random.default_rng(seed)
-    middle = foreign.brdf(wi, wo, values)
-    spread = np.zeros_like(middle)
-    for _ in range(times):
-        a, b = (
-            w + SHAKEN * ULP * np.maximum(np.abs(w), ULP) * rng.uniform(-1, 1, w.shape)
-            for w in (wi, wo)
-        )
-        with np.errstate(invalid="ignore"):
-            spread = np.fmax(spread, np.abs(foreign.brdf(a, b, values) - middle))
-    return Rounded(middle, spread)
 
 
 def _departure(a: Rounded, b: Rounded) -> Array:
@@ -360,13 +375,69 @@ def _precision(subject: ForeignSubject, effort: Effort) -> list[Finding]:
 
 
 def _energy(subject: ForeignSubject, effort: Effort) -> list[Finding]:
-    """The largest albedo by search; a gain of less than LIMIT may be roundings of a white surface."""
+    """The largest albedo by search; a gain of less than LIMIT may be roundings of a white surface.
+
+    Where values lose many digits, what is left of each without its roundings has to gain as well.
+    """
     found = energy.check(subject, effort.less()).findings
+    first = found[0]
+    if first.verdict != FAIL or first.case is None:
+        return list(found)
+    if first.measured <= 1 + LIMIT:
+        text = f"no more than roundings of float32; {first.text}"
+        return [replace(first, verdict=PASS, text=text), *found[1:]]
+    parameters, _, wo = first.case
+    lost = albedo_lost(subject, parameters, wo)
+    if not lost > LIMIT:
+        return list(found)
+    beyond = energy.check(ForeignSubject(subject.foreign, least=True), effort.less()).findings[0]
+    if beyond.verdict == FAIL and beyond.measured > 1 + LIMIT:
+        text = f"{beyond.text}; without what float32 may have rounded"
+        return [replace(beyond, text=text), *found[1:]]
+    text = (
+        f"no gain beyond rounding, which is {lost:.1g} there: digits are lost, and with them energy; "
+        f"{first.text}"
+    )
+    return [replace(first, verdict=NOTE, text=text), *found[1:]]
+
+
+def albedo_lost(subject: ForeignSubject, parameters: Array, wo: Array) -> float:
+    """How much of an albedo roundings of the directions may be, at one place."""
+    values = {name: v[0] for name, v in subject.values(parameters[None]).items()}
+    wi, weight = around_the_mirror(np.asarray(wo, np.float64))
+    both = rounded(subject.foreign, wi, np.broadcast_to(wo, wi.shape), values)
+    return float(np.nansum(both.rounding.max(axis=1) * weight * wi[:, 2]))
+
+
+def _half(subject: ForeignSubject, effort: Effort) -> list[Finding]:
+    """What the half precision that code declares makes of its values, where that was told apart."""
+    foreign, shipped = subject.foreign, subject.foreign.shipped
+    if shipped is None:
+        return []
+    points = np.random.default_rng(47).random((HALVES, dimensions(subject)))
+    points[::2, -2:] = points[::2, -4:-2] + 0.05 * (
+        points[::2, -2:] - 0.5
+    )  # near the mirror direction
+    wi, wo, values = _places(subject, np.clip(points, 0, 1), 0.05)
+    full = foreign.brdf(wi, wo, values)
+    half = shipped.brdf(wi, wo, values)
+    lost = np.isfinite(full).all(axis=1) & ~np.isfinite(half).all(axis=1)
+    with np.errstate(invalid="ignore"):
+        scale = np.maximum(np.maximum(np.abs(full), np.abs(half)), FLOOR)
+        off = np.nan_to_num(np.abs(full - half) / scale, nan=0.0, posinf=0.0).max(axis=1)
+    k = int(np.argmax(np.where(lost, np.inf, off)))
+    case = (points[k, : len(subject.parameters)], wi[k], wo[k])
+    if not off.any() and not lost.any():
+        text = "mediump changes nothing here: this machine's driver computes it in float32"
+        return [Finding("half precision", 0.0, NOTE, text)]
+    shown = f"{half[k, 0]:.4g} instead of {full[k, 0]:.4g}"
+    many = f", by more than 10 % at {(off > 0.1).mean():.0%} of {HALVES} places"
+    verdict = FAIL if lost.any() or off.max() > HALF_LIMIT else PASS
+    text = f"mediump changes values: {shown}{many}"
+    if lost.any():
+        text += f"; not finite at {lost.mean():.0%}"
     return [
-        replace(f, verdict=PASS, text=f"no more than roundings of float32; {f.text}")
-        if f.verdict == FAIL and f.measured <= 1 + LIMIT
-        else f
-        for f in found
+        Finding("half precision", float(off.max()), verdict, text, "", subject.replay(*case), case)
     ]
 
 
@@ -451,7 +522,7 @@ VERDICTS: dict[str, Callable[[ForeignSubject, Effort], list[Finding]]] = {
     "finite": _finite,
     "isotropy": _isotropy,
     "frame": _frame,
-    "precision": _precision,
+    "precision": lambda s, effort: [*_precision(s, effort), *_half(s, effort)],
     "sampling": _sampling,
     "albedo": _albedo,
 }

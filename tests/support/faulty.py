@@ -1,14 +1,15 @@
-"""One microfacet shader with one planted fault, written in each language from one list of statements.
+"""Shaders with one planted fault, written in each language from one list of statements.
 
 Cook-Torrance with GGX (Walter et al. 2007, Eq. 33), Smith's correlated masking (Heitz 2014, Eq. 99) and
-Schlick's Fresnel term; PLANTED changes one expression each.
+Schlick's Fresnel term; the same with two widths (Burley 2012, Eq. 13; Heitz 2014, Eq. 85); and Oren-Nayar
+(1994, Eq. 30 without interreflection). PLANTED changes one or two expressions each.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-RIGHT = {
+SPECULAR = {
     "colour": "f0",
     "half": "normalize(L + V)",
     "alpha": "roughness * roughness",
@@ -16,23 +17,45 @@ RIGHT = {
     "masking": "2.0 * NoL * NoV / (NoV * gi + NoL * go)",
     "fresnel": "VoH",
     "below": "1.0 / (4.0 * NoL * NoV)",
-    "result": "F * (D * G * K)",
 }
+STRETCHED = {"along": "X", "across": "Y", "masked_along": "X", "masked_across": "Y"}
+DIFFUSE = {"cosine": "dot(L, V)", "part": "clamp(s, 0.0, 1.0)"}
 
-# What is changed, and a word of the sentence that has to name it.
-PLANTED: dict[str, tuple[dict[str, str], str]] = {
-    "alpha for alpha^2": ({"alpha": "roughness"}, "GGX, alpha = roughness;"),
-    "roughness squared twice": (
-        {"alpha": "roughness * roughness * roughness * roughness"},
-        "alpha = roughness^4",
+
+@dataclass(frozen=True)
+class Fault:
+    """What is changed, and a word of the sentence that has to name it."""
+
+    words: str
+    changed: dict[str, str]
+    base: dict[str, str] = field(default_factory=lambda: SPECULAR)
+
+
+PLANTED = {
+    "alpha for alpha^2": Fault("GGX, alpha = roughness;", {"alpha": "roughness"}),
+    "roughness squared twice": Fault(
+        "alpha = roughness^4", {"alpha": "roughness * roughness * roughness * roughness"}
     ),
-    "4 for 4 cos cos": ({"below": "1.0 / 4.0"}, "times 1 / 4"),
-    "pi twice": ({"below": "1.0 / (4.0 * 3.14159265 * NoL * NoV)"}, "times 1 / (4 pi)"),
-    "a cosine is missing below": ({"below": "1.0 / (4.0 * NoV)"}, "1 / (N.V)"),
-    "Schlick with N.V": ({"fresnel": "NoV"}, "Fresnel of N.V instead of V.H"),
-    "masking on one side": ({"masking": "2.0 * NoV / (NoV + go)"}, "on the viewer's side only"),
-    "half vector is not normalised": ({"half": "L + V"}, "half vector not normalised"),
-    "sRGB taken as linear": ({"colour": "power(f0, 2.2)"}, "f0^2.2"),
+    "4 for 4 cos cos": Fault("4 where 4 N.L N.V is meant", {"below": "1.0 / 4.0"}),
+    "pi twice": Fault("pi twice", {"below": "1.0 / (4.0 * 3.14159265 * NoL * NoV)"}),
+    "a cosine is missing below": Fault("N.L is missing below", {"below": "1.0 / (4.0 * NoV)"}),
+    "Schlick with N.V": Fault("Fresnel of N.V instead of V.H", {"fresnel": "NoV"}),
+    "masking on one side": Fault(
+        "on the viewer's side only", {"masking": "2.0 * NoV / (NoV + go)"}
+    ),
+    "half vector is not normalised": Fault("half vector not normalised", {"half": "L + V"}),
+    "sRGB taken as linear": Fault("f0^2.2", {"colour": "power(f0, 2.2)"}),
+    "L.V cut at 0": Fault(
+        "with L.V cut at 0", {"cosine": "clamp(dot(L, V), 0.0, 1.0)", "part": "s"}, DIFFUSE
+    ),
+    "swapped tangents": Fault(
+        "the tangents of the distribution are swapped", {"along": "Y", "across": "X"}, STRETCHED
+    ),
+    "swapped tangents of the masking": Fault(
+        "the tangents of the masking are swapped",
+        {"masked_along": "Y", "masked_across": "X"},
+        STRETCHED,
+    ),
 }
 
 
@@ -99,33 +122,78 @@ LANGUAGES = (
 )  # fmt: skip
 
 
-def shader(language: Language, **changed: str) -> str:
-    """The text of the shader with something changed."""
-    use = RIGHT | changed
+def shader(language: Language, base: dict[str, str] = SPECULAR, **changed: str) -> str:
+    """The text of a shader with something changed."""
+    use = base | changed
     n, v = language.number, language.vector
+    numbers = ["roughness"]
     statements = [
-        (v, "c", use["colour"]),
-        (v, "H", use["half"]),
         (n, "NoL", "clamp(dot(N, L), 0.0001, 1.0)"),
         (n, "NoV", "clamp(dot(N, V), 0.0001, 1.0)"),
-        (n, "NoH", "clamp(dot(N, H), 0.0, 1.0)"),
-        (n, "VoH", "clamp(dot(V, H), 0.0, 1.0)"),
-        (n, "a", use["alpha"]),
-        (n, "a2", "a * a"),
-        (n, "q", "NoH * NoH * (a2 - 1.0) + 1.0"),
-        (n, "gi", "sqrt(NoL * NoL * (1.0 - a2) + a2)"),
-        (n, "go", "sqrt(NoV * NoV * (1.0 - a2) + a2)"),
-        (n, "D", use["distribution"]),
-        (n, "G", use["masking"]),
-        (n, "K", use["below"]),
-        (v, "F", f"schlick(c, fpow(1.0 - {use['fresnel']}, 5.0))"),
     ]
-    given = [(v, "L"), (v, "V"), (v, "N")]
-    parameters = [(v, "f0"), (n, "roughness")]
-    if language.ending == "brdf":
-        given += [(v, "X"), (v, "Y")]
+    if base is DIFFUSE:
+        statements += [
+            (n, "s", f"{use['cosine']} - NoL * NoV"),
+            (n, "t", "0.5 * (NoL + NoV + sqrt((NoL - NoV) * (NoL - NoV)))"),
+            (n, "s2", "roughness * roughness"),
+            (n, "A", "1.0 - 0.5 * s2 / (s2 + 0.33)"),
+            (n, "B", "0.45 * s2 / (s2 + 0.09)"),
+        ]
+        result = f"f0 * ((A + B * {use['part']} / t) / 3.14159265)"
+    elif base is STRETCHED:
+        numbers = ["ax", "ay"]
+
+        def length(x: str, y: str, z: str) -> str:
+            return f"sqrt(ax * ax * {x} * {x} + ay * ay * {y} * {y} + {z} * {z})"
+
+        statements += [
+            (v, "H", "normalize(L + V)"),
+            (n, "NoH", "clamp(dot(N, H), 0.0, 1.0)"),
+            (n, "hx", f"dot(H, {use['along']}) / ax"),
+            (n, "hy", f"dot(H, {use['across']}) / ay"),
+            (n, "q", "hx * hx + hy * hy + NoH * NoH"),
+            *((n, f"{w}{a}", f"dot({w}, {use[m]})") for w in "LV" for a, m in AXES),
+            (n, "gi", length("Lx", "Ly", "NoL")),
+            (n, "go", length("Vx", "Vy", "NoV")),
+            (n, "D", "1.0 / (3.14159265 * ax * ay * q * q)"),
+        ]
+        result = "f0 * (D * 0.5 / (NoV * gi + NoL * go))"
     else:
-        given += parameters
+        statements += [
+            (v, "c", use["colour"]),
+            (v, "H", use["half"]),
+            (n, "NoH", "clamp(dot(N, H), 0.0, 1.0)"),
+            (n, "VoH", "clamp(dot(V, H), 0.0, 1.0)"),
+            (n, "a", use["alpha"]),
+            (n, "a2", "a * a"),
+            (n, "q", "NoH * NoH * (a2 - 1.0) + 1.0"),
+            (n, "gi", "sqrt(NoL * NoL * (1.0 - a2) + a2)"),
+            (n, "go", "sqrt(NoV * NoV * (1.0 - a2) + a2)"),
+            (n, "D", use["distribution"]),
+            (n, "G", use["masking"]),
+            (n, "K", use["below"]),
+            (v, "F", f"schlick(c, fpow(1.0 - {use['fresnel']}, 5.0))"),
+        ]
+        result = "F * (D * G * K)"
+    return _written(language, statements, numbers, result, base is STRETCHED)
+
+
+AXES = (("x", "masked_along"), ("y", "masked_across"))
+
+
+def _written(
+    language: Language,
+    statements: list[tuple[str, str, str]],
+    numbers: list[str],
+    result: str,
+    tangents: bool,
+) -> str:
+    n, v = language.number, language.vector
+    given = [(v, "L"), (v, "V"), (v, "N")]
+    if language.ending == "brdf" or tangents:
+        given += [(v, "X"), (v, "Y")]
+    if language.ending != "brdf":
+        given += [(v, "f0"), *((n, number) for number in numbers)]
     if language.swift:
         arguments = ", ".join(f"{name}: {kind}" for kind, name in given)
         lines = [f"    let {name} = {value};" for _, name, value in statements]
@@ -134,8 +202,9 @@ def shader(language: Language, **changed: str) -> str:
         arguments = ", ".join(f"{kind} {name}" for kind, name in given)
         lines = [f"    {kind} {name} = {value};" for kind, name, value in statements]
         head = f"{v} {language.name}({arguments}) {{"
-    text = "\n".join([language.prelude, head, *lines, f"    return {use['result']};", "}", ""])
+    text = "\n".join([language.prelude, head, *lines, f"    return {result};", "}", ""])
     if language.ending == "brdf":
-        begin = "::begin parameters\ncolor f0 0.5 0.5 0.5\nfloat roughness 0.1 1 0.5\n::end parameters\n"
+        declared = "".join(f"float {number} 0.1 1 0.5\n" for number in numbers)
+        begin = f"::begin parameters\ncolor f0 0.5 0.5 0.5\n{declared}::end parameters\n"
         text = f"analytic\n{begin}::begin shader\n{text}::end shader\n"
     return text
