@@ -54,6 +54,11 @@ class Function:
         )
         return f"{self.returns} {'::'.join((*self.scope, self.name))}({inside})"
 
+    @property
+    def typed(self) -> str:
+        """Its name with the types of its arguments, which tells overloads apart."""
+        return f"{self.name}({', '.join(a.type for a in self.arguments)})"
+
 
 def depth(bare: str, position: int) -> int:
     """How many braces are open at a position."""

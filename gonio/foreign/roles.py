@@ -299,6 +299,31 @@ def _plain(name: str) -> tuple[str, str]:
     return low.replace("_", ""), re.sub(r"^(?:[uvagip]|in|arg|param)_+", "", low).replace("_", "")
 
 
+# Parts of longer names, the first that fits: geometryViewDir, sunDirectionWS, worldSpaceNormal.
+_PARTS = (
+    ("half", r"half"),
+    ("bitangent", r"bitangent|binormal"),
+    ("tangent", r"tangent"),
+    ("normal", r"normal"),
+    ("wi", r"(?:light|sun|lamp|incoming|incident)\w*(?:dir|vec)|^to(?:light|sun|lamp)"),
+    ("wo", r"(?:view|eye|cam|outgoing)\w*(?:dir|vec)|^to(?:view|eye|cam)"),
+)
+
+
+def direction_of(leaf: Leaf) -> str:
+    """The direction that the name of a vector means; empty if it tells nothing."""
+    last = leaf.variable.shown or leaf.place.rpartition(".")[2]
+    plain, bare = _plain(last)
+    for role, names in DIRECTIONS.items():
+        if plain in names.split() or bare in names.split():
+            return role
+    # Of a struct: directLight.direction
+    whole = leaf.place.replace(".", "").lower() if plain in ("direction", "dir", "vec") else plain
+    if re.search(r"colou?r|pos(ition)?$|albedo|tint", plain):
+        return ""
+    return next((role for role, pattern in _PARTS if re.search(pattern, whole)), "")
+
+
 def is_role(place: str, role: str) -> bool:
     """Whether a name is one of those of a direction."""
     return bool(
@@ -324,7 +349,7 @@ def _incident(leaves: Iterable[Leaf], given: Container[str]) -> Leaf | None:
         if names & {"i", "incident"}:
             found = leaf
         else:
-            roles |= {r for r, words in DIRECTIONS.items() if names & set(words.split())}
+            roles.add(direction_of(leaf))
     return found if "wi" in roles and "wo" not in roles else None
 
 
@@ -348,8 +373,7 @@ def _lone_direction(leaves: Iterable[Leaf], given: Container[str]) -> tuple[Leaf
         last = leaf.variable.shown or leaf.place.rpartition(".")[2]
         if leaf.width != 3:
             continue
-        names = set(_plain(last))
-        known = next((r for r, words in DIRECTIONS.items() if names & set(words.split())), "")
+        known = direction_of(leaf)
         if leaf.place in given or last in given:
             return None, ""  # who maps one direction says all that is not clear
         if known:
@@ -400,9 +424,8 @@ def _guess(source: Source, leaf: Leaf, ranges: Container[str], pair: bool) -> st
     if leaf.width in (1, 3) and _LIT.search(leaf.place) and _BRIGHT.search(last):
         return "1" if leaf.width == 1 else "(1, 1, 1)"
     if leaf.width == 3:
-        for role, names in DIRECTIONS.items():
-            if plain in names.split() or bare in names.split():
-                return role
+        if role := direction_of(leaf):
+            return role
         if re.search(r"pos(ition)?(ws)?$|^p$|^hit$|^point$", plain):
             # Of a surface in the origin, with the light and the viewer at a distance of 1
             light, viewer = (re.search(w, plain) for w in ("light|lamp|sun", "cam|eye|view"))

@@ -96,10 +96,10 @@ class Source:
         return _SHORT.search(blank_comments(written)) is not None
 
     def find(self, name: str | None) -> Function:
-        """The function of a name such as "eval", "Eon.eval" or "gonio_eon::eon_eval".
+        """The function of a name such as "eval", "Eon.eval", "gonio_eon::eon_eval" or "eval(vec3, float)".
 
         Raises:
-            ForeignError: there is none, or none was named and several might be meant.
+            ForeignError: there is none, or several might be meant.
         """
         own = [f for f in self.functions if f.name != "main"]
         if self.entry:
@@ -116,13 +116,24 @@ class Source:
             raise ForeignError(
                 f"{self.path}: say which function, as {self.path}#NAME; it has {shown}."
             )
-        parts = re.split(r"::|\.", name)
-        for f in own:
-            if (
-                f.name == parts[-1]
-                and tuple(parts[:-1]) == f.scope[len(f.scope) - len(parts) + 1 :]
-            ):
-                return f
+        bare, bracket, inside = name.partition("(")
+        parts = re.split(r"::|\.", bare.strip())
+        found = [
+            f
+            for f in own
+            if f.name == parts[-1] and tuple(parts[:-1]) == f.scope[len(f.scope) - len(parts) + 1 :]
+        ]
+        if bracket and found:
+            kinds = [plain_type(kind) for kind in inside.rstrip(") ").split(",")]
+            chosen = [f for f in found if [a.type for a in f.arguments] == kinds]
+            found = chosen or found
+        if len({f.typed for f in found}) > 1:
+            raise ForeignError(
+                f"{self.path}: {name} is not one function; say which, as "
+                f"{' or '.join(repr(f.typed) for f in found)}."
+            )
+        if found:
+            return found[0]
         names = list(dict.fromkeys(f.name for f in own))
         if re.search(rf"\b{re.escape(parts[-1])}\s*\([^;{{]*\)\s*\{{", self.text):
             raise ForeignError(
