@@ -22,6 +22,7 @@ Call = Callable[[Rows], Rows]
 OUTPUTS = 4
 GROUP = 64
 GLOBALS = 1 << 20
+LAST_WORDS = 1 << 16
 SIDE = 128  # pixels in a line of the picture; the shader does not need to know
 
 CORNERS = """{version}
@@ -64,7 +65,8 @@ def limit(memory: int, alone: bool) -> None:
     kind = resource.RLIMIT_AS if alone else resource.RLIMIT_DATA
     resource.setrlimit(kind, (memory, memory))
     if alone:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
+        # What it says when it dies is written to a file that is open already
+        resource.setrlimit(resource.RLIMIT_FSIZE, (LAST_WORDS, LAST_WORDS))
         resource.setrlimit(resource.RLIMIT_NOFILE, (0, 0))
         resource.setrlimit(resource.RLIMIT_NPROC, (0, 0))
 

@@ -43,6 +43,10 @@ PLANTED = {
     "masking on one side": Fault(
         "on the viewer's side only", {"masking": "2.0 * NoV / (NoV + go)"}
     ),
+    "k is not halved": Fault(
+        "Schlick's masking, k = alpha,",
+        {"masking": "NoL * NoV / ((NoL * (1.0 - a) + a) * (NoV * (1.0 - a) + a))"},
+    ),
     "half vector is not normalised": Fault("half vector not normalised", {"half": "L + V"}),
     "sRGB taken as linear": Fault("f0^2.2", {"colour": "power(f0, 2.2)"}),
     "L.V cut at 0": Fault(
