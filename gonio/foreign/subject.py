@@ -148,7 +148,8 @@ class _Bound:
         a, b = np.broadcast_to(a, (n, 3)), np.broadcast_to(b, (n, 3))
         if self.least:
             both = rounded(self.foreign, a, b, self.values)
-            f = np.maximum(both.values - ROUNDINGS * both.rounding, 0)
+            with np.errstate(invalid="ignore"):
+                f = np.maximum(both.values - ROUNDINGS * both.rounding, 0)
         else:
             f = self.foreign.brdf(a, b, self.values)
         # What is not finite is a finding of its own, and must not hide what all the rest adds up to

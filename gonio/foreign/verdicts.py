@@ -19,9 +19,10 @@ from gonio.check.reciprocity import dimensions
 from gonio.check.report import EFFORTS, FAIL, NOTE, PASS, UNSURE, Effort, Finding, Report
 from gonio.check.search import maximise
 from gonio.check.subject import Array
-from gonio.fields import Parameter
+from gonio.foreign import gain
 from gonio.foreign.function import Foreign
-from gonio.foreign.returned import around_the_mirror
+from gonio.foreign.gain import without_poles
+from gonio.foreign.places import LIMIT, MU_HARD, places
 from gonio.foreign.rounding import BEST, NEAR, NEIGHBOURS, OFTEN, ROUNDINGS, TIMES, Rounded, rounded
 from gonio.foreign.subject import ForeignSubject
 
@@ -29,19 +30,8 @@ from gonio.foreign.subject import ForeignSubject
 # their roundings are large whatever is done with them.
 LOST, MU_STEEP = 1e-3, 0.3
 
-# A departure that is left after that counts from here on, relative to the larger value.
-LIMIT = 1e-3
-
 # Differences count relative to the larger of two values, or to this, in 1/sr.
 FLOOR = 1e-4
-
-# Cosines of the search; below the second one faults are shown but do not count, because pixels hardly have
-# such directions.
-MU_LOW, MU_HARD = 1e-3, 1e-5
-
-# So many places tell whether an end of a parameter's range has values; if not, checks begin this part of
-# the range inside of it.
-PROBED, INSIDE = 256, 0.05
 
 # Half precision is compared at so many places; it has 11 bits, so that a few roundings are below this part.
 HALVES, HALF_LIMIT = 4096, 0.05
@@ -73,7 +63,7 @@ def check(
     found = [_scope(foreign, subject)]
     if any(f.verdict in (UNSURE, FAIL) for f in found[0].findings):
         return found
-    inner, notes = _without_poles(subject)
+    inner, notes = without_poles(subject)
     found = [replace(found[0], findings=(*found[0].findings, *notes))]
     for done, name in enumerate(chosen):
         if progress is not None:
@@ -111,7 +101,7 @@ def _scope(foreign: Foreign, subject: ForeignSubject) -> Report:
             findings.append(Finding("texture", 0.0, NOTE, text))
     findings += [Finding("assumed", 0.0, NOTE, note) for note in foreign.matched.notes]
     points = np.random.default_rng(1).random((512, dimensions(subject)))
-    values = np.abs(foreign.brdf(*_places(subject, points)))
+    values = np.abs(foreign.brdf(*places(subject, points)))
     largest = float(np.nanmax(values)) if np.isfinite(values).any() else float("nan")
     if not largest > BLACK:
         black = largest == largest
@@ -119,61 +109,6 @@ def _scope(foreign: Foreign, subject: ForeignSubject) -> Report:
         text = f"{what} at all of 512 random places, so that nothing can be judged; is --map right?"
         findings.append(Finding("values", largest, UNSURE if black else FAIL, text))
     return Report("scope", subject.name, tuple(findings))
-
-
-def _without_poles(subject: ForeignSubject) -> tuple[ForeignSubject, list[Finding]]:
-    """The subject without ends of parameters at which hardly any value is finite, and notes on them."""
-    foreign = subject.foreign
-    rng = np.random.default_rng(43)
-    points = rng.uniform(0.05, 0.95, (PROBED, dimensions(subject)))
-    # The mirror direction, where narrow lobes have their values
-    points[:, -2:] = np.where(rng.random((PROBED, 1)) < 0.5, points[:, -4:-2], points[:, -2:])
-    parameters, notes = dict(foreign.parameters), []
-    for name, p in foreign.parameters.items():
-        columns = [k for k, free in enumerate(subject.parameters) if free.path == name]
-        for end, value, word in ((0.0, p.low, "begin"), (1.0, p.high, "end")):
-            there = points.copy()
-            there[:, columns] = end
-            bad = ~np.isfinite(foreign.brdf(*_places(subject, there))).all(axis=1)
-            if bad.mean() < 0.5:
-                continue
-            kept = value + (1 - 2 * end) * INSIDE * (p.high - p.low)
-            p = replace(p, high=kept) if end else replace(p, low=kept)
-            p = replace(p, default=_within(p))
-            parameters[name] = p
-            text = (
-                f"no number at {name} = {value:g}; all checks but 'finite' {word} at {kept:g}; "
-                f"--range {name}={p.low:g}..{p.high:g} if it is never given that"
-            )
-            notes.append(Finding("left out", float(bad.mean()), NOTE, text))
-    if not notes:
-        return subject, []
-    matched = replace(foreign.matched, parameters=parameters)
-    return ForeignSubject(replace(foreign, matched=matched)), notes
-
-
-def _within(p: Parameter) -> Any:
-    """The default, not beyond the ends."""
-    if isinstance(p.default, tuple):
-        return tuple(float(np.clip(x, p.low, p.high)) for x in p.default)
-    return float(np.clip(p.default, p.low, p.high))
-
-
-def _places(
-    subject: ForeignSubject, points: Array, low: float = MU_LOW
-) -> tuple[Array, Array, Any]:
-    """wi, wo and values of points in [0, 1]^(numbers + 4)."""
-    from gonio.check.reciprocity import pairs
-
-    parameters, wi, wo = pairs(subject, points)
-    return _lifted(wi, low), _lifted(wo, low), subject.values(parameters)
-
-
-def _lifted(w: Array, low: float) -> Array:
-    z = np.maximum(w[:, 2], low)
-    flat = np.maximum(np.hypot(w[:, 0], w[:, 1]), 1e-300)
-    scale = np.sqrt(np.maximum(1 - z * z, 0)) / flat
-    return np.stack([w[:, 0] * scale, w[:, 1] * scale, z], -1)
 
 
 def _departure(a: Rounded, b: Rounded) -> Array:
@@ -196,7 +131,7 @@ def _searched(
     numbers, size = len(subject.parameters), dimensions(subject)
 
     def departure(points: Array, times: int = TIMES) -> Array:
-        wi, wo, values = _places(subject, points[:, :size])
+        wi, wo, values = places(subject, points[:, :size])
         a = rounded(foreign, wi, wo, values, times=times)
         return _departure(a, other(foreign, wi, wo, values, points[:, size:], times))
 
@@ -215,7 +150,7 @@ def _searched(
     lasting = np.quantile(lasting, 0.25, axis=1)
     best = int(np.argmax(lasting))
     measured = float(lasting[best])
-    wi, wo, given = _places(subject, points[best : best + 1, :size])
+    wi, wo, given = places(subject, points[best : best + 1, :size])
     both = rounded(foreign, wi, wo, given, times=OFTEN)
     rounding = float((both.rounding / np.maximum(np.abs(both.values), FLOOR)).max())
     verdict = PASS if measured <= LIMIT else FAIL
@@ -277,7 +212,7 @@ def _finite(subject: ForeignSubject, effort: Effort) -> list[Finding]:
     points = np.where(at_end, rng.integers(0, 2, points.shape), points)
     findings = []
     for low, what in ((MU_HARD, "not finite"), (0.0, "not finite at the horizon")):
-        wi, wo, values = _places(subject, points, max(low, 1e-30))
+        wi, wo, values = places(subject, points, max(low, 1e-30))
         mu = 10.0 ** rng.uniform(np.log10(max(low, 1e-30)), 0, (count, 2))
         grazing = rng.random((count, 2)) < (0.3 if low else 0.8)
         wi = _lowered(wi, np.where(grazing[:, 0], mu[:, 0], wi[:, 2]))
@@ -327,7 +262,7 @@ def maximise_lowest(
     """The lowest value, by search, and where."""
 
     def darkness(points: Array) -> Array:
-        f = subject.foreign.brdf(*_places(subject, points))
+        f = subject.foreign.brdf(*places(subject, points))
         lowest = np.nan_to_num(f, nan=0.0).min(axis=1)
         return np.asarray(np.nan_to_num(-lowest, posinf=0.0, neginf=0.0))
 
@@ -339,7 +274,7 @@ def maximise_lowest(
         seed=19,
         special=special_parts(subject),
     )
-    wi, wo, _ = _places(subject, points[:1])
+    wi, wo, _ = places(subject, points[:1])
     return -float(values[0]), (points[0, : len(subject.parameters)], wi[0], wo[0])
 
 
@@ -349,10 +284,11 @@ def _precision(subject: ForeignSubject, effort: Effort) -> list[Finding]:
     size = dimensions(subject)
 
     def change(points: Array, times: int = TIMES) -> Array:
-        both = rounded(foreign, *_places(subject, points, MU_STEEP), times=times)
+        both = rounded(foreign, *places(subject, points, MU_STEEP), times=times)
         with np.errstate(invalid="ignore"):
             scale = np.maximum(np.abs(both.values), FLOOR)
-            return np.asarray(np.nan_to_num(both.rounding / scale, nan=0.0).max(axis=1))
+            lost = np.minimum(both.rounding / scale, 1.0)  # 1: there are no digits left
+            return np.asarray(np.nan_to_num(lost, nan=0.0).max(axis=1))
 
     points, _ = maximise(
         change,
@@ -365,48 +301,13 @@ def _precision(subject: ForeignSubject, effort: Effort) -> list[Finding]:
     again = change(points[:BEST], OFTEN)
     best = int(np.argmax(again))
     measured = float(again[best])
-    wi, wo, _ = _places(subject, points[best : best + 1], MU_STEEP)
+    wi, wo, _ = places(subject, points[best : best + 1], MU_STEEP)
     case = (points[best, : len(subject.parameters)], wi[0], wo[0])
     verdict, text = PASS, "change by roundings of the directions"
     if measured > LOST:
         verdict = NOTE
         text += ": digits are lost, in 1 - NoH^2 of a narrow lobe for example; a cross product keeps them"
     return [Finding("rounding", measured, verdict, text, "", subject.replay(*case), case)]
-
-
-def _energy(subject: ForeignSubject, effort: Effort) -> list[Finding]:
-    """The largest albedo by search; a gain of less than LIMIT may be roundings of a white surface.
-
-    Where values lose many digits, what is left of each without its roundings has to gain as well.
-    """
-    found = energy.check(subject, effort.less()).findings
-    first = found[0]
-    if first.verdict != FAIL or first.case is None:
-        return list(found)
-    if first.measured <= 1 + LIMIT:
-        text = f"no more than roundings of float32; {first.text}"
-        return [replace(first, verdict=PASS, text=text), *found[1:]]
-    parameters, _, wo = first.case
-    lost = albedo_lost(subject, parameters, wo)
-    if not lost > LIMIT:
-        return list(found)
-    beyond = energy.check(ForeignSubject(subject.foreign, least=True), effort.less()).findings[0]
-    if beyond.verdict == FAIL and beyond.measured > 1 + LIMIT:
-        text = f"{beyond.text}; without what float32 may have rounded"
-        return [replace(beyond, text=text), *found[1:]]
-    text = (
-        f"no gain beyond rounding, which is {lost:.1g} there: digits are lost, and with them energy; "
-        f"{first.text}"
-    )
-    return [replace(first, verdict=NOTE, text=text), *found[1:]]
-
-
-def albedo_lost(subject: ForeignSubject, parameters: Array, wo: Array) -> float:
-    """How much of an albedo roundings of the directions may be, at one place."""
-    values = {name: v[0] for name, v in subject.values(parameters[None]).items()}
-    wi, weight = around_the_mirror(np.asarray(wo, np.float64))
-    both = rounded(subject.foreign, wi, np.broadcast_to(wo, wi.shape), values)
-    return float(np.nansum(both.rounding.max(axis=1) * weight * wi[:, 2]))
 
 
 def _half(subject: ForeignSubject, effort: Effort) -> list[Finding]:
@@ -418,7 +319,7 @@ def _half(subject: ForeignSubject, effort: Effort) -> list[Finding]:
     points[::2, -2:] = points[::2, -4:-2] + 0.05 * (
         points[::2, -2:] - 0.5
     )  # near the mirror direction
-    wi, wo, values = _places(subject, np.clip(points, 0, 1), 0.05)
+    wi, wo, values = places(subject, np.clip(points, 0, 1), 0.05)
     full = foreign.brdf(wi, wo, values)
     half = shipped.brdf(wi, wo, values)
     lost = np.isfinite(full).all(axis=1) & ~np.isfinite(half).all(axis=1)
@@ -448,7 +349,7 @@ def _frame(subject: ForeignSubject, effort: Effort) -> list[Finding]:
     if "normal" not in roles:
         return []
     points = np.random.default_rng(23).random((1024, dimensions(subject)))
-    wi, wo, values = _places(subject, points, 0.05)
+    wi, wo, values = places(subject, points, 0.05)
     q = np.linalg.qr(np.random.default_rng(24).normal(size=(3, 3)))[0]
     q *= np.sign(np.linalg.det(q))
     a = rounded(foreign, wi, wo, values, times=OFTEN)
@@ -517,7 +418,7 @@ def _albedo(subject: ForeignSubject, effort: Effort) -> list[Finding]:
 
 
 VERDICTS: dict[str, Callable[[ForeignSubject, Effort], list[Finding]]] = {
-    "energy": _energy,
+    "energy": gain.check,
     "reciprocity": _reciprocity,
     "finite": _finite,
     "isotropy": _isotropy,

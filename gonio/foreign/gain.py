@@ -1,0 +1,129 @@
+"""Energy of foreign code: the largest albedo, told from what float32 adds, and from ends without values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from gonio.check import energy
+from gonio.check.reciprocity import dimensions
+from gonio.check.report import FAIL, NOTE, PASS, Effort, Finding
+from gonio.check.subject import Array
+from gonio.fields import Parameter
+from gonio.foreign.places import LIMIT, places
+from gonio.foreign.returned import around_the_mirror
+from gonio.foreign.rounding import rounded
+from gonio.foreign.subject import ForeignSubject
+
+# So many places tell whether an end of a parameter's range has values; if not, checks begin this part of
+# the range inside of it.
+PROBED, INSIDE = 256, 0.05
+
+# An albedo of which roundings may be so much has no digits.
+NO_DIGITS = 0.1
+
+
+def without_poles(subject: ForeignSubject) -> tuple[ForeignSubject, list[Finding]]:
+    """The subject without ends of parameters at which hardly any value is finite, and notes on them."""
+    foreign = subject.foreign
+    rng = np.random.default_rng(43)
+    points = rng.uniform(0.05, 0.95, (PROBED, dimensions(subject)))
+    # The mirror direction, where narrow lobes have their values
+    points[:, -2:] = np.where(rng.random((PROBED, 1)) < 0.5, points[:, -4:-2], points[:, -2:])
+    parameters, notes = dict(foreign.parameters), []
+    for name, p in foreign.parameters.items():
+        columns = [k for k, free in enumerate(subject.parameters) if free.path == name]
+        for end, value, word in ((0.0, p.low, "begin"), (1.0, p.high, "end")):
+            there = points.copy()
+            there[:, columns] = end
+            bad = ~np.isfinite(foreign.brdf(*places(subject, there))).all(axis=1)
+            if bad.mean() < 0.5:
+                continue
+            p = parameters[name] = _inside(p, end)
+            kept = p.high if end else p.low
+            text = (
+                f"no number at {name} = {value:g}; all checks but 'finite' {word} at {kept:g}; "
+                f"--range {name}={p.low:g}..{p.high:g} if it is never given that"
+            )
+            notes.append(Finding("left out", float(bad.mean()), NOTE, text))
+    return (narrowed(subject, parameters), notes) if notes else (subject, [])
+
+
+def narrowed(subject: ForeignSubject, parameters: Mapping[str, Parameter]) -> ForeignSubject:
+    """The subject with other ranges."""
+    matched = replace(subject.foreign.matched, parameters=dict(parameters))
+    return ForeignSubject(replace(subject.foreign, matched=matched))
+
+
+def _inside(p: Parameter, end: float) -> Parameter:
+    """A parameter without the part of its range at one end, 0 or 1."""
+    width = INSIDE * (p.high - p.low)
+    p = replace(p, high=p.high - width) if end else replace(p, low=p.low + width)
+    return replace(p, default=_within(p))
+
+
+def _within(p: Parameter) -> Any:
+    """The default, not beyond the ends."""
+    if isinstance(p.default, tuple):
+        return tuple(float(np.clip(x, p.low, p.high)) for x in p.default)
+    return float(np.clip(p.default, p.low, p.high))
+
+
+def check(subject: ForeignSubject, effort: Effort) -> list[Finding]:
+    """The largest albedo by search; a gain of less than LIMIT may be roundings of a white surface.
+
+    Where values lose many digits, what is left of each without its roundings has to gain as well.
+    """
+    found = energy.check(subject, effort.less()).findings
+    first = found[0]
+    if first.verdict != FAIL or first.case is None:
+        return list(found)
+    if first.measured <= 1 + LIMIT:
+        text = f"no more than roundings of float32; {first.text}"
+        return [replace(first, verdict=PASS, text=text), *found[1:]]
+    parameters, _, wo = first.case
+    lost = albedo_lost(subject, parameters, wo)
+    if not lost > LIMIT:
+        return list(found)
+    if lost > NO_DIGITS and (ranges := _without_digits(subject, parameters)):
+        ends = ", ".join(
+            f"from {n} = {p.low:g} on" if p.low > subject.foreign.parameters[n].low
+            else f"up to {n} = {p.high:g}"
+            for n, p in ranges.items()
+        )  # fmt: skip
+        inner = check(narrowed(subject, {**subject.foreign.parameters, **ranges}), effort)
+        text = f"{inner[0].text}; {ends}, as values have no digits beyond"
+        return [replace(inner[0], text=text), *inner[1:]]
+    beyond = energy.check(ForeignSubject(subject.foreign, least=True), effort.less()).findings[0]
+    if beyond.verdict == FAIL and beyond.measured > 1 + LIMIT:
+        text = f"{beyond.text}; without what float32 may have rounded"
+        return [replace(beyond, text=text), *found[1:]]
+    text = (
+        f"no gain beyond rounding, which is {lost:.1g} there: digits are lost, and with them energy; "
+        f"{first.text}"
+    )
+    return [replace(first, verdict=NOTE, text=text), *found[1:]]
+
+
+def _without_digits(subject: ForeignSubject, at: Array) -> dict[str, Parameter]:
+    """Ranges without the end at which a parameter is, of those whose other values have digits."""
+    found = {}
+    for number, free in enumerate(subject.parameters):
+        p = free.declared
+        if p.width == 1 and (at[number] < INSIDE or at[number] > 1 - INSIDE):
+            moved = np.array(at, np.float64)
+            moved[number] = 0.5
+            if albedo_lost(subject, moved, np.array([0.6, 0.0, 0.8])) < NO_DIGITS:
+                found[free.path] = _inside(p, float(at[number] > 0.5))
+    return found
+
+
+def albedo_lost(subject: ForeignSubject, parameters: Array, wo: Array) -> float:
+    """How much of an albedo roundings of the directions may be, at one place."""
+    values = {name: v[0] for name, v in subject.values(parameters[None]).items()}
+    wi, weight = around_the_mirror(np.asarray(wo, np.float64))
+    both = rounded(subject.foreign, wi, np.broadcast_to(wo, wi.shape), values)
+    return float(np.nansum(both.rounding.max(axis=1) * weight * wi[:, 2]))
