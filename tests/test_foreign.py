@@ -134,7 +134,7 @@ def test_what_names_leave_open_is_told_by_the_other_arguments(
     found = source.read(write(tmp_path, "a.glsl", text))
     matched = roles.match(found, found.find("f"), {}, {}, {})
     assert {leaf.place: e.text for leaf, e in matched.leaves} == expected
-    guessed = {"emitterDir", "I", "P", "kd"} & set(expected)
+    guessed = {"emitterDir", "lightColor", "I", "P", "kd"} & set(expected)
     assert bool(guessed) == any(
         "otherwise" in n or "if not" in n or "no argument" in n for n in matched.notes
     )
