@@ -15,7 +15,7 @@ from gonio.check.subject import Array
 from gonio.fields import Parameter
 from gonio.foreign.places import LIMIT, places
 from gonio.foreign.returned import around_the_mirror
-from gonio.foreign.rounding import rounded
+from gonio.foreign.rounding import ROUNDINGS, rounded
 from gonio.foreign.subject import ForeignSubject
 
 # So many places tell whether an end of a parameter's range has values; if not, checks begin this part of
@@ -86,7 +86,7 @@ def check(subject: ForeignSubject, effort: Effort) -> list[Finding]:
         return [replace(first, verdict=PASS, text=text), *found[1:]]
     parameters, _, wo = first.case
     lost = albedo_lost(subject, parameters, wo)
-    if not lost > LIMIT:
+    if not lost * ROUNDINGS > first.measured - 1:
         return list(found)
     if lost > NO_DIGITS and (ranges := _without_digits(subject, parameters)):
         ends = ", ".join(
