@@ -92,7 +92,7 @@ ENTRIES = (
         "materialx#sheen_bsdf",
         "Imageworks' sheen at the roughness that the node has by itself.",
         "With a white colour it reflects up to {albedo} of the light, at grazing angles.",
-        options={"uniforms": ["roughness=0.3", "mode=0"]},
+        options={"uniforms": ["roughness=0.3"]},
     ),
     Entry(
         "MaterialX: conductor_bsdf, GLSL and Slang",
@@ -226,9 +226,9 @@ def main() -> None:
     for number, entry in enumerate(chosen):
         print(f"{number + 1} of {len(chosen)}: {entry.title}", flush=True)
         parts[entry.title] = _section(entry, given.folder, pictures)
-    known = [e.title for e in (*ENTRIES, *EXPLORER)]
-    text = "\n\n".join([HEAD.strip(), *(parts[title] for title in known if title in parts)])
-    given.output.write_text(text + "\n", encoding="utf-8")
+        known = [e.title for e in (*ENTRIES, *EXPLORER)]
+        text = "\n\n".join([HEAD.strip(), *(parts[title] for title in known if title in parts)])
+        given.output.write_text(text + "\n", encoding="utf-8")
 
 
 def _sections(page: Path) -> dict[str, str]:

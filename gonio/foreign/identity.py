@@ -139,9 +139,12 @@ def identify(
         progress: called with what is done and what there is to do.
     """
     products = terms.identify(foreign)
-    found: list[registry.Found] = []
+    label = foreign.label or foreign.name
     known = bool(products and products[0].exact)
+    if not (known or thorough) and (same := registry.by_names(foreign, names)):
+        return Identity(label, tuple(products), (same,))
     apart = None if known else sums.identify(foreign)
+    found: list[registry.Found] = []
     if thorough or not (known or apart):
         found = registry.identify(foreign, names, thorough=thorough, progress=progress)
-    return Identity(foreign.label or foreign.name, tuple(products), tuple(found), apart)
+    return Identity(label, tuple(products), tuple(found), apart)

@@ -184,11 +184,7 @@ def identify(
         count: how many are returned.
         progress: called with what is done and what there is to do.
     """
-    registered = models()
-    chosen = [registered[n] for n in names] if names else list(registered.values())
-    # Those first that have the most names in common with the code, and few others: an exact one ends the
-    # search, and lambert comes before what can be made lambert
-    chosen.sort(key=lambda cls: (-len(_shared(cls, foreign)), len(cls.fields)))
+    chosen = _ordered(foreign, names)
     fitter = _Fitter(foreign)
     values = fitter.values
     data = fitter.data(values)
@@ -199,14 +195,6 @@ def identify(
         if progress is not None:
             progress(done, total)
 
-    # With the same names for everything no fit is needed, whose many numbers may have several best ones
-    for cls in chosen if foreign.parameters else ():
-        plain = cls()
-        for factor, size in FACTORS.items():
-            same = _same_names(fitter, plain, size)
-            if same is not None and same < EXACT and not thorough:
-                names_of = {name: name for name in foreign.parameters}
-                return [Found(plain, factor, same, names_of)]
     for done, cls in enumerate(chosen):
         tell(done)
         model = _begin(cls, values)
@@ -248,6 +236,31 @@ def identify(
         if len(found) == count:
             break
     return found
+
+
+def by_names(foreign: Foreign, names: Iterable[str] = ()) -> Found | None:
+    """The model whose parameters are the code's of the same names, if there is one.
+
+    No fit is needed then, whose many numbers may have several best ones.
+    """
+    fitter = _Fitter(foreign)
+    for cls in _ordered(foreign, names) if foreign.parameters else ():
+        plain = cls()
+        for factor, size in FACTORS.items():
+            same = _same_names(fitter, plain, size)
+            if same is not None and same < EXACT:
+                return Found(plain, factor, same, {name: name for name in foreign.parameters})
+    return None
+
+
+def _ordered(foreign: Foreign, names: Iterable[str]) -> list[type[Model]]:
+    """Models, those first that have the most names in common with the code, and few others.
+
+    An exact one ends the search, and lambert comes before what can be made lambert.
+    """
+    registered = models()
+    chosen = [registered[n] for n in names] if names else list(registered.values())
+    return sorted(chosen, key=lambda cls: (-len(_shared(cls, foreign)), len(cls.fields)))
 
 
 def _improved(fitter: _Fitter, entry: _Ranked, data: Array) -> _Ranked:
