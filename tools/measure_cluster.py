@@ -73,7 +73,7 @@ def jobs() -> dict[str, list[Task]]:
     difference = sweep.Sweep(
         eon, (axis(eon, "roughness=0..1:1024"),), ("difference",), gonio.model("oren_nayar")
     )
-    picture = {"environment": "studio", "size": (512, 512), "spp": 128, "seed": 0}
+    picture = {"environment": "studio", "size": (512, 512), "spp": 64, "seed": 0}
     subjects = [check.subjects(gonio.model(name)) for name in ("lambert", "minnaert")]
     return {
         "sweep, variance": variance.tasks(),
