@@ -95,7 +95,7 @@ class Assignments(Calls):
         known = self.scope.get(name)
         if known is None or isinstance(known, Static):
             self.refuse(node, f"{name} has no value here that could be changed.")
-        if name not in self.own:
+        if name not in self.own and type(node.op) in _SIGNS:
             self._refuse_in_place(node, name)
         for loop in self.loops:
             if name in loop.outside:

@@ -38,6 +38,7 @@ from gonio.export.values import (
     Static,
     Value,
     exact,
+    factor,
     is_number,
     misfit,
     shown,
@@ -96,16 +97,18 @@ STATIC_COMPARISON: dict[type, Callable[[Any, Any], Any]] = {
 # What people write, and what to write instead.
 INSTEAD = {
     ast.While: "a loop over a fixed number of steps: for i in range(8): ...",
+    ast.Break: "a loop that makes all its steps, and x = select(condition, new, x) in it",
+    ast.Continue: "a loop that makes all its steps, and x = select(condition, new, x) in it",
     ast.IfExp: "select(condition, yes, no), which computes both",
     ast.Lambda: "a function with a name",
     ast.ListComp: "one statement for each element",
     ast.SetComp: "one statement for each element",
     ast.DictComp: "one statement for each element",
     ast.GeneratorExp: "one statement for each element",
-    ast.List: "variables, or vec2 and vec3",
-    ast.Set: "variables, or vec2 and vec3",
-    ast.Dict: "variables",
-    ast.JoinedStr: "nothing; text has no meaning in a shader",
+    ast.List: "variables, vec2 and vec3, or a tuple of options",
+    ast.Set: "a tuple of options, as in self.form in ('a', 'b')",
+    ast.Dict: "variables, or 'if' on an option",
+    ast.JoinedStr: "the option itself, as in self.form == 'a'; a shader has no text",
     ast.Try: "nothing; shaders have no exceptions",
     ast.Raise: "the check in __init__; shaders have no exceptions",
     ast.Assert: "the check in __init__; shaders have no exceptions",
@@ -117,7 +120,7 @@ INSTEAD = {
     ast.ImportFrom: "the import at the top of the file",
     ast.Match: "if and elif on an option",
     ast.Delete: "nothing; names that are not used cost nothing",
-    ast.Subscript: "v.x, v.y, v.z, or unpack the results: a, b = f(x)",
+    ast.Subscript: "v.x, v.y, v.z, unpack the results (a, b = f(x)), or decide with 'if' on an option",
     ast.NamedExpr: "an assignment of its own",
     ast.Starred: "each value by its name",
     ast.Yield: "return",
@@ -477,7 +480,20 @@ class Expressions(ABC):
             self.refuse(node, "a Vec2 is a pair of numbers; compute with its x and y.")
         if any(k not in ("float", "vec3") for k in kinds):
             self.refuse(node, f"a {spoken(kinds[0])} {symbol} a {spoken(kinds[1])} has no meaning.")
+        self._check_factors(node, symbol, left, right)
         return self._of_numbers(node, simplified(symbol, left, right, widest(kinds)))
+
+    def _check_factors(self, node: ast.AST, symbol: str, left: Expr, right: Expr) -> None:
+        """Refuse a product that leaves single precision on its way: a * 1e30 * 1e30 * 1e-60."""
+        if symbol not in "*/" or all(isinstance(e, (Number, Constant)) for e in (left, right)):
+            return
+        size = factor(left) * factor(right) if symbol == "*" else factor(left) / factor(right)
+        if misfit(size):
+            self.refuse(
+                node,
+                f"the numbers of this product make {size:.3g} on the way, which single precision does not "
+                "hold; multiply them by each other first.",
+            )
 
     def _power_of_numbers(self, node: ast.AST, left: Expr, right: Expr) -> Number:
         try:
@@ -534,10 +550,12 @@ class Expressions(ABC):
         if name == SELF:
             self.refuse(node, f"{SELF} is the struct of parameters in shaders; use another name.")
         if not name.isascii() or "__" in name:
+            plain = re.sub("_+", "_", name.strip("_"))
+            such = f", such as {plain}" if plain.isascii() and plain.isidentifier() else ""
             self.refuse(
                 node,
                 f"shading languages do not take the name {name!r}; use letters of the English alphabet, "
-                "digits and single underscores.",
+                f"digits and single underscores{such}.",
             )
 
 

@@ -262,21 +262,32 @@ class Body(Assignments):
             self._for(node)
         elif isinstance(node, ast.Pass):
             return
-        elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
+        elif isinstance(node, ast.Expr) and self._is_text(node.value):
             self.refuse(node, "text that is not the function's docstring; write it as a comment.")
         elif isinstance(node, ast.Expr):
             if isinstance(node.value, ast.Call):
                 self.refuse(
                     node, "a call whose result is not used does nothing in a shader; leave it out."
                 )
+            if isinstance(node.value, (ast.Constant, ast.Name, ast.Attribute, ast.BinOp)):
+                self.refuse(
+                    node, "a value that is not used does nothing; leave it out, or return it."
+                )
             self._unknown(node.value)
         else:
             self._unknown(node)
+
+    @staticmethod
+    def _is_text(node: ast.expr) -> bool:
+        return isinstance(node, ast.Constant) and isinstance(node.value, str)
 
     def _if(self, node: ast.If) -> None:
         self._check_depth(node.test)
         test = truth(self.value(node.test))
         if test is None:
+            for left in ast.walk(node):
+                if isinstance(left, (ast.Break, ast.Continue)):
+                    self._unknown(left)
             self.refuse(
                 node.test,
                 "this condition is not known when the shader is made; write select(condition, yes, no).",

@@ -17,6 +17,7 @@ from gonio.export.tree import (
     Negation,
     Number,
     Operation,
+    Splat,
     Struct,
     Type,
     Variable,
@@ -167,3 +168,15 @@ def shown(value: Any) -> str:
         return f"the module {value.__name__}"
     name = getattr(value, "__name__", None)
     return name if isinstance(name, str) else repr(value)
+
+
+def factor(expr: Expr) -> float:
+    """The size of the numbers that an expression multiplies what is not known by; 1 if there are none."""
+    if isinstance(expr, (Number, Constant)):
+        return abs(float(expr.value)) or 1.0
+    if isinstance(expr, (Negation, Splat)):
+        return factor(expr.value)
+    if isinstance(expr, Operation) and expr.operator in "*/":
+        left, right = factor(expr.left), factor(expr.right)
+        return left * right if expr.operator == "*" else left / right
+    return 1.0

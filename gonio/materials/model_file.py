@@ -114,10 +114,15 @@ def _only_model(path: Path, module: str, names: dict[str, object]) -> type[Model
     return cls
 
 
+def _line_of_nul(path: Path) -> int:
+    """Where a file has its first null byte, of which Python does not say the line."""
+    return path.read_bytes().partition(b"\0")[0].count(b"\n") + 1
+
+
 def _problem(path: Path, error: Exception) -> str:
     """What went wrong in a user's file, in one line with the file's line number."""
     if isinstance(error, SyntaxError):
-        return f"{path}, line {error.lineno}: {error.msg}."
+        return f"{path}, line {error.lineno or _line_of_nul(path)}: {error.msg}."
     lines = [f.lineno for f in traceback.extract_tb(error.__traceback__) if f.filename == str(path)]
     where = f"{path}, line {lines[-1]}" if lines else str(path)
     return f"{where}: {type(error).__name__}: {error}"
