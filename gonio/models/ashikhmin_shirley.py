@@ -32,7 +32,7 @@ from gonio.lang import (
 )
 from gonio.model import Model, param
 from gonio.parts.distribution import RANDOM_MARGIN, blinn_phong_alpha
-from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
+from gonio.parts.frame import cos_half, half_vector, mirror
 from gonio.parts.fresnel import schlick_weight, schlick_weight_half
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
 from gonio.parts.image import ImageLobes, schlick_albedo
@@ -72,7 +72,7 @@ class AshikhminShirley(Model):
     def highlight(self, wi: Vec3, wo: Vec3) -> Float:
         """The highlight of Eq. 4 without F."""
         V = minimum(0.25 / cos_half(wi, wo) / maximum(wi.z, wo.z), V_MAX)
-        return self._density(half_vector(wi, wo)) * V
+        return self._weighed(half_vector(wi, wo), V)
 
     def highlight_albedo(self, split: Vec2) -> Color:
         """What the highlight reflects of light from everywhere, from its table's A and B."""
@@ -99,7 +99,7 @@ class AshikhminShirley(Model):
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample` in 1/sr (Eq. 8)."""
         P = self._shares(wo)
-        facets = pdf_mirror(self._density(half_vector(wi, wo)), cos_half(wi, wo))
+        facets = self._weighed(half_vector(wi, wo), 0.25 / cos_half(wi, wo))
         return P.x * pdf_cosine(wi) + P.y * facets
 
     def slope_widths(self) -> Vec2:
@@ -111,14 +111,19 @@ class AshikhminShirley(Model):
         k = 1 - 0.5 * mu
         return 0.5 * mu * (1 + k * (1 + k * (1 + k * (1 + k))))
 
-    def _density(self, m: Vec3) -> Float:
-        """Of normals, sqrt((n_u + 1) (n_v + 1)) / (2 pi) (N.m)^(n_u cos^2 + n_v sin^2 of the azimuth)."""
+    def _weighed(self, m: Vec3, weight: Float) -> Float:
+        """Density of normals, times a weight.
+
+        sqrt((n_u + 1) (n_v + 1)) / (2 pi) (N.m)^(n_u cos^2 + n_v sin^2 of the azimuth).
+        """
         # -log(N.m) (n_u x^2 + n_v y^2) / (x^2 + y^2) with log(N.m) = -log(1 + tan^2) / 2: the square of the
         # sine cancels
         x2, y2, z2 = m.x * m.x, m.y * m.y, m.z * m.z
-        steep = 0.5 * log1p_over((x2 + y2) / z2) / z2
+        steep = 0.25 * log1p_over((x2 + y2) / z2) / z2
         norm = INV_TWO_PI * sqrt((self.shininess_x + 1) * (self.shininess_y + 1))
-        return norm * exp(-(self.shininess_x * x2 + self.shininess_y * y2) * steep)
+        # The root of the power, which twice has a place in a float32 where the power by itself has none
+        root = exp(-(self.shininess_x * x2 + self.shininess_y * y2) * steep)
+        return norm * root * (root * weight)
 
     def _normal(self, u: Vec2) -> Vec3:
         phi = TWO_PI * u.y
