@@ -106,6 +106,7 @@ CAUGHT: dict[str, set[str]] = {
     "rho_cubed": {"albedo"},
     "rounded_claim": {"energy"},
     "sharp_density": {"sampling"},
+    "slight_gain": {"energy"},
     "stepped_parameter": {"continuity"},
     "swapped_widths": {"sampling"},
     "toon": {"continuity"},

@@ -62,13 +62,13 @@ def _directional(subject: Subject, effort: Effort) -> Finding:
     own = kernels.albedo(subject, parameters, wo)
     true, error = _integrals(subject, parameters, wo, 2e-6 if closed else ROUGHLY)
     off = _off(own, true) - error
-    suspect = np.flatnonzero(~(off < 0.5 * CLOSED))[:SUSPECTS]
+    limit = CLOSED if closed else NUMERIC
+    suspect = np.flatnonzero(~(off < 0.5 * limit))[:SUSPECTS]
     if len(suspect):
         true[suspect], error[suspect] = _integrals(subject, parameters[suspect], wo[suspect], 1e-8)
         off[suspect] = _off(own[suspect], true[suspect]) - error[suspect]
     row = int(np.argmax(np.where(np.isnan(off), np.inf, off)))
     measured = float(np.maximum(off[row], 0)) if not np.isnan(off[row]) else float("nan")
-    limit = CLOSED if closed else NUMERIC
     # Whether a kink falls between two nodes is luck
     verdict, text = judge(
         subject, "numeric_albedo", measured, limit=limit, searched=False, effort=effort

@@ -156,7 +156,7 @@ def batch(subject: Subject, state: State, count: int) -> None:
         _show(state, "not finite", f"{found.what} = {found.value}: {replay}")
     _negative(subject, state, cases)
     badness = _derivatives(subject, state, cases)
-    error = float32_error(subject, cases)
+    error = float32_error(subject, cases, told=0.5 * FLOAT32)
     worst = int(error.max(axis=1).argmax())
     if not error[worst].max() <= state.error:
         state.error = float(error[worst].max())

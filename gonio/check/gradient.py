@@ -37,6 +37,7 @@ from gonio.check.subject import (
     vectors,
 )
 from gonio.lang import MU_MIN
+from gonio.model import MU_STEEP
 
 # Steps of the differences, relative to the parameter or to its range.
 STEP = 1e-6
@@ -169,9 +170,7 @@ def _finite(subject: Subject, effort: Effort) -> Finding:
 def _differences(subject: Subject) -> Finding:
     rng = np.random.default_rng(9)
     where = 0.02 + 0.96 * rng.random((PAIRS, len(subject.parameters)))
-    wi, wo = (
-        directions(0.02 + 0.97 * rng.random(PAIRS), 2 * np.pi * rng.random(PAIRS)) for _ in range(2)
-    )
+    wi, wo = (directions(_cosines(rng), 2 * np.pi * rng.random(PAIRS)) for _ in range(2))
     Float = backend.array_module().Float64
     values = leaves(subject, where, Float, False)
     dr.enable_grad(values)
@@ -223,6 +222,13 @@ def _differences(subject: Subject) -> Finding:
         subject.replay(*case),
         case,
     )
+
+
+def _cosines(rng: np.random.Generator) -> Array:
+    """From grazing to the normal; a third of them by powers of ten down to where derivatives end."""
+    high = 0.02 + 0.97 * rng.random(PAIRS)
+    grazing = 10 ** rng.uniform(np.log10(1.1 * MU_STEEP), np.log10(0.02), PAIRS)
+    return np.where(rng.random(PAIRS) < 1 / 3, grazing, high)
 
 
 # Places of the differences, in steps.

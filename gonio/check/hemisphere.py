@@ -12,7 +12,7 @@ turned by half a turn about the normal.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import drjit as dr
 import numpy as np
@@ -23,6 +23,7 @@ from gonio.check.subject import (
     Array,
     Subject,
     even,
+    gathered,
     number_type,
     repeated,
     stored,
@@ -61,8 +62,8 @@ OPEN, OPEN_CAREFUL = 3000, 12000
 # With tolerances below this every cell is cut twice at least.
 CAREFUL = 5e-7
 
-# Evaluations in one kernel call, which bounds the memory.
-BATCH = 2_000_000
+# Evaluations of one thread in a kernel call: what they write stays in its cache.
+BATCH = 100_000
 
 
 def axes(wo: Any) -> tuple[Any, Any]:
@@ -87,21 +88,42 @@ def chart(wo: Any, u: Any, v: Any, side: Any = 1) -> tuple[Any, Any]:
 
     `side` is 1 for a chart around the mirror direction, -1 for one around wo.
     """
+    return _down(wo, _meridian(wo, u), v, side)
+
+
+class Meridian(NamedTuple):
+    """The half vectors of one u: what they share, which costs most of a chart."""
+
+    x: Any
+    y: Any
+    """Their direction seen from above, a unit vector."""
+    toward: Any
+    end: Any
+    """As `_reach` has them."""
+    turn: Any
+    """Azimuth per u."""
+
+
+def _meridian(wo: Any, u: Any) -> Meridian:
     phi, turn = _crowd(u)
-    s, c = dr.sin(phi), dr.cos(phi)
-    toward, end = _reach(wo, c)
-    grown = dr.exp(v * end)
-    t = 0.5 * SLOPE_SCALE * (grown - 1 / grown)
-    dt = 0.5 * SLOPE_SCALE * (grown + 1 / grown) * end
-    cos_m = dr.rsqrt(1 + t * t)
-    cos_h = (toward * t + wo.z) * cos_m
+    s, c = dr.sincos(phi)
     ax, ay = axes(wo)
-    Vec = type(wo)
-    m = Vec(t * cos_m * (c * ax - s * ay), t * cos_m * (c * ay + s * ax), cos_m)
-    wi = 2 * cos_h * m - wo
-    wi = Vec(side * wi.x, side * wi.y, wi.z)
+    return Meridian(c * ax - s * ay, c * ay + s * ax, *_reach(wo, c), turn)
+
+
+def _down(wo: Any, m: Meridian, v: Any, side: Any) -> tuple[Any, Any]:
+    """wi at a part v of a meridian, from the normal to the horizon, and the solid angle."""
+    grown = dr.exp(v * m.end)
+    inv = 1 / grown
+    t = 0.5 * SLOPE_SCALE * (grown - inv)
+    dt = 0.5 * SLOPE_SCALE * (grown + inv) * m.end
+    cos_m = dr.rsqrt(1 + t * t)
+    cos_h = (m.toward * t + wo.z) * cos_m
+    flat = t * cos_m
+    wi = 2 * cos_h * type(wo)(flat * m.x, flat * m.y, cos_m) - wo
+    wi = type(wo)(side * wi.x, side * wi.y, wi.z)
     # dωi = 4 (wo · m) dm, and dm = t cos³θm dt dφ
-    return wi, 4 * cos_h * t * cos_m * cos_m * cos_m * dt * turn
+    return wi, 4 * cos_h * flat * cos_m * cos_m * dt * m.turn
 
 
 def _crowd(u: Any) -> tuple[Any, Any]:
@@ -270,16 +292,20 @@ def integrate(
     root = np.arange(points * count)
     box = cut.boxes.reshape(-1, 4)
     probe, cell = cut.probes, cut.cell
-    coarse = _cells(subject, parameters, wo, cut.side, root // count, box, width)
+    values = subject.values(parameters)
     limit = tolerance / np.sqrt(count)
     # A kink near a cell's corner may lie beside all nodes of one cut
     first = 1 if tolerance < CAREFUL else 0
     allowed = points * (OPEN_CAREFUL if tolerance < CAREFUL else OPEN)
+    coarse = np.zeros((0, width))
     for level in range(levels):
         children = _split(box)
-        fine = _cells(
-            subject, parameters, wo, cut.side, np.repeat(root // count, 4), children, width
-        )
+        point, boxes = np.repeat(root // count, 4), children
+        if level == 0:  # both at once
+            point, boxes = np.append(root // count, point), np.append(box, boxes, axis=0)
+        fine = _cells(subject, values, wo, cut.side, point, boxes, width)
+        if level == 0:
+            coarse, fine = fine[: len(box)], fine[len(box) :]
         summed = fine.reshape(-1, 4, width).sum(axis=1)
         with np.errstate(invalid="ignore"):  # values that are not finite are found in `change`
             change = np.abs(summed - coarse)[:, :4].max(axis=1)
@@ -351,20 +377,13 @@ def lobatto(count: int) -> tuple[Array, Array]:
 
 _X, _W = lobatto(NODES)
 _X = _X * (1 - INSIDE)
-# Both coordinates in the cell, and the weight, of every node.
-_NODES = np.stack(
-    [
-        np.repeat((_X + 1) / 2, NODES),
-        np.tile((_X + 1) / 2, NODES),
-        np.outer(_W / 2, _W / 2).ravel(),
-    ],
-    axis=-1,
-)
+# Place in the cell, and weight, of every node of one coordinate.
+_NODES = np.stack([(_X + 1) / 2, _W / 2], axis=-1)
 
 
 def _cells(
     subject: Subject,
-    parameters: Array,
+    values: dict[str, Array],
     wo: Array,
     side: Array,
     point: NDArray[np.intp],
@@ -373,18 +392,18 @@ def _cells(
 ) -> Array:
     """The integrals over cells by one rule each, (cells, width)."""
     each = NODES * NODES
-    parts = []
-    for start in range(0, len(box), BATCH // each):
-        part = slice(start, start + BATCH // each)
+    parts, together = [], dr.thread_count() * BATCH // each
+    for start in range(0, len(box), together):
+        part = slice(start, start + together)
         parts.append(
-            _rule(subject, parameters, wo, side, point[part].astype(np.uint32), box[part], width)
+            _rule(subject, values, wo, side, point[part].astype(np.uint32), box[part], width)
         )
     return np.concatenate(parts)
 
 
 def _rule(
     subject: Subject,
-    parameters: Array,
+    values: dict[str, Array],
     wo: Array,
     side: Array,
     point: NDArray[np.uint32],
@@ -394,21 +413,36 @@ def _rule(
     each = NODES * NODES
     Float = number_type()
     UInt = dr.uint32_array_t(Float)
-    lane = dr.arange(UInt, len(box) * each)
-    cell = lane // each
-    node = lane - cell * each
-    index = dr.gather(UInt, stored(UInt, point), cell)
     boxes, nodes, viewers = (stored(Float, t.ravel()) for t in (box, _NODES, wo))
+    points, sides = stored(UInt, point), stored(Float, side)
+
+    def viewer(cell: Any) -> tuple[Any, Any]:
+        """The index of a cell's point, and its wo."""
+        index = dr.gather(UInt, points, cell)
+        Vec = dr.replace_shape_t(Float, (3, -1))
+        return index, Vec(*(dr.gather(Float, viewers, 3 * index + k) for k in range(3)))
+
+    # Six nodes lie on one meridian
+    row = dr.arange(UInt, len(box) * NODES)
+    cell = row // NODES
     u0, u1, v0, v1 = (dr.gather(Float, boxes, 4 * cell + k) for k in range(4))
-    a, b, w = (dr.gather(Float, nodes, 3 * node + k) for k in range(3))
-    Vec = dr.replace_shape_t(Float, (3, -1))
-    wo_ = Vec(*(dr.gather(Float, viewers, 3 * index + k) for k in range(3)))
-    turned = dr.gather(Float, stored(Float, side), index)
-    wi, solid = chart(wo_, u0 + (u1 - u0) * a, v0 + (v1 - v0) * b, turned)
-    solid = solid * ((u1 - u0) * (v1 - v0) * w)
+    _, wo_ = viewer(cell)
+    m = _meridian(wo_, u0 + (u1 - u0) * dr.gather(Float, nodes, 2 * (row - cell * NODES)))
+    m = m._replace(turn=m.turn * ((u1 - u0) * (v1 - v0)))
+    dr.eval(m)
+    lane = dr.arange(UInt, len(box) * each)
+    cell, row = lane // each, lane // NODES
+    node = lane - row * NODES
+    v0, v1 = (dr.gather(Float, boxes, 4 * cell + k) for k in (2, 3))
+    index, wo_ = viewer(cell)
+    b = dr.gather(Float, nodes, 2 * node)
+    m = Meridian(*(dr.gather(Float, column, row) for column in m))
+    wi, solid = _down(wo_, m, v0 + (v1 - v0) * b, dr.gather(Float, sides, index))
+    other = row - cell * NODES
+    solid *= dr.gather(Float, nodes, 2 * node + 1) * dr.gather(Float, nodes, 2 * other + 1)
     # Kernels that know nothing of the model are the same for all
     dr.eval(index, wi, wo_, solid)
-    model = subject.at(parameters, index, Float)
+    model = subject.bound(gathered(values, index, Float), Float)
     f, pdf = (reflect_only(model, wi, wo_), None) if width == 3 else reflect(model, wi, wo_)
     cosine = dr.maximum(wi.z, 0)
     sums = [f.x * cosine, f.y * cosine, f.z * cosine]
@@ -421,6 +455,6 @@ def _rule(
             np.pi * dr.square(mean) * cosine,
             dr.select(reached, 0, mean * cosine),
         ]
-    values = [s * solid for s in sums]
-    dr.eval(values)
-    return np.stack([v.numpy().reshape(-1, each).sum(axis=1) for v in values], -1)
+    totals = [dr.block_sum(s * solid, each) for s in sums]
+    dr.eval(totals)
+    return np.stack([t.numpy() for t in totals], -1)

@@ -33,6 +33,8 @@ class Effort:
     """Points in a round of a search for albedos, each an integral."""
     confirmed: int
     """How many of the best are integrated adaptively."""
+    integrals: int
+    """How many points are integrated adaptively whatever the estimates say."""
     pairs: int
     """Points in a round of the search for errors of float32."""
     cases: int
@@ -63,6 +65,7 @@ class Effort:
             rounds=max(self.rounds // 3, 4),
             albedos=max(self.albedos // 4, 128),
             confirmed=max(self.confirmed // 2, 4),
+            integrals=self.integrals // 8,
             pairs=max(self.pairs // 4, 256),
             cases=max(self.cases // 4, 256),
             screened=max(self.screened // 4, 16),
@@ -74,13 +77,13 @@ class Effort:
 
 EFFORTS = {
     "quick": Effort(
-        "quick", 4096, 12, 768, 8, 512, 1024, 96, 3, 1 << 18, False, 2.0, 12, small=True
+        "quick", 4096, 12, 768, 8, 256, 512, 1024, 96, 3, 1 << 18, False, 2.0, 12, small=True
     ),
     "normal": Effort(
-        "normal", 16384, 24, 1024, 24, 8192, 8192, 512, 8, 1 << 20, True, 1.5, 64, small=True
+        "normal", 16384, 24, 1024, 24, 2048, 8192, 8192, 512, 8, 1 << 20, True, 1.5, 64, small=True
     ),
     "thorough": Effort(
-        "thorough", 65536, 64, 8192, 96, 65536, 65536, 4096, 32, 1 << 22, True, 1.2, 1000
+        "thorough", 65536, 64, 8192, 96, 16384, 65536, 65536, 4096, 32, 1 << 22, True, 1.2, 1000
     ),
 }
 

@@ -61,11 +61,11 @@ CLEAR = 1e3
 # The reported density is that of `pdf`, but for roundings of wi in between.
 SAME, SAME_FLOAT32 = 1e-6, 2e-2
 
-# Points at least at which unreached light is looked for.
-LOOKED_AT = 48
+# Points at least of a search for unreached light, and those of a screening that are merely random.
+LOOKED_AT, EVEN = 48, 24
 
-# Samples wasted in the search, and those that confirm the worst.
-FEW, MANY = 64, 1 << 16
+# Samples wasted in the search, those that tell the worst of the best, and those that confirm it.
+FEW, MORE, MANY = 64, 1 << 13, 1 << 16
 
 # Standard errors that a mean may be off. They are estimated from REPLICATES numbers: Student's t with 15
 # degrees of freedom exceeds 7 once in 200,000 times.
@@ -82,8 +82,9 @@ SUSPICIOUS, CROWDED = 2e-3, 0.5
 def check(subject: Subject, effort: Effort) -> Report:
     """Density, samples, weights and waste."""
     start = time.perf_counter()
-    findings = [_wasted(subject, effort), _unreached(subject, effort)]
-    points = _suspects(subject, effort)
+    screened = _screened(subject, effort)
+    findings = [_wasted(subject, effort), _unreached(subject, screened, effort)]
+    points = _suspects(subject, screened, effort)
     first = [_test(subject, point[None], effort.samples, seed) for seed, point in enumerate(points)]
     trusted = TRUSTED_FLOAT32 if subject.float32 else TRUSTED
     tests = [
@@ -108,7 +109,31 @@ def screened_points(subject: Subject, count: int, seed: int) -> Array:
     )
 
 
-def _suspects(subject: Subject, effort: Effort) -> Array:
+@dataclass(frozen=True)
+class Screened:
+    """Points with few samples each: how suspicious they are (above 1), and what they never sample."""
+
+    points: Array
+    integral: Array
+    """Of the density."""
+    weight: Array
+    """Its mean."""
+    shape: Array
+    unreached: Array
+    """Albedo in directions that are never drawn."""
+
+
+def _screened(subject: Subject, effort: Effort) -> Screened:
+    """Hard rows of parameters, and some that are merely random."""
+    rng = np.random.default_rng(43)
+    points = [
+        screened_points(subject, effort.screened, 41),
+        rng.random((EVEN, dimensions(subject))),
+    ]
+    return screen(subject, np.concatenate(points))
+
+
+def _suspects(subject: Subject, found: Screened, effort: Effort) -> Array:
     """The default parameters, and those rows at which something seems to be wrong.
 
     Of as many kinds as there are: the integral of the density, the mean weight, and the shape.
@@ -117,11 +142,10 @@ def _suspects(subject: Subject, effort: Effort) -> Array:
     default = np.array(
         [np.append(subject.default(), angles) for angles in ((0.4, 0.15), (0.2, 0.6))]
     )
-    points = screened_points(subject, effort.screened, 41)
-    kinds = screen(subject, points)
+    kinds = [found.integral, found.weight, found.shape]
     chosen: list[int] = []
     order = [np.argsort(-kind) for kind in kinds]
-    for rank in range(len(points)):
+    for rank in range(len(found.points)):
         for kind in order:
             if len(chosen) < max(count - 1, 1) and kind[rank] not in chosen:
                 chosen.append(int(kind[rank]))
@@ -129,11 +153,11 @@ def _suspects(subject: Subject, effort: Effort) -> Array:
     alarming = max(float(kind[chosen[0]]) for kind in kinds) > 1
     if count == 1 and not alarming:
         return default[:1]
-    return np.concatenate([default[: count - len(chosen)], points[chosen]])
+    return np.concatenate([default[: count - len(chosen)], found.points[chosen]])
 
 
-def screen(subject: Subject, points: Array) -> list[Array]:
-    """How suspicious points are (above 1): integral of the density, mean weight, shape; (points,) each."""
+def screen(subject: Subject, points: Array) -> Screened:
+    """What few samples and one look at each cell say of points."""
     parameters, wo = viewer(subject, points)
     cut = hemisphere.partition(subject, parameters, wo, hemisphere.FEWER, SCREEN_SAMPLES)
     found = hemisphere.integrate(subject, parameters, wo, cut, INTEGRALS, 1)
@@ -155,8 +179,9 @@ def screen(subject: Subject, points: Array) -> list[Array]:
         integral / SUSPICIOUS,
         weight / (SUSPICIOUS * np.maximum(albedo, 1e-3)),
         shape / CROWDED,
+        total[:, UNREACHED],
     ]
-    return [np.where(np.isnan(score), np.inf, score) for score in scores]
+    return Screened(points, *(np.where(np.isnan(score), np.inf, score) for score in scores))
 
 
 # Samples of a screening, and the error of a mean of so many evenly spread ones (of a function like a step).
@@ -437,10 +462,9 @@ def _wasted(subject: Subject, effort: Effort) -> Finding:
         starts=starts(subject)[: effort.albedos // 2],
         special=special_parts(subject),
     )
-    found = waste(subject, points[:8], MANY)
-    row = int(np.argmax(found))
-    measured = float(found[row])
-    parameters, wo = viewer(subject, points[row : row + 1])
+    worst = points[int(np.argmax(waste(subject, points[:8], MORE)))][None]
+    measured = float(waste(subject, worst, MANY)[0])
+    parameters, wo = viewer(subject, worst)
     if not subject.claiming:
         verdict, text = NOTE, "samples without a direction"
     else:
@@ -452,30 +476,21 @@ def _wasted(subject: Subject, effort: Effort) -> Finding:
     )
 
 
-def unreached(subject: Subject, points: Array, tolerance: float, levels: int) -> Array:
+def unreached(subject: Subject, points: Array) -> Array:
     """Albedo in directions that the sampler never draws, (points,)."""
     parameters, wo = viewer(subject, points)
-    fine = (hemisphere.DEPTH, hemisphere.PROBES)
-    depth, probes = fine if levels > 1 else (hemisphere.FEWER, SCREEN_SAMPLES)
-    cut = hemisphere.partition(subject, parameters, wo, depth, probes)
-    result = hemisphere.integrate(subject, parameters, wo, cut, tolerance, levels)
+    cut = hemisphere.partition(subject, parameters, wo)
+    result = hemisphere.integrate(subject, parameters, wo, cut, INTEGRALS, CUTS)
     return np.asarray(result.total[:, UNREACHED])
 
 
-def _unreached(subject: Subject, effort: Effort) -> Finding:
+def _unreached(subject: Subject, screened: Screened, effort: Effort) -> Finding:
     trusted = TRUSTED_FLOAT32 if subject.float32 else TRUSTED
-    rng = np.random.default_rng(43)
-    count = max(4 * effort.confirmed, LOOKED_AT)
-    points = np.concatenate(
-        [
-            screened_points(subject, count // 2, 45),
-            rng.random((count - count // 2, dimensions(subject))),
-        ]
-    )
-    found = unreached(subject, points, 1e-2, 1)
+    points, found = screened.points, screened.unreached
     if not found.max() <= trusted:  # there is something to search for
+        count = max(4 * effort.confirmed, LOOKED_AT)
         points, found = maximise(
-            lambda p: unreached(subject, p, 1e-2, 1),
+            lambda p: screen(subject, p).unreached,
             dimensions(subject),
             population=count,
             rounds=8,
@@ -483,7 +498,7 @@ def _unreached(subject: Subject, effort: Effort) -> Finding:
             starts=points[np.argsort(-found)[: count // 2]],
         )
     best = points[_worst(list(found))][None]
-    measured = float(unreached(subject, best, INTEGRALS, CUTS)[0])
+    measured = float(unreached(subject, best)[0])
     verdict, text = judge(
         subject, "unreached", measured, limit=trusted, error=trusted, effort=effort
     )
