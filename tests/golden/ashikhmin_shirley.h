@@ -192,22 +192,26 @@ inline float ashikhmin_shirley_log1p_over(float x) {
     return small ? 2.0f / (2.0f + near) * series : logf(1.0f + far) / far;
 }
 
-// Of normals, sqrt((n_u + 1) (n_v + 1)) / (2 pi) (N.m)^(n_u cos^2 + n_v sin^2 of the azimuth).
-inline float ashikhmin_shirley_density(const AshikhminShirley& params, Vec3 m) {
+// Density of normals, times a weight.
+//
+// sqrt((n_u + 1) (n_v + 1)) / (2 pi) (N.m)^(n_u cos^2 + n_v sin^2 of the azimuth).
+inline float ashikhmin_shirley_weighed(const AshikhminShirley& params, Vec3 m, float weight) {
     // -log(N.m) (n_u x^2 + n_v y^2) / (x^2 + y^2) with log(N.m) = -log(1 + tan^2) / 2: the square of the sine
     // cancels
     float x2 = m.x * m.x;
     float y2 = m.y * m.y;
     float z2 = m.z * m.z;
-    float steep = 0.5f * ashikhmin_shirley_log1p_over((x2 + y2) / z2) / z2;
+    float steep = 0.25f * ashikhmin_shirley_log1p_over((x2 + y2) / z2) / z2;
     float norm = inv_two_pi * sqrtf((params.shininess_x + 1.0f) * (params.shininess_y + 1.0f));
-    return norm * expf(-(params.shininess_x * x2 + params.shininess_y * y2) * steep);
+    // The root of the power, which twice has a place in a float32 where the power by itself has none
+    float root = expf(-(params.shininess_x * x2 + params.shininess_y * y2) * steep);
+    return norm * root * (root * weight);
 }
 
 // The highlight of Eq. 4 without F.
 inline float ashikhmin_shirley_highlight(const AshikhminShirley& params, Vec3 wi, Vec3 wo) {
     float V = fminf(0.25f / ashikhmin_shirley_cos_half(wi, wo) / fmaxf(wi.z, wo.z), V_MAX);
-    return ashikhmin_shirley_density(params, ashikhmin_shirley_half_vector(wi, wo)) * V;
+    return ashikhmin_shirley_weighed(params, ashikhmin_shirley_half_vector(wi, wo), V);
 }
 
 // Eq. 4 and 5: BRDF value in 1/sr, without the cosine.
@@ -300,12 +304,6 @@ inline Vec3 ashikhmin_shirley_mirror(Vec3 wo, Vec3 m) {
     return 2.0f * dot(wo, m) * m - wo;
 }
 
-// Density of ashikhmin_shirley_mirror in 1/sr, if m has the given density and cos_h = wo . m.
-inline float ashikhmin_shirley_pdf_mirror(float density, float cos_h) {
-    // Walter et al., Eq. 14
-    return 0.25f * density / cos_h;
-}
-
 // Density of ashikhmin_shirley_sample_cosine in 1/sr, for w above the horizon.
 inline float ashikhmin_shirley_pdf_cosine(Vec3 w) {
     return w.z * inv_pi;
@@ -317,8 +315,8 @@ inline float ashikhmin_shirley_pdf(const AshikhminShirley& params, Vec3 wi, Vec3
         return 0.0f;
     }
     Vec2 P = ashikhmin_shirley_shares(params, wo);
-    float facets = ashikhmin_shirley_pdf_mirror(ashikhmin_shirley_density(params,
-        ashikhmin_shirley_half_vector(wi, wo)), ashikhmin_shirley_cos_half(wi, wo));
+    float facets = ashikhmin_shirley_weighed(params, ashikhmin_shirley_half_vector(wi, wo),
+        0.25f / ashikhmin_shirley_cos_half(wi, wo));
     return P.x * ashikhmin_shirley_pdf_cosine(wi) + P.y * facets;
 }
 

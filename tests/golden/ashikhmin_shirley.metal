@@ -99,17 +99,21 @@ inline float ashikhmin_shirley_log1p_over(float x) {
     return small ? 2.0 / (2.0 + near) * series : log(1.0 + far) / far;
 }
 
-// Of normals, sqrt((n_u + 1) (n_v + 1)) / (2 pi) (N.m)^(n_u cos^2 + n_v sin^2 of the azimuth).
-inline float ashikhmin_shirley_density(AshikhminShirley params, float3 m) {
+// Density of normals, times a weight.
+//
+// sqrt((n_u + 1) (n_v + 1)) / (2 pi) (N.m)^(n_u cos^2 + n_v sin^2 of the azimuth).
+inline float ashikhmin_shirley_weighed(AshikhminShirley params, float3 m, float weight) {
     const float inv_two_pi = 0.15915494;
     // -log(N.m) (n_u x^2 + n_v y^2) / (x^2 + y^2) with log(N.m) = -log(1 + tan^2) / 2: the square of the sine
     // cancels
     float x2 = m.x * m.x;
     float y2 = m.y * m.y;
     float z2 = m.z * m.z;
-    float steep = 0.5 * ashikhmin_shirley_log1p_over((x2 + y2) / z2) / z2;
+    float steep = 0.25 * ashikhmin_shirley_log1p_over((x2 + y2) / z2) / z2;
     float norm = inv_two_pi * sqrt((params.shininess_x + 1.0) * (params.shininess_y + 1.0));
-    return norm * exp(-(params.shininess_x * x2 + params.shininess_y * y2) * steep);
+    // The root of the power, which twice has a place in a float32 where the power by itself has none
+    float root = exp(-(params.shininess_x * x2 + params.shininess_y * y2) * steep);
+    return norm * root * (root * weight);
 }
 
 // The highlight of Eq. 4 without F.
@@ -118,7 +122,7 @@ inline float ashikhmin_shirley_highlight(AshikhminShirley params, float3 wi, flo
     // it still is a float32. It is reached at cosines of 5e-16.
     const float V_MAX = 1.0e30;
     float V = min(0.25 / ashikhmin_shirley_cos_half(wi, wo) / max(wi.z, wo.z), V_MAX);
-    return ashikhmin_shirley_density(params, ashikhmin_shirley_half_vector(wi, wo)) * V;
+    return ashikhmin_shirley_weighed(params, ashikhmin_shirley_half_vector(wi, wo), V);
 }
 
 // Eq. 4 and 5: BRDF value in 1/sr, without the cosine.
@@ -229,12 +233,6 @@ inline float3 ashikhmin_shirley_mirror(float3 wo, float3 m) {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
-// Density of ashikhmin_shirley_mirror in 1/sr, if m has the given density and cos_h = wo . m.
-inline float ashikhmin_shirley_pdf_mirror(float density, float cos_h) {
-    // Walter et al., Eq. 14
-    return 0.25 * density / cos_h;
-}
-
 // Density of ashikhmin_shirley_sample_cosine in 1/sr, for w above the horizon.
 inline float ashikhmin_shirley_pdf_cosine(float3 w) {
     const float inv_pi = 0.31830987;
@@ -248,8 +246,8 @@ inline float ashikhmin_shirley_pdf(AshikhminShirley params, float3 wi, float3 wo
         return 0.0;
     }
     float2 P = ashikhmin_shirley_shares(params, wo);
-    float facets = ashikhmin_shirley_pdf_mirror(ashikhmin_shirley_density(params,
-        ashikhmin_shirley_half_vector(wi, wo)), ashikhmin_shirley_cos_half(wi, wo));
+    float facets = ashikhmin_shirley_weighed(params, ashikhmin_shirley_half_vector(wi, wo),
+        0.25 / ashikhmin_shirley_cos_half(wi, wo));
     return P.x * ashikhmin_shirley_pdf_cosine(wi) + P.y * facets;
 }
 

@@ -96,17 +96,21 @@ fn ashikhmin_shirley_log1p_over(x: f32) -> f32 {
     return select(log(1.0 + far) / far, 2.0 / (2.0 + near) * series, small);
 }
 
-// Of normals, sqrt((n_u + 1) (n_v + 1)) / (2 pi) (N.m)^(n_u cos^2 + n_v sin^2 of the azimuth).
-fn ashikhmin_shirley_density(params: AshikhminShirley, m: vec3f) -> f32 {
+// Density of normals, times a weight.
+//
+// sqrt((n_u + 1) (n_v + 1)) / (2 pi) (N.m)^(n_u cos^2 + n_v sin^2 of the azimuth).
+fn ashikhmin_shirley_weighed(params: AshikhminShirley, m: vec3f, weight: f32) -> f32 {
     const inv_two_pi = 0.15915494;
     // -log(N.m) (n_u x^2 + n_v y^2) / (x^2 + y^2) with log(N.m) = -log(1 + tan^2) / 2: the square of the sine
     // cancels
     let x2 = m.x * m.x;
     let y2 = m.y * m.y;
     let z2 = m.z * m.z;
-    let steep = 0.5 * ashikhmin_shirley_log1p_over((x2 + y2) / z2) / z2;
+    let steep = 0.25 * ashikhmin_shirley_log1p_over((x2 + y2) / z2) / z2;
     let norm = inv_two_pi * sqrt((params.shininess_x + 1.0) * (params.shininess_y + 1.0));
-    return norm * exp(-(params.shininess_x * x2 + params.shininess_y * y2) * steep);
+    // The root of the power, which twice has a place in a float32 where the power by itself has none
+    let root = exp(-(params.shininess_x * x2 + params.shininess_y * y2) * steep);
+    return norm * root * (root * weight);
 }
 
 // The highlight of Eq. 4 without F.
@@ -115,7 +119,7 @@ fn ashikhmin_shirley_highlight(params: AshikhminShirley, wi: vec3f, wo: vec3f) -
     // it still is a float32. It is reached at cosines of 5e-16.
     const V_MAX = 1.0e30;
     let V = min(0.25 / ashikhmin_shirley_cos_half(wi, wo) / max(wi.z, wo.z), V_MAX);
-    return ashikhmin_shirley_density(params, ashikhmin_shirley_half_vector(wi, wo)) * V;
+    return ashikhmin_shirley_weighed(params, ashikhmin_shirley_half_vector(wi, wo), V);
 }
 
 // Eq. 4 and 5: BRDF value in 1/sr, without the cosine.
@@ -224,12 +228,6 @@ fn ashikhmin_shirley_mirror(wo: vec3f, m: vec3f) -> vec3f {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
-// Density of ashikhmin_shirley_mirror in 1/sr, if m has the given density and cos_h = wo . m.
-fn ashikhmin_shirley_pdf_mirror(density: f32, cos_h: f32) -> f32 {
-    // Walter et al., Eq. 14
-    return 0.25 * density / cos_h;
-}
-
 // Density of ashikhmin_shirley_sample_cosine in 1/sr, for w above the horizon.
 fn ashikhmin_shirley_pdf_cosine(w: vec3f) -> f32 {
     const inv_pi = 0.31830987;
@@ -243,8 +241,8 @@ fn ashikhmin_shirley_pdf(params: AshikhminShirley, wi: vec3f, wo: vec3f) -> f32 
         return 0.0;
     }
     let P = ashikhmin_shirley_shares(params, wo);
-    let facets = ashikhmin_shirley_pdf_mirror(ashikhmin_shirley_density(params,
-        ashikhmin_shirley_half_vector(wi, wo)), ashikhmin_shirley_cos_half(wi, wo));
+    let facets = ashikhmin_shirley_weighed(params, ashikhmin_shirley_half_vector(wi, wo),
+        0.25 / ashikhmin_shirley_cos_half(wi, wo));
     return P.x * ashikhmin_shirley_pdf_cosine(wi) + P.y * facets;
 }
 
