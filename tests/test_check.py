@@ -84,6 +84,7 @@ CAUGHT: dict[str, set[str]] = {
     "cancelling_half_vector": {"finite", "gradient"},
     "clamped_eon": {"energy", "albedo", "continuity", "monotonicity"},
     "coloured_mixture": {"sampling"},
+    "dimmed_mirror": {"finite"},
     "equal_widths": NAN | {"finite", "gradient"},
     "green_gain": {"energy"},
     "growing": {"monotonicity"},
