@@ -42,7 +42,7 @@ FEW = 6
 
 # Tolerance of the adaptive integrals that the search compares, how often it cuts cells, and how often where
 # many points are looked at once.
-ROUGHLY, SHALLOW, SKETCHY = 2e-5, 5, 2
+ROUGHLY, SHALLOW, SKETCHY = 2e-5, 5, 3
 
 # The integrals that count: tolerance, how often cells are cut, and for how many of the best finds. The
 # second one is for what is within so many of the first one's errors of a limit.
