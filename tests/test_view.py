@@ -21,6 +21,7 @@ import pytest
 from click.testing import CliRunner
 
 import gonio
+from gonio import foreign
 from gonio.cli import main
 from gonio.export.text import export
 from gonio.fields import ModelError, Option
@@ -105,6 +106,9 @@ HOSTILE: dict[str, tuple[dict[str, Any], int]] = {
     "a list": ({"body": "[]"}, 400),
     "no text": ({"body": "{}"}, 400),
     "a number for a text": ({"body": '{"text": 3}'}, 400),
+    "half a character": ({"body": '{"text": "eon:rho=\\ud800"}'}, 422),
+    "a body in chunks": ({"Transfer_Encoding": "chunked"}, 411),
+    "a file that was not named": ({"body": '{"text": "/etc/x.glsl#f"}'}, 422),
     "an unknown language": (
         {"path": "/api/code", "body": '{"text": "eon", "language": "exe"}'},
         400,
@@ -358,6 +362,54 @@ def test_a_saved_page_has_the_exporters_text_for_every_choice() -> None:
     assert text == export({"model": model}, "wgsl")[0].source
 
 
+# Its value is called with a formula, and its parameter has a range.
+FOREIGN = """#define PI 3.14159265
+float lambert(float NdotL, float NdotV, float albedo2) { return NdotV > 0.0 ? albedo2 * NdotL / PI : 0.0; }
+"""
+
+
+def test_code_of_others_has_its_text_its_parameters_and_no_export(tmp_path: Path) -> None:
+    path = tmp_path / "own.glsl"
+    path.write_text(FOREIGN, encoding="utf-8")
+    name = f"{path}#lambert"
+
+    def read(text: str) -> foreign.Foreign:
+        return foreign.load(text, mapping=["albedo2=rho^2"], ranges=["rho=0.1..1"])
+
+    names = page.Names([name], read)
+    made = page.payload(names, f"{name}:rho=0.25")
+    (rho,) = made["parameters"]
+    assert (rho["path"], rho["value"], rho["low"]) == ("rho", [0.25], 0.1)
+    text = made["code"]["essl"]
+    assert FOREIGN in text
+    # The formula, the cosine that the code's value has, and an end of its macros
+    assert "(gonio_m.p0 * gonio_m.p0)" in text
+    assert "gonio_found / max(gonio_wi.z" in text
+    assert text.endswith("#undef PI\n")
+    with pytest.raises(server.Refused, match="stays in its own language"):
+        server.code(names, name, "hlsl")
+    saved = data_of(page.saved(names, [name], pool(names, [name])))
+    assert saved["models"][name]["code"] == page.payload(names, name)["code"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["x.hlsl#f"], "no browser compiles"),
+        (["x.glsl#f", "--sample", "g", "--pdf", "h"], "'gonio check' judges"),
+        (["x.glsl#f", "--texture", "t=0.5"], "binds no textures"),
+        (["eon", "--map", "a=wi"], "belong to a FILE of code"),
+        (["missing.glsl#f"], "missing.glsl: No such file"),
+    ],
+)
+def test_code_that_the_page_cannot_run_is_refused_in_one_line(
+    arguments: list[str], says: str
+) -> None:
+    done = CliRunner().invoke(main, ["view", "--no-open", *arguments])
+    assert done.exit_code != 0
+    assert says in done.output.replace("\n", " ")
+
+
 def test_nothing_in_a_model_can_end_the_pages_script(tmp_path: Path) -> None:
     path = tmp_path / "sly.toml"
     path.write_text(
@@ -390,9 +442,20 @@ def test_the_built_script_is_current(tmp_path: Path) -> None:
     node = shutil.which("node")
     assert node, "node is missing: 'make test' installs it"
     assert (WEB / "node_modules/esbuild").is_dir(), "run 'npm ci' in gonio/view/web"
-    out = tmp_path / "viewer.js"
-    subprocess.run([node, "build.mjs", str(out)], cwd=WEB, check=True)
-    assert out.read_bytes() == (WEB / "viewer.js").read_bytes(), "run 'npm run build' there"
+    subprocess.run([node, "build.mjs", str(tmp_path)], cwd=WEB, check=True)
+    for name in page.FILES:
+        built = (tmp_path / name).read_bytes()
+        assert built == (WEB / name).read_bytes(), "run 'npm run build' there"
+
+
+def test_the_pages_source_is_formatted_and_has_nothing_that_a_linter_knows() -> None:
+    node = shutil.which("node")
+    assert node, "node is missing: 'make test' installs it"
+    biome = WEB / "node_modules/@biomejs/biome/bin/biome"
+    assert biome.is_file(), "run 'npm ci' in gonio/view/web"
+    command = [node, str(biome), "ci", "--error-on-warnings"]
+    done = subprocess.run(command, cwd=WEB, capture_output=True, text=True)
+    assert done.returncode == 0, f"run 'npm run format' there:\n{done.stderr}"
 
 
 def test_the_skys_picture_is_mitsubas() -> None:

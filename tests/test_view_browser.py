@@ -170,6 +170,18 @@ return pack(made);
 )
 
 
+ALBEDO = """
+const [text, wo] = given, payload = await gonio.source.model(text);
+const program = await gonio.gpu.compile(payload, { trace: false });
+const params = new Float32Array(4 * Math.max(1, payload.members.length));
+const value = (path) => payload.parameters.find((p) => p.path === path).value;
+payload.members.forEach((path, i) => params.set(value(path), 4 * i));
+const made = await gonio.gpu.albedo(program, params, new Float32Array([...wo, 0]));
+gonio.gpu.forget(program);
+return [...made.subarray(0, 3)];
+"""
+
+
 @pytest.fixture(scope="module", params=INTERFACES)
 def shown(request: pytest.FixtureRequest, browser: Browser, server: Viewer) -> Iterator[Shown]:
     found = Shown(browser, server.url.replace("/#", f"/?graphics={request.param}#"))
@@ -545,7 +557,8 @@ const widget = {
   off: (name) => { delete calls[name]; },
   save_changes: () => { globalThis.saved = { ...values }; },
   send: async ({ id, question, body }) => {
-    const answer = await gonio.source[question](body.text, body.language);
+    const found = await gonio.source[question](body.text, body.language);
+    const answer = question === "file" ? { text: found } : found;
     calls["msg:custom"]({ id, answer });
   },
 };
@@ -570,6 +583,105 @@ def test_a_notebooks_widget_follows_the_page_and_leads_it(shown: Shown) -> None:
     # The page's own graphics are still there
     shown.run("await gonio.show('eon')")
     assert np.isfinite(shown.film(1, 16, furnace=True, shape="sphere")).all()
+
+
+# --- code that others wrote ----------------------------------------------------------------------------
+
+# Karis's terms in GLSL of desktops, with names that the page's own passes have, and a macro of one letter.
+GLSL = """#version 450
+#define k(x) clamp(x, 0.0, 1.0)
+struct Light { float path; };
+uniform float strength;
+float hash(float NoH, Light ball) {
+    float a2 = ball.path * ball.path, f = NoH * NoH * (a2 - 1.0) + 1.0;
+    return a2 / (3.14159265 * f * f);
+}
+float model_eval(float x, float a) { return sqrt(x * x * (1.0 - a * a) + a * a); }
+vec3 ggx(vec3 L, vec3 V, vec3 N, vec3 f0, float roughness) {
+    vec3 H = normalize(L + V);
+    float NoL = k(dot(N, L)), NoV = k(dot(N, V)), NoH = k(dot(N, H));
+    Light box;
+    box.path = roughness * roughness;
+    float G = 2.0 * NoL * NoV / (NoV * model_eval(NoL, box.path) + NoL * model_eval(NoV, box.path));
+    vec3 F = f0 + (1.0 - f0) * pow(1.0 - k(dot(V, H)), 5.0);
+    return strength * hash(NoH, box) * G * F / max(4.0 * NoL * NoV, 1e-7);
+}
+"""
+# Its value has the cosine and is given half vector and cosines.
+WGSL = """struct Surface { rho: vec3f, meet: f32 }
+fn box(x: f32, f90: f32) -> f32 { return 1.0 + (f90 - 1.0) * pow(1.0 - x, 5.0); }
+fn burley(s: Surface, NdotL: f32, NdotV: f32, LdotH: f32) -> vec3f {
+    let f90 = 0.5 + 2.0 * s.meet * LdotH * LdotH;
+    return s.rho * (box(NdotL, f90) * box(NdotV, f90) * NdotL / 3.14159265);
+}
+"""
+BRDF = """analytic
+::begin parameters
+color Kd 0.8 0.4 0.1
+float n 1 50 8
+::end parameters
+::begin shader
+vec3 BRDF(vec3 L, vec3 V, vec3 N, vec3 X, vec3 Y) {
+    return Kd / 3.14159265 + vec3(pow(max(dot(reflect(-L, N), V), 0.0), n));
+}
+::end shader
+"""
+
+
+def test_code_of_others_draws_with_its_own_text(browser: Browser, tmp_path: Path) -> None:
+    from gonio import foreign
+
+    texts = {"g.glsl": GLSL, "b.wgsl": WGSL, "p.brdf": BRDF}
+    for name, text in texts.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    files = [f"{tmp_path / name}" for name in ("g.glsl#ggx", "b.wgsl#burley", "p.brdf#BRDF")]
+    viewer = Viewer([files[0], "eon"], files)
+    thread = threading.Thread(target=viewer.serve_forever, kwargs={"poll_interval": 0.05})
+    thread.start()
+    try:
+        found = Shown(browser, viewer.url)
+        # GLSL runs where a browser runs GLSL, and takes the other side along
+        assert found.value("[gonio.gpu.name, gonio.sides[1].text()]") == ["WebGL2", "eon"]
+        rows = directions(1024)
+        wi, wo = rows[:, :3].astype(float), rows[:, 3:6].astype(float)
+        for name in (files[0], files[2], files[1]):
+            found.run("await gonio.show(given); await gonio.compare(false)", name)
+            made = found.rows(name, rows)
+            code = foreign.load(name)
+            f = code.brdf(wi, wo)
+            # The code itself is single precision: where it is steep, roundings are larger than a driver's
+            assert far_off(made[:, :3], f, 10 * F_ERROR).any(axis=1).mean() < 0.01, name
+            # Samples hit what the density says: over them, cos / pi / pdf has the mean 1, its integral. It
+            # lies between 0 and 2, so that 4,096 know their mean to 0.02
+            oblique = np.zeros((4096, 8), np.float32)
+            oblique[:, 2], oblique[:, 3], oblique[:, 5] = 1, 0.6, 0.8
+            oblique[:, 6:] = np.minimum(np.random.default_rng(3).random((4096, 2)), 1 - 2**-24)
+            drawn = found.rows(name, oblique)
+            hit = drawn[:, 7] > 0
+            mean = np.sum(drawn[hit, 6] / np.pi / drawn[hit, 7]) / len(drawn)
+            assert mean == pytest.approx(1, abs=0.06), name
+            albedo = found.run(ALBEDO, [name, [0.6, 0, 0.8]])
+            wanted = foreign.as_model(code).albedo(np.array([0.6, 0, 0.8]))
+            np.testing.assert_allclose(albedo, wanted, rtol=5e-3)
+            assert np.isfinite(found.film(1, 24, env="studio", furnace=False, shape="ball")).all()
+        assert found.value("gonio.gpu.name") == "WebGPU"
+        assert found.value("gonio.sides[0].payload.foreign.text") == WGSL
+        # Two languages cannot share one interface
+        found.run("await gonio.compare(true); await gonio.show(given, 'b')", files[0])
+        assert "side by side" in found.value("gonio.sides[1].error.text")
+        assert found.value("gonio.sides[0].program !== null")
+        # A saved file is read again, and one that is wrong leaves the picture
+        (tmp_path / "b.wgsl").write_text(WGSL.replace("0.5 + 2.0", "0.6 + 2.0"), encoding="utf-8")
+        found.until("gonio.sides[0].payload.code.wgsl.includes('0.6 + 2.0')")
+        (tmp_path / "b.wgsl").write_text(WGSL.replace("let f90", "lt f90"), encoding="utf-8")
+        found.until("gonio.sides[0].error")
+        assert "b.wgsl:4" in found.value("gonio.sides[0].error.text")
+        assert found.complaints == []
+        found.page.close()
+    finally:
+        viewer.shutdown()
+        viewer.server_close()
+        thread.join()
 
 
 # --- files that are dropped ----------------------------------------------------------------------------

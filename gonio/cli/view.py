@@ -6,8 +6,9 @@ from pathlib import Path
 
 import click
 
+from gonio.cli._code import Code, code_options
 from gonio.cli.program import complete, say
-from gonio.foreign import is_foreign
+from gonio.foreign import ForeignError, is_foreign
 from gonio.materials.notation import split
 
 
@@ -16,11 +17,16 @@ from gonio.materials.notation import split
 @click.option("--save", metavar="FILE", help="Write one .html file that works without gonio.")
 @click.option("--port", type=click.IntRange(0, 65535), default=0, help="Default: a free one.")
 @click.option("--no-open", is_flag=True, help="Print the address, and open no browser.")
-def command(models: tuple[str, ...], save: str | None, port: int, no_open: bool) -> None:
+@code_options
+def command(
+    models: tuple[str, ...], save: str | None, port: int, no_open: bool, code: Code
+) -> None:
     """Show MODELs path traced, with sliders, plots, probe and code; two are compared.
 
     A MODEL is a model (eon, or eon:roughness=1), a ready material, or your own .py or .toml file, which is
-    read again when you save it. The page comes from this machine alone and sends nothing anywhere.
+    read again when you save it; or a function of shader code that others wrote (.glsl, .frag, .essl, .brdf
+    and .wgsl), whose own text draws the picture. The page comes from this machine alone and sends nothing
+    anywhere.
 
     \b
     Examples:
@@ -28,21 +34,17 @@ def command(models: tuple[str, ...], save: str | None, port: int, no_open: bool)
       gonio view car_paint_red_strong
       gonio view eon:roughness=1 oren_nayar:sigma=0.5
       gonio view my_model.py            edit the file and watch
+      gonio view brdf.glsl#ggx eon      your engine's function beside a model
       gonio view gold --save gold.html  one file to send, with its sliders
     """
     from gonio.view import page, server
 
-    texts = list(models) or ["eon"]
-    for text in texts:
-        if is_foreign(text):
-            raise click.UsageError(
-                f"{text} is code that others wrote, which the page cannot run; 'gonio plot' draws it, and "
-                "'gonio compare FILE#FUNCTION MODEL -o difference.png' shows where it differs from a model."
-            )
+    texts = [code.named(text) for text in models] or ["eon"]
+    files = list(dict.fromkeys(name for name in map(_file_of, texts) if name))
+    _check_code(code, [name for name in files if is_foreign(name)])
     if len(texts) > 2 and save is None:
         raise click.UsageError("the page shows two models, A and B; name at most two.")
-    files = list(dict.fromkeys(name for name in map(_file_of, texts) if name))
-    names = page.Names(files)
+    names = page.Names(files, code.load)
     for text in texts:
         names.find(text)  # what is wrong is said here rather than in the page
     if save is not None:
@@ -58,7 +60,7 @@ def command(models: tuple[str, ...], save: str | None, port: int, no_open: bool)
             temporary.write_text(text, encoding="utf-8")
         click.echo(path)
         return
-    viewer = server.Viewer(texts, files, port)
+    viewer = server.Viewer(texts, names, port)
     click.echo(f"gonio view: {viewer.url}\nCtrl C ends it.")
     try:
         server.serve(viewer, open_browser=not no_open)
@@ -67,6 +69,28 @@ def command(models: tuple[str, ...], save: str | None, port: int, no_open: bool)
 
 
 def _file_of(text: str) -> str:
-    """The file that a text names, or nothing."""
+    """The file that a text names, or nothing; of code with its function."""
     name, _ = split(text)
-    return name if name.endswith((".py", ".toml")) else ""
+    return name if name.endswith((".py", ".toml")) or is_foreign(name) else ""
+
+
+def _check_code(code: Code, foreign: list[str]) -> None:
+    """Say early which code and which of its options the page has no use for.
+
+    Raises:
+        ForeignError: with what to do instead.
+    """
+    from gonio.view.foreign_code import check_runs
+
+    if code.given and not foreign:
+        raise ForeignError(
+            "--function, --map and the like belong to a FILE of code, such as x.glsl#eval."
+        )
+    for name in foreign:
+        check_runs(name)
+    if code.sample or code.pdf or code.albedo:
+        raise ForeignError(
+            "the page samples code by a rule of its own; 'gonio check' judges --sample, --pdf and --albedo."
+        )
+    if code.textures:
+        raise ForeignError("the page binds no textures to code; 'gonio plot' takes --texture.")

@@ -17,6 +17,8 @@ from gonio.export.buffer import check_unread
 from gonio.export.manifest import loader, manifest
 from gonio.export.text import export
 from gonio.fields import ModelError
+from gonio.foreign import is_foreign
+from gonio.foreign.model import ForeignModel
 from gonio.materials import Material, library, load, load_material, toml_file
 from gonio.materials.model_file import is_model_file
 from gonio.materials.notation import assign, split
@@ -25,9 +27,20 @@ from gonio.mitsuba.textures import flake_map
 from gonio.model import Model, models
 from gonio.parts.metals import metal, metals
 from gonio.version import __version__
+from gonio.view import foreign_code
 from gonio.view.scene import environments, fade, packed, shapes
 
 WEB = Path(__file__).parent / "web"
+
+# The script that a page begins with, and what it loads: its styles at once, the others when wanted.
+SCRIPT = "viewer.js"
+FILES = {
+    SCRIPT: "text/javascript",
+    "viewer.css": "text/css",
+    "more.js": "text/javascript",
+    "webgl2.js": "text/javascript",
+    "files.js": "text/javascript",
+}
 
 # Of what the page's two graphics interfaces understand.
 SHADERS = ("wgsl", "essl")
@@ -50,19 +63,34 @@ class UnknownModelError(ModelError):
 class Names:
     """What a page may show: gonio's models and materials, and files that its user named."""
 
-    def __init__(self, files: Iterable[str] = ()) -> None:
-        """Files by the names that the page calls them by; others are never opened."""
+    def __init__(
+        self, files: Iterable[str] = (), read: foreign_code.Loader = foreign_code.load
+    ) -> None:
+        """Files by the names that the page calls them by; others are never opened.
+
+        Args:
+            files: models, materials, and functions of code as FILE#FUNCTION.
+            read: how such a function is read.
+        """
         self.files = tuple(files)
+        self.code = foreign_code.Code(read)
 
     def start(self, text: str) -> Model | Material:
         """The model or material in front of a text's colon."""
         name, _ = split(text)
-        return load(name) if name in self.files else self._known(name)
+        if name not in self.files:
+            return self._known(name)
+        return self.code.model(name) if is_foreign(name) else load(name)
+
+    def paths(self, name: str) -> tuple[Path, ...]:
+        """What the page shows again when it changes."""
+        return self.code.files(name) if is_foreign(name) else (Path(name),)
 
     def _known(self, name: str) -> Model | Material:
         """What comes with gonio: a name of anything else never opens a file, nor runs one."""
         if name not in models() and name not in library():
-            if is_model_file(name) or name.endswith(".toml") or "/" in name or "\\" in name:
+            is_file = is_model_file(name) or name.endswith(".toml") or is_foreign(name)
+            if is_file or "/" in name or "\\" in name:
                 raise UnknownModelError(
                     f"{name} was not named when 'gonio view' was started; start it with that file."
                 )
@@ -94,6 +122,8 @@ def payload(names: Names, text: str) -> dict[str, Any]:
 
 def payload_of(names: Names, text: str, what: Model | Material) -> dict[str, Any]:
     """The same for what a text means."""
+    if isinstance(what, ForeignModel):
+        return foreign_code.payload(text, split(text)[0], what)
     model = what.model if isinstance(what, Material) else what
     about = manifest(what, NAME, refusals=False)
     made = {language: export({NAME: model}, language)[0] for language in SHADERS}
@@ -283,18 +313,19 @@ def document(title: str, script: str, data: str = "") -> str:
     )
 
 
-def viewer_script() -> str:
-    """The built script of the page."""
-    return (WEB / "viewer.js").read_text(encoding="utf-8")
+def file(name: str = SCRIPT) -> str:
+    """One of the built FILES."""
+    return (WEB / name).read_text(encoding="utf-8")
 
 
 def saved(names: Names, texts: Iterable[str], extra: Mapping[str, Any] | None = None) -> str:
     """One file with everything in it, which works from file://."""
     shown = list(texts)
-    data = start(names, shown) | {"saved": True} | dict(extra or {})
-    script = viewer_script().replace("</script", "<\\/script")
+    files = {name: file(name) for name in FILES if name != SCRIPT}
+    data = start(names, shown) | {"saved": True, "files": files} | dict(extra or {})
+    viewer = file().replace("</script", "<\\/script")
     return document(
         f"{', '.join(shown)} – gonio view".encode(errors="replace").decode(),
-        f'<script type="module">{script}</script>',
+        f'<script type="module">{viewer}</script>',
         f'<script type="application/octet-stream" id="gonio-data">{embedded(data)}</script>',
     )

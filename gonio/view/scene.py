@@ -76,7 +76,6 @@ def environments() -> dict[str, Any]:
                     "b": lamp.half_axes[1].tolist(),
                     "area": lamp.area,
                     "radiance": list(lamp.radiance),
-                    "share": lamp.share,
                 }
                 for lamp in environment.lamps.values()
             ],
@@ -117,7 +116,6 @@ def _sky(azimuth: float, elevation: float) -> tuple[dict[str, Any], dict[str, An
         "b": lamp.half_axes[1].tolist(),
         "area": lamp.area,
         "radiance": sun.tolist(),
-        "share": 1.0,
     }
     height, width = picture.shape[:2]
     return {"width": width, "height": height, "half": packed(picture, "<f2")}, disk

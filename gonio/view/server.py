@@ -7,6 +7,7 @@ browsers do not send. Routes are the keys of a dictionary; no path of a request 
 
 from __future__ import annotations
 
+import functools
 import json
 import secrets
 import socket
@@ -26,6 +27,8 @@ from gonio.export.targets import TARGETS
 from gonio.export.text import export
 from gonio.export.tree import ExportError
 from gonio.fields import ModelError
+from gonio.foreign import ForeignError
+from gonio.foreign.model import ForeignModel
 from gonio.materials import Material, MaterialError
 from gonio.view import page
 from gonio.view.page import Names
@@ -58,10 +61,12 @@ class Viewer(ThreadingHTTPServer):
     daemon_threads = True
     address_family = socket.AF_INET
 
-    def __init__(self, texts: Iterable[str], files: Iterable[str] = (), port: int = 0) -> None:
+    def __init__(
+        self, texts: Iterable[str], files: Iterable[str] | Names = (), port: int = 0
+    ) -> None:
         """Texts of models to open with, files that the page may show; port 0 takes a free one."""
         self.texts = list(texts)
-        self.names = Names(files)
+        self.names = files if isinstance(files, Names) else Names(files)
         self.token = secrets.token_urlsafe(24)
         self.workers = ThreadPoolExecutor(2, thread_name_prefix="gonio-view")
         self.closing = threading.Event()
@@ -76,7 +81,7 @@ class Viewer(ThreadingHTTPServer):
     def url(self) -> str:
         """The page with its token, and the models to show."""
         shown = "".join(
-            f"&{side}={quote(text, safe=':,=/.')}"
+            f"&{side}={quote(text, safe=':,=/.', errors='surrogateescape')}"
             for side, text in zip("ab", self.texts, strict=False)
         )
         return f"{self.origin}/#token={self.token}{shown}"
@@ -119,6 +124,8 @@ def code(names: Names, text: str, language: str) -> str:
     if language not in (*TARGETS, materialx.NAME):
         raise Refused(400, f"no language {language!r}.")
     what = names.find(text)
+    if isinstance(what, ForeignModel):
+        raise Refused(422, f"{what.foreign.name} stays in its own language; nothing is exported.")
     model = what.model if isinstance(what, Material) else what
     name = "".join(c if c.isalnum() else "_" for c in what.name)
     if language == materialx.NAME:
@@ -147,10 +154,11 @@ class Handler(BaseHTTPRequestHandler):
     # The routes; nothing else exists.
     PAGES: ClassVar[dict[str, tuple[str, Callable[[], str]]]] = {
         "/": (
-            "text/html; charset=utf-8",
+            "text/html",
             lambda: page.document("gonio view", '<script type="module" src="/viewer.js"></script>'),
-        ),
-        "/viewer.js": ("text/javascript; charset=utf-8", page.viewer_script),
+        )
+    } | {
+        f"/{name}": (kind, functools.partial(page.file, name)) for name, kind in page.FILES.items()
     }
     ANSWERS: ClassVar[dict[str, Callable[[Viewer, Mapping[str, Any]], Any]]] = {
         "/api/start": Viewer.start,
@@ -167,7 +175,7 @@ class Handler(BaseHTTPRequestHandler):
             if name not in self.PAGES:
                 raise Refused(404, "there is no such page.")
             kind, make = self.PAGES[name]
-            self._send(200, make().encode(), kind)
+            self._send(200, make().encode(), f"{kind}; charset=utf-8")
         except Refused as refused:
             self._refuse(refused)
 
@@ -183,7 +191,8 @@ class Handler(BaseHTTPRequestHandler):
             if self.path not in self.ANSWERS:
                 raise Refused(404, "there is no such answer.")
             answer = self._work(self.ANSWERS[self.path], body)
-            text = json.dumps(answer, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+            # In ASCII, for names of files need not be Unicode
+            text = json.dumps(answer, allow_nan=False, separators=(",", ":"))
             self._send(200, text.encode(), "application/json")
         except Refused as refused:
             self._refuse(refused)
@@ -198,7 +207,7 @@ class Handler(BaseHTTPRequestHandler):
             raise Refused(
                 503, f"this took longer than {WORK_TIME_MAX:.0f} s and was given up."
             ) from None
-        except (ModelError, ExportError, MaterialError, OSError) as error:
+        except (ModelError, ExportError, MaterialError, ForeignError, OSError) as error:
             raise Refused(422, str(error).partition("\n")[0]) from None
         except Refused:
             raise
@@ -208,7 +217,7 @@ class Handler(BaseHTTPRequestHandler):
     # --- what is refused -------------------------------------------------------------------------------
 
     def _check_host(self) -> None:
-        if self.headers.get("Host") != f"{HOST}:{self.server.server_port}":
+        if self.headers.get_all("Host") != [f"{HOST}:{self.server.server_port}"]:
             raise Refused(403, "this is not the host that was asked for.")
 
     def _check_page(self) -> None:
@@ -224,7 +233,8 @@ class Handler(BaseHTTPRequestHandler):
 
     def _body(self) -> Mapping[str, Any]:
         length = self.headers.get("Content-Length", "")
-        if not length.isdigit():
+        # A body in chunks has another length than the one that stands here
+        if not length.isdecimal() or "Transfer-Encoding" in self.headers:
             raise Refused(411, "the question has no length.")
         if int(length) > BODY_MAX:
             raise Refused(413, f"a question has at most {BODY_MAX} bytes.")
@@ -256,12 +266,13 @@ class Handler(BaseHTTPRequestHandler):
 
     def _refuse(self, refused: Refused) -> None:
         self.close_connection = True  # the rest of a refused question is not read
-        text = json.dumps({"error": str(refused), **refused.more}, ensure_ascii=False)
+        text = json.dumps({"error": str(refused), **refused.more})
         self._send(refused.status, text.encode(), "application/json")
 
     def _stream(self) -> None:
         """Server-sent events: a line whenever one of the user's files has changed."""
-        seen = {name: _stamp(name) for name in self.server.names.files}
+        names = self.server.names
+        seen = {name: _stamps(names.paths(name)) for name in names.files}
         self._head(200, "text/event-stream")
         self.send_header("Connection", "close")
         self.end_headers()
@@ -269,7 +280,7 @@ class Handler(BaseHTTPRequestHandler):
         beat = time.monotonic()
         while not self.server.closing.wait(POLL):
             for name, before in list(seen.items()):
-                now = _stamp(name)
+                now = _stamps(names.paths(name))
                 if now != before:
                     seen[name] = now
                     self.wfile.write(f"data: {json.dumps({'file': name})}\n\n".encode())
@@ -282,13 +293,17 @@ class Handler(BaseHTTPRequestHandler):
         """Say nothing: the page shows what went wrong."""
 
 
-def _stamp(name: str) -> tuple[int, int] | None:
-    """When a file changed last, and its size; None while an editor has it removed."""
-    try:
-        stat = Path(name).stat()
-    except OSError:
-        return None
-    return stat.st_mtime_ns, stat.st_size
+def _stamps(paths: Iterable[Path]) -> dict[Path, tuple[int, int] | None]:
+    """When files changed last, and their sizes; None while an editor has one removed."""
+    found: dict[Path, tuple[int, int] | None] = {}
+    for path in paths:
+        try:
+            stat = path.stat()
+        except OSError:
+            found[path] = None
+        else:
+            found[path] = stat.st_mtime_ns, stat.st_size
+    return found
 
 
 def serve(viewer: Viewer, *, open_browser: bool = True) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 from gonio.export.manifest import options
 from gonio.export.tree import ExportError
 from gonio.fields import ModelError
+from gonio.foreign.model import ForeignModel
 from gonio.materials import Material
 from gonio.materials.notation import split
 from gonio.model import Model
@@ -39,6 +40,8 @@ def pool(
     variants: dict[str, Any] = {}
     for text in texts:
         what = names.find(text)
+        if isinstance(what, ForeignModel):
+            continue  # it has no options
         progress(f"{text}: shaders for its options")
         for changed in _variants(what):
             key = choice(split(text)[0], changed)

@@ -20,6 +20,7 @@ import traitlets
 from gonio.export.manifest import options
 from gonio.export.tree import ExportError
 from gonio.fields import ModelError
+from gonio.foreign import ForeignError, is_foreign
 from gonio.materials import Material
 from gonio.materials.notation import split
 from gonio.model import Model
@@ -40,7 +41,7 @@ class Viewer(anywidget.AnyWidget):  # type: ignore[misc]
         settings: of the page, as in its links: "env=sun&ev=0.5".
     """
 
-    _esm = traitlets.Unicode(page.viewer_script()).tag(sync=True)
+    _esm = traitlets.Unicode(page.file()).tag(sync=True)
     a = traitlets.Unicode().tag(sync=True)
     b = traitlets.Unicode().tag(sync=True)
     link = traitlets.Unicode().tag(sync=True)
@@ -57,7 +58,8 @@ class Viewer(anywidget.AnyWidget):  # type: ignore[misc]
     ) -> None:
         """Show a model; errors as `gonio.load` has them."""
         texts = [_text(a), _text(b) if b else ""]
-        files = [split(text)[0] for text in texts if split(text)[0].endswith((".py", ".toml"))]
+        named = [split(text)[0] for text in texts]
+        files = [name for name in named if name.endswith((".py", ".toml")) or is_foreign(name)]
         self.names = page.Names(files)
         for text in filter(None, texts):
             self.names.find(text)
@@ -74,7 +76,7 @@ class Viewer(anywidget.AnyWidget):  # type: ignore[misc]
         identity = message.get("id")
         try:
             answer = self._find(message.get("question"), message.get("body") or {})
-        except (ModelError, ExportError, OSError, Refused) as error:
+        except (ModelError, ExportError, ForeignError, OSError, Refused) as error:
             self.send({"id": identity, "error": str(error).partition("\n")[0]})
         else:
             self.send({"id": identity, "answer": answer})
@@ -83,6 +85,8 @@ class Viewer(anywidget.AnyWidget):  # type: ignore[misc]
         text = str(body.get("text", ""))
         if question == "start":
             return page.start(self.names, [t for t in (self.a, self.b) if t])
+        if question == "file" and text in page.FILES:
+            return {"text": page.file(text)}
         if question == "model":
             return page.payload(self.names, text)
         if question == "options":

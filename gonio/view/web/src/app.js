@@ -1,45 +1,86 @@
 // The page's state and what changes it. What is drawn from it stands in ui/, how pictures grow in renderer.js.
 import { render } from "lit-html";
-import { Renderer, graphics } from "./renderer.js";
+import { coated, visible, without } from "./layer_texts.js";
+import { measure, packRows } from "./passes/measure.js";
+import { graphics, Renderer } from "./renderer.js";
+import { surface } from "./scene/surface.js";
 import { Side } from "./side.js";
-import { History, START, fragment, parsed } from "./state.js";
-import { lobe, measure, packRows } from "./passes/measure.js";
-import { nearest, sum, scaled, unit, cross, dot } from "./scene/bvh.js";
-import { ray } from "./scene/camera.js";
-import { openFile } from "./scene/files.js";
-import { pageOf } from "./ui/page.js";
-import { drawLobe, drawMap, drawWeights } from "./ui/charts.js";
+import { fragment, History, known, parsed, START } from "./state.js";
+import { drawMap } from "./ui/charts.js";
 import { keyboard } from "./ui/keys.js";
 import { layersOf } from "./ui/layers.js";
-import { savePicture } from "./ui/save.js";
+import { pageOf, parts } from "./ui/page.js";
 
 export class App {
     constructor(root, source, options = {}) {
-        Object.assign(this, { root, source, options, sizes: {}, data: {}, lobes: {}, statistics: null, notes: [], code: {}, language: "wgsl" });
+        Object.assign(this, {
+            root,
+            source,
+            options,
+            sizes: {},
+            data: {},
+            lobes: {},
+            statistics: null,
+            notes: [],
+            code: {},
+            language: "wgsl",
+        });
         this.state = { ...START };
         this.sides = [new Side("A")];
         this.openColours = new Set();
         this.channel = 3;
         this.lobe = { az: -62, el: 22, log: true, weights: true };
-        this.asked = 0;
+        this.wanted = options.graphics ?? "";
+        this.coming = {};
+    }
+
+    /** Something of a part of the script that is loaded when it is first wanted; until then what stands in for it. */
+    more(use, instead = "") {
+        if (this.loaded) return use(this.loaded);
+        this.#shared().then(
+            (found) => {
+                this.loaded = found;
+                this.update();
+            },
+            (error) => this.say("This view cannot be loaded.", error.message, "warn"),
+        );
+        return instead;
+    }
+
+    async #shared() {
+        const found = await this.part("more");
+        found.share(parts);
+        return found;
+    }
+
+    part(name) {
+        return (this.coming[name] ??= this.source.part(name));
     }
 
     // --- beginning -----------------------------------------------------------------------------------
 
     async open() {
         const { state, bad } = parsed(this.options.fragment ?? "");
-        this.start = await this.source.start();
-        Object.assign(this.state, state);
+        const [start, { gpu, reason }] = await Promise.all([
+            this.source.start(),
+            graphics(this.source, this.wanted).catch((error) => ({ gpu: null, reason: error.message })),
+        ]);
+        this.start = start;
+        Object.assign(this.state, known(state, this.start.environments, bad));
         if (!this.state.a) this.state.a = this.start.show[0] ?? "eon";
         if (!this.state.b && !("a" in state) && this.start.show[1]) this.state.b = this.start.show[1];
         if (this.state.b && !("cmp" in state)) this.state.cmp = "wipe";
-        if (bad.length) this.say("This link was taken in part.", `Not understood: ${bad.join(", ")}.`);
-        if (!(this.state.env in this.start.environments)) this.state.env = "studio";
-        const { gpu, reason } = await graphics(this.options.graphics).catch((error) => ({ gpu: null, reason: error.message }));
-        this.reason = reason;
-        if (gpu) this.#use(gpu); else this.say("No picture can be drawn here.", reason, "warn");
-        if (gpu?.name === "WebGL2" && !this.options.graphics) this.say("WebGL2 is used instead of WebGPU.", `${reason} All views work; shaders compile more slowly.`);
+        if (bad.length)
+            this.say(
+                "This link was taken in part.",
+                `Not understood: ${[...new Set(bad)].filter(Boolean).join(", ") || "a part without a name"}.`,
+            );
+        if (gpu) this.#use(gpu);
+        else this.say("No picture can be drawn here.", reason, "warn");
+        if (gpu?.name === "WebGL2" && !this.wanted)
+            this.say("WebGL2 is used instead of WebGPU.", `${reason} All views work; shaders compile more slowly.`);
         this.update();
+        setTimeout(() => this.renderer?.prepare({ ...this.state })); // while the shader compiles
         await this.#load();
         this.history = new History(this.#remembered());
         this.openColours.add(this.edited().payload?.parameters.find((p) => p.kind === "reflectance")?.path);
@@ -58,23 +99,33 @@ export class App {
             this.renderer.run();
         }
         this.gpu = gpu;
-        gpu.lost.then((info) => { if (gpu === this.gpu && !this.closed && info.reason !== "destroyed" || this.testLoss) this.#lost(gpu); });
+        gpu.lost.then((info) => {
+            if ((gpu === this.gpu && !this.closed && info.reason !== "destroyed") || this.testLoss) this.#lost(gpu);
+        });
     }
 
     async #lost(gpu) {
         if (this.closed || gpu !== this.gpu) return;
         this.testLoss = false;
         this.gpu = null;
-        const found = await graphics(this.options.graphics).catch((error) => ({ reason: error.message }));
-        if (!found.gpu) { this.say("The GPU was lost.", `${found.reason} The last picture stays.`, "warn"); return; }
+        const found = await graphics(this.source, this.wanted).catch((error) => ({ reason: error.message }));
+        if (!found.gpu) {
+            this.say("The GPU was lost.", `${found.reason} The last picture stays.`, "warn");
+            return;
+        }
         this.#use(found.gpu);
         this.update();
         await Promise.all(this.sides.map((side) => this.#compile(side)));
-        this.say("The GPU was lost and is back.", "Everything was restored from the page's state; the picture starts again.");
+        this.say(
+            "The GPU was lost and is back.",
+            "Everything was restored from the page's state; the picture starts again.",
+        );
         this.moved(false);
     }
 
-    get two() { return this.sides.length > 1; }
+    get two() {
+        return this.sides.length > 1;
+    }
 
     /** The sides that the link or the commands name. */
     async #load() {
@@ -88,15 +139,28 @@ export class App {
 
     /** Show another text on a side; the old picture stays until the new one is there, and if there is none. */
     async #take(side, text) {
-        const turn = (side.turn = (side.turn ?? 0) + 1), busy = setTimeout(() => { side.busy = "compiling …"; this.update(); }, 200);
+        const turn = (side.turn = (side.turn ?? 0) + 1),
+            busy = setTimeout(() => {
+                side.busy = "compiling …";
+                this.update();
+            }, 200);
         try {
-            const payload = await this.source.model(text);
+            const payload = await this.#payload(text);
             if (side.turn !== turn) return false;
-            const old = side.payload, before = old && { program: side.program, values: side.values, options: side.options, models: side.models };
-            const fits = old && same(old.code, payload.code) && same(old.hooks, payload.hooks);
+            await this.#suit(side, payload);
+            const old = side.payload,
+                before = old && {
+                    program: side.program,
+                    values: side.values,
+                    options: side.options,
+                    models: side.models,
+                };
+            const fits = old && side.program && same(old.code, payload.code) && same(old.hooks, payload.hooks);
             side.take(payload);
-            if (!fits || !side.program) {
-                try { await this.#compile(side, turn); } catch (error) {
+            if (!fits) {
+                try {
+                    await this.#compile(side, turn);
+                } catch (error) {
                     if (old) Object.assign(side, { payload: old, ...before });
                     throw new Error(`This GPU's driver refuses the shader: ${error.message}`);
                 }
@@ -109,12 +173,22 @@ export class App {
             return true;
         } catch (error) {
             if (side.turn !== turn) return false;
-            side.error = { title: text.length > 80 ? `${text.slice(0, 77)}…` : text, text: `${error.message} ${side.payload ? "The picture is of the last model that worked." : ""}` };
+            side.error = {
+                title: text.length > 80 ? `${text.slice(0, 77)}…` : text,
+                text: `${error.message} ${side.payload ? "The picture is of the last model that worked." : ""}`,
+            };
             if (!side.payload) {
                 // A link that names nothing: something has to be shown
                 const fallback = this.start.show.find((t) => t !== text) ?? "eon";
                 const { error: kept } = side;
-                if (text !== fallback && await this.#take(side, fallback)) { side.error = kept; this.say(`${kept.title} cannot be shown.`, `${error.message} ${fallback} is shown instead.`, "warn"); }
+                if (text !== fallback && (await this.#take(side, fallback))) {
+                    side.error = kept;
+                    this.say(
+                        `${kept.title} cannot be shown.`,
+                        `${error.message} ${fallback} is shown instead.`,
+                        "warn",
+                    );
+                }
             }
             return false;
         } finally {
@@ -124,34 +198,62 @@ export class App {
         }
     }
 
+    /** A model by its text; the one that the page opens with has come already. */
+    async #payload(text) {
+        const { [text]: first } = this.start.models;
+        if (!this.source.live || !first) return this.source.model(text);
+        delete this.start.models[text];
+        return first;
+    }
+
+    /** Code that others wrote runs in one of the interfaces only: the page changes to that one. */
+    async #suit(side, payload) {
+        const runs = (found, language) => !found || language in found.code;
+        if (!this.gpu || runs(payload, this.gpu.language)) return;
+        const other = this.sides.find((s) => s !== side),
+            wanted = this.gpu.language === "wgsl" ? "webgl2" : "webgpu",
+            language = Object.keys(payload.code)[0];
+        if (!runs(other?.payload, language))
+            throw new Error(
+                `${payload.foreign.language} and ${other.payload.foreign.language} run in different interfaces of the browser and cannot be shown side by side; compare each with a model of gonio's.`,
+            );
+        const { gpu, reason } = await graphics(this.source, wanted);
+        if (gpu.language !== language) {
+            gpu.close();
+            throw new Error(`${payload.foreign.language} needs WebGPU. ${reason}`);
+        }
+        this.wanted = wanted;
+        const old = this.gpu;
+        this.#use(gpu);
+        old.close();
+        if (other?.payload) await this.#compile(other);
+        this.say(
+            `${gpu.name} is used now.`,
+            `${payload.name} is ${payload.foreign.language} and runs there as it stands.`,
+            "info",
+            6000,
+        );
+    }
+
     async #compile(side, turn = side.turn) {
         if (!this.gpu) return;
-        const { gpu } = this, active = await this.#active(side), program = await gpu.compile(active.payload);
+        const { gpu } = this,
+            active = await this.#active(side),
+            program = await gpu.compile(active.payload);
         if (side.turn !== turn || gpu !== this.gpu) return;
         side.active = active;
         const old = side.program;
         side.program = program;
         side.samples = 0;
         side.epoch = -1;
-        if (old && old.model && side.film) setTimeout(() => gpu.forget(old), 2000);
+        if (old?.model && side.film) setTimeout(() => gpu.forget(old), 2000);
     }
 
     /** The model that is drawn: without the layers that are hidden. */
     async #active(side) {
         if (!side.hidden.size) return { payload: side.payload, path: (p) => p };
-        const kept = layersOf(side).filter((l) => !side.hidden.has(l.prefix));
-        const parts = [], inner = [];
-        kept.forEach((layer, i) => {
-            const here = kept.slice(1, i + 1).map((l) => l.prefix.slice(0, -1).split(".").pop());
-            inner.push(here.join("."));
-            if (i) parts.push(`${here.join(".")}=${layer.model}`);
-        });
-        kept.forEach((layer, i) => {
-            const prefix = inner[i] ? `${inner[i]}.` : "";
-            for (const o of side.payload.options) if (o.path.startsWith(layer.prefix) && !o.path.slice(layer.prefix.length).includes(".")) parts.push(`${prefix}${o.path.slice(layer.prefix.length)}=${side.options.get(o.path)}`);
-        });
-        const payload = await this.source.model(`${kept[0].model}${parts.length ? `:${parts.join(",")}` : ""}`);
-        const path = (p) => { const at = p.lastIndexOf("."), i = inner.indexOf(at < 0 ? "" : p.slice(0, at)); return kept[i].prefix + p.slice(at + 1); };
+        const { text, path } = visible(side),
+            payload = await this.source.model(text);
         return { payload: { ...payload, hooks: [] }, path };
     }
 
@@ -161,8 +263,13 @@ export class App {
         if (!this.source.live || !payload.options.length) return;
         try {
             const options = await this.source.options(side.text());
-            if (side.payload === payload) { payload.options = options.map((o) => ({ ...o, value: side.options.get(o.path) })); this.update(); }
-        } catch { /* the picture has its own message */ }
+            if (side.payload === payload) {
+                payload.options = options.map((o) => ({ ...o, value: side.options.get(o.path) }));
+                this.update();
+            }
+        } catch {
+            /* the picture has its own message */
+        }
     }
 
     async #fileChanged({ file }) {
@@ -175,11 +282,17 @@ export class App {
     // --- changes -------------------------------------------------------------------------------------
 
     /** The side whose values the panel shows. */
-    edited() { return this.state.edit === "B" && this.two ? this.sides[1] : this.sides[0]; }
+    edited() {
+        return this.state.edit === "B" && this.two ? this.sides[1] : this.sides[0];
+    }
 
-    #editing() { return this.state.edit === "AB" && this.two ? this.sides : [this.edited()]; }
+    #editing() {
+        return this.state.edit === "AB" && this.two ? this.sides : [this.edited()];
+    }
 
-    layerIndex() { return Math.min(this.state.layer, layersOf(this.edited()).length - 1); }
+    layerIndex() {
+        return Math.min(this.state.layer, layersOf(this.edited()).length - 1);
+    }
 
     differs(path) {
         if (!this.two || !this.sides[1].payload || !this.sides[0].payload) return false;
@@ -192,7 +305,10 @@ export class App {
         const shown = ["furnace", "env", "turn", "shape", "az", "el", "dist"].some((k) => k in changes);
         if (shown) this.moved();
         else this.renderer?.refresh(this.state);
-        if ("cmp" in changes) { this.moved(false); this.#flicker(); }
+        if ("cmp" in changes) {
+            this.moved(false);
+            this.#flicker();
+        }
         if ("theta" in changes || "view" in changes || "dock" in changes) this.#measureSoon();
         if ("dock" in changes) this.#codeSoon();
         this.#remember(name || Object.keys(changes).join());
@@ -203,15 +319,21 @@ export class App {
     #flicker() {
         clearInterval(this.flickering);
         if (this.state.cmp !== "flick" || !this.renderer) return;
-        this.flickering = setInterval(() => { this.renderer.flicker = !this.renderer.flicker; this.renderer.show(); }, 500);
+        this.flickering = setInterval(() => {
+            this.renderer.flicker = !this.renderer.flicker;
+            this.renderer.show();
+        }, 500);
     }
 
-    setParameter(path, value) { this.setParameters({ [path]: value }); }
+    setParameter(path, value) {
+        this.setParameters({ [path]: value });
+    }
 
     setParameters(values) {
         this.fieldError = null;
         for (const side of this.#editing()) {
-            for (const [path, value] of Object.entries(values)) if (side.values.has(path)) side.values.set(path, value.slice());
+            for (const [path, value] of Object.entries(values))
+                if (side.values.has(path)) side.values.set(path, value.slice());
             this.state[side.letter.toLowerCase()] = side.text();
         }
         this.moved();
@@ -228,8 +350,10 @@ export class App {
     async setOptions(changes) {
         this.refused = null;
         for (const side of this.#editing()) {
-            const known = Object.fromEntries(Object.entries(changes).filter(([path]) => side.options.has(path) || side.models.has(path)));
-            if (!Object.keys(known).length || await this.#change(side, side.text(known))) continue;
+            const known = Object.fromEntries(
+                Object.entries(changes).filter(([path]) => side.options.has(path) || side.models.has(path)),
+            );
+            if (!Object.keys(known).length || (await this.#change(side, side.text(known)))) continue;
             await this.#explain(side, known);
         }
     }
@@ -238,14 +362,23 @@ export class App {
     async #explain(side, changes) {
         await this.#askOptions(side);
         for (const [path, value] of Object.entries(changes)) {
-            const choice = side.payload?.options.find((o) => o.path === path)?.values.find((v) => v.value === value && !v.allowed);
-            if (choice) { side.error = ""; this.refuse(path, choice); return; }
+            const choice = side.payload?.options
+                .find((o) => o.path === path)
+                ?.values.find((v) => v.value === value && !v.allowed);
+            if (choice) {
+                side.error = "";
+                this.refuse(path, choice);
+                return;
+            }
         }
     }
 
     async #change(side, text) {
         const taken = await this.#take(side, text);
-        if (taken) { this.#remember(); this.options.changed?.(this); }
+        if (taken) {
+            this.#remember();
+            this.options.changed?.(this);
+        }
         this.update();
         return taken;
     }
@@ -259,45 +392,53 @@ export class App {
     }
 
     resetLayer({ prefix }) {
-        const side = this.edited(), inside = (path) => path.startsWith(prefix) && !path.slice(prefix.length).includes(".");
-        const numbers = {}, choices = {};
+        const side = this.edited(),
+            inside = (path) => path.startsWith(prefix) && !path.slice(prefix.length).includes(".");
+        const numbers = {},
+            choices = {};
         for (const p of side.payload.parameters) if (inside(p.path)) numbers[p.path] = side.startOf(p.path, p.default);
-        for (const o of side.payload.options) { const start = side.startOf(o.path, o.default); if (inside(o.path) && side.options.get(o.path) !== start) choices[o.path] = start; }
+        for (const o of side.payload.options) {
+            const start = side.startOf(o.path, o.default);
+            if (inside(o.path) && side.options.get(o.path) !== start) choices[o.path] = start;
+        }
         this.setParameters(numbers);
         if (Object.keys(choices).length) this.setOptions(choices);
     }
 
     addCoat() {
         for (const side of this.#editing()) {
-            const [name, rest] = splitText(side.plainText());
-            if (!this.start.catalogue.some((m) => m.kind === "model" && m.name === name)) { this.say("A coat cannot go over this.", `${side.payload.name} is a file or a material with textures; coats go over gonio's models.`, "warn"); continue; }
+            const text = coated(side, this.start.catalogue);
+            if (!text) {
+                this.say(
+                    "A coat cannot go over this.",
+                    `${side.payload.name} is a file or a material with textures; coats go over gonio's models.`,
+                    "warn",
+                );
+                continue;
+            }
             side.hidden.clear();
-            const inner = rest.map((part) => `base.${part}`);
-            this.#change(side, `weidlich_wilkie:alpha=0.02,transmission=both_ways,solid_angle=compressed,base=${name}${inner.map((part) => `,${part}`).join("")}`).then(() => this.set({ layer: 0 }));
+            this.#change(side, text).then(() => this.set({ layer: 0 }));
         }
     }
 
     removeLayer(layer) {
         for (const side of this.#editing()) {
-            const layers = layersOf(side), i = layers.findIndex((l) => l.prefix === layer.prefix), below = layers[i + 1];
-            if (!below) continue;
-            const [name, rest] = splitText(side.plainText()), child = below.prefix.slice(0, -1);
-            const parts = [];
-            for (const part of rest) {
-                const [path] = part.split("=");
-                if (path === child) { if (layer.prefix) parts.push(`${layer.prefix.slice(0, -1)}=${below.model}`); continue; }
-                if (path.startsWith(below.prefix)) parts.push(layer.prefix + part.slice(below.prefix.length));
-                else if (!path.startsWith(layer.prefix) || (layer.prefix && path === layer.prefix.slice(0, -1))) { if (path !== layer.prefix.slice(0, -1)) parts.push(part); }
-            }
+            const text = without(side, layer);
+            if (!text) continue;
             side.hidden.clear();
-            this.#change(side, `${layer.prefix ? name : below.model}${parts.length ? `:${parts.join(",")}` : ""}`);
+            this.#change(side, text);
         }
     }
 
     async hide(prefix) {
         for (const side of this.#editing()) {
             if (!side.hidden.delete(prefix)) side.hidden.add(prefix);
-            try { await this.#compile(side); } catch (error) { this.say("This layer cannot be hidden.", error.message, "warn"); side.hidden.clear(); }
+            try {
+                await this.#compile(side);
+            } catch (error) {
+                this.say("This layer cannot be hidden.", error.message, "warn");
+                side.hidden.clear();
+            }
         }
         this.moved(false);
         this.update();
@@ -320,16 +461,28 @@ export class App {
     swap() {
         if (!this.two) return;
         this.sides.reverse();
-        this.sides.forEach((side, i) => { side.letter = "AB"[i]; this.state["ab"[i]] = side.text(); });
+        this.sides.forEach((side, i) => {
+            side.letter = "AB"[i];
+            this.state["ab"[i]] = side.text();
+        });
         this.renderer?.refresh(this.state);
         this.#measureSoon();
         this.#remember();
         this.update();
     }
 
-    toggleColour(path) { if (!this.openColours.delete(path)) this.openColours.add(path); this.update(); }
-    refuse(path, choice) { this.refused = path && { path, ...choice }; this.update(); }
-    fail(error) { this.fieldError = error; this.update(); }
+    toggleColour(path) {
+        if (!this.openColours.delete(path)) this.openColours.add(path);
+        this.update();
+    }
+    refuse(path, choice) {
+        this.refused = path && { path, ...choice };
+        this.update();
+    }
+    fail(error) {
+        this.fieldError = error;
+        this.update();
+    }
 
     say(title, text = "", kind = "info", life = 0) {
         const note = { title, text, kind };
@@ -337,7 +490,10 @@ export class App {
         if (life) setTimeout(() => this.dismiss(note), life);
         this.update();
     }
-    dismiss(note) { this.notes = this.notes.filter((n) => n !== note); this.update(); }
+    dismiss(note) {
+        this.notes = this.notes.filter((n) => n !== note);
+        this.update();
+    }
 
     /** The picture has to begin again. */
     moved(moving = true) {
@@ -349,8 +505,13 @@ export class App {
 
     // --- history and links ---------------------------------------------------------------------------
 
-    #remembered() { return { ...this.state }; }
-    #remember(name) { this.history?.add(this.#remembered(), name); this.options.linked?.(fragment(this.state)); }
+    #remembered() {
+        return { ...this.state };
+    }
+    #remember(name) {
+        this.history?.add(this.#remembered(), name);
+        this.options.linked?.(fragment(this.state));
+    }
 
     async step(by) {
         const state = this.history.step(by);
@@ -364,10 +525,15 @@ export class App {
         this.update();
     }
 
-    link() { return `${this.options.address ?? location.href.split("#")[0]}#${fragment(this.state)}`; }
+    link() {
+        return `${this.options.address ?? location.href.split("#")[0]}#${fragment(this.state)}`;
+    }
 
     /** Set a side's text from outside, such as a notebook's cell. */
-    show(text, letter = "a") { const side = this.sides[letter === "a" ? 0 : 1]; return side && side.text() !== text ? this.#change(side, text) : null; }
+    show(text, letter = "a") {
+        const side = this.sides[letter === "a" ? 0 : 1];
+        return side && side.text() !== text ? this.#change(side, text) : null;
+    }
 
     /** Compare with a text from outside; an empty one ends the comparison. */
     async follow(text) {
@@ -376,18 +542,37 @@ export class App {
     }
 
     async copy(text, what) {
-        try { await navigator.clipboard.writeText(text); this.say(`${what} is copied.`, "", "info", 2500); } catch { this.say(`${what} could not be copied; here it is.`, text); }
+        try {
+            await navigator.clipboard.writeText(text);
+            this.say(`${what} is copied.`, "", "info", 2500);
+        } catch {
+            this.say(`${what} could not be copied; here it is.`, text);
+        }
     }
 
-    savePicture() { return savePicture(this); }
+    async savePicture() {
+        return (await this.part("more")).savePicture(this);
+    }
 
     async take(file) {
         try {
-            const found = await openFile(file);
-            if (found.picture) { this.renderer.sky = found.picture; this.set({ env: "own", furnace: false }); this.moved(false); } else { this.renderer.own = found; this.renderer.scenes.clear(); this.set({ shape: "own" }); this.moved(false); }
+            const { openFile } = await this.part("files"),
+                found = await openFile(file);
+            if (found.picture) {
+                this.renderer.sky = found.picture;
+                this.set({ env: "own", furnace: false });
+                this.moved(false);
+            } else {
+                this.renderer.own = found;
+                this.renderer.scenes.clear();
+                this.set({ shape: "own" });
+                this.moved(false);
+            }
             this.say(`${file.name} is shown.`, found.note ?? "", "info", 4000);
         } catch (error) {
-            const still = /\.(obj|glb|gltf)$/i.test(file.name) ? `The shape is still “${this.state.shape}”.` : `The light is still “${this.state.env}”.`;
+            const still = /\.(obj|glb|gltf)$/i.test(file.name)
+                ? `The shape is still “${this.state.shape}”.`
+                : `The light is still “${this.state.env}”.`;
             this.say(`${file.name} was not taken.`, `${error.message} ${still}`, "warn");
         }
     }
@@ -399,38 +584,76 @@ export class App {
         if (n >= 4 && (n & (n - 1)) === 0 && side.scale === 1) this.#statisticsSoon();
         this.#progressSoon();
     }
-    #progressSoon() { this.progress ??= setTimeout(() => { this.progress = null; this.update(); }, 150); }
+    #progressSoon() {
+        this.progress ??= setTimeout(() => {
+            this.progress = null;
+            this.update();
+        }, 150);
+    }
 
     async #statisticsSoon() {
         const { epoch } = this.renderer;
-        try { const found = await this.renderer.statistics(); if (found && this.renderer.epoch === epoch) { this.statistics = found; this.update(); } } catch { /* the device is gone; its message comes */ }
+        try {
+            const found = await this.renderer.statistics();
+            if (found && this.renderer.epoch === epoch) {
+                this.statistics = found;
+                this.update();
+            }
+        } catch {
+            /* the device is gone; its message comes */
+        }
     }
 
-    #measureSoon() { clearTimeout(this.measuring); this.measuring = setTimeout(() => this.#measure(), 60); }
+    #measureSoon() {
+        clearTimeout(this.measuring);
+        this.measuring = setTimeout(() => this.#measure(), 60);
+    }
 
     async #measure() {
-        if (!this.gpu || this.busyMeasuring) { if (this.gpu) this.#measureSoon(); return; }
+        // The picture comes first
+        if (!this.gpu || this.busyMeasuring || !(this.renderer.begun || this.renderer.paused)) {
+            if (this.gpu) this.#measureSoon();
+            return;
+        }
         this.busyMeasuring = true;
         try {
             for (const side of this.sides) {
                 if (!side.program) continue;
                 const key = `${side.active.payload.text}|${JSON.stringify([...side.values])}|${this.state.theta}`;
                 const needsLobe = ["lobe", "weights"].includes(this.state.view);
-                if (this.data[side.letter]?.key !== key) this.data[side.letter] = { ...(await measure(this.gpu, side, this.state.theta)), letter: side.letter, key };
-                if (needsLobe && this.lobes[side.letter]?.key !== key) this.lobes[side.letter] = { ...(await lobe(this.gpu, side, this.state.theta)), letter: side.letter, key };
+                if (this.data[side.letter]?.key !== key)
+                    this.data[side.letter] = {
+                        ...(await measure(this.gpu, side, this.state.theta)),
+                        letter: side.letter,
+                        key,
+                    };
+                const { lobe } = needsLobe ? await this.#shared() : {};
+                if (needsLobe && this.lobes[side.letter]?.key !== key)
+                    this.lobes[side.letter] = {
+                        ...(await lobe(this.gpu, side, this.state.theta)),
+                        letter: side.letter,
+                        key,
+                    };
             }
             await this.#probe();
-        } catch (error) { if (this.gpu) this.plotError = error.message; }
+        } catch (error) {
+            if (this.gpu) this.plotError = error.message;
+        }
         this.busyMeasuring = false;
         this.update();
     }
 
-    plots() { return this.sides.map((s) => this.data[s.letter]).filter(Boolean); }
-    bodies() { return this.sides.map((s) => this.lobes[s.letter]).filter(Boolean); }
+    plots() {
+        return this.sides.map((s) => this.data[s.letter]).filter(Boolean);
+    }
+    bodies() {
+        return this.sides.map((s) => this.lobes[s.letter]).filter(Boolean);
+    }
 
     /** Look at a place of the picture, x and y from 0 to 1. */
     probe(x, y) {
-        const changes = { probe: `${x.toFixed(4)},${y.toFixed(4)}` }, found = this.surface(x, y);
+        const changes = { probe: `${x.toFixed(4)},${y.toFixed(4)}` },
+            found = this.surface(x, y);
         // The plots show what this point shows
         if (found) changes.theta = Math.min(89, Math.round((Math.acos(Math.min(1, found.wo[2])) * 180) / Math.PI));
         this.set(changes, "probe");
@@ -447,48 +670,25 @@ export class App {
         const { wi, wo } = found;
         for (const side of this.sides) {
             if (!side.program) continue;
-            const params = side.packed(found.growth === undefined ? {} : side.overrides(found.uv, found.growth, found.t, side.mapData ?? side.maps()));
-            const rows = await this.gpu.rows(side.program, params, packRows([[wi, wo]])), albedo = await this.gpu.albedo(side.program, params, new Float32Array([...wo, 0]));
-            this.probed.values.push({ letter: side.letter, f: [...rows.subarray(0, 3)], pdf: rows[3], albedo: [...albedo.subarray(0, 3)] });
+            const params = side.packed(
+                found.growth === undefined
+                    ? {}
+                    : side.overrides(found.uv, found.growth, found.t, side.mapData ?? side.maps()),
+            );
+            const rows = await this.gpu.rows(side.program, params, packRows([[wi, wo]])),
+                albedo = await this.gpu.albedo(side.program, params, new Float32Array([...wo, 0]));
+            this.probed.values.push({
+                letter: side.letter,
+                f: [...rows.subarray(0, 3)],
+                pdf: rows[3],
+                albedo: [...albedo.subarray(0, 3)],
+            });
         }
     }
 
     /** The surface in a place of the picture: directions in its frame, or null for the background. */
     surface(x, y) {
-        const [w, h] = this.renderer.pictureSize(this.state), view = this.renderer.view(this.state, w, h), { o, d } = ray(view, x, y);
-        const scene = this.renderer.scenes.get(this.renderer.sceneName);
-        if (!scene) return null;
-        let hit = nearest(scene, o, d), t = hit?.t ?? Infinity, core = false;
-        if (scene.core) {
-            const c = scene.core.centre.map((v, i) => v - o[i]), b = dot(c, d), e = sum(c, scaled(d, -b)), q = scene.core.radius ** 2 - dot(e, e);
-            if (q > 0 && b - Math.sqrt(q) > 0 && b - Math.sqrt(q) < t) { t = b - Math.sqrt(q); core = true; }
-        }
-        if (!Number.isFinite(t)) return null;
-        const p = sum(o, scaled(d, t));
-        let n, du, uv, growth = 0.5;
-        if (core) {
-            n = unit(sum(p, scaled(scene.core.centre, -1)));
-            du = [-n[2], 0, n[0]];
-            uv = [(Math.atan2(-n[0], -n[2]) / (2 * Math.PI) + 1) % 1, Math.acos(n[1]) / Math.PI];
-        } else {
-            const i = hit.i, { places, looks } = scene;
-            if (places[12 * i + 3] !== 0) return null;
-            const a = [1 - hit.u - hit.v, hit.u, hit.v], mix = (k) => a[0] * looks[20 * i + k] + a[1] * looks[20 * i + 4 + k] + a[2] * looks[20 * i + 8 + k];
-            n = unit([mix(0), mix(1), mix(2)]);
-            growth = mix(3);
-            const T = [0, 1, 2].map((k) => [looks[20 * i + 12 + 2 * k], looks[20 * i + 13 + 2 * k]]);
-            uv = [0, 1].map((c) => a[0] * T[0][c] + a[1] * T[1][c] + a[2] * T[2][c]);
-            const e1 = [...places.subarray(12 * i + 4, 12 * i + 7)], e2 = [...places.subarray(12 * i + 8, 12 * i + 11)];
-            const s1 = [T[1][0] - T[0][0], T[1][1] - T[0][1]], s2 = [T[2][0] - T[0][0], T[2][1] - T[0][1]];
-            du = scaled(sum(scaled(e1, s2[1]), scaled(e2, -s1[1])), Math.sign(s1[0] * s2[1] - s1[1] * s2[0]));
-        }
-        if (dot(n, d) > 0) n = scaled(n, -1);
-        du = sum(du, scaled(n, -dot(du, n)));
-        const tx = dot(du, du) > 1e-16 ? unit(du) : unit(cross(Math.abs(n[1]) > 0.99 ? [1, 0, 0] : [0, 1, 0], n)), ty = cross(n, tx);
-        const local = (v) => [dot(v, tx), dot(v, ty), dot(v, n)], wo = local(scaled(d, -1));
-        let wi = local(unit(this.renderer.lightDirection(this.state, p)));
-        if (wi[2] <= 0) wi = [-wo[0], -wo[1], wo[2]]; // in the lamp's shadow: the mirror direction
-        return { p, t, uv, growth, wi, wo };
+        return surface(this.renderer, this.state, x, y);
     }
 
     #codeSoon() {
@@ -501,43 +701,78 @@ export class App {
         const side = this.edited();
         if (!side.payload) return;
         const text = side.text();
-        try { this.code = { text: await this.source.code(text, this.language), of: text }; } catch (error) { this.code = { error: error.message }; }
+        try {
+            this.code = { text: await this.source.code(text, this.language), of: text };
+        } catch (error) {
+            this.code = { error: error.message };
+        }
         this.update();
     }
 
-    setLanguage(language) { this.language = language; this.code = {}; this.#codeSoon(); this.update(); }
+    setLanguage(language) {
+        this.language = language;
+        this.code = {};
+        this.#codeSoon();
+        this.update();
+    }
 
     // --- drawing -------------------------------------------------------------------------------------
 
     update() {
         if (this.drawing || this.closed) return;
         this.drawing = true;
-        requestAnimationFrame(() => { this.drawing = false; if (!this.closed) this.draw(); });
+        requestAnimationFrame(() => {
+            this.drawing = false;
+            if (!this.closed) this.draw();
+        });
     }
 
     draw() {
         if (!this.start) return;
         render(pageOf(this), this.root);
         const stage = this.root.querySelector(".canvas");
-        if (this.gpu && stage && this.gpu.canvas.parentNode !== stage) { stage.replaceChildren(this.gpu.canvas); this.#watchSize(stage); }
+        if (this.gpu && stage && this.gpu.canvas.parentNode !== stage) {
+            stage.replaceChildren(this.gpu.canvas);
+            this.#watchSize(stage);
+        }
         let again = false;
         for (const svg of this.root.querySelectorAll("[data-chart]")) {
-            const width = svg.clientWidth || svg.getBoundingClientRect().width, height = svg.clientHeight || svg.getBoundingClientRect().height, known = this.sizes[svg.dataset.chart];
-            if (width && (known?.width !== width || known?.height !== height)) { this.sizes[svg.dataset.chart] = { width, height }; again = true; }
+            const width = svg.clientWidth || svg.getBoundingClientRect().width,
+                height = svg.clientHeight || svg.getBoundingClientRect().height,
+                known = this.sizes[svg.dataset.chart];
+            if (width && (known?.width !== width || known?.height !== height)) {
+                this.sizes[svg.dataset.chart] = { width, height };
+                again = true;
+            }
         }
         const ratio = Math.min(devicePixelRatio, 2);
-        for (const canvas of this.root.querySelectorAll("canvas[data-map]")) { const data = this.data[canvas.dataset.map]; if (data && canvas.drawn !== data.key) { drawMap(canvas, data.map); canvas.drawn = data.key; } }
-        const lobeCanvas = this.root.querySelector("canvas.lobe"), weights = this.root.querySelector("canvas.weights");
-        if (lobeCanvas && this.bodies().length) drawLobe(lobeCanvas, this.bodies(), this.lobe, ratio);
-        if (weights && this.bodies().length) drawWeights(weights, this.bodies(), ratio);
+        for (const canvas of this.root.querySelectorAll("canvas[data-map]")) {
+            const data = this.data[canvas.dataset.map];
+            if (data && canvas.drawn !== data.key) {
+                drawMap(canvas, data.map);
+                canvas.drawn = data.key;
+            }
+        }
+        const lobeCanvas = this.root.querySelector("canvas.lobe"),
+            weights = this.root.querySelector("canvas.weights");
+        if (lobeCanvas && this.bodies().length) this.loaded.drawLobe(lobeCanvas, this.bodies(), this.lobe, ratio);
+        if (weights && this.bodies().length) this.loaded.drawWeights(weights, this.bodies(), ratio);
         if (again) this.update();
     }
 
     #watchSize(stage) {
         this.observer?.disconnect();
         this.observer = new ResizeObserver(([entry]) => {
-            const exact = entry.devicePixelContentBoxSize?.[0], ratio = Math.min(devicePixelRatio, 2) / devicePixelRatio;
-            const w = Math.max(16, Math.round((exact ? exact.inlineSize : entry.contentRect.width * devicePixelRatio) * ratio)), h = Math.max(16, Math.round((exact ? exact.blockSize : entry.contentRect.height * devicePixelRatio) * ratio));
+            const exact = entry.devicePixelContentBoxSize?.[0],
+                ratio = Math.min(devicePixelRatio, 2) / devicePixelRatio;
+            const w = Math.max(
+                    16,
+                    Math.round((exact ? exact.inlineSize : entry.contentRect.width * devicePixelRatio) * ratio),
+                ),
+                h = Math.max(
+                    16,
+                    Math.round((exact ? exact.blockSize : entry.contentRect.height * devicePixelRatio) * ratio),
+                );
             const { canvas } = this.gpu ?? {};
             if (!canvas || (canvas.width === w && canvas.height === h)) return;
             canvas.width = w;
@@ -546,7 +781,11 @@ export class App {
             this.renderer.show();
             this.moved(false);
         });
-        try { this.observer.observe(stage, { box: "device-pixel-content-box" }); } catch { this.observer.observe(stage); }
+        try {
+            this.observer.observe(stage, { box: "device-pixel-content-box" });
+        } catch {
+            this.observer.observe(stage);
+        }
         this.unlisten ??= keyboard(this);
     }
 
@@ -561,9 +800,3 @@ export class App {
 }
 
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
-
-/** The name and the settings of a text. */
-function splitText(text) {
-    const at = text.indexOf(":");
-    return at < 0 ? [text, []] : [text.slice(0, at), text.slice(at + 1).split(",")];
-}

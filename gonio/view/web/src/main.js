@@ -1,25 +1,28 @@
 // The page's beginning: from `gonio view`, from a saved file, or in a notebook's cell.
-import css from "./ui/style.css";
 import { App } from "./app.js";
 import { Notebook, Saved, Server } from "./source.js";
 import { parsed } from "./state.js";
 
 /** A viewer inside an element; its styles stay there. */
 export async function mount(host, source, options = {}) {
-    const root = host.attachShadow({ mode: "open" }), sheet = new CSSStyleSheet();
-    sheet.replaceSync(css);
+    const root = host.attachShadow({ mode: "open" }),
+        sheet = new CSSStyleSheet();
+    sheet.replaceSync(await source.file("viewer.css"));
     root.adoptedStyleSheets = [sheet];
     const app = new App(root, source, options);
     return app.open();
 }
 
 async function openPage() {
-    const data = document.getElementById("gonio-data"), host = document.createElement("div");
+    const data = document.getElementById("gonio-data"),
+        host = document.createElement("div");
     document.body.append(host);
     document.documentElement.style.height = document.body.style.height = "100%";
     document.body.style.margin = "0";
-    const given = location.hash, token = /(?:^#|&)token=([\w-]+)/.exec(given)?.[1];
-    let source, linked = (text) => history.replaceState(null, "", `#${text}`);
+    const given = location.hash,
+        token = /(?:^#|&)token=([\w-]+)/.exec(given)?.[1];
+    let source,
+        linked = (text) => history.replaceState(null, "", `#${text}`);
     if (data) {
         const bytes = Uint8Array.from(atob(data.textContent.trim()), (c) => c.charCodeAt(0));
         const text = await new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
@@ -33,9 +36,17 @@ async function openPage() {
     try {
         const fragment = given.replace(/(^#|&)token=[\w-]+&?/, "$1");
         globalThis.gonio = await mount(host, source, { fragment, linked, graphics });
-        const title = () => { document.title = `${globalThis.gonio.sides.map((s) => s.text()).join(" | ").slice(0, 120)} – gonio view`; };
+        const title = () => {
+            document.title = `${globalThis.gonio.sides
+                .map((s) => s.text())
+                .join(" | ")
+                .slice(0, 120)} – gonio view`;
+        };
         title();
-        addEventListener("hashchange", () => { const { state } = parsed(location.hash); if (state.a) location.reload(); });
+        addEventListener("hashchange", () => {
+            const { state } = parsed(location.hash);
+            if (state.a) location.reload();
+        });
     } catch (error) {
         host.textContent = error.message;
         host.style.cssText = "font:15px sans-serif;padding:48px;max-width:60ch";
@@ -48,15 +59,30 @@ async function render({ model: widget, el }) {
     host.className = "embedded";
     host.style.height = `${widget.get("height")}px`;
     el.append(host);
-    const texts = () => ["a", "b"].filter((k) => widget.get(k)).map((k) => `${k}=${encodeURIComponent(widget.get(k))}`).join("&");
+    const texts = () =>
+        ["a", "b"]
+            .filter((k) => widget.get(k))
+            .map((k) => `${k}=${encodeURIComponent(widget.get(k))}`)
+            .join("&");
     const told = (app) => {
         for (const [i, key] of ["a", "b"].entries()) widget.set(key, app.sides[i]?.payload ? app.sides[i].text() : "");
         widget.save_changes();
     };
-    const app = await mount(host, new Notebook(widget), { fragment: `${texts()}&${widget.get("settings")}`, keys: host, changed: told, linked: (text) => { widget.set("link", text); widget.save_changes(); } });
+    const app = await mount(host, new Notebook(widget), {
+        fragment: `${texts()}&${widget.get("settings")}`,
+        keys: host,
+        changed: told,
+        linked: (text) => {
+            widget.set("link", text);
+            widget.save_changes();
+        },
+    });
     const follow = { "change:a": () => app.show(widget.get("a"), "a"), "change:b": () => app.follow(widget.get("b")) };
     for (const [name, call] of Object.entries(follow)) widget.on(name, call);
-    return () => { for (const [name, call] of Object.entries(follow)) widget.off(name, call); app.close(); };
+    return () => {
+        for (const [name, call] of Object.entries(follow)) widget.off(name, call);
+        app.close();
+    };
 }
 
 export default { render };

@@ -1,12 +1,13 @@
 // The progressive picture: films that grow pass by pass, at half resolution while something moves.
-import { aliasTable, brightest, groundColour } from "./scene/light.js";
-import { camera } from "./scene/camera.js";
-import { tables } from "./scene/bvh.js";
-import { frame } from "./passes/trace.js";
-import { screen } from "./passes/display.js";
-import { fromHalf, unpacked } from "./source.js";
+
 import { WebGPU } from "./gpu/webgpu.js";
-import { WebGL2 } from "./gpu/webgl2.js";
+import { screen } from "./passes/display.js";
+import { display, members, modelAt, rows, sources, trace } from "./passes/texts.js";
+import { frame } from "./passes/trace.js";
+import { tables } from "./scene/bvh.js";
+import { camera } from "./scene/camera.js";
+import { aliasTable, brightest, groundColour } from "./scene/light.js";
+import { fromHalf, unpacked } from "./source.js";
 
 const STILL_MS = 220; // without a change, after which the picture is drawn in full
 const TILE_MS = 12; // of GPU time between two looks at the mouse
@@ -14,22 +15,34 @@ const MOVING_MS = 90; // that a picture may take while something moves; it gets 
 const COARSEST = 8;
 const TARGET_Y = 1.14; // what the camera of gonio render looks at
 
-/** WebGPU, or WebGL2 and the reason why. */
-export async function graphics(wanted = "") {
+/** WebGPU, or WebGL2 and the reason why; "webgl2" asks for it, and WebGPU is not tried then. */
+export async function graphics(source, wanted = "") {
     let reason = "";
     if (wanted !== "webgl2") {
-        try { return { gpu: await WebGPU.create(), reason }; } catch (error) { reason = error.message; }
+        try {
+            return { gpu: await WebGPU.create(), reason };
+        } catch (error) {
+            reason = error.message;
+        }
     }
-    return { gpu: await WebGL2.create(), reason };
+    const { create } = await source.part("webgl2");
+    return { gpu: create({ display, members, modelAt, rows, sources, trace }), reason };
 }
 
 /** A mesh of the payload as arrays. */
 function mesh(packed, kind) {
-    const positions = unpacked(packed.positions, Uint16Array), normals = unpacked(packed.normals, Int16Array), uvs = unpacked(packed.uvs, Int16Array);
+    const positions = unpacked(packed.positions, Uint16Array),
+        normals = unpacked(packed.normals, Int16Array),
+        uvs = unpacked(packed.uvs, Int16Array);
     return {
-        kind, faces: unpacked(packed.faces, Uint16Array),
-        positions: Float32Array.from(positions, (x, i) => packed.low[i % 3] + (x / 65535) * (packed.high[i % 3] - packed.low[i % 3])),
-        normals: Float32Array.from(normals, (x) => x / 32767), uvs: Float32Array.from(uvs, (x) => (x / 32767) * packed.uv_reach),
+        kind,
+        faces: unpacked(packed.faces, Uint16Array),
+        positions: Float32Array.from(
+            positions,
+            (x, i) => packed.low[i % 3] + (x / 65535) * (packed.high[i % 3] - packed.low[i % 3]),
+        ),
+        normals: Float32Array.from(normals, (x) => x / 32767),
+        uvs: Float32Array.from(uvs, (x) => (x / 32767) * packed.uv_reach),
         growth: packed.growth ? Float32Array.from(unpacked(packed.growth, Uint8Array), (x) => x / 255) : null,
     };
 }
@@ -57,24 +70,40 @@ export class Renderer {
     replace(gpu) {
         this.gpu = gpu;
         this.sceneName = this.skyName = "";
-        for (const side of this.sides) { side.film = null; side.program = null; side.samples = 0; }
+        for (const side of this.sides) {
+            side.film = null;
+            side.program = null;
+            side.samples = 0;
+        }
     }
 
     light(settings) {
         if (settings.env === "own" && this.sky) {
-            const { fade } = this.start, azimuth = settings.turn - settings.az;
-            if (this.sky.groundFor !== azimuth) Object.assign(this.sky, { groundFor: azimuth, ground: groundColour(this.sky, azimuth, fade) });
-            return { lamps: [], surround: [0, 0, 0], picture: this.sky, ground: null, fade: fade.radii, groundColour: this.sky.ground, turn: settings.turn };
+            const { fade } = this.start,
+                azimuth = settings.turn - settings.az;
+            if (this.sky.groundFor !== azimuth)
+                Object.assign(this.sky, { groundFor: azimuth, ground: groundColour(this.sky, azimuth, fade) });
+            return {
+                lamps: [],
+                surround: [0, 0, 0],
+                picture: this.sky,
+                ground: null,
+                fade: fade.radii,
+                groundColour: this.sky.ground,
+                turn: settings.turn,
+            };
         }
         const found = this.start.environments[settings.env] ?? this.start.environments.studio;
         return { ...found, fade: found.groundColour ? this.start.fade.radii : [0, 0], turn: settings.turn };
     }
 
     #scene(settings, light) {
-        const furnace = settings.furnace, shape = settings.shape === "own" && !this.own ? "ball" : settings.shape;
+        const furnace = settings.furnace,
+            shape = settings.shape === "own" && !this.own ? "ball" : settings.shape;
         const name = `${shape}/${furnace ? "none" : light.ground}/${this.own?.id}`;
         if (!this.scenes.has(name)) {
-            const { shapes } = this.start, parts = [];
+            const { shapes } = this.start,
+                parts = [];
             let core = null;
             if (shape === "ball") {
                 parts.push(mesh(shapes.shell, 0));
@@ -87,33 +116,56 @@ export class Renderer {
             this.scenes.set(name, { ...tables(parts), core, name });
         }
         const scene = this.scenes.get(name);
-        if (this.sceneName !== name) { this.gpu.setScene(scene); this.sceneName = name; }
+        if (this.sceneName !== name) {
+            this.gpu.setScene(scene);
+            this.sceneName = name;
+        }
         return scene;
+    }
+
+    /** Have the scene and the light ready before there is a model to draw. */
+    prepare(settings) {
+        const light = this.light(settings);
+        this.#scene(settings, light);
+        this.#picture(light);
     }
 
     #picture(light) {
         if (!light.picture) return null;
         if (!light.picture.pixels) {
-            const { width, height, half } = light.picture, rgb = fromHalf(unpacked(half, Uint16Array)), pixels = new Float32Array(4 * width * height);
+            const { width, height, half } = light.picture,
+                rgb = fromHalf(unpacked(half, Uint16Array)),
+                pixels = new Float32Array(4 * width * height);
             for (let i = 0; i < width * height; i++) pixels.set(rgb.subarray(3 * i, 3 * i + 3), 4 * i);
             light.picture.pixels = pixels;
         }
         light.picture.alias ??= aliasTable(light.picture.pixels, light.picture.width, light.picture.height);
         light.picture.id ??= crypto.randomUUID?.() ?? String(Math.random());
-        if (this.skyName !== light.picture.id) { this.gpu.setSky(light.picture); this.skyName = light.picture.id; }
+        if (this.skyName !== light.picture.id) {
+            this.gpu.setSky(light.picture);
+            this.skyName = light.picture.id;
+        }
         return light.picture;
     }
 
     /** Where the strongest light comes from: for the probe. */
     lightDirection(settings, from) {
-        const light = this.light(settings), turn = (settings.turn * Math.PI) / 180;
-        const turned = ([x, y, z]) => [Math.cos(turn) * x + Math.sin(turn) * z, y, Math.cos(turn) * z - Math.sin(turn) * x];
+        const light = this.light(settings),
+            turn = (settings.turn * Math.PI) / 180;
+        const turned = ([x, y, z]) => [
+            Math.cos(turn) * x + Math.sin(turn) * z,
+            y,
+            Math.cos(turn) * z - Math.sin(turn) * x,
+        ];
         if (light.lamps.length) {
-            const power = (l) => l.radiance[1] * l.area / Math.hypot(...l.centre) ** 2;
+            const power = (l) => (l.radiance[1] * l.area) / Math.hypot(...l.centre) ** 2;
             const lamp = light.lamps.reduce((a, b) => (power(b) > power(a) ? b : a));
             return turned(lamp.centre).map((x, i) => x - from[i]);
         }
-        if (light.picture) { this.#picture(light); return turned(brightest(light.picture.pixels, light.picture.width, light.picture.height)); }
+        if (light.picture) {
+            this.#picture(light);
+            return turned(brightest(light.picture.pixels, light.picture.width, light.picture.height));
+        }
         return [0.4, 1, 0.5];
     }
 
@@ -124,7 +176,11 @@ export class Renderer {
     }
 
     view(settings, width, height) {
-        return camera({ azimuth: settings.az, elevation: settings.el, distance: settings.dist, target: this.target(settings) }, width, height);
+        return camera(
+            { azimuth: settings.az, elevation: settings.el, distance: settings.dist, target: this.target(settings) },
+            width,
+            height,
+        );
     }
 
     /** Size of a side's picture on the canvas. */
@@ -157,30 +213,56 @@ export class Renderer {
     }
 
     show() {
-        const [a, b] = this.sides, s = this.settings;
+        const [a, b] = this.sides,
+            s = this.settings;
         if (!s) return;
-        const first = a?.film?.width ? a : b;
-        if (!first?.film?.width) return;
-        const second = b?.film?.width ? b : first;
+        const there = (side) => Boolean(side?.film?.width);
+        // What is still to come is not shown as the other side's picture; one that failed is
+        const needed = !b || s.cmp === "A" ? [a] : s.cmp === "B" ? [b] : [a, b];
+        if (needed.some((side) => !there(side) && !side.error)) return;
+        const first = there(a) ? a : b;
+        if (!there(first)) return;
+        const second = there(b) ? b : first;
         const info = (side) => ({ width: side.film.width, height: side.film.height, samples: Math.max(1, side.shown) });
         const mode = this.sides.length < 2 ? "A" : s.cmp === "flick" ? (this.flicker ? "B" : "A") : s.cmp;
-        this.gpu.show(first.film, second.film, screen({ canvas: this.gpu.canvas, mode, wipe: s.wipe, exposure: s.ev, tone: s.tone, a: info(first), b: info(second) }));
+        this.gpu.show(
+            first.film,
+            second.film,
+            screen({
+                canvas: this.gpu.canvas,
+                mode,
+                wipe: s.wipe,
+                exposure: s.ev,
+                tone: s.tone,
+                a: info(first),
+                b: info(second),
+            }),
+        );
     }
 
     async run() {
         while (!this.closed) {
-            const now = performance.now(), moving = Boolean(this.settings) && now - this.movedAt < STILL_MS;
+            const now = performance.now(),
+                moving = Boolean(this.settings) && now - this.movedAt < STILL_MS;
             const sides = this.settings ? this.visible() : [];
             const scale = moving ? this.#coarse(sides.length) : 1;
-            const todo = sides.filter((side) => side.epoch !== this.epoch || side.scale !== scale || side.samples < (moving ? 4 : this.limit));
+            const todo = sides.filter(
+                (side) => side.epoch !== this.epoch || side.scale !== scale || side.samples < (moving ? 4 : this.limit),
+            );
             if (!todo.length || this.paused) {
                 const wait = moving ? STILL_MS - (now - this.movedAt) + 1 : 0;
-                await new Promise((resolve) => { this.#wake = resolve; if (wait > 0 || this.paused) setTimeout(resolve, this.paused ? 200 : wait); });
+                await new Promise((resolve) => {
+                    this.#wake = resolve;
+                    if (wait > 0 || this.paused) setTimeout(resolve, this.paused ? 200 : wait);
+                });
                 continue;
             }
             // Both sides keep step and are shown together, so that a comparison never has different noise
             const least = Math.min(...todo.map((s) => (s.epoch === this.epoch && s.scale === scale ? s.samples : 0)));
-            const behind = todo.filter((side) => side.epoch !== this.epoch || side.scale !== scale || side.samples === least), done = [];
+            const behind = todo.filter(
+                    (side) => side.epoch !== this.epoch || side.scale !== scale || side.samples === least,
+                ),
+                done = [];
             try {
                 for (const side of behind) {
                     const finish = await this.#pass(side, scale, moving);
@@ -197,17 +279,28 @@ export class Renderer {
 
     #coarse(count) {
         const [w, h] = this.pictureSize();
-        const held = this.coarse ?? 4, wanted = Math.sqrt((w * h * count) / (this.rate * MOVING_MS));
+        const held = this.coarse ?? 4,
+            wanted = Math.sqrt((w * h * count) / (this.rate * MOVING_MS));
         // One step at a time, and only when it is clear, so that the grain does not flicker
-        this.coarse = Math.min(COARSEST, Math.max(2, wanted > held * 1.3 || wanted < held * 0.6 ? Math.ceil(wanted) : held));
+        this.coarse = Math.min(
+            COARSEST,
+            Math.max(2, wanted > held * 1.3 || wanted < held * 0.6 ? Math.ceil(wanted) : held),
+        );
         return this.coarse;
     }
 
     async #pass(side, scale, moving) {
-        const { epoch, settings } = this, { program } = side;
-        const light = this.light(settings), picture = this.#picture(light), scene = this.#scene(settings, light);
+        const { epoch, settings } = this,
+            { program } = side;
+        const light = this.light(settings),
+            picture = this.#picture(light),
+            scene = this.#scene(settings, light);
         const [w, h] = this.pictureSize(settings).map((x) => Math.max(1, Math.floor(x / scale)));
-        const fresh = side.epoch !== epoch || side.scale !== scale || side.film?.wanted?.[0] !== w || side.film?.wanted?.[1] !== h;
+        const fresh =
+            side.epoch !== epoch ||
+            side.scale !== scale ||
+            side.film?.wanted?.[0] !== w ||
+            side.film?.wanted?.[1] !== h;
         side.film ??= this.gpu.makeSide();
         if (side.mapsOf !== side.payload || side.mapsOn !== side.film) {
             side.mapData = side.maps();
@@ -218,13 +311,20 @@ export class Renderer {
         if (fresh) this.gpu.resize(side.film, w, h);
         const sample = fresh ? 0 : side.samples;
         const U = frame({
-            width: w, height: h, sample, view: this.view(settings, w, h), light: { ...light, picture }, furnace: settings.furnace, scene,
+            width: w,
+            height: h,
+            sample,
+            view: this.view(settings, w, h),
+            light: { ...light, picture },
+            furnace: settings.furnace,
+            scene,
             estimator: this.estimator ?? "both",
         });
         const params = side.packed();
         let spent = 0;
         for (let y = 0; y < h; ) {
-            const lines = Math.max(8, Math.round((this.rate * TILE_MS) / w / 8) * 8), end = Math.min(h, y + lines);
+            const lines = Math.max(8, Math.round((this.rate * TILE_MS) / w / 8) * 8),
+                end = Math.min(h, y + lines);
             const t = performance.now();
             await this.gpu.trace(side.film, program, params, U, y, end);
             const dt = Math.max(performance.now() - t, 0.2);
@@ -258,7 +358,8 @@ export class Renderer {
         }
         const lum = (d, i) => 0.2126 * d[i] + 0.7152 * d[i + 1] + 0.0722 * d[i + 2];
         const found = films.map(({ side, n, data }) => {
-            let mean = 0, error = 0;
+            let mean = 0,
+                error = 0;
             for (let i = 0; i < data.length; i += 4) {
                 const m = lum(data, i) / n;
                 mean += m;
@@ -271,11 +372,16 @@ export class Renderer {
         if (films.length === 2 && films[0].data.length === films[1].data.length) {
             let sum = 0;
             const [a, b] = films;
-            for (let i = 0; i < a.data.length; i += 4) for (let c = 0; c < 3; c++) sum += (a.data[i + c] / a.n - b.data[i + c] / b.n) ** 2;
+            for (let i = 0; i < a.data.length; i += 4)
+                for (let c = 0; c < 3; c++) sum += (a.data[i + c] / a.n - b.data[i + c] / b.n) ** 2;
             rmse = Math.sqrt(sum / (0.75 * a.data.length));
         }
         return { sides: found, rmse };
     }
 
-    close() { this.closed = true; this.#wake?.(); this.gpu.close(); }
+    close() {
+        this.closed = true;
+        this.#wake?.();
+        this.gpu.close();
+    }
 }

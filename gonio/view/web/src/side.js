@@ -3,7 +3,14 @@ import { fromHalf, unpacked } from "./source.js";
 
 /** A number as gonio's notation writes it: nine digits, no more zeros than needed. */
 export const digits = (x) => String(Number(x.toPrecision(9)));
-const written = (value) => (Array.isArray(value) ? (value.every((v) => v === value[0]) ? digits(value[0]) : value.map(digits).join("/")) : typeof value === "number" ? digits(value) : value);
+const written = (value) =>
+    Array.isArray(value)
+        ? value.every((v) => v === value[0])
+            ? digits(value[0])
+            : value.map(digits).join("/")
+        : typeof value === "number"
+          ? digits(value)
+          : value;
 
 export class Side {
     constructor(letter) {
@@ -25,14 +32,20 @@ export class Side {
         this.models = new Map(payload.models.map((m) => [m.path, m.value]));
     }
 
-    parameter(path) { return this.payload.parameters.find((p) => p.path === path); }
+    parameter(path) {
+        return this.payload.parameters.find((p) => p.path === path);
+    }
 
     /** The value that "reset" gives back. */
     startOf(path, fallback) {
         const start = this.payload.start[path];
         const at = path.lastIndexOf(".");
         // The start of an inner model that has been replaced means nothing any more
-        for (let outer = path.slice(0, Math.max(at, 0)); outer; outer = outer.slice(0, Math.max(outer.lastIndexOf("."), 0))) {
+        for (
+            let outer = path.slice(0, Math.max(at, 0));
+            outer;
+            outer = outer.slice(0, Math.max(outer.lastIndexOf("."), 0))
+        ) {
             if (this.models.get(outer) !== this.payload.start[outer]) return fallback;
         }
         if (start === undefined) return fallback;
@@ -50,7 +63,10 @@ export class Side {
     /** gonio's notation of this model, with changes on top. */
     text(changes = {}) {
         const parts = [];
-        const gone = (path) => Object.keys(changes).some((key) => path.startsWith(`${key}.`) && this.models.has(key) && changes[key] !== this.models.get(key));
+        const gone = (path) =>
+            Object.keys(changes).some(
+                (key) => path.startsWith(`${key}.`) && this.models.has(key) && changes[key] !== this.models.get(key),
+            );
         for (const [path, value] of this.models) {
             const now = changes[path] ?? value;
             const declared = this.payload.models.find((m) => m.path === path);
@@ -69,11 +85,16 @@ export class Side {
     /** The same as a model of gonio's, for commands that take no material with changes. */
     plainText() {
         const { payload } = this;
-        if (payload.name === payload.model || payload.name.endsWith(".py")) return this.text();
+        if (payload.name === payload.model || payload.name.endsWith(".py") || payload.foreign) return this.text();
         if (this.text() === payload.name && payload.plain) return payload.name;
-        const parts = payload.models.filter((m) => this.models.get(m.path) !== m.default).map((m) => `${m.path}=${this.models.get(m.path)}`);
-        for (const o of payload.options) if (this.options.get(o.path) !== o.default) parts.push(`${o.path}=${this.options.get(o.path)}`);
-        for (const p of payload.parameters) if (this.values.get(p.path).some((v, i) => v !== p.default[i])) parts.push(`${p.path}=${written(this.values.get(p.path))}`);
+        const parts = payload.models
+            .filter((m) => this.models.get(m.path) !== m.default)
+            .map((m) => `${m.path}=${this.models.get(m.path)}`);
+        for (const o of payload.options)
+            if (this.options.get(o.path) !== o.default) parts.push(`${o.path}=${this.options.get(o.path)}`);
+        for (const p of payload.parameters)
+            if (this.values.get(p.path).some((v, i) => v !== p.default[i]))
+                parts.push(`${p.path}=${written(this.values.get(p.path))}`);
         return payload.model + (parts.length ? `:${parts.join(",")}` : "");
     }
 
@@ -89,9 +110,11 @@ export class Side {
     maps() {
         const { maps } = this.payload;
         if (!maps) return { size: 1, layers: 1, pixels: new Float32Array(4) };
-        const given = fromHalf(unpacked(maps.half, Uint16Array)), n = given.length / maps.channels;
+        const given = fromHalf(unpacked(maps.half, Uint16Array)),
+            n = given.length / maps.channels;
         const pixels = new Float32Array(4 * n);
-        for (let i = 0; i < n; i++) for (let c = 0; c < maps.channels; c++) pixels[4 * i + c] = given[maps.channels * i + c];
+        for (let i = 0; i < n; i++)
+            for (let c = 0; c < maps.channels; c++) pixels[4 * i + c] = given[maps.channels * i + c];
         return { size: maps.size, layers: maps.layers, pixels };
     }
 
@@ -102,12 +125,21 @@ export class Side {
             if (hook.source === "mesh") found[hook.path] = [growth];
             else if (hook.source === "viewer") found[hook.path] = [t / hook.unit];
             else if (hook.source !== "normal_map") {
-                const tiles = hook.source === "flakes" ? [hook.tiles, hook.tiles] : hook.scale, { size, pixels } = maps;
+                const tiles = hook.source === "flakes" ? [hook.tiles, hook.tiles] : hook.scale,
+                    { size, pixels } = maps;
                 const at = uv.map((x, c) => x * tiles[c] * size - (hook.source === "flakes" ? 0 : 0.5));
-                const texel = (x, y, c) => pixels[4 * ((hook.layer * size + (((y % size) + size) % size)) * size + (((x % size) + size) % size)) + c];
-                const [x, y] = at.map(Math.floor), [fx, fy] = [at[0] - x, at[1] - y];
-                const value = (c) => hook.source === "flakes" ? texel(x, y, c)
-                    : (1 - fy) * ((1 - fx) * texel(x, y, c) + fx * texel(x + 1, y, c)) + fy * ((1 - fx) * texel(x, y + 1, c) + fx * texel(x + 1, y + 1, c));
+                const texel = (x, y, c) =>
+                    pixels[
+                        4 * ((hook.layer * size + (((y % size) + size) % size)) * size + (((x % size) + size) % size)) +
+                            c
+                    ];
+                const [x, y] = at.map(Math.floor),
+                    [fx, fy] = [at[0] - x, at[1] - y];
+                const value = (c) =>
+                    hook.source === "flakes"
+                        ? texel(x, y, c)
+                        : (1 - fy) * ((1 - fx) * texel(x, y, c) + fx * texel(x + 1, y, c)) +
+                          fy * ((1 - fx) * texel(x, y + 1, c) + fx * texel(x + 1, y + 1, c));
                 found[hook.path] = hook.width === 3 ? [value(0), value(1), value(2)] : [value(hook.channel)];
             }
         }

@@ -9,24 +9,32 @@ export function unpacked(text, Kind) {
 /** Sixteen-bit floats as thirty-two-bit ones. */
 export function fromHalf(bits) {
     return Float32Array.from(bits, (h) => {
-        const sign = h & 0x8000 ? -1 : 1, exponent = (h >> 10) & 31, fraction = h & 1023;
+        const sign = h & 0x8000 ? -1 : 1,
+            exponent = (h >> 10) & 31,
+            fraction = h & 1023;
         if (exponent === 0) return sign * fraction * 2 ** -24;
         if (exponent === 31) return fraction ? NaN : sign * Infinity;
         return sign * (1 + fraction / 1024) * 2 ** (exponent - 15);
     });
 }
 
+/** A part of the script that came as text. */
+const imported = (text) => import(`data:text/javascript;charset=utf-8,${encodeURIComponent(text)}`);
+
 /** `gonio view`: models are made when they are asked for. */
 export class Server {
     live = true;
 
-    constructor(token) { this.token = token; }
+    constructor(token) {
+        this.token = token;
+    }
 
     async #ask(route, body) {
         let answer;
         try {
             answer = await fetch(route, {
-                method: "POST", body: JSON.stringify(body),
+                method: "POST",
+                body: JSON.stringify(body),
                 headers: { "Content-Type": "application/json", "X-Gonio-Token": this.token },
             });
         } catch {
@@ -37,16 +45,35 @@ export class Server {
         return result;
     }
 
-    start() { return this.#ask("/api/start", {}); }
-    model(text) { return this.#ask("/api/model", { text }); }
-    options(text) { return this.#ask("/api/options", { text }); }
-    code(text, language) { return this.#ask("/api/code", { text, language }).then((r) => r.text); }
+    part(name) {
+        return import(`/${name}.js`);
+    }
+    async file(name) {
+        return (await fetch(`/${name}`)).text();
+    }
+
+    start() {
+        return this.#ask("/api/start", {});
+    }
+    model(text) {
+        return this.#ask("/api/model", { text });
+    }
+    options(text) {
+        return this.#ask("/api/options", { text });
+    }
+    code(text, language) {
+        return this.#ask("/api/code", { text, language }).then((r) => r.text);
+    }
 
     /** Calls back when a file that a model comes from has changed. */
     async watch(changed) {
         for (;;) {
             try {
-                const answer = await fetch("/api/changes", { method: "POST", body: "{}", headers: { "Content-Type": "application/json", "X-Gonio-Token": this.token } });
+                const answer = await fetch("/api/changes", {
+                    method: "POST",
+                    body: "{}",
+                    headers: { "Content-Type": "application/json", "X-Gonio-Token": this.token },
+                });
                 if (!answer.ok) return;
                 const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
                 for (let rest = ""; ; ) {
@@ -56,7 +83,9 @@ export class Server {
                     rest = parts.pop();
                     for (const part of parts) if (part.startsWith("data: ")) changed(JSON.parse(part.slice(6)));
                 }
-            } catch { /* the server has ended, or sleeps */ }
+            } catch {
+                /* the server has ended, or sleeps */
+            }
             await new Promise((resolve) => setTimeout(resolve, 2000));
         }
     }
@@ -66,20 +95,46 @@ export class Server {
 export class Saved {
     live = false;
 
-    constructor(data) { this.data = data; }
+    constructor(data) {
+        this.data = data;
+    }
 
-    async start() { return this.data; }
+    async part(name) {
+        return imported(await this.file(`${name}.js`));
+    }
+    async file(name) {
+        return this.data.files[name];
+    }
+
+    async start() {
+        return this.data;
+    }
 
     async model(text) {
         const [name, rest = ""] = [text.split(":")[0], text.slice(text.indexOf(":") + 1)];
         const base = this.data.models[text] ?? Object.values(this.data.models).find((m) => m.name === name);
-        if (!base) throw new Error(`This saved page holds ${this.data.show.join(" and ")} alone; 'gonio view' has all models.`);
-        const pieces = new Map(text.includes(":") ? rest.split(",").map((piece) => [piece.slice(0, piece.indexOf("=")), piece.slice(piece.indexOf("=") + 1)]) : []);
-        for (const { path, value, default: first } of base.models) if ((pieces.get(path) ?? base.start[path] ?? first) !== value) throw new Error("This saved page has its layers as they are; 'gonio view' changes them.");
+        if (!base)
+            throw new Error(
+                `This saved page holds ${this.data.show.join(" and ")} alone; 'gonio view' has all models.`,
+            );
+        const pieces = new Map(
+            text.includes(":")
+                ? rest
+                      .split(",")
+                      .map((piece) => [piece.slice(0, piece.indexOf("=")), piece.slice(piece.indexOf("=") + 1)])
+                : [],
+        );
+        for (const { path, value, default: first } of base.models)
+            if ((pieces.get(path) ?? base.start[path] ?? first) !== value)
+                throw new Error("This saved page has its layers as they are; 'gonio view' changes them.");
         const chosen = base.options.map((o) => [o.path, pieces.get(o.path) ?? base.start[o.path] ?? o.default]);
-        const found = chosen.every(([path, value], i) => base.options[i].value === value) ? base : this.#variant(base, `${name}|${chosen.map(([path, value]) => `${path}=${value}`).join()}`);
+        const found = chosen.every(([, value], i) => base.options[i].value === value)
+            ? base
+            : this.#variant(base, `${name}|${chosen.map(([path, value]) => `${path}=${value}`).join()}`);
         const parameters = found.parameters.map((p) => {
-            const start = pieces.has(p.path) ? pieces.get(p.path).split("/").map(Number) : [base.start[p.path] ?? p.default].flat();
+            const start = pieces.has(p.path)
+                ? pieces.get(p.path).split("/").map(Number)
+                : [base.start[p.path] ?? p.default].flat();
             return { ...p, value: Array.from({ length: p.width }, (_, c) => start[c] ?? start[0]) };
         });
         return { ...found, parameters };
@@ -92,11 +147,14 @@ export class Saved {
         return { ...base, ...variant.about, code: { wgsl: block("wgsl"), essl: block("essl") } };
     }
 
-    async options(text) { return (await this.model(text)).options; }
+    async options(text) {
+        return (await this.model(text)).options;
+    }
 
     async code(text, language) {
         const found = (await this.model(text)).code[language];
-        if (found === undefined) throw new Error("This saved page holds WGSL and GLSL ES only; 'gonio view' has every language.");
+        if (found === undefined)
+            throw new Error("This saved page holds WGSL and GLSL ES only; 'gonio view' has every language.");
         return found;
     }
 
@@ -115,7 +173,8 @@ export class Notebook {
             const waiting = this.#waiting.get(message.id);
             if (!waiting) return;
             this.#waiting.delete(message.id);
-            if (message.error) waiting.reject(new Error(message.error)); else waiting.resolve(message.answer);
+            if (message.error) waiting.reject(new Error(message.error));
+            else waiting.resolve(message.answer);
         });
     }
 
@@ -124,13 +183,30 @@ export class Notebook {
         this.widget.send({ id, question, body });
         return new Promise((resolve, reject) => {
             this.#waiting.set(id, { resolve, reject });
-            setTimeout(() => { if (this.#waiting.delete(id)) reject(new Error("The notebook's kernel does not answer; is it busy?")); }, 30000);
+            setTimeout(() => {
+                if (this.#waiting.delete(id)) reject(new Error("The notebook's kernel does not answer; is it busy?"));
+            }, 30000);
         });
     }
 
-    start() { return this.#ask("start", {}); }
-    model(text) { return this.#ask("model", { text }); }
-    options(text) { return this.#ask("options", { text }); }
-    code(text, language) { return this.#ask("code", { text, language }).then((r) => r.text); }
+    async part(name) {
+        return imported(await this.file(`${name}.js`));
+    }
+    async file(name) {
+        return (await this.#ask("file", { text: name })).text;
+    }
+
+    start() {
+        return this.#ask("start", {});
+    }
+    model(text) {
+        return this.#ask("model", { text });
+    }
+    options(text) {
+        return this.#ask("options", { text });
+    }
+    code(text, language) {
+        return this.#ask("code", { text, language }).then((r) => r.text);
+    }
     watch() {}
 }

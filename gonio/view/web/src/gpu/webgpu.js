@@ -11,7 +11,12 @@ async function takeDevice() {
     shared ??= { users: 0, coming: request() };
     const taken = shared;
     taken.users++;
-    try { return { ...(await taken.coming), taken }; } catch (error) { shared = null; throw error; }
+    try {
+        return { ...(await taken.coming), taken };
+    } catch (error) {
+        shared = null;
+        throw error;
+    }
 }
 
 async function request() {
@@ -19,19 +24,27 @@ async function request() {
     if (!adapter) throw new Error("The browser has WebGPU but no adapter: the driver is blocked or there is no GPU.");
     const size = Math.min(adapter.limits.maxStorageBufferBindingSize, 1 << 30);
     const device = await adapter.requestDevice({
-        requiredLimits: { maxStorageBufferBindingSize: size, maxBufferSize: Math.min(adapter.limits.maxBufferSize, 1 << 30) },
+        requiredLimits: {
+            maxStorageBufferBindingSize: size,
+            maxBufferSize: Math.min(adapter.limits.maxBufferSize, 1 << 30),
+        },
     });
-    device.lost.then(() => { shared = null; });
+    device.lost.then(() => {
+        shared = null;
+    });
     return { device, adapter };
 }
 
 export class WebGPU {
     name = "WebGPU";
+    language = "wgsl";
 
     /** Why WebGPU cannot be used here, or a device. */
     static async create() {
         if (!globalThis.isSecureContext) {
-            throw new Error("This page came over http:// from another machine, and browsers give WebGPU to secure contexts only.");
+            throw new Error(
+                "This page came over http:// from another machine, and browsers give WebGPU to secure contexts only.",
+            );
         }
         if (!navigator.gpu) throw new Error("This browser has no WebGPU.");
         const { device, adapter, taken } = await takeDevice();
@@ -48,27 +61,53 @@ export class WebGPU {
         this.errors = [];
         device.addEventListener("uncapturederror", (event) => this.errors.push(event.error.message));
         this.lost = device.lost;
-        const buffer = (type) => ({ buffer: { type } }), table = buffer("read-only-storage");
-        const kinds = [buffer("uniform"), buffer("uniform"), table, table, table, table, { texture: { sampleType: "unfilterable-float" } }, { texture: { sampleType: "unfilterable-float", viewDimension: "2d-array" } }, table, buffer("storage")];
+        const buffer = (type) => ({ buffer: { type } }),
+            table = buffer("read-only-storage");
+        const kinds = [
+            buffer("uniform"),
+            buffer("uniform"),
+            table,
+            table,
+            table,
+            table,
+            { texture: { sampleType: "unfilterable-float" } },
+            { texture: { sampleType: "unfilterable-float", viewDimension: "2d-array" } },
+            table,
+            buffer("storage"),
+        ];
         // Said in full: a material without maps does not name them, and one with the default layout would lack them
-        this.traceGroup = device.createBindGroupLayout({ entries: kinds.map((kind, binding) => ({ binding, visibility: GPUShaderStage.COMPUTE, ...kind })) });
+        this.traceGroup = device.createBindGroupLayout({
+            entries: kinds.map((kind, binding) => ({ binding, visibility: GPUShaderStage.COMPUTE, ...kind })),
+        });
         this.traceLayout = device.createPipelineLayout({ bindGroupLayouts: [this.traceGroup] });
-        this.settings = device.createBuffer({ size: 16 * TRACE_ROWS, usage: GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST });
+        this.settings = device.createBuffer({
+            size: 16 * TRACE_ROWS,
+            usage: GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST,
+        });
         this.screen = device.createBuffer({ size: 64, usage: GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST });
         const empty = new Float32Array(8);
         this.scene = { nodes: this.#storage(empty), places: this.#storage(empty), looks: this.#storage(empty) };
         this.setSky({ width: 1, height: 1, pixels: new Float32Array(4), alias: new Float32Array(4) });
         const module = device.createShaderModule({ code: displayWgsl });
         this.display = device.createRenderPipeline({
-            layout: "auto", vertex: { module, entryPoint: "corner" },
+            layout: "auto",
+            vertex: { module, entryPoint: "corner" },
             fragment: { module, entryPoint: "pixel", targets: [{ format: this.format }] },
         });
     }
 
-    close() { if (--this.taken.users === 0) { shared = null; this.device.destroy(); } }
+    close() {
+        if (--this.taken.users === 0) {
+            shared = null;
+            this.device.destroy();
+        }
+    }
 
     #storage(data, usage = GPUBufferUsage.STORAGE) {
-        const buffer = this.device.createBuffer({ size: Math.max(data.byteLength, 16), usage: usage | GPUBufferUsage.COPY_DST });
+        const buffer = this.device.createBuffer({
+            size: Math.max(data.byteLength, 16),
+            usage: usage | GPUBufferUsage.COPY_DST,
+        });
         this.device.queue.writeBuffer(buffer, 0, data);
         return buffer;
     }
@@ -81,26 +120,59 @@ export class WebGPU {
     setSky({ width, height, pixels, alias }) {
         this.sky?.destroy();
         this.alias?.destroy();
-        this.sky = this.device.createTexture({ size: [width, height], format: "rgba32float", usage: GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_DST });
+        this.sky = this.device.createTexture({
+            size: [width, height],
+            format: "rgba32float",
+            usage: GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_DST,
+        });
         this.device.queue.writeTexture({ texture: this.sky }, pixels, { bytesPerRow: 16 * width }, [width, height]);
         this.alias = this.#storage(alias);
     }
 
-    makeSide() { return { films: [], front: 0, width: 0, height: 0, maps: this.#maps({ size: 1, layers: 1, pixels: new Float32Array(4) }) }; }
+    makeSide() {
+        return {
+            films: [],
+            front: 0,
+            width: 0,
+            height: 0,
+            maps: this.#maps({ size: 1, layers: 1, pixels: new Float32Array(4) }),
+        };
+    }
 
     #maps({ size, layers, pixels }) {
-        const texture = this.device.createTexture({ size: [size, size, layers], format: "rgba32float", usage: GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_DST });
-        this.device.queue.writeTexture({ texture }, pixels, { bytesPerRow: 16 * size, rowsPerImage: size }, [size, size, layers]);
+        const texture = this.device.createTexture({
+            size: [size, size, layers],
+            format: "rgba32float",
+            usage: GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_DST,
+        });
+        this.device.queue.writeTexture({ texture }, pixels, { bytesPerRow: 16 * size, rowsPerImage: size }, [
+            size,
+            size,
+            layers,
+        ]);
         return texture;
     }
 
-    setMaps(side, maps) { side.maps.destroy(); side.maps = this.#maps(maps); }
+    setMaps(side, maps) {
+        side.maps.destroy();
+        side.maps = this.#maps(maps);
+    }
 
     /** The shaders of a model; without `trace` those for numbers alone. */
     async compile(model, { trace: wanted = true } = {}) {
-        const [trace, rows] = await Promise.all([wanted ? this.#pipeline(traceWgsl(model), this.traceLayout) : null, this.#pipeline(rowsWgsl(model))]);
-        const params = this.device.createBuffer({ size: 16 * members(model), usage: GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST });
-        return { model, trace, rows, params };
+        const trace = wanted ? await this.#pipeline(traceWgsl(model), this.traceLayout) : null;
+        const params = this.device.createBuffer({
+            size: 16 * members(model),
+            usage: GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST,
+        });
+        const program = { model, trace, params };
+        if (!wanted) await this.#numbers(program);
+        return program;
+    }
+
+    /** The shader of numbers, made when it is first asked for: the picture comes first. */
+    async #numbers(program) {
+        program.rows ??= await (program.rowsComing ??= this.#pipeline(rowsWgsl(program.model)));
     }
 
     async #pipeline(code, layout = "auto") {
@@ -112,10 +184,15 @@ export class WebGPU {
         }
     }
 
-    forget(program) { program.params.destroy(); }
+    forget(program) {
+        program.params.destroy();
+    }
 
     #group(layout, resources) {
-        const entries = resources.map((r, binding) => ({ binding, resource: r instanceof GPUBuffer ? { buffer: r } : r }));
+        const entries = resources.map((r, binding) => ({
+            binding,
+            resource: r instanceof GPUBuffer ? { buffer: r } : r,
+        }));
         return this.device.createBindGroup({ layout, entries });
     }
 
@@ -130,7 +207,14 @@ export class WebGPU {
         const back = 1 - side.front;
         if (side.films[back]?.width !== width || side.films[back]?.height !== height) {
             side.films[back]?.buffer.destroy();
-            side.films[back] = { width, height, buffer: this.device.createBuffer({ size: 16 * width * height, usage: GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC }) };
+            side.films[back] = {
+                width,
+                height,
+                buffer: this.device.createBuffer({
+                    size: 16 * width * height,
+                    usage: GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC,
+                }),
+            };
         }
         const before = U[2] > 0 ? side.films[side.front].buffer : this.#nothing();
         U[36] = y0;
@@ -139,7 +223,18 @@ export class WebGPU {
         this.device.queue.writeBuffer(program.params, 0, params);
         const { nodes, places, looks } = this.scene;
         const maps = side.maps.createView({ dimension: "2d-array" });
-        const group = this.#group(this.traceGroup, [this.settings, program.params, nodes, places, looks, this.alias, this.sky.createView(), maps, before, side.films[back].buffer]);
+        const group = this.#group(this.traceGroup, [
+            this.settings,
+            program.params,
+            nodes,
+            places,
+            looks,
+            this.alias,
+            this.sky.createView(),
+            maps,
+            before,
+            side.films[back].buffer,
+        ]);
         const encoder = this.device.createCommandEncoder();
         const pass = encoder.beginComputePass();
         pass.setPipeline(program.trace);
@@ -150,19 +245,31 @@ export class WebGPU {
         return this.device.queue.onSubmittedWorkDone();
     }
 
-    #nothing() { return (this.empty ??= this.#storage(new Float32Array(4))); }
+    #nothing() {
+        return (this.empty ??= this.#storage(new Float32Array(4)));
+    }
 
-    swap(side) { side.front = 1 - side.front; Object.assign(side, { width: side.films[side.front].width, height: side.films[side.front].height }); }
+    swap(side) {
+        side.front = 1 - side.front;
+        Object.assign(side, { width: side.films[side.front].width, height: side.films[side.front].height });
+    }
 
     show(a, b, D) {
         const film = (side) => side?.films[side.front]?.buffer;
         if (!film(a)) return;
         this.device.queue.writeBuffer(this.screen, 0, D);
         const encoder = this.device.createCommandEncoder();
-        const pass = encoder.beginRenderPass({ colorAttachments: [{ view: this.context.getCurrentTexture().createView(), loadOp: "clear", storeOp: "store" }] });
+        const pass = encoder.beginRenderPass({
+            colorAttachments: [
+                { view: this.context.getCurrentTexture().createView(), loadOp: "clear", storeOp: "store" },
+            ],
+        });
         pass.setPipeline(this.display);
         // The same buffer twice is allowed: both are read only
-        pass.setBindGroup(0, this.#group(this.display.getBindGroupLayout(0), [this.screen, film(a), film(b) ?? film(a)]));
+        pass.setBindGroup(
+            0,
+            this.#group(this.display.getBindGroupLayout(0), [this.screen, film(a), film(b) ?? film(a)]),
+        );
         pass.draw(3);
         pass.end();
         this.device.queue.submit([encoder.finish()]);
@@ -179,12 +286,18 @@ export class WebGPU {
         return values;
     }
 
-    readFilm(side) { const film = side.films[side.front]; return this.#read(film.buffer, 16 * film.width * film.height); }
+    readFilm(side) {
+        const film = side.films[side.front];
+        return this.#read(film.buffer, 16 * film.width * film.height);
+    }
 
     async #compute(pipeline, params, values, given, count, out) {
         this.device.queue.writeBuffer(params, 0, values);
         const source = this.#storage(given);
-        const made = this.device.createBuffer({ size: 16 * out, usage: GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC });
+        const made = this.device.createBuffer({
+            size: 16 * out,
+            usage: GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_SRC,
+        });
         const encoder = this.device.createCommandEncoder();
         const pass = encoder.beginComputePass();
         pass.setPipeline(pipeline);
@@ -199,7 +312,11 @@ export class WebGPU {
     }
 
     /** (n, 12) rows of wi, wo, u, each padded to four, to (n, 8): f, pdf, sampled wi, its pdf. */
-    rows(program, params, given) { const n = given.length / 12; return this.#compute(program.rows, program.params, params, given, n, 2 * n); }
+    async rows(program, params, given) {
+        await this.#numbers(program);
+        const n = given.length / 12;
+        return this.#compute(program.rows, program.params, params, given, n, 2 * n);
+    }
 
     /** (n, 4) directions wo to (n, 4) albedos. Its shader is made when it is first asked for. */
     async albedo(program, params, given) {

@@ -1,12 +1,20 @@
 // What plots and probe show, from the same functions of the model that the picture calls.
 
 const RAD = Math.PI / 180;
-const direction = (theta, phi = 0) => [Math.sin(theta) * Math.cos(phi), Math.sin(theta) * Math.sin(phi), Math.cos(theta)];
+export const direction = (theta, phi = 0) => [
+    Math.sin(theta) * Math.cos(phi),
+    Math.sin(theta) * Math.sin(phi),
+    Math.cos(theta),
+];
 
 /** Rows for `rows`: wi, wo and two random numbers, each in four. */
 export function packRows(list) {
     const data = new Float32Array(12 * list.length);
-    list.forEach(([wi, wo, u = [0.5, 0.5]], i) => { data.set(wi, 12 * i); data.set(wo, 12 * i + 4); data.set(u, 12 * i + 8); });
+    list.forEach(([wi, wo, u = [0.5, 0.5]], i) => {
+        data.set(wi, 12 * i);
+        data.set(wo, 12 * i + 4);
+        data.set(u, 12 * i + 8);
+    });
     return data;
 }
 
@@ -14,7 +22,8 @@ export function packRows(list) {
 export function sliceAngles(thetaO) {
     const found = new Set();
     for (let a = -90; a <= 90; a += 1.5) found.add(a);
-    for (let k = 0, step = 0.02; k < 26; k++, step *= 1.3) for (const a of [thetaO - step, thetaO + step]) if (Math.abs(a) < 90) found.add(a);
+    for (let k = 0, step = 0.02; k < 26; k++, step *= 1.3)
+        for (const a of [thetaO - step, thetaO + step]) if (Math.abs(a) < 90) found.add(a);
     found.add(thetaO);
     return [...found].sort((a, b) => a - b);
 }
@@ -24,53 +33,51 @@ export const MAP_SIZE = 44;
 
 /** wi and wo of a half and a difference angle (Rusinkiewicz), with phi_d = 90 degrees; null below the horizon. */
 export function halfDifference(thetaH, thetaD) {
-    const d = direction(thetaD, Math.PI / 2), [c, s] = [Math.cos(thetaH), Math.sin(thetaH)];
-    const wi = [c * d[0] + s * d[2], d[1], c * d[2] - s * d[0]], h = [s, 0, c];
-    const k = 2 * (wi[0] * h[0] + wi[1] * h[1] + wi[2] * h[2]), wo = wi.map((x, i) => k * h[i] - x);
+    const d = direction(thetaD, Math.PI / 2),
+        [c, s] = [Math.cos(thetaH), Math.sin(thetaH)];
+    const wi = [c * d[0] + s * d[2], d[1], c * d[2] - s * d[0]],
+        h = [s, 0, c];
+    const k = 2 * (wi[0] * h[0] + wi[1] * h[1] + wi[2] * h[2]),
+        wo = wi.map((x, i) => k * h[i] - x);
     return wi[2] > 0 && wo[2] > 0 ? [wi, wo] : null;
 }
 
 /** Everything that the plots show of a side, for a direction of the viewer. */
 export async function measure(gpu, side, thetaO) {
-    const { program } = side, params = side.packed(), wo = direction(thetaO * RAD, Math.PI);
-    const angles = sliceAngles(thetaO), pairs = [];
-    for (let j = 0; j < MAP_SIZE; j++) for (let i = 0; i < MAP_SIZE; i++) pairs.push(halfDifference(((i + 0.5) / MAP_SIZE) * 90 * RAD, (1 - (j + 0.5) / MAP_SIZE) * 90 * RAD));
-    const list = [...angles.map((a) => [direction(a * RAD), wo]), ...pairs.map((pair) => pair ?? [[0, 0, -1], [0, 0, 1]])];
+    const { program } = side,
+        params = side.packed(),
+        wo = direction(thetaO * RAD, Math.PI);
+    const angles = sliceAngles(thetaO),
+        pairs = [];
+    for (let j = 0; j < MAP_SIZE; j++)
+        for (let i = 0; i < MAP_SIZE; i++)
+            pairs.push(halfDifference(((i + 0.5) / MAP_SIZE) * 90 * RAD, (1 - (j + 0.5) / MAP_SIZE) * 90 * RAD));
+    const list = [
+        ...angles.map((a) => [direction(a * RAD), wo]),
+        ...pairs.map(
+            (pair) =>
+                pair ?? [
+                    [0, 0, -1],
+                    [0, 0, 1],
+                ],
+        ),
+    ];
     const values = await gpu.rows(program, params, packRows(list));
-    const slice = angles.map((a, i) => ({ angle: a, f: [...values.subarray(8 * i, 8 * i + 3)], pdf: values[8 * i + 3] }));
-    const map = pairs.map((pair, k) => (pair ? [...values.subarray(8 * (angles.length + k), 8 * (angles.length + k) + 3)] : null));
+    const slice = angles.map((a, i) => ({
+        angle: a,
+        f: [...values.subarray(8 * i, 8 * i + 3)],
+        pdf: values[8 * i + 3],
+    }));
+    const map = pairs.map((pair, k) =>
+        pair ? [...values.subarray(8 * (angles.length + k), 8 * (angles.length + k) + 3)] : null,
+    );
     const given = new Float32Array(4 * ALBEDO_ANGLES.length);
     ALBEDO_ANGLES.forEach((a, i) => given.set(direction(a * RAD), 4 * i));
     const albedo = await gpu.albedo(program, params, given);
-    return { thetaO, slice, map, albedo: ALBEDO_ANGLES.map((a, i) => ({ angle: a, value: [...albedo.subarray(4 * i, 4 * i + 3)] })) };
-}
-
-/** A grid about the mirror direction that draws a lobe of any width: rings at angle pi s^3, lifted onto the horizon. */
-export function lobeGrid(thetaO, rings, segments) {
-    const r = direction(thetaO * RAD), t = [r[2], 0, -r[0]], b = [0, 1, 0], found = [];
-    for (let j = 0; j <= rings; j++) {
-        const angle = Math.PI * (j / rings) ** 3;
-        for (let i = 0; i < segments; i++) {
-            const phi = (2 * Math.PI * i) / segments, [c, s] = [Math.cos(angle), Math.sin(angle)];
-            const w = r.map((x, k) => c * x + s * (Math.cos(phi) * t[k] + Math.sin(phi) * b[k]));
-            w[2] = Math.max(w[2], 1e-4);
-            const length = Math.hypot(...w);
-            found.push(w.map((x) => x / length));
-        }
-    }
-    return found;
-}
-
-/** The lobe of a side and samples of it with their weights f cos / pdf. */
-export async function lobe(gpu, side, thetaO, rings = 40, segments = 60, samples = 600) {
-    const wo = direction(thetaO * RAD, Math.PI), grid = lobeGrid(thetaO, rings, segments);
-    const list = grid.map((wi) => [wi, wo]);
-    for (let k = 0; k < samples; k++) list.push([[0, 0, 1], wo, [((k + 0.5) * 0.7548776662) % 1, ((k + 0.5) * 0.5698402909) % 1]]);
-    const params = side.packed(), values = await gpu.rows(side.program, params, packRows(list));
-    const f = grid.map((_, i) => [...values.subarray(8 * i, 8 * i + 3)]);
-    const drawn = Array.from({ length: samples }, (_, k) => [...values.subarray(8 * (grid.length + k) + 4, 8 * (grid.length + k) + 8)]);
-    const at = await gpu.rows(side.program, params, packRows(drawn.map((d) => [d[3] > 0 ? d.slice(0, 3) : [0, 0, 1], wo])));
-    const points = drawn.map((d, k) => ({ wi: d.slice(0, 3), pdf: d[3], f: [...at.subarray(8 * k, 8 * k + 3)] })).filter((p) => p.pdf > 0);
-    for (const p of points) p.weight = p.f.map((x) => (x * p.wi[2]) / p.pdf);
-    return { thetaO, grid, f, rings, segments, points, wasted: samples - points.length };
+    return {
+        thetaO,
+        slice,
+        map,
+        albedo: ALBEDO_ANGLES.map((a, i) => ({ angle: a, value: [...albedo.subarray(4 * i, 4 * i + 3)] })),
+    };
 }

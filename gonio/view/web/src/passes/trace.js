@@ -4,7 +4,7 @@
 //  6 turn's cosine and sine, lamps, share of the picture's samples               7 -, nodes, radii where ground fades (0: none)
 //  8 the core's centre and radius (0: none)    9 first line, last line, estimator, -   10 picture's size
 // 11 colour of the fading ground
-// 12 + 4 k: lamp k's centre and shape (0 rectangle, 1 disk); half axis, area; half axis, share; radiance
+// 12 + 4 k: lamp k's centre and shape (0 rectangle, 1 disk); half axis, area; half axis; radiance, power
 
 export const ESTIMATORS = { both: 0, model: 1, light: 2 };
 const LAMPS = 8;
@@ -20,7 +20,11 @@ export function frame({ width, height, sample, seed = 1, view, light, furnace, s
     row(4, ...forward, depth ?? (furnace ? 256 : 12));
     const lamps = furnace ? [] : light.lamps.slice(0, LAMPS);
     const picture = !furnace && light.picture;
-    row(5, ...(furnace ? [1, 1, 1] : picture ? [1, 1, 1].map((x) => x * (light.scale ?? 1)) : light.surround), picture ? 1 : 0);
+    row(
+        5,
+        ...(furnace ? [1, 1, 1] : picture ? [1, 1, 1].map((x) => x * (light.scale ?? 1)) : light.surround),
+        picture ? 1 : 0,
+    );
     const turn = ((light.turn ?? 0) * Math.PI) / 180;
     row(6, Math.cos(turn), Math.sin(turn), lamps.length, picture ? (lamps.length ? 0.5 : 1) : 0);
     row(7, 0, scene.count, ...(furnace ? [0, 0] : light.fade));
@@ -28,12 +32,15 @@ export function frame({ width, height, sample, seed = 1, view, light, furnace, s
     row(8, ...(scene.core?.centre ?? [0, 0, 0]), scene.core?.radius ?? 0);
     row(9, 0, 0, ESTIMATORS[estimator], 0);
     if (picture) row(10, picture.width, picture.height, 0, 0);
-    const shares = lamps.reduce((sum, lamp) => sum + lamp.share, 0);
     lamps.forEach((lamp, k) => {
         row(12 + 4 * k, ...lamp.centre, lamp.shape === "disk" ? 1 : 0);
         row(13 + 4 * k, ...lamp.a, lamp.area);
-        row(14 + 4 * k, ...lamp.b, lamp.share / shares);
-        row(15 + 4 * k, ...lamp.radiance, 0);
+        row(14 + 4 * k, ...lamp.b, 0);
+        row(
+            15 + 4 * k,
+            ...lamp.radiance,
+            lamp.area * (0.2126 * lamp.radiance[0] + 0.7152 * lamp.radiance[1] + 0.0722 * lamp.radiance[2]),
+        );
     });
     return U;
 }

@@ -186,12 +186,27 @@ fn sky_pdf(d: vec3f) -> f32 {
     let at: vec2u = min(vec2u(sky_place(d)), vec2u(U[10].xy) - 1u);
     return U[6].w * alias_table[at.y * u32(U[10].x) + at.x].z;
 }
-fn lamp_pdf(k: i32, t: f32, d: vec3f) -> f32 {
-    let n: vec3f = turned(normalize(cross(U[13 + 4 * k].xyz, U[14 + 4 * k].xyz)), 1.0);
-    return (1.0 - U[6].w) * U[14 + 4 * k].w * t * t / (max(-dot(n, d), 1e-6) * U[13 + 4 * k].w);
+// A lamp is chosen by about what it sends to a surface: its power, distance and both cosines, never 0.
+fn lamp_weight(k: i32, o: vec3f, n: vec3f) -> f32 {
+    let way: vec3f = turned(U[12 + 4 * k].xyz, 1.0) - o;
+    let square: f32 = max(dot(way, way), 1e-6);
+    let d: vec3f = way / sqrt(square);
+    let m: vec3f = turned(normalize(cross(U[13 + 4 * k].xyz, U[14 + 4 * k].xyz)), 1.0);
+    let above: f32 = clamp(dot(n, d) + sqrt(U[13 + 4 * k].w / square), 0.05, 1.0);
+    return U[15 + 4 * k].w * (0.1 + max(-dot(m, d), 0.0)) * above / square;
+}
+fn lamp_total(o: vec3f, n: vec3f) -> f32 {
+    var total: f32 = 0.0;
+    for (var k: i32 = 0; k < lamp_count(); k++) { total += lamp_weight(k, o, n); }
+    return total;
+}
+fn lamp_pdf(k: i32, o: vec3f, n: vec3f, t: f32, d: vec3f) -> f32 {
+    let m: vec3f = turned(normalize(cross(U[13 + 4 * k].xyz, U[14 + 4 * k].xyz)), 1.0);
+    let chosen: f32 = (1.0 - U[6].w) * lamp_weight(k, o, n) / max(lamp_total(o, n), 1e-20);
+    return chosen * t * t / (max(-dot(m, d), 1e-6) * U[13 + 4 * k].w);
 }
 struct Light { d: vec3f, far: f32, radiance: vec3f, pdf: f32 }
-fn sample_light(o: vec3f, u: vec2f, choice: vec2f) -> Light {
+fn sample_light(o: vec3f, normal: vec3f, u: vec2f, choice: vec2f) -> Light {
     if (choice.x < U[6].w) {
         let size: vec2u = vec2u(U[10].xy);
         let x: f32 = choice.x / U[6].w * f32(size.x * size.y);
@@ -205,10 +220,11 @@ fn sample_light(o: vec3f, u: vec2f, choice: vec2f) -> Light {
         return Light(d, FAR, surround(d), U[6].w * alias_table[k].z);
     }
     var k: i32 = 0;
-    var rest: f32 = (choice.x - U[6].w) / (1.0 - U[6].w);
+    var rest: f32 = (choice.x - U[6].w) / (1.0 - U[6].w) * lamp_total(o, normal);
     for (; k < lamp_count() - 1; k++) {
-        if (rest < U[14 + 4 * k].w) { break; }
-        rest -= U[14 + 4 * k].w;
+        let weight: f32 = lamp_weight(k, o, normal);
+        if (rest < weight) { break; }
+        rest -= weight;
     }
     var s: vec2f = 2.0 * u - 1.0;
     if (U[12 + 4 * k].w > 0.5) { s = sqrt(u.x) * vec2f(cos(TAU * u.y), sin(TAU * u.y)); }
@@ -218,7 +234,7 @@ fn sample_light(o: vec3f, u: vec2f, choice: vec2f) -> Light {
     let d: vec3f = way / t;
     let n: vec3f = turned(normalize(cross(U[13 + 4 * k].xyz, U[14 + 4 * k].xyz)), 1.0);
     if (dot(n, d) >= 0.0 || lamp_count() < 1) { return Light(d, 0.0, vec3f(0.0), 0.0); }
-    return Light(d, t * 0.9999, U[15 + 4 * k].xyz, lamp_pdf(k, t, d));
+    return Light(d, t * 0.9999, U[15 + 4 * k].xyz, lamp_pdf(k, o, normal, t, d));
 }
 
 // --- a path -------------------------------------------------------------------------------------------
@@ -231,6 +247,7 @@ fn path(origin: vec3f, direction: vec3f) -> vec3f {
     var L: vec3f = vec3f(0.0);
     var T: vec3f = vec3f(1.0);
     var pdf: f32 = -1.0; // of the direction that leads here; below 0 for the camera's
+    var facing: vec3f = vec3f(0.0); // the normal of the surface that it comes from
     let furnace: bool = U[3].w > 0.5;
     let way: i32 = i32(U[9].z); // 0 both, 1 the model's samples alone, 2 the light's alone
     let depth: i32 = i32(U[4].w);
@@ -251,7 +268,7 @@ fn path(origin: vec3f, direction: vec3f) -> vec3f {
             let n: vec3f = turned(cross(U[13 + 4 * k].xyz, U[14 + 4 * k].xyz), 1.0);
             if (dot(n, d) < 0.0) {
                 var w: f32 = 1.0;
-                if (pdf >= 0.0) { w = pdf / (pdf + lamp_pdf(k, hit.t, d)); if (way == 1) { w = 1.0; } if (way == 2) { w = 0.0; } }
+                if (pdf >= 0.0) { w = pdf / (pdf + lamp_pdf(k, o, facing, hit.t, d)); if (way == 1) { w = 1.0; } if (way == 2) { w = 0.0; } }
                 L += T * U[15 + 4 * k].xyz * w;
             }
             break;
@@ -332,7 +349,7 @@ fn path(origin: vec3f, direction: vec3f) -> vec3f {
         var m: Model = model_at(uv, growth, hit.t);
         let lit: bool = !furnace && way != 1 && (U[6].w > 0.0 || lamp_count() > 0);
         if (lit) {
-            let light: Light = sample_light(p, u_light, u_choice);
+            let light: Light = sample_light(p, n, u_light, u_choice);
             let wi: vec3f = vec3f(dot(light.d, tx), dot(light.d, ty), dot(light.d, n));
             if (light.pdf > 0.0 && wi.z > 0.0) {
                 var f: vec3f = grey;
@@ -362,6 +379,7 @@ fn path(origin: vec3f, direction: vec3f) -> vec3f {
         }
         d = normalize(tx * wi.x + ty * wi.y + n * wi.z);
         o = p;
+        facing = n;
         let left: f32 = max(T.x, max(T.y, T.z));
         if (left <= 0.0) { break; }
         if (!furnace && b >= 2 && left < 1.0) {

@@ -1,14 +1,19 @@
 // A bounding volume hierarchy by the surface area heuristic, as the tables that the trace pass reads.
 
-const BINS = 16, LEAF = 4, DEPTH_MAX = 36; // the pass has a stack of 40
+const BINS = 16,
+    LEAF = 4,
+    DEPTH_MAX = 36; // the pass has a stack of 40
 
 /** The parts of a scene as tables of vec4: nodes (2 each), places (3 per triangle), looks (5 per triangle).
  *
  * A part has positions, normals, uvs (or null), growth (or null), faces and kind: 0 the material, 1 ground, 2 pedestal. */
 export function tables(parts) {
     const total = parts.reduce((sum, part) => sum + part.faces.length / 3, 0);
-    const low = new Float32Array(3 * total), high = new Float32Array(3 * total), middle = new Float32Array(3 * total);
-    const places = new Float32Array(12 * Math.max(total, 1)), looks = new Float32Array(20 * Math.max(total, 1));
+    const low = new Float32Array(3 * total),
+        high = new Float32Array(3 * total),
+        middle = new Float32Array(3 * total);
+    const places = new Float32Array(12 * Math.max(total, 1)),
+        looks = new Float32Array(20 * Math.max(total, 1));
     const order = new Uint32Array(total);
     const source = [];
     let n = 0;
@@ -38,7 +43,11 @@ export function tables(parts) {
         let place = from;
         if (cut) {
             for (let i = from; i < to; i++) {
-                if (middle[3 * order[i] + cut.axis] < cut.at) { const k = order[i]; order[i] = order[place]; order[place++] = k; }
+                if (middle[3 * order[i] + cut.axis] < cut.at) {
+                    const k = order[i];
+                    order[i] = order[place];
+                    order[place++] = k;
+                }
             }
         }
         if (place === from || place === to) {
@@ -51,9 +60,14 @@ export function tables(parts) {
         split(child, from, place, depth + 1);
         split(child + 1, place, to, depth + 1);
     };
-    if (total) { nodes.push(null); split(0, 0, total, 0); }
+    if (total) {
+        nodes.push(null);
+        split(0, 0, total, 0);
+    }
     const table = new Float32Array(8 * Math.max(nodes.length, 1));
-    nodes.forEach(([box, first, count], i) => table.set([box[0], box[1], box[2], first, box[3], box[4], box[5], count], 8 * i));
+    nodes.forEach(([box, first, count], i) =>
+        table.set([box[0], box[1], box[2], first, box[3], box[4], box[5], count], 8 * i),
+    );
     for (let i = 0; i < total; i++) triangle(places, looks, i, ...source[order[i]]);
     return { nodes: table, places, looks, count: nodes.length, triangles: total };
 }
@@ -72,10 +86,16 @@ const area = (b) => {
 const nothing = () => [Infinity, Infinity, Infinity, -Infinity, -Infinity, -Infinity];
 
 function best(low, high, middle, order, from, to) {
-    let found = null, cost = Infinity;
+    let found = null,
+        cost = Infinity;
     for (let axis = 0; axis < 3; axis++) {
-        let a = Infinity, b = -Infinity;
-        for (let i = from; i < to; i++) { const m = middle[3 * order[i] + axis]; a = Math.min(a, m); b = Math.max(b, m); }
+        let a = Infinity,
+            b = -Infinity;
+        for (let i = from; i < to; i++) {
+            const m = middle[3 * order[i] + axis];
+            a = Math.min(a, m);
+            b = Math.max(b, m);
+        }
         if (!(b > a)) continue;
         const bins = Array.from({ length: BINS }, () => ({ box: nothing(), count: 0 }));
         for (let i = from; i < to; i++) {
@@ -84,7 +104,8 @@ function best(low, high, middle, order, from, to) {
             bin.count++;
         }
         const right = [];
-        let box = nothing(), count = 0;
+        let box = nothing(),
+            count = 0;
         for (let k = BINS - 1; k > 0; k--) {
             join(box, bins[k].box);
             count += bins[k].count;
@@ -96,24 +117,47 @@ function best(low, high, middle, order, from, to) {
             join(box, bins[k - 1].box);
             count += bins[k - 1].count;
             const c = area(box) * count + right[k];
-            if (c < cost) { cost = c; found = { axis, at: a + ((b - a) * k) / BINS }; }
+            if (c < cost) {
+                cost = c;
+                found = { axis, at: a + ((b - a) * k) / BINS };
+            }
         }
     }
     return found;
 }
 
 function join(box, other) {
-    for (let c = 0; c < 3; c++) { box[c] = Math.min(box[c], other[c]); box[3 + c] = Math.max(box[3 + c], other[3 + c]); }
+    for (let c = 0; c < 3; c++) {
+        box[c] = Math.min(box[c], other[c]);
+        box[3 + c] = Math.max(box[3 + c], other[3 + c]);
+    }
 }
 
 function triangle(places, looks, i, part, f) {
     const k = [0, 1, 2].map((c) => part.faces[f + c]);
     const point = (v) => [0, 1, 2].map((c) => part.positions[3 * k[v] + c]);
     const [p0, p1, p2] = [point(0), point(1), point(2)];
-    places.set([...p0, part.kind, p1[0] - p0[0], p1[1] - p0[1], p1[2] - p0[2], 0, p2[0] - p0[0], p2[1] - p0[1], p2[2] - p0[2], 0], 12 * i);
+    places.set(
+        [
+            ...p0,
+            part.kind,
+            p1[0] - p0[0],
+            p1[1] - p0[1],
+            p1[2] - p0[2],
+            0,
+            p2[0] - p0[0],
+            p2[1] - p0[1],
+            p2[2] - p0[2],
+            0,
+        ],
+        12 * i,
+    );
     for (let v = 0; v < 3; v++) {
         const growth = part.growth ? part.growth[k[v]] : 0.5;
-        looks.set([part.normals[3 * k[v]], part.normals[3 * k[v] + 1], part.normals[3 * k[v] + 2], growth], 20 * i + 4 * v);
+        looks.set(
+            [part.normals[3 * k[v]], part.normals[3 * k[v] + 1], part.normals[3 * k[v] + 2], growth],
+            20 * i + 4 * v,
+        );
         if (part.uvs) looks.set([part.uvs[2 * k[v]], part.uvs[2 * k[v] + 1]], 20 * i + 12 + 2 * v);
     }
 }
@@ -121,27 +165,45 @@ function triangle(places, looks, i, part, f) {
 /** The nearest triangle that a ray meets, on the processor: {t, i, u, v}, or null. For the probe. */
 export function nearest({ nodes, places, count }, o, d) {
     if (!count) return null;
-    let hit = null, far = Infinity;
+    let hit = null,
+        far = Infinity;
     const inv = d.map((x) => 1 / (Math.abs(x) < 1e-12 ? 1e-12 : x));
     const stack = [0];
     while (stack.length) {
         const at = 8 * stack.pop();
-        let t0 = 0, t1 = far;
+        let t0 = 0,
+            t1 = far;
         for (let c = 0; c < 3; c++) {
-            const a = (nodes[at + c] - o[c]) * inv[c], b = (nodes[at + 4 + c] - o[c]) * inv[c];
+            const a = (nodes[at + c] - o[c]) * inv[c],
+                b = (nodes[at + 4 + c] - o[c]) * inv[c];
             t0 = Math.max(t0, Math.min(a, b));
             t1 = Math.min(t1, Math.max(a, b));
         }
         if (t0 > t1 * (1 + 1e-6)) continue;
-        const first = nodes[at + 3], n = nodes[at + 7];
-        if (!n) { stack.push(first, first + 1); continue; }
+        const first = nodes[at + 3],
+            n = nodes[at + 7];
+        if (!n) {
+            stack.push(first, first + 1);
+            continue;
+        }
         for (let i = first; i < first + n; i++) {
-            const k = 12 * i, [e1, e2] = [[places[k + 4], places[k + 5], places[k + 6]], [places[k + 8], places[k + 9], places[k + 10]]];
-            const h = cross(d, e2), a = dot(e1, h);
+            const k = 12 * i,
+                [e1, e2] = [
+                    [places[k + 4], places[k + 5], places[k + 6]],
+                    [places[k + 8], places[k + 9], places[k + 10]],
+                ];
+            const h = cross(d, e2),
+                a = dot(e1, h);
             if (Math.abs(a) < 1e-14) continue;
-            const s = [o[0] - places[k], o[1] - places[k + 1], o[2] - places[k + 2]], u = dot(s, h) / a;
-            const q = cross(s, e1), v = dot(d, q) / a, t = dot(e2, q) / a;
-            if (u >= 0 && v >= 0 && u + v <= 1 && t > 1e-4 && t < far) { far = t; hit = { t, i, u, v }; }
+            const s = [o[0] - places[k], o[1] - places[k + 1], o[2] - places[k + 2]],
+                u = dot(s, h) / a;
+            const q = cross(s, e1),
+                v = dot(d, q) / a,
+                t = dot(e2, q) / a;
+            if (u >= 0 && v >= 0 && u + v <= 1 && t > 1e-4 && t < far) {
+                far = t;
+                hit = { t, i, u, v };
+            }
         }
     }
     return hit;

@@ -3,7 +3,9 @@
 export async function savePicture(app) {
     const { canvas } = app.gpu;
     app.renderer.show();
-    const source = await createImageBitmap(canvas), line = Math.round(canvas.width / 60) + 6, out = document.createElement("canvas");
+    const source = await createImageBitmap(canvas),
+        line = Math.round(canvas.width / 60) + 6,
+        out = document.createElement("canvas");
     out.width = canvas.width;
     out.height = canvas.height + 3 * line;
     const g = out.getContext("2d");
@@ -12,9 +14,14 @@ export async function savePicture(app) {
     g.drawImage(source, 0, 0);
     g.fillStyle = "#ededef";
     g.font = `${line - 6}px sans-serif`;
-    const s = app.state, first = app.sides.map((side) => `${app.two ? `${side.letter} ` : ""}${side.text()}`);
+    const s = app.state,
+        first = app.sides.map((side) => `${app.two ? `${side.letter} ` : ""}${side.text()}`);
     const last = `gonio ${app.start.gonio} · ${s.furnace ? "furnace" : s.env} · ${s.ev >= 0 ? "+" : "−"}${Math.abs(s.ev).toFixed(1)} EV · tone ${s.tone} · ${Math.min(...app.renderer.visible().map((v) => v.samples))} spp · ${app.gpu.name}`;
-    [...first, last].slice(-3).forEach((text, i, all) => g.fillText(text, 8, canvas.height + line * (i + 1 + (3 - all.length) / 2) - 4, out.width - 16));
+    [...first, last]
+        .slice(-3)
+        .forEach((text, i, all) =>
+            g.fillText(text, 8, canvas.height + line * (i + 1 + (3 - all.length) / 2) - 4, out.width - 16),
+        );
     const blob = await new Promise((resolve) => out.toBlob(resolve, "image/png"));
     download(blob, `${app.sides.map((side) => side.payload.name.replace(/\W+/g, "_")).join("_")}.png`);
 }

@@ -1,0 +1,7 @@
+// What `more.js` and its files use of the page, which has it already.
+export let albedo, axes, channels, chart, direction, html, line, mapCanvases, packRows, path, pick, polar, svg, theta;
+
+export function share(page) {
+    ({ albedo, axes, channels, chart, direction, html, line, mapCanvases, packRows, path, pick, polar, svg, theta } =
+        page);
+}
