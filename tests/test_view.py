@@ -109,6 +109,8 @@ HOSTILE: dict[str, tuple[dict[str, Any], int]] = {
     "half a character": ({"body": '{"text": "eon:rho=\\ud800"}'}, 422),
     "a body in chunks": ({"Transfer_Encoding": "chunked"}, 411),
     "a file that was not named": ({"body": '{"text": "/etc/x.glsl#f"}'}, 422),
+    "no direction": ({"path": "/api/albedo", "body": '{"text": "eon", "wo": [0, 0, 0]}'}, 422),
+    "a text for a direction": ({"path": "/api/albedo", "body": '{"text": "eon", "wo": "up"}'}, 400),
     "an unknown language": (
         {"path": "/api/code", "body": '{"text": "eon", "language": "exe"}'},
         400,
@@ -201,6 +203,16 @@ def test_the_code_tab_has_the_text_of_gonio_export(viewer: server.Viewer) -> Non
             assert "nodedef" in found["text"]
         else:
             assert found["text"] == done.stdout
+
+
+def test_an_albedo_that_shaders_sum_is_that_of_the_arrays(viewer: server.Viewer) -> None:
+    text, wo = "torrance_sparrow:alpha=0.2", [0.6, 0.0, 0.8]
+    _, found, _ = ask(viewer, "/api/albedo", body={"text": text, "wo": wo})
+    wanted = gonio.model("torrance_sparrow", alpha=0.2).albedo(np.array(wo))
+    np.testing.assert_allclose(found["albedo"], wanted, rtol=1e-9)
+    _, made, _ = ask(viewer, body={"text": text})
+    _, closed, _ = ask(viewer, body={"text": "eon"})
+    assert (made["sums"], closed["sums"]) == (True, False)
 
 
 def test_a_saved_file_is_told_to_the_page(tmp_path: Path) -> None:

@@ -408,19 +408,14 @@ def test_the_probe_has_the_numbers_of_gonio_eval(shown: Shown) -> None:
     shown.run("await gonio.show('weidlich_wilkie:alpha=0.2,base=eon'); gonio.state.probe = '';")
     shown.film(1, 32, env="studio", furnace=False, shape="ball")
     model = gonio.model("weidlich_wilkie", alpha=0.2, base="eon")
-    for _ in range(50):  # a probe that was under way may still answer for what was shown before
-        shown.run("gonio.probe(0.45, 0.5)")
-        shown.until("gonio.probed?.values.length === 1")
-        seen = shown.value("({ ...gonio.probed.found, ...gonio.probed.values[0] })")
-        if "f" not in seen:
-            continue
-        wi, wo = np.array(seen["wi"]), np.array(seen["wo"])
-        if np.allclose(seen["f"], model.eval(wi, wo), rtol=F_ERROR):
-            break
+    shown.run("gonio.probe(0.45, 0.5)")
+    shown.until("gonio.probed?.values.length === 1")
+    seen = shown.value("({ ...gonio.probed.found, ...gonio.probed.values[0] })")
+    wi, wo = np.array(seen["wi"]), np.array(seen["wo"])
     np.testing.assert_allclose(seen["f"], model.eval(wi, wo), rtol=F_ERROR)
     np.testing.assert_allclose(seen["pdf"], model.pdf(wi, wo), rtol=PDF_ERROR)
-    # The shader sums over few directions where there is no closed form
-    np.testing.assert_allclose(seen["albedo"], model.albedo(wo), atol=5e-3)
+    # Where there is no closed form, the arrays' own number stands for the shader's coarse sum
+    np.testing.assert_allclose(seen["albedo"], model.albedo(wo), rtol=1e-4)
     shown.run("gonio.set({ probe: '' }); await gonio.show('eon')")
 
 
@@ -542,6 +537,10 @@ def test_a_saved_page_works_from_a_file(browser: Browser, tmp_path: Path) -> Non
     assert found.value("gonio.sides[0].text()") == "eon:albedo_form=fitted,roughness=0.75"
     assert found.value("gonio.sides[0].values.get('roughness')[0]") == 0.75
     assert found.value("gonio.gpu.name") == "WebGPU"
+    # Its rarely used parts come from the file as well
+    found.run("gonio.set({ view: 'lobe', dock: 'about' })")
+    found.page.get_by_text("Promised, and measured").first.wait_for()
+    assert found.run("return Boolean((await gonio.part('files')).openFile)")
     assert [url for url in found.requests if not url.startswith(("file:", "data:", "blob:"))] == []
     assert found.complaints == []
     found.page.close()
@@ -629,7 +628,7 @@ vec3 BRDF(vec3 L, vec3 V, vec3 N, vec3 X, vec3 Y) {
 
 
 def test_code_of_others_draws_with_its_own_text(browser: Browser, tmp_path: Path) -> None:
-    from gonio import foreign
+    from gonio.foreign.model import ForeignModel
 
     texts = {"g.glsl": GLSL, "b.wgsl": WGSL, "p.brdf": BRDF}
     for name, text in texts.items():
@@ -647,8 +646,9 @@ def test_code_of_others_draws_with_its_own_text(browser: Browser, tmp_path: Path
         for name in (files[0], files[2], files[1]):
             found.run("await gonio.show(given); await gonio.compare(false)", name)
             made = found.rows(name, rows)
-            code = foreign.load(name)
-            f = code.brdf(wi, wo)
+            model = viewer.names.code.model(name)
+            assert isinstance(model, ForeignModel)
+            f = model.foreign.brdf(wi, wo)
             # The code itself is single precision: where it is steep, roundings are larger than a driver's
             assert far_off(made[:, :3], f, 10 * F_ERROR).any(axis=1).mean() < 0.01, name
             # Samples hit what the density says: over them, cos / pi / pdf has the mean 1, its integral. It
@@ -661,7 +661,7 @@ def test_code_of_others_draws_with_its_own_text(browser: Browser, tmp_path: Path
             mean = np.sum(drawn[hit, 6] / np.pi / drawn[hit, 7]) / len(drawn)
             assert mean == pytest.approx(1, abs=0.06), name
             albedo = found.run(ALBEDO, [name, [0.6, 0, 0.8]])
-            wanted = foreign.as_model(code).albedo(np.array([0.6, 0, 0.8]))
+            wanted = model.albedo(np.array([0.6, 0, 0.8]))
             np.testing.assert_allclose(albedo, wanted, rtol=5e-3)
             assert np.isfinite(found.film(1, 24, env="studio", furnace=False, shape="ball")).all()
         assert found.value("gonio.gpu.name") == "WebGPU"

@@ -1,9 +1,8 @@
 // A path tracer around an exported material: a sphere on grey ground under a white sky with a small sun.
 //   gonio export material=orange_lacquer --to cpp --load --manifest -o .
 //   g++ -O2 path_tracer.cpp -o path_tracer && ./path_tracer 256 64 sphere.pfm
-// Parameters come from material.values: one line "x y z 0" for each member of the struct, which
-// the command below takes from the manifest.
-//   python -c "import json; [print(*(p['value'] * 3)[:3], 0) for p in json.load(open('material.json'))['parameters'] if p['offset'] is not None]" > material.values
+// Parameters come from material.values: one line "x y z 0" for each member of the struct, which values.py takes
+// from the manifest: python values.py > material.values
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -117,7 +116,7 @@ int main(int count, char** given) {
     if (count != 4) return fprintf(stderr, "path_tracer SIZE SAMPLES OUTPUT.pfm\n"), 1;
     int size = atoi(given[1]), samples = atoi(given[2]);
     FILE* file = fopen("material.values", "r");
-    if (!file) return fprintf(stderr, "there is no material.values; see the head of path_tracer.cpp\n"), 1;
+    if (!file) return fprintf(stderr, "there is no material.values; run: python values.py > material.values\n"), 1;
     float values[64][4] = {};
     for (int i = 0; i < 64 && fscanf(file, "%f %f %f %f", values[i], values[i] + 1, values[i] + 2, values[i] + 3) == 4;) ++i;
     fclose(file);

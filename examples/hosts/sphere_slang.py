@@ -9,6 +9,7 @@ there; `slangc -target spirv` or `-target dxil` takes the same text to a GPU.
 import ctypes
 import json
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -58,7 +59,11 @@ def draw(folder: Path, size: int) -> np.ndarray:
     with tempfile.TemporaryDirectory() as name:
         work = Path(name)
         (work / "host.slang").write_text(text, encoding="utf-8")
-        slangc = os.environ.get("SLANGC", "slangc")
+        slangc = shutil.which(os.environ.get("SLANGC", "slangc"))
+        if slangc is None:
+            sys.exit(
+                "slangc is missing: put it on the path, or name it with SLANGC=/path/to/slangc"
+            )
         subprocess.run(
             [slangc, "host.slang", "-target", "cpp", "-o", "host.cpp"], cwd=work, check=True
         )

@@ -139,8 +139,24 @@ def payload_of(names: Names, text: str, what: Model | Material) -> dict[str, Any
         "start": dict(_values(start.model if isinstance(start, Material) else start)),
         "hooks": _hooks(about, made),
         "maps": _maps(what) if isinstance(what, Material) else None,
+        "sums": not describe(type(model))["closed_form"].get("albedo", True),
         "about": _about(model),
     }
+
+
+def albedo(names: Names, text: str, wo: Any) -> list[float]:
+    """The directional albedo that `gonio eval` has, for shaders that only sum over a few directions.
+
+    Raises:
+        ModelError: what cannot be shown, or no direction.
+    """
+    what = names.find(text)
+    model = what.model if isinstance(what, Material) else what
+    direction = np.array(wo if isinstance(wo, list) and len(wo) == 3 else [np.nan], np.float64)
+    length = float(np.linalg.norm(direction))
+    if not 0 < length < np.inf:
+        raise ModelError("wo is no direction.")
+    return [float(v) for v in np.ravel(model.albedo(direction / length))]
 
 
 def _values(model: Model, prefix: str = "") -> Iterable[tuple[str, Any]]:

@@ -107,6 +107,13 @@ class Viewer(ThreadingHTTPServer):
         what = self.names.find(_text(body, "text"))
         return list(options(what.model if isinstance(what, Material) else what))
 
+    def albedo(self, body: Mapping[str, Any]) -> Any:
+        """A directional albedo."""
+        wo = body.get("wo")
+        if not isinstance(wo, list) or not all(isinstance(v, (int, float)) for v in wo):
+            raise Refused(400, "the question has no 'wo'.")
+        return {"albedo": page.albedo(self.names, _text(body, "text"), wo)}
+
     def code(self, body: Mapping[str, Any]) -> Any:
         """What `gonio export` writes."""
         return {"text": code(self.names, _text(body, "text"), _text(body, "language"))}
@@ -164,40 +171,47 @@ class Handler(BaseHTTPRequestHandler):
         "/api/start": Viewer.start,
         "/api/model": Viewer.model,
         "/api/options": Viewer.options,
+        "/api/albedo": Viewer.albedo,
         "/api/code": Viewer.code,
     }
 
     def do_GET(self) -> None:
         """The page and its script."""
-        try:
-            self._check_host()
-            name = self.path.partition("?")[0]
-            if name not in self.PAGES:
-                raise Refused(404, "there is no such page.")
-            kind, make = self.PAGES[name]
-            self._send(200, make().encode(), f"{kind}; charset=utf-8")
-        except Refused as refused:
-            self._refuse(refused)
+        self._answer(self._page)
 
     def do_POST(self) -> None:
         """A question of the page."""
+        self._answer(self._question)
+
+    def _answer(self, make: Callable[[], None]) -> None:
         try:
-            self._check_host()
-            self._check_page()
-            body = self._body()
-            if self.path == "/api/changes":
-                self._stream()
-                return
-            if self.path not in self.ANSWERS:
-                raise Refused(404, "there is no such answer.")
-            answer = self._work(self.ANSWERS[self.path], body)
-            # In ASCII, for names of files need not be Unicode
-            text = json.dumps(answer, allow_nan=False, separators=(",", ":"))
-            self._send(200, text.encode(), "application/json")
-        except Refused as refused:
-            self._refuse(refused)
-        except (BrokenPipeError, ConnectionResetError):
+            try:
+                self._check_host()
+                make()
+            except Refused as refused:
+                self._refuse(refused)
+        except (BrokenPipeError, ConnectionResetError):  # the page has gone
             self.close_connection = True
+
+    def _page(self) -> None:
+        name = self.path.partition("?")[0]
+        if name not in self.PAGES:
+            raise Refused(404, "there is no such page.")
+        kind, make = self.PAGES[name]
+        self._send(200, make().encode(), f"{kind}; charset=utf-8")
+
+    def _question(self) -> None:
+        self._check_page()
+        body = self._body()
+        if self.path == "/api/changes":
+            self._stream()
+            return
+        if self.path not in self.ANSWERS:
+            raise Refused(404, "there is no such answer.")
+        answer = self._work(self.ANSWERS[self.path], body)
+        # In ASCII, for names of files need not be Unicode
+        text = json.dumps(answer, allow_nan=False, separators=(",", ":"))
+        self._send(200, text.encode(), "application/json")
 
     def _work(self, make: Callable[[Viewer, Mapping[str, Any]], Any], body: Any) -> Any:
         """An answer, in time."""

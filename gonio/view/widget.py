@@ -92,6 +92,8 @@ class Viewer(anywidget.AnyWidget):  # type: ignore[misc]
         if question == "options":
             what = self.names.find(text)
             return list(options(what.model if isinstance(what, Material) else what))
+        if question == "albedo":
+            return {"albedo": page.albedo(self.names, text, body.get("wo"))}
         if question == "code":
             return {"text": code(self.names, text, str(body.get("language", "")))}
         raise ModelError(f"no question {question!r}.")

@@ -32,6 +32,7 @@ export class App {
         this.lobe = { az: -62, el: 22, log: true, weights: true };
         this.wanted = options.graphics ?? "";
         this.coming = {};
+        this.looks = 0; // counts what the probe might see change
     }
 
     /** Something of a part of the script that is loaded when it is first wanted; until then what stands in for it. */
@@ -497,6 +498,7 @@ export class App {
 
     /** The picture has to begin again. */
     moved(moving = true) {
+        this.looks++;
         this.renderer?.restart({ ...this.state }, { moving });
         this.statistics = null;
         this.#measureSoon();
@@ -652,6 +654,8 @@ export class App {
 
     /** Look at a place of the picture, x and y from 0 to 1. */
     probe(x, y) {
+        this.looks++;
+        this.probed = null;
         const changes = { probe: `${x.toFixed(4)},${y.toFixed(4)}` },
             found = this.surface(x, y);
         // The plots show what this point shows
@@ -661,29 +665,29 @@ export class App {
     }
 
     async #probe() {
-        this.probed = null;
         const [x, y] = this.state.probe.split(",").map(Number);
-        if (!this.state.probe || !Number.isFinite(x) || !Number.isFinite(y)) return;
-        const found = this.surface(x, y);
-        this.probed = { x, y, found, values: [] };
-        if (!found) return;
-        const { wi, wo } = found;
-        for (const side of this.sides) {
-            if (!side.program) continue;
-            const params = side.packed(
-                found.growth === undefined
-                    ? {}
-                    : side.overrides(found.uv, found.growth, found.t, side.mapData ?? side.maps()),
-            );
-            const rows = await this.gpu.rows(side.program, params, packRows([[wi, wo]])),
-                albedo = await this.gpu.albedo(side.program, params, new Float32Array([...wo, 0]));
-            this.probed.values.push({
-                letter: side.letter,
-                f: [...rows.subarray(0, 3)],
-                pdf: rows[3],
-                albedo: [...albedo.subarray(0, 3)],
-            });
+        if (!this.state.probe || !Number.isFinite(x) || !Number.isFinite(y)) {
+            this.probed = null;
+            return;
         }
+        const { looks } = this,
+            found = this.surface(x, y),
+            seen = { x, y, found, values: [] };
+        for (const side of found ? this.sides.filter((s) => s.program) : []) {
+            const { wi, wo, growth, uv, t } = found,
+                plain = growth === undefined || !side.payload.hooks.length;
+            const params = side.packed(plain ? {} : side.overrides(uv, growth, t, side.mapData ?? side.maps()));
+            const rows = await this.gpu.rows(side.program, params, packRows([[wi, wo]]));
+            // Sums of the shader are coarse: gonio's own number stands for them where it can be asked
+            const exact = plain && !side.hidden.size && side.payload.sums && this.source.live,
+                albedo = exact
+                    ? await this.source.albedo(side.text(), wo)
+                    : await this.gpu.albedo(side.program, params, new Float32Array([...wo, 0]));
+            const { letter } = side;
+            seen.values.push({ letter, f: [...rows.slice(0, 3)], pdf: rows[3], albedo: [...albedo.slice(0, 3)] });
+        }
+        // Something has changed meanwhile: the next look has it
+        if (looks === this.looks) this.probed = seen;
     }
 
     /** The surface in a place of the picture: directions in its frame, or null for the background. */

@@ -61,6 +61,9 @@ export class Server {
     options(text) {
         return this.#ask("/api/options", { text });
     }
+    albedo(text, wo) {
+        return this.#ask("/api/albedo", { text, wo }).then((r) => r.albedo);
+    }
     code(text, language) {
         return this.#ask("/api/code", { text, language }).then((r) => r.text);
     }
@@ -204,6 +207,9 @@ export class Notebook {
     }
     options(text) {
         return this.#ask("options", { text });
+    }
+    albedo(text, wo) {
+        return this.#ask("albedo", { text, wo }).then((r) => r.albedo);
     }
     code(text, language) {
         return this.#ask("code", { text, language }).then((r) => r.text);
