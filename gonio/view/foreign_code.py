@@ -363,8 +363,9 @@ def _spelled(
         return f"({texts[0]} {_SIGNS[type(node.op)]} {texts[1]})", wide
     if isinstance(node, ast.BinOp):  # a power; of a negative number too, where it is a whole one
         exponent = node.right
-        if isinstance(exponent, ast.Constant) and exponent.value in (2, 3, 4):
-            return f"({' * '.join([texts[0]] * int(exponent.value))})", wide
+        for count in (2, 3, 4):
+            if isinstance(exponent, ast.Constant) and exponent.value == count:
+                return f"({' * '.join([texts[0]] * count)})", wide
         name = "pow"
     else:
         assert isinstance(node, ast.Call)

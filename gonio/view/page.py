@@ -18,6 +18,7 @@ from gonio.export.manifest import loader, manifest
 from gonio.export.text import export
 from gonio.fields import ModelError
 from gonio.foreign import is_foreign
+from gonio.foreign import load as load_code
 from gonio.foreign.model import ForeignModel
 from gonio.materials import Material, library, load, load_material, toml_file
 from gonio.materials.model_file import is_model_file
@@ -63,9 +64,7 @@ class UnknownModelError(ModelError):
 class Names:
     """What a page may show: gonio's models and materials, and files that its user named."""
 
-    def __init__(
-        self, files: Iterable[str] = (), read: foreign_code.Loader = foreign_code.load
-    ) -> None:
+    def __init__(self, files: Iterable[str] = (), read: foreign_code.Loader = load_code) -> None:
         """Files by the names that the page calls them by; others are never opened.
 
         Args:
