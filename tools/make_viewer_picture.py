@@ -15,7 +15,7 @@ from playwright.sync_api import sync_playwright
 from gonio.view.server import Viewer
 
 OUTPUT = Path(__file__).parent.parent / "docs" / "images" / "viewer.png"
-SIZE = {"width": 1280, "height": 800}
+SIZE = {"width": 1200, "height": 760}
 
 # What shows WebGPU without a GPU.
 FLAGS = [
