@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gonio.files import is_utf8
+from gonio.files import check_place, is_utf8, replacing
 
 Pixels = NDArray[np.float32]
 Matrix = NDArray[np.float64]
@@ -481,3 +481,27 @@ def write_linear(path: Path, pixels: NDArray[Any], *, half: bool = False) -> Non
     formats = {".exr": mi.Bitmap.FileFormat.OpenEXR, ".hdr": mi.Bitmap.FileFormat.RGBE}
     bitmap.write(stored, formats[path.suffix.lower()])
     path.write_bytes(stored.raw_buffer())
+
+
+def write_codes(path: str | Path, codes: NDArray[Any]) -> None:
+    """Write whole numbers of 8 or 16 bits as a .png, grey (height, width) or RGB (height, width, 3).
+
+    Raises:
+        ValueError: another suffix.
+        FileNotFoundError: the folder does not exist.
+    """
+    import mitsuba as mi
+
+    path = Path(path)
+    if path.suffix.lower() != ".png":
+        raise ValueError(f"cannot write {path.name!r}; the suffix must be .png.")
+    check_place(path)
+    kind = mi.Struct.Type.UInt8 if codes.dtype == np.uint8 else mi.Struct.Type.UInt16
+    form = mi.Bitmap.PixelFormat.Y if codes.ndim == 2 else mi.Bitmap.PixelFormat.RGB
+    picture = mi.Bitmap(np.ascontiguousarray(codes))
+    picture.set_srgb_gamma(False)
+    # By way of memory: Mitsuba opens no files whose names are not UTF-8.
+    stored = mi.MemoryStream()
+    picture.convert(form, kind, False).write(stored, mi.Bitmap.FileFormat.PNG)
+    with replacing(path) as temporary:
+        temporary.write_bytes(stored.raw_buffer())

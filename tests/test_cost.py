@@ -15,7 +15,6 @@ from gonio.cli import main
 from gonio.cost import amd, nvidia
 from gonio.cost.measured import Measured
 from gonio.cost.program import ROWS, Program, empty, of_model
-from gonio.cost.scenes import lit
 from gonio.cost.texts import tables
 from gonio.export.prove import opengl, tools
 from gonio.export.prove.tools import ProofError
@@ -124,11 +123,6 @@ def test_whole_shaders_stand_in_the_order_of_the_texts() -> None:
     assert 436 / 104 / 1.5 < full < 436 / 104 * 1.5
     assert 236 / 104 / 1.5 < tabled < 236 / 104 * 1.5
     assert phong == 1
-
-
-def test_a_table_for_a_function_that_is_not_there_is_refused() -> None:
-    with pytest.raises(cost.CostError, match="no function 'G_nothing'"):
-        lit("x", gonio.model("lambert"), ["directional"], tables=["G_nothing"])
 
 
 @pytest.mark.skipif(missing("navi21"), reason="no compiler for navi21")

@@ -430,7 +430,7 @@ def test_lit_exports_are_proven_in_every_language() -> None:
     pairs = [
         (model, way)
         for language in LANGUAGES
-        for way in each_way(export_lit(model, "paint", LIT, language, textures=False))
+        for way in each_way(export_lit(model, "paint", LIT, language, lookups="host"))
     ]
     proofs = prove(pairs, 1000)
     assert {p.function for p in proofs} == {"eval", "shade"}
@@ -449,7 +449,7 @@ def test_lights_of_one_kind_of_model_are_proven() -> None:
     pairs = [
         (
             loaded(text),
-            export_lit(loaded(text), "m", [light.partition("_")[0]], to, textures=False),
+            export_lit(loaded(text), "m", [light.partition("_")[0]], to, lookups="host"),
         )
         for light, text in kinds.items()
         for to in ("cpp", "essl")
@@ -473,7 +473,7 @@ BROKEN = {
 @pytest.mark.parametrize("mistake", BROKEN)
 def test_a_broken_light_is_caught(mistake: str) -> None:
     model = loaded("ward:alpha_x=0.4,alpha_y=0.1,form=balanced")
-    made = export_lit(model, "paint", LIT, "cpp", textures=False)
+    made = export_lit(model, "paint", LIT, "cpp", lookups="host")
     pattern, new = BROKEN[mistake]
     source, count = re.subn(pattern, new, made.source, count=1)
     assert count == 1
@@ -563,7 +563,7 @@ def test_the_command_writes_a_material_function_and_what_to_bind(tmp_path: Path)
     assert "eon_image_matte" in done.output
     assert "uniform" not in done.output
     for arguments, reason in {
-        ("eon", "--lookups", "host", "--to", "glsl"): "--lookups is for lights",
+        ("eon", "--lookups", "host", "--to", "glsl"): "--lookups is for lights and tables",
         ("eon", "lambert", "--lit", "image", "--to", "glsl"): "one model",
         ("eon", "--lit", "image", "--to", "osl"): "closures",
         ("eon", "--lit", "image", "--to", "mtlx"): "renderer",

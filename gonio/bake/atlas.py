@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gonio.bake.tables import FRESNEL_ENTRIES, Table, TableError, fresnel_error, fresnel_table
-from gonio.files import check_place, replacing
+from gonio.images import write_codes
 
 BITS = (8, 16)
 
@@ -47,21 +47,7 @@ class Atlas:
             ValueError: another suffix.
             FileNotFoundError: the folder does not exist.
         """
-        import mitsuba as mi
-
-        path = Path(path)
-        if path.suffix.lower() != ".png":
-            raise ValueError(f"cannot write {path.name!r}; the suffix must be .png.")
-        check_place(path)
-        kind = mi.Struct.Type.UInt8 if self.codes.dtype == np.uint8 else mi.Struct.Type.UInt16
-        picture = mi.Bitmap(self.codes)
-        picture.set_srgb_gamma(False)
-        # By way of memory: Mitsuba opens no files whose names are not UTF-8.
-        stored = mi.MemoryStream()
-        whole = picture.convert(mi.Bitmap.PixelFormat.RGB, kind, False)
-        whole.write(stored, mi.Bitmap.FileFormat.PNG)
-        with replacing(path) as temporary:
-            temporary.write_bytes(stored.raw_buffer())
+        write_codes(path, self.codes)
 
 
 def fresnel_atlas(

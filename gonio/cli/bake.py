@@ -272,7 +272,7 @@ def split_sum(model: str, size: int, output: str | None) -> None:
 
     found = load(model)
     given = found.model if isinstance(found, Material) else found
-    target = output or f"{given.name}.exr"
+    target = output or f"{found.name}.exr"
     check_table(target)
     chosen = sums.highlighted(given)
     with progress("integrating") as step:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import click
@@ -15,11 +15,15 @@ from gonio.cli.program import check_params, complete, param_option, say
 from gonio.export import materialx
 from gonio.export.buffer import RESOURCES
 from gonio.export.entry import Export
-from gonio.export.files import manifests, texts, write
+from gonio.export.files import exports, manifests, table_files, write
+from gonio.export.host import OBJECTS
 from gonio.export.lit import export_lit
+from gonio.export.table_axes import ARRAY_PLACES
+from gonio.export.tabled import Request
 from gonio.export.targets import TARGETS
-from gonio.export.text import FUNCTIONS, export
+from gonio.export.text import FUNCTIONS, LOOKUPS, PROVABLE, export
 from gonio.export.tree import ExportError
+from gonio.images import write_codes
 from gonio.lights.catalogue import listed, usual
 from gonio.materials import Material, library, load
 from gonio.model import Model
@@ -138,6 +142,10 @@ class Proven:
     failed: bool
 
 
+# Languages whose proofs read tables from a buffer.
+BUFFERED = ("glsl", "wgsl")
+
+
 def run_proof(
     models: Mapping[str, Model],
     to: Sequence[str],
@@ -146,11 +154,13 @@ def run_proof(
     progress: Callable[[str], None] = lambda text: None,
     *,
     lit: Sequence[str] | None = None,
+    tables: Request | None = None,
 ) -> Proven:
     """Export models, compile and run them, and compare with the float64 models.
 
     With `lit`, names of lights or none for the usual ones, the material function is compared too; what it
-    looks up is then computed by formulas.
+    looks up is then computed by formulas. With `tables`, texts are compared with the tables' own
+    interpolation in NumPy, and that with the models; where they are arrays in shaders, D has fewer entries.
 
     Raises:
         ProofError: a compiler or runtime is not installed.
@@ -159,6 +169,8 @@ def run_proof(
     from gonio.export.prove import each_way, table
     from gonio.export.prove import prove as compare
 
+    if tables is not None and "eval" not in only:
+        raise ExportError("tables stand for functions that eval calls; prove that as well.")
     runnable = [language for language in to if language != materialx.NAME]
     if not runnable:
         raise ExportError(
@@ -166,9 +178,16 @@ def run_proof(
         )
 
     def exported(name: str, model: Model, language: str) -> Export:
+        used, lookups = tables, "host"
+        if tables is not None and language not in BUFFERED:
+            lookups = PROVABLE
+            if language not in OBJECTS:
+                used = replace(tables, places=ARRAY_PLACES)
         if lit is None:
-            return export({name: model}, language, only=only)[0]
-        return export_lit(model, name, lit or usual(model), language, only=only, textures=False)
+            made = export({name: model}, language, only=only, tables=used, lookups=lookups)
+            return made[0]
+        lights = lit or usual(model)
+        return export_lit(model, name, lights, language, only=only, tables=used, lookups=lookups)
 
     pairs = [
         (model, way)
@@ -177,7 +196,36 @@ def run_proof(
         for way in each_way(exported(name, model, language))
     ]
     proofs = compare(pairs, rows, progress=progress)
-    return Proven(table(proofs).splitlines(), not all(p.holds for p in proofs))
+    lines = table(proofs).splitlines()
+    if tables is not None:
+        for name, model in models.items():
+            lines += _table_errors(name, model, tables, rows)
+    return Proven(lines, not all(p.holds for p in proofs))
+
+
+def _table_errors(name: str, model: Model, tables: Request, rows: int) -> list[str]:
+    """What the tables cost a material, row by row and as a whole."""
+    from gonio.export.prove.tabled import price
+
+    made = export({name: model}, "cpp", only=["eval"], tables=tables)[0]
+    assert made.tables is not None
+    lines = [line for one in made.tables.all for line in one.said()]
+    return [f"{name}: {line}" for line in [*lines, price(model, made, rows)]]
+
+
+def _request(names: Sequence[str], bits: int, found: Mapping[str, Model | Material]) -> Request:
+    """The tables that are asked for; what textures and meshes drive is in none of them."""
+    kinds = tuple(dict.fromkeys(part.strip() for name in names for part in name.split(",")))
+    varying: set[str] = set()
+    for what in found.values():
+        if isinstance(what, Material):
+            varying |= {*what.textures, *what.driven_by_maps()}
+    return Request(kinds, bits, frozenset(varying))
+
+
+def _in_text(to: Sequence[str], lookups: str) -> bool:
+    """Whether every text has its tables as arrays."""
+    return lookups == "array" or all(language in OBJECTS for language in to)
 
 
 def _has_tables(models: Mapping[str, Model]) -> bool:
@@ -215,11 +263,25 @@ def _has_tables(models: Mapping[str, Model]) -> bool:
     help="A whole material function, shade, with lights: directional, image, ... (docs/real_time.md).",
 )
 @click.option(
+    "--table",
+    "tables",
+    multiple=True,
+    metavar="NAME,...",
+    help="Look up fresnel, distribution or both in tables, in place of the functions (docs/real_time.md).",
+)
+@click.option(
+    "--bits",
+    type=click.Choice(["8", "16"]),
+    default="16",
+    show_default=True,
+    help="Of the numbers in a --table.",
+)
+@click.option(
     "--lookups",
-    type=click.Choice(["textures", "host"]),
+    type=click.Choice(LOOKUPS),
     default="textures",
     show_default=True,
-    help="With --lit: how pictures and tables are looked up, or only declared for the host to define.",
+    help="With --lit or --table: from textures, from arrays in the text (tables), or left to the host.",
 )
 @click.option(
     "--only",
@@ -254,6 +316,8 @@ def command(
     everything: bool,
     materials: bool,
     lit: tuple[str, ...],
+    tables: tuple[str, ...],
+    bits: str,
     lookups: str,
     only: str | None,
     embed: bool,
@@ -285,6 +349,7 @@ def command(
       gonio export gold --to wgsl --load --manifest -o host/
       gonio export ue4 --to hlsl --lit                  with lights
       gonio export ue4 --to glsl --lit directional,image --prove
+      gonio export gold --to glsl --table fresnel,distribution -o host/
     """
     lights = listed(lit) if lit else None
     if lights and not (models or everything or materials):
@@ -297,25 +362,31 @@ def command(
         raise click.UsageError("--rows is for --prove; give that as well.")
     selection = choose(models, [*params, *options], everything, materials)
     to = [] if manifest and not languages else chosen_languages(languages, output)
-    usual_functions = list(FUNCTIONS) if lights is None else ["eval"]
+    usual_functions = list(FUNCTIONS) if lights is None and not tables else ["eval"]
     functions = [name.strip() for name in only.split(",")] if only else usual_functions
-    if lights is not None and "all" in ",".join(languages).split(","):
+    if (lights is not None or tables) and "all" in ",".join(languages).split(","):
         to = [name for name in to if name in TARGETS and not TARGETS[name].shader]
-        selection.notes.append("OSL and MaterialX are left out: their renderers light surfaces.")
+        reason = "their renderers light surfaces" if lights is not None else "they have no tables"
+        selection.notes.append(f"OSL and MaterialX are left out: {reason}.")
     elif "all" in ",".join(languages).split(",") and _has_tables(selection.models):
         to = [name for name in to if name in RESOURCES]
         selection.notes.append("OSL and MaterialX are left out: they read no tables.")
-    if lights is None and lookups != "textures":
-        raise click.UsageError("--lookups is for lights; give --lit as well.")
+    if lights is None and not tables and lookups != "textures":
+        raise click.UsageError("--lookups is for lights and tables; give --lit or --table as well.")
+    if lookups == "array" and not tables:
+        raise click.UsageError("--lookups array is for tables; give --table as well.")
+    if not tables and ctx.get_parameter_source("bits") is ParameterSource.COMMANDLINE:
+        raise click.UsageError("--bits is for tables; give --table as well.")
+    request = _request(tables, int(bits), selection.found) if tables else None
     if load and not to:
         raise click.UsageError("--load adds to a text; say in which language with --to.")
     if prove:
-        results = run_proof(selection.models, to, rows, functions, say, lit=lights)
+        results = run_proof(selection.models, to, rows, functions, say, lit=lights, tables=request)
         click.echo("\n".join(results.lines))
         if results.failed:
             sys.exit(1)
         return
-    files = texts(
+    made = exports(
         selection.models,
         to,
         together=not (everything or materials),
@@ -324,8 +395,10 @@ def command(
         embed=embed,
         load=load,
         lit=lights,
-        textures=lookups == "textures",
+        tables=request,
+        lookups=lookups,
     )
+    files = made.files
     if manifest:
         files |= manifests(
             selection.found,
@@ -333,6 +406,12 @@ def command(
             only=functions,
             prefix=prefix,
             lit=lights,
+            tables=request,
+        )
+    pictures = {} if _in_text(to, lookups) else table_files(made.tables)
+    if pictures and (output is None or (not output.endswith("/") and not Path(output).is_dir())):
+        raise click.UsageError(
+            f"a text and its tables are {len(files) + len(pictures)} files; give a folder: -o FOLDER/"
         )
     shown = [text for text in files.values() if isinstance(text, str)]
     if output is None and len(shown) == 1:
@@ -342,5 +421,13 @@ def command(
     else:
         for path in write(files, output):
             click.echo(path)
+        for name, table in pictures.items():
+            write_codes(Path(str(output)) / name, table.codes)
+            click.echo(Path(str(output)) / name)
+    for one in made.tables.values():
+        for said in (line for table in one.all for line in table.said()):
+            click.echo(f"note: {said}", err=True)
+        if one.left:
+            click.echo(f"note: no table for {', '.join(one.left)}, whose index varies.", err=True)
     for note in selection.notes:
         click.echo(f"note: {note}", err=True)

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from gonio.cost.gpus import CostError
 from gonio.cost.program import ROWS, Program
 from gonio.export.lit import export_lit
 from gonio.export.prove.opengl import HEAD
+from gonio.export.tabled import Request
 from gonio.model import Model
 
 PHONG = Path(__file__).with_name("phong.glsl")
@@ -18,8 +17,8 @@ PHONG = Path(__file__).with_name("phong.glsl")
 PER_PIXEL = 11
 """Numbers that differ from pixel to pixel: normal, tangent, view, u and v; the rest is a draw call's."""
 
-BINDINGS = ("texture", "texture", "buffer", "buffer", "texture", "buffer")
-"""Environment, table of the split sum, pixels, results, normal map, constants."""
+BINDINGS = ("texture", "texture", "texture", "texture", "texture", "buffer", "buffer", "buffer")
+"""Environment, tables of the split sum, of F and of D, normal map, constants, pixels, results."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +36,7 @@ def lit(
     model: Model,
     lights: Sequence[str],
     constants: Mapping[str, str] | None = None,
-    tables: Sequence[str] = (),
+    tables: Request | None = None,
     mirror: str = "",
 ) -> Program:
     """A material function with its lights.
@@ -47,21 +46,22 @@ def lit(
         model: the material.
         lights: as `gonio export --lit` takes them.
         constants: parameters that the compiler knows, by their place in the struct, as GLSL.
-        tables: ends of names of functions that a lookup in a table takes the place of.
+        tables: which functions are looked up.
         mirror: F(mu_o) by which the surface mirrors the environment, where no light does it, as GLSL in
-            terms of {prefix} and {mu}.
+            terms of {prefix} and {mu}; with a table of F the end of the name of the function that its row
+            stands for.
 
     Raises:
         ExportError: the model cannot be exported.
-        CostError: the text has no such function.
     """
-    made = export_lit(model, model.name, lights, "glsl")
+    made = export_lit(model, model.name, lights, "glsl", tables=tables)
+    if made.tables is not None and made.tables.fresnel is not None:
+        rows = made.tables.fresnel.rows
+        row = next(i for i, name in enumerate(rows) if name.startswith(mirror))
+        mirror = f"{{prefix}}_fresnel_table({{mu}}, {row}.0).x"
     given = {g.name: g.struct or ("float" if g.width == 1 else "vec3") for g in made.entry.given}
-    source = made.source
-    for name in tables:
-        source = _looked_up(source, name)
     shade = _Shade(made.entry.prefix, made.entry.struct, given)
-    return Program(label, _text(source, shade, constants or {}, mirror), bindings=BINDINGS)
+    return Program(label, _text(made.source, shade, constants or {}, mirror), bindings=BINDINGS)
 
 
 def plain_phong(label: str) -> Program:
@@ -81,8 +81,8 @@ def _text(source: str, shade: _Shade, constants: Mapping[str, str], mirror: str 
     return (
         f"{HEAD}layout(binding = 4) uniform sampler2D normal_map;\n{source}\n"
         f"{ENVIRONMENT if mirror else ''}layout(local_size_x = 64) in;\n"
-        "layout(std430, binding = 2) readonly buffer Pixels { float x[]; };\n"
-        "layout(std430, binding = 3) writeonly buffer Made { float y[]; };\n"
+        "layout(std430, binding = 6) readonly buffer Pixels { float x[]; };\n"
+        "layout(std430, binding = 7) writeonly buffer Made { float y[]; };\n"
         "layout(std430, binding = 5) readonly buffer Constants "
         f"{{ {shade.struct} material;{members} }};\n\n"
         "void main() {\n    int row = int(gl_GlobalInvocationID.x);\n"
@@ -108,23 +108,3 @@ def _mirrored(shade: _Shade, reflectance: str) -> str:
         f"    float F = {F};\n"
         "    made += F * textureLod(environment_map, reflect(-view, mapped), 0.0).rgb;\n"
     )
-
-
-# What stands in a function's place. F and 1 - F are looked up over the cosine, which comes first; D over
-# the eighth root of 1 - cos, as Elek spaces it (section 3.1), and the draw call's width.
-LOOKUPS = {
-    "float F": "textureLod(normal_map, vec2({first}, 0.5), 0.0).x",
-    "vec3 F": "textureLod(normal_map, vec2({first}, 0.5), 0.0).xyz",
-    "float D": "textureLod(normal_map, vec2(sqrt(sqrt(sqrt(1.0 - m.z))), 0.5), 0.0).x",
-}
-
-
-def _looked_up(source: str, name: str) -> str:
-    """The text with a function's body replaced by a lookup; any texture costs the same."""
-    found = re.search(rf"^(float|vec3) (\w+_{name})\(([^)]*)\) \{{\n.*?^\}}\n", source, re.M | re.S)
-    if found is None:
-        raise CostError(f"the export has no function {name!r}, which a table could stand for.")
-    first = found[3].split(",")[0].split()[-1]
-    body = LOOKUPS[f"{found[1]} {'D' if name.endswith('D') else 'F'}"].format(first=first)
-    function = f"{found[1]} {found[2]}({found[3]}) {{\n    return {body};\n}}\n"
-    return source[: found.start()] + function + source[found.end() :]

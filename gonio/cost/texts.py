@@ -15,6 +15,7 @@ from gonio.cost import amd
 from gonio.cost.gpus import CostError, Gpu
 from gonio.cost.program import Program
 from gonio.cost.scenes import lit, plain_phong
+from gonio.export.tabled import Request
 
 SUN = ("directional",)
 
@@ -51,7 +52,7 @@ def _dual(diffuse: str, lights: Sequence[str]) -> Program:
     return lit(label, model, lights)
 
 
-def _coated(label: str, fresnel: str, mirror: str, tables: Sequence[str] = ()) -> Program:
+def _coated(label: str, fresnel: str, mirror: str, tables: Request | None = None) -> Program:
     """Elek's basic model: a coat over a metal of Beckmann's facets, by Algorithm 1."""
     metal = gonio.model(
         "torrance_sparrow",
@@ -65,18 +66,8 @@ def _coated(label: str, fresnel: str, mirror: str, tables: Sequence[str] = ()) -
 
 # F(mu_o) of the surface, by which it mirrors the environment.
 MIRRORS = {
-    "exact": "{prefix}_F_dielectric_entering({mu}, params.eta)",
     "lazanyi": "1.0 - {prefix}_transmittance_lazanyi({mu}, params.eta)",
 }
-
-# Functions that tables take the place of in Elek's second row.
-TABLES = (
-    "F_conductor_half",
-    "beckmann_D",
-    "round_beckmann_D",
-    "F_dielectric_entering",
-    "transmittance_entering",
-)
 
 
 def _triace_2() -> Table:
@@ -150,7 +141,12 @@ def _elek_1() -> Table:
                 436.0,
             ),
             Row(
-                _coated("layered, F and D from tables", "exact", MIRRORS["exact"], TABLES),
+                _coated(
+                    "layered, F and D from tables",
+                    "exact",
+                    "F_dielectric_entering",
+                    Request(("fresnel", "distribution")),
+                ),
                 236.0,
             ),
             Row(plain_phong("Phong, written by hand"), 104.0),

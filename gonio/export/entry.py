@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from gonio.export.buffer import Buffer
+
+if TYPE_CHECKING:
+    from gonio.export.tabled import Tables
 
 
 @dataclass(frozen=True)
@@ -79,3 +83,5 @@ class Export:
     0 for closed forms, None where the export says nothing about its error."""
     buffer: Buffer | None = None
     """Tables that the text reads."""
+    tables: Tables | None = None
+    """What it looks up in the place of functions."""

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from gonio.export import materialx
 from gonio.export.lit import export_lit
 from gonio.export.manifest import loader, manifest, manifest_text
+from gonio.export.tabled import Request, Table, Tables
 from gonio.export.targets import TARGETS
 from gonio.export.text import FUNCTIONS, SHARED, export
 from gonio.export.tree import ExportError
@@ -17,7 +19,29 @@ from gonio.materials import Material
 from gonio.model import Model
 
 
+@dataclass(frozen=True)
+class Texts:
+    """Texts, and the tables that they look up."""
+
+    files: dict[str, str | bytes]
+    """By file name; bytes are what a text reads from a buffer."""
+    tables: dict[str, Tables]
+    """By the name of the texts that look them up, without its extension."""
+
+
+def table_files(tables: Mapping[str, Tables]) -> dict[str, Table]:
+    """Tables by the names of their files."""
+    return {f"{stem}_{t.kind}.png": t for stem, its in tables.items() for t in its.all}
+
+
 def texts(
+    models: Mapping[str, Model], to: Sequence[str], *, together: bool = True
+) -> dict[str, str | bytes]:
+    """Source texts by file name: all models in one text per language, or a text for each of them."""
+    return exports(models, to, together=together).files
+
+
+def exports(
     models: Mapping[str, Model],
     to: Sequence[str],
     *,
@@ -27,17 +51,23 @@ def texts(
     embed: bool = False,
     load: bool = False,
     lit: Sequence[str] | None = None,
-    textures: bool = True,
-) -> dict[str, str | bytes]:
-    """Source texts by file name: all models in one text per language, or a text for each of them.
+    tables: Request | None = None,
+    lookups: str = "textures",
+) -> Texts:
+    """The same with everything that `gonio export` can be asked for.
 
     What a text reads from a buffer is a file of bytes beside it (see `gonio.export.buffer`).
 
     `load` adds the function that fills the parameters from a buffer (see `gonio.export.manifest.loader`).
     With `lit`, names of lights, a text is a whole material function (see `gonio.export.lit`); with none of
-    them, it has the usual ones.
+    them, it has the usual ones. With `tables`, F and D are looked up (see `gonio.export.tabled`).
     """
     files: dict[str, str | bytes] = {}
+    looked_up: dict[str, Tables] = {}
+    if tables is not None and materialx.NAME in to:
+        raise ExportError(
+            "a MaterialX document has no tables of F and D; leave out --table, or name another language."
+        )
     if lit is not None and materialx.NAME in to:
         raise ExportError(
             "a MaterialX document is lit by its renderer; leave out --lit, or name another language."
@@ -67,17 +97,28 @@ def texts(
                         only=only,
                         prefix=prefix,
                         embed=embed,
-                        textures=textures,
+                        tables=tables,
+                        lookups=lookups,
                     )
                 ]
             else:
-                made = export(group, language, only=only, prefix=prefix, embed=embed)
+                made = export(
+                    group,
+                    language,
+                    only=only,
+                    prefix=prefix,
+                    embed=embed,
+                    tables=tables,
+                    lookups=lookups,
+                )
             loaders = [loader(one) for one in made] if load else []
+            if (its := made[0].tables) is not None:
+                looked_up[stem] = its
             text = "\n".join([made[0].source, *loaders])
             files[f"{stem}.{TARGETS[language].extension}"] = text
             if made[0].buffer is not None:
                 files[made[0].buffer.file] = made[0].buffer.content()
-    return files
+    return Texts(files, looked_up)
 
 
 def manifests(
@@ -87,11 +128,14 @@ def manifests(
     only: Sequence[str] = FUNCTIONS,
     prefix: str | None = None,
     lit: Sequence[str] | None = None,
+    tables: Request | None = None,
 ) -> dict[str, str]:
     """What hosts have to know about the same exports, as JSON by file name."""
     shared = prefix or (SHARED if together and len(found) > 1 else None)
     return {
-        f"{name}.json": manifest_text(manifest(what, name, only=only, prefix=shared, lit=lit))
+        f"{name}.json": manifest_text(
+            manifest(what, name, only=only, prefix=shared, lit=lit, tables=tables)
+        )
         for name, what in found.items()
     }
 

@@ -33,9 +33,9 @@ def asking(functions: Sequence[Function], lookups: Sequence[Function]) -> list[F
     return [f for f in functions if id(f) in found]
 
 
-def with_host(functions: Sequence[Function], host: Struct) -> None:
-    """Hand the host's object down to what looks things up; lookups become its methods."""
-    found = asking(functions, [f for f in functions if f.external])
+def with_host(functions: Sequence[Function], host: Struct, lookups: Sequence[Function]) -> None:
+    """Hand the host's object down to what looks things up; some lookups become its methods."""
+    found = asking(functions, lookups)
     numbers = {id(f) for f in found}
     variable = Variable("host", host)
 

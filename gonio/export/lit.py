@@ -14,13 +14,19 @@ from dataclasses import dataclass, replace
 from typing import Any, get_type_hints
 
 from gonio.export.entry import Export, Given
-from gonio.export.host import OBJECTS
-from gonio.export.lookups import resources
 from gonio.export.names import legal
 from gonio.export.printer import Printer
 from gonio.export.read import Reader
+from gonio.export.tabled import Request, with_tables
 from gonio.export.targets import Target
-from gonio.export.text import FUNCTIONS, Text, check_prefixes, target_named
+from gonio.export.text import (
+    FUNCTIONS,
+    Text,
+    check_lookups,
+    check_prefixes,
+    supply_of,
+    target_named,
+)
 from gonio.export.tidy import tidy
 from gonio.export.tree import (
     SELF,
@@ -58,7 +64,8 @@ def export_lit(
     only: Sequence[str] = ("eval",),
     prefix: str | None = None,
     embed: bool = False,
-    textures: bool = True,
+    tables: Request | None = None,
+    lookups: str = "textures",
 ) -> Export:
     """Source code of a model with the light on it, in one language.
 
@@ -70,19 +77,21 @@ def export_lit(
         only: which of the model's own functions stand in the text as well.
         prefix: of what is not the model's own; by default its name.
         embed: also write a function that gives the parameters the model has.
-        textures: write lookups with textures; else the host defines them.
+        tables: which functions of the model are looked up in tables (`gonio.export.tabled`).
+        lookups: with "textures"; or "host": it defines them; or "array": tables of F and D stand in the
+            text as arrays.
 
     Raises:
         ExportError: what cannot be exported, an unknown language or choice.
         ModelError: a light that is not there, or that the model cannot have.
     """
     target = to if isinstance(to, Target) else target_named(to)
-    if target.attribute:  # pictures and tables, which the host looks up, have no derivatives
-        target = replace(target, attribute="", value="", note="")
     if target.shader:
         raise ExportError(
-            f"{target.title} lights its surfaces itself, by closures; export the model without --lit."
+            f"{target.title} has no --lit: its surfaces return closures, and the renderer lights them; "
+            "export the model without --lit, and scale a closure by its values."
         )
+    target = check_lookups(target, tables, lookups)
     for function in only:
         if function not in FUNCTIONS:
             raise ExportError(f"no function {function!r}; there are {', '.join(FUNCTIONS)}.")
@@ -93,8 +102,12 @@ def export_lit(
     reader = Reader(shared, target.library, [name])
     root = reader.model(model, name, title=name)
     wanted = [reader.method(root, f) for f in FUNCTIONS if f in only]
-    shade = _shade(reader, root, taken)
+    shade = read_shade(reader, root, taken)
     helpers = [_helper(reader, function) for function in HELPERS]
+    made = None
+    if tables is not None:
+        every = [*wanted, shade.function]
+        made = with_tables(reader, [root], every, tables, shade.lights)
     functions = tidy(
         reader.functions,
         [*wanted, *shade.lights, shade.function, *helpers],
@@ -102,28 +115,37 @@ def export_lit(
         target.methods,
     )
     text = _LitText(
-        target, shared, reader, functions, [root], [*wanted, shade.function], embed, textures
+        target,
+        shared,
+        reader,
+        functions,
+        [root],
+        [*wanted, shade.function],
+        embed,
+        supply_of(lookups, made),
     )
-    pictures = [f for f in text.lookups if f.table is None]
     entry = replace(
         text.entry(root, [*(f for f in FUNCTIONS if f in only), "shade"]),
         given=tuple(_described(text.printer, n, k) for n, k in shade.given),
         lights=tuple(lights),
-        lookups=tuple(f.name if target.name not in OBJECTS else f.plain for f in pictures),
-        binds=tuple(resources(pictures, shared, target.name)) if textures else (),
+        **text.supplied(),
     )
-    return Export(target.name, text.source, entry, buffer=text.buffer)
+    return Export(target.name, text.source, entry, buffer=text.buffer, tables=made)
 
 
 @dataclass(frozen=True)
-class _Shade:
+class Shade:
+    """The function `shade`."""
+
     function: Function
     lights: list[Function]
+    """What it adds up."""
     given: list[tuple[str, Type]]
+    """What it takes for them."""
 
 
-def _shade(reader: Reader, root: Struct, taken: Sequence[Chosen]) -> _Shade:
-    """The function that adds up the lights, and these."""
+def read_shade(reader: Reader, root: Struct, taken: Sequence[Chosen]) -> Shade:
+    """Read the lights, and make the function that adds them up."""
     frame_of = _helper(reader, frames.surface_frame)
     frame = frame_of.result
     to_local = _helper(reader, frames.to_local)
@@ -160,7 +182,7 @@ def _shade(reader: Reader, root: Struct, taken: Sequence[Chosen]) -> _Shade:
     name = f"{root.prefix}_shade"
     function = Function(name, doc, parameters, "vec3", body, root, "shade", "shade")
     reader.functions.append(function)
-    return _Shade(function, [f for f, _ in parts], list(arguments.items()))
+    return Shade(function, [f for f, _ in parts], list(arguments.items()))
 
 
 def _given(light: Chosen, own: Mapping[str, Type]) -> list[Type | Static]:

@@ -11,34 +11,64 @@ root of alpha, with values in the middles of its texels, so that clamped coordin
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from gonio.export import buffer
 from gonio.export.comments import comment
 from gonio.export.host import OBJECTS
 from gonio.export.printer import INDENT, Printer
+from gonio.export.tabled import Table
 from gonio.export.tree import Function
 from gonio.lights.lookups import LAST_LEVEL
 
 # What hosts bind: resources by lookup.
 MAPS: Mapping[str, str] = MappingProxyType(
-    {"environment": "environment_map", "split_sum": "split_sum_map"}
+    {
+        "environment": "environment_map",
+        "split_sum": "split_sum_map",
+        "fresnel_table": "fresnel_map",
+        "distribution_table": "distribution_map",
+    }
 )
+
+# Lookups that stand for functions of the model.
+TABLES = ("fresnel_table", "distribution_table")
 
 # What the object of C++, CUDA and Metal calls the buffer of tables.
 ROWS = "rows"
 
-# A lookup's statements, after the language's own words for textures: {map} is its resource.
+# A lookup's statements, after the language's own words for textures: {map} is its resource, {last} and
+# {width} are the entries of a table to the right, {rows} those down.
 _LEVEL = f"{LAST_LEVEL}.0 * sqrt(alpha)"
+_F_X = "({last} * cos_theta + 0.5) / {width}"
+_D_X = "({last} * u + 0.5) / {width}"
+_Y = "(row + 0.5) / {rows}"
 _GLSL = {
+    "fresnel_table": (f"return textureLod({{map}}, vec2({_F_X}, {_Y}), 0.0).rgb;",),
+    "distribution_table": (f"return textureLod({{map}}, vec2({_D_X}, {_Y}), 0.0).r;",),
     "environment": ("return textureLod({map}, direction, " + _LEVEL + ").rgb;",),
     "split_sum": ("return textureLod({map}, vec2(mu, sqrt(alpha)), 0.0).rg;",),
 }
 _HLSL = {
+    "fresnel_table": (
+        f"return {{map}}.SampleLevel({{p}}_linear_clamp, float2({_F_X}, {_Y}), 0.0).rgb;",
+    ),
+    "distribution_table": (
+        f"return {{map}}.SampleLevel({{p}}_linear_clamp, float2({_D_X}, {_Y}), 0.0).r;",
+    ),
     "environment": ("return {map}.SampleLevel({p}_linear_clamp, direction, " + _LEVEL + ").rgb;",),
     "split_sum": ("return {map}.SampleLevel({p}_linear_clamp, float2(mu, sqrt(alpha)), 0.0).rg;",),
 }
 _WGSL = {
+    "fresnel_table": (
+        f"let at = vec2f({_F_X}, {_Y});",
+        "return textureSampleLevel({map}, {p}_linear_clamp, at, 0.0).rgb;",
+    ),
+    "distribution_table": (
+        f"let at = vec2f({_D_X}, {_Y});",
+        "return textureSampleLevel({map}, {p}_linear_clamp, at, 0.0).r;",
+    ),
     "environment": (
         "return textureSampleLevel({map}, {p}_linear_clamp, direction, " + _LEVEL + ").rgb;",
     ),
@@ -80,22 +110,32 @@ _RESOURCES = {
     "glsl": {
         "environment": "layout(binding = 0) uniform samplerCube {map};",
         "split_sum": "layout(binding = 1) uniform sampler2D {map};",
+        "fresnel_table": "layout(binding = 2) uniform sampler2D {map};",
+        "distribution_table": "layout(binding = 3) uniform sampler2D {map};",
     },
     "essl": {
         "environment": "uniform highp samplerCube {map};",
         "split_sum": "uniform highp sampler2D {map};",
+        "fresnel_table": "uniform highp sampler2D {map};",
+        "distribution_table": "uniform highp sampler2D {map};",
     },
     "hlsl": {
         "environment": "TextureCube<float4> {map} : register(t0);",
         "split_sum": "Texture2D<float4> {map} : register(t1);",
+        "fresnel_table": "Texture2D<float4> {map} : register(t2);",
+        "distribution_table": "Texture2D<float4> {map} : register(t3);",
     },
     "slang": {
         "environment": "TextureCube<float4> {map};",
         "split_sum": "Texture2D<float4> {map};",
+        "fresnel_table": "Texture2D<float4> {map};",
+        "distribution_table": "Texture2D<float4> {map};",
     },
     "wgsl": {
         "environment": "@group(1) @binding(0) var {map}: texture_cube<f32>;",
         "split_sum": "@group(1) @binding(1) var {map}: texture_2d<f32>;",
+        "fresnel_table": "@group(1) @binding(3) var {map}: texture_2d<f32>;",
+        "distribution_table": "@group(1) @binding(4) var {map}: texture_2d<f32>;",
     },
     "msl": {
         "environment": "texturecube<float> {map};",
@@ -113,6 +153,22 @@ _SAMPLERS = {
 }
 
 
+@dataclass(frozen=True)
+class Supply:
+    """Where a text's lookups come from."""
+
+    textures: bool = True
+    """With textures; else the host defines them."""
+    tables: Mapping[str, Table] = field(default_factory=dict)
+    """Those of F and D by the lookup's name."""
+    arrays: bool = False
+    """Whether tables stand in the text as arrays, as they always do in C++, CUDA and Metal."""
+
+    def as_array(self, function: Function, language: str) -> bool:
+        """Whether a lookup reads an array of the text."""
+        return function.plain in self.tables and (self.arrays or language in OBJECTS)
+
+
 def resources(lookups: Sequence[Function], prefix: str, language: str) -> list[str]:
     """Names of pictures that the host binds, with textures; empty in a language without."""
     lookups = [f for f in lookups if f.table is None]
@@ -124,10 +180,10 @@ def resources(lookups: Sequence[Function], prefix: str, language: str) -> list[s
 
 
 def definitions(
-    printer: Printer, lookups: Sequence[Function], textures: bool, stored: buffer.Buffer | None
+    printer: Printer, lookups: Sequence[Function], supply: Supply, stored: buffer.Buffer | None
 ) -> list[list[str]]:
     """The text about lookups, in blocks: with textures, or what the host has to define; and tables."""
-    language = printer.target.name
+    language, textures = printer.target.name, supply.textures
     if language in OBJECTS:
         return _objects(printer, lookups, textures and language in _BODIES, stored)
     blocks = [] if stored is None else _with_buffer(printer, lookups, stored)
@@ -136,7 +192,7 @@ def definitions(
         return [
             *blocks,
             *(_samplers(printer) if pictures else []),
-            *(_with_texture(printer, f) for f in pictures),
+            *(_with_texture(printer, f, supply.tables.get(f.plain)) for f in pictures),
         ]
     return [*blocks, *(_without(printer, f, _head(printer, f)) for f in pictures)]
 
@@ -181,16 +237,23 @@ def _samplers(printer: Printer) -> list[list[str]]:
     return [[*note, text.format(p=printer.prefix)]]
 
 
-def _filled(printer: Printer, function: Function, apart: bool) -> dict[str, str]:
+def _filled(
+    printer: Printer, function: Function, apart: bool, table: Table | None = None
+) -> dict[str, str]:
     name = MAPS[function.plain]
-    return {"map": f"{printer.prefix}_{name}" if apart else name, "p": printer.prefix}
+    names = {"map": f"{printer.prefix}_{name}" if apart else name, "p": printer.prefix}
+    if table is not None:
+        rows, width = table.codes.shape[:2]
+        names |= {"last": f"{width - 1}.0", "width": f"{width}.0", "rows": f"{rows}.0"}
+    return names
 
 
-def _with_texture(printer: Printer, function: Function) -> list[str]:
-    language, names = printer.target.name, _filled(printer, function, True)
+def _with_texture(printer: Printer, function: Function, table: Table | None) -> list[str]:
+    language, names = printer.target.name, _filled(printer, function, True, table)
     body = [line.format(**names) for line in _BODIES[language][function.plain]]
     resource = _RESOURCES[language][function.plain].format(**names)
-    lines = [resource, "", *comment(function.doc), f"{_head(printer, function)} {{"]
+    doc = (*function.doc, "", *table.meaning()) if table is not None else function.doc
+    lines = [resource, "", *comment(doc), f"{_head(printer, function)} {{"]
     return [*lines, *(INDENT + line for line in body), "}"]
 
 

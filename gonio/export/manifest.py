@@ -20,6 +20,7 @@ from gonio.export.entry import Entry, Export
 from gonio.export.lit import export_lit
 from gonio.export.printer import INDENT
 from gonio.export.read import Reader
+from gonio.export.tabled import Request, Tables
 from gonio.export.targets import TARGETS, Target
 from gonio.export.text import FUNCTIONS, export
 from gonio.export.tree import Access, ExportError, Struct, walk
@@ -50,6 +51,14 @@ BINDS: Mapping[str, str] = {
     "linear_clamp": "a sampler: linear between texels and levels, clamped",
 }
 
+# What a table's texels stand for.
+AXES: Mapping[str, str] = {
+    "fresnel": "to the right the cosine, from 0 to 1 in the middles of the first and last texel; a row for "
+    "each surface of each material; linear numbers",
+    "distribution": "to the right q / (1 + q) with q = (sine / width)^2 of the facet, down the width, both "
+    "from 0 to 1 in the middles of texels; the root of pi alpha^2 D over its largest value",
+}
+
 # Bytes of a four-component vector of floats, which each parameter has for itself.
 STRIDE = 16
 
@@ -74,6 +83,7 @@ def manifest(
     prefix: str | None = None,
     refusals: bool = True,
     lit: Sequence[str] | None = None,
+    tables: Request | None = None,
 ) -> dict[str, Any]:
     """All that a host has to know about the export of a model, as plain dicts and lists.
 
@@ -84,25 +94,26 @@ def manifest(
         prefix: of what several models of one export share.
         refusals: find out which values of options are refused; takes a second for three layers of models.
         lit: names of lights, for a lit export (`gonio.export.lit`); none of them: the usual ones.
+        tables: for an export that looks up F and D (`gonio.export.tabled`).
 
     Returns:
         Names of struct and functions; under "parameters" path, width, kind, value, default, range, soft
         range, scale and byte offset of each; under "options" each value with the reason why it is refused,
         if it is, and with the changes that would allow it; under "models" what lies inside; under "hooks"
         what a host gives per point; under "lit" what `shade` takes and what the host binds; under "buffer"
-        the tables that it binds.
+        the tables that it binds; under "tables" those of F and D: files, rows and errors.
         docs/embedding.md explains every entry.
 
     Raises:
         ExportError: what cannot be exported.
     """
     model = what.model if isinstance(what, Material) else what
+    own = name or model.name
     if lit is None:
-        made = export({name or model.name: model}, "wgsl", only=only, prefix=prefix)[0]
+        made = export({own: model}, "wgsl", only=only, prefix=prefix, tables=tables)[0]
     else:
         lights = lit or usual(model)
-        own = name or model.name
-        made = export_lit(model, own, lights, "wgsl", only=only, prefix=prefix)
+        made = export_lit(model, own, lights, "wgsl", only=only, prefix=prefix, tables=tables)
     entry, buffer = made.entry, made.buffer
     module = inspect.getmodule(type(model))
     return {
@@ -117,13 +128,35 @@ def manifest(
         "functions": {f: f"{entry.prefix}_{f}" for f in entry.functions},
         "isotropic": model.isotropic,
         "stride": STRIDE,
-        "parameters": list(_parameters(model, entry)),
+        "parameters": list(_parameters(model, entry, made.tables)),
         "options": list(options(model, only, refusals=refusals)),
         "models": list(_models(model)),
         "hooks": _hooks(what) if isinstance(what, Material) else [],
         **({"lit": _lit(entry)} if lit is not None else {}),
         **({"buffer": buffer.described(entry.reading)} if buffer is not None else {}),
+        **({"tables": _tables(made.tables, prefix or own)} if made.tables is not None else {}),
     }
+
+
+def _tables(tables: Tables, stem: str) -> list[dict[str, Any]]:
+    """The files of tables, and what is in them."""
+    return [
+        {
+            "kind": table.kind,
+            "file": f"{stem}_{table.kind}.png",
+            "texture": f"{stem}_{table.kind}_map",
+            "bits": table.bits,
+            "width": table.codes.shape[1],
+            "height": table.codes.shape[0],
+            "channels": 3 if table.codes.ndim == 3 else 1,
+            "axes": AXES[table.kind],
+            "rows": [
+                {"row": row, "holds": name, "error": error}
+                for row, name, error in zip(table.starts, table.rows, table.errors, strict=True)
+            ],
+        }
+        for table in tables.all
+    ]
 
 
 def _lit(entry: Entry) -> dict[str, Any]:
@@ -160,10 +193,12 @@ def manifest_text(manifest: Mapping[str, Any]) -> str:
 # --- parameters ----------------------------------------------------------------------------------------
 
 
-def _parameters(model: Model, entry: Entry) -> Iterator[dict[str, Any]]:
+def _parameters(model: Model, entry: Entry, tables: Tables | None) -> Iterator[dict[str, Any]]:
     places = {member.path: index for index, member in enumerate(entry.members)}
     functions = tuple(f for f in entry.functions if f in FUNCTIONS)
-    read = used(model, functions) if functions == entry.functions else frozenset(places)
+    plain = functions == entry.functions and tables is None
+    read = used(model, functions) if plain else frozenset(places)
+    fixed = tables.fixed if tables is not None else frozenset()
     for path, declared, value in model.parameters():
         if is_array(value):
             raise ExportError(f"{path} is an array; a manifest has one value for it.")
@@ -183,8 +218,14 @@ def _parameters(model: Model, entry: Entry) -> Iterator[dict[str, Any]]:
             "used": path in read,
             "offset": places[path] * STRIDE if path in places else None,
         }
+        if path in fixed:
+            row["tabled"] = True
         if path not in read:
-            row["unused_because"] = _unused_because(model, path, functions)
+            row["unused_because"] = (
+                "its value is in the table of F"
+                if path in fixed
+                else _unused_because(model, path, functions)
+            )
         yield row
 
 

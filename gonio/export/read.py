@@ -79,6 +79,7 @@ class Reader:
         )
         self._models: dict[Any, Struct] = {}
         self._read: dict[Any, Function] = {}
+        self._origins: dict[int, types.FunctionType] = {}
         self._results: dict[Any, Struct] = {}
         self._powers: dict[tuple[int, Type], Function] = {}
         self._names: dict[str, types.CodeType | None] = {}
@@ -180,8 +181,13 @@ class Reader:
         if inherited:
             made.method = f"{function.__module__.rpartition('.')[2]}_{plain}"
         self._read[key] = made
+        self._origins[id(made)] = function
         self.functions.append(made)
         return made
+
+    def origin(self, function: Function) -> types.FunctionType | None:
+        """The Python function that an exported one was read from; None of powers and of lookups."""
+        return self._origins.get(id(function))
 
     def _name(
         self,

@@ -6,6 +6,7 @@ import inspect
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +16,14 @@ from gonio.export.buffer import placed
 from gonio.export.comments import comment, plain_text
 from gonio.export.entry import Entry, Export, Member
 from gonio.export.host import OBJECTS, HostPrinter, asking, with_host
-from gonio.export.lookups import definitions
+from gonio.export.lookups import Supply, definitions, resources
 from gonio.export.names import Names, legal
 from gonio.export.print_expressions import number
 from gonio.export.printer import INDENT, WIDTH, Printer, constants_of, in_order
 from gonio.export.read import Reader, camel
+from gonio.export.table_axes import ARRAY_PLACES
+from gonio.export.table_text import array
+from gonio.export.tabled import DISTRIBUTION, Request, Tables, with_tables
 from gonio.export.targets import TARGETS, Target
 from gonio.export.tidy import members, tidy
 from gonio.export.tree import CALLED, METHODS, SELF, Call, ExportError, Function, Struct, walk
@@ -28,6 +32,12 @@ from gonio.messages import did_you_mean
 from gonio.model import Child, Model
 
 FUNCTIONS = METHODS
+
+# Where lookups come from.
+LOOKUPS = ("textures", "array", "host")
+
+# For proofs: tables are arrays, and the host supplies the light.
+PROVABLE = "array and host"
 
 # Prefix of what several models of one export share.
 SHARED = "gonio"
@@ -54,6 +64,8 @@ def export(
     only: Sequence[str] = FUNCTIONS,
     prefix: str | None = None,
     embed: bool = False,
+    tables: Request | None = None,
+    lookups: str = "textures",
 ) -> list[Export]:
     """Source code of some models in one language, in one text that they share.
 
@@ -63,6 +75,9 @@ def export(
         only: which of FUNCTIONS.
         prefix: of what the models share; by default the model's name, or "gonio" for several.
         embed: also write a function that gives the parameters these models have.
+        tables: which functions are looked up in tables (`gonio.export.tabled`).
+        lookups: where tables are: "textures", "array" for arrays in the text, or "host", which defines the
+            lookups. C++, CUDA and Metal have arrays.
 
     Returns:
         One Export for each model, all with the same source.
@@ -87,18 +102,61 @@ def export(
     reader = Reader(shared, target.library, models)
     roots = [reader.model(model, name, title=name) for name, model in models.items()]
     wanted = [reader.method(root, name) for root in roots for name in FUNCTIONS if name in only]
+    made = None
+    if tables is not None:
+        target = check_lookups(target, tables, lookups)
+        made = with_tables(reader, roots, wanted, tables)
     functions = tidy(reader.functions, wanted, reader.sample, target.methods)
-    text = Text(target, shared, reader, functions, roots, wanted, embed)
+    supply = supply_of(lookups, made)
+    text = Text(target, shared, reader, functions, roots, wanted, embed, supply)
     return [
         Export(
             target.name,
             text.source,
-            text.entry(root, only),
+            replace(text.entry(root, only), **text.supplied()),
             _albedo_error(root, only),
             text.buffer,
+            made,
         )
         for root in roots
     ]
+
+
+def check_lookups(
+    target: Target, tables: Request | None = None, lookups: str = "textures"
+) -> Target:
+    """A language as it is with lookups.
+
+    Raises:
+        ExportError: a renderer's shaders have none, or a table is too large for an array.
+    """
+    if target.shader:
+        raise ExportError(
+            f"{target.title} has no lookups here: its renderers run on processors, where tables save "
+            "little; leave out --table."
+        )
+    if (
+        tables is not None
+        and "array" in lookups
+        and DISTRIBUTION in tables.kinds
+        and target.name not in OBJECTS
+        and tables.places > ARRAY_PLACES
+    ):
+        raise ExportError(
+            f"a table of D has {tables.places}² entries, too many for an array in {target.title}; leave it "
+            "to textures, or give --table fresnel alone."
+        )
+    if target.attribute:  # pictures and tables have no derivatives
+        return replace(target, attribute="", value="", note="")
+    return target
+
+
+def supply_of(lookups: str, made: Tables | None) -> Supply:
+    """Where lookups come from."""
+    if lookups not in (*LOOKUPS, PROVABLE):
+        raise ExportError(f"no lookups {lookups!r}; there are {', '.join(LOOKUPS)}.")
+    tables = {} if made is None else {f"{t.kind}_table": t for t in made.all}
+    return Supply("host" not in lookups, tables, "array" in lookups)
 
 
 def check_prefixes(names: Iterable[str]) -> None:
@@ -152,11 +210,11 @@ class Text:
         roots: Sequence[Struct],
         wanted: Sequence[Function],
         embed: bool,
-        textures: bool = True,
+        supply: Supply | None = None,
     ) -> None:
         """Write some functions, callees before callers, of which `wanted` are those that users call.
 
-        With `textures` pictures are looked up in them; else the host defines that.
+        `supply`: where lookups come from.
         """
         self.target = target
         self.prefix = prefix
@@ -165,14 +223,15 @@ class Text:
         self.roots = roots
         self.wanted = wanted
         self.embed = embed
-        self.textures = textures
-        self.lookups = [f for f in functions if f.external]
+        self.supply = supply or Supply()
+        self.arrays = [f for f in functions if self.supply.as_array(f, target.name)]
+        self.lookups = [f for f in functions if f.external and f not in self.arrays]
         self.buffer = placed(functions, prefix)
         check_buffer(self.buffer, target.name, target.title)
         self.asking = asking(functions, self.lookups)
         self.reading = asking(functions, [f for f in self.lookups if f.table is not None])
         if target.name in OBJECTS:
-            with_host(functions, OBJECTS[target.name])
+            with_host(functions, OBJECTS[target.name], self.lookups)
         used = self._used_structs()
         self.structs = [s for s in reader.structs if s in used]
         self.printer = self._printer()
@@ -205,6 +264,16 @@ class Text:
             hosted=tuple(f.method for f in hosted if f in self.asking),
             reading=tuple(f.method for f in own if f in self.reading),
         )
+
+    def supplied(self) -> dict[str, Any]:
+        """What an entry says of the pictures: those that the host defines or binds."""
+        language = self.target.name
+        pictures = [f for f in self.lookups if f.table is None]
+        bound = resources(pictures, self.prefix, language) if self.supply.textures else []
+        return {
+            "lookups": tuple(f.plain if language in OBJECTS else f.name for f in pictures),
+            "binds": tuple(bound),
+        }
 
     def _write(self) -> str:
         blocks: list[list[str]] = []
@@ -250,7 +319,9 @@ class Text:
         blocks: list[list[str]] = []
         last = ""
         if self.lookups:
-            blocks += definitions(self.printer, self.lookups, self.textures, self.buffer)
+            blocks += definitions(self.printer, self.lookups, self.supply, self.buffer)
+        tables = self.supply.tables
+        blocks += [array(self.printer, f, tables[f.plain]) for f in self.arrays]
         for function in functions:
             if function.external:
                 continue

@@ -1,7 +1,8 @@
-"""What a host looks up for lights: the only functions of theirs that are not written in the language.
+"""What a host looks up: the only functions of shaders that are not written in the language.
 
 A light takes them as its last argument, `host`. In Python that is an object such as
 `gonio.bake.prefiltered.Prefiltered`; the exporter writes them with textures, or leaves them to the host.
+Tables of F and D stand in the place of functions of the model (`gonio.export.tabled`).
 """
 
 from gonio.lang import Color, Float, Vec2, Vec3
@@ -19,4 +20,12 @@ class Lookups:
 
     def split_sum(self, mu: Float, alpha: Float) -> Vec2:
         """A and B of the highlight's table, at the viewer's cosine mu: its albedo is f0 A + f90 B."""
+        raise NotImplementedError
+
+    def fresnel_table(self, cos_theta: Float, row: Float) -> Color:
+        """F, or 1 - F, of the row's material at a cosine, from the table."""
+        raise NotImplementedError
+
+    def distribution_table(self, u: Float, row: Float) -> Float:
+        """Root of D over its peak, from the table: u is q / (1 + q) with q = (sine / width)^2."""
         raise NotImplementedError

@@ -36,6 +36,9 @@ STAND_IN = "StandIn"
 BUFFER = "tables"
 """What the function that runs all rows calls the numbers of tables."""
 
+CODE = "gonio_code"
+"""What reads an entry of a table from the buffer of rows, behind which it stands."""
+
 GIVEN = 8
 """Columns before the parameters: wi, wo and u."""
 

@@ -11,16 +11,19 @@ import numpy.typing as npt
 
 from gonio.export.buffer import Buffer
 from gonio.export.entry import Entry, Export
-from gonio.export.host import OBJECTS
-from gonio.export.lookups import object_name
+from gonio.export.lookups import TABLES, object_name
 from gonio.export.printer import Printer
-from gonio.export.prove.harness import STAND_IN, lit_columns, point_column
+from gonio.export.prove.harness import CODE, STAND_IN, input_columns, lit_columns, point_column
 from gonio.export.prove.rows import rows_for, with_parameters
+from gonio.export.prove.tabled import TabledModel
 from gonio.export.prove.tools import Rows
 from gonio.export.read import Reader
-from gonio.export.targets import TARGETS
+from gonio.export.table_text import reading
+from gonio.export.tabled import Table
+from gonio.export.targets import TARGETS, Target
 from gonio.export.tree import Function
 from gonio.lights import stand_ins
+from gonio.lights.lookups import Lookups
 from gonio.lights.shading import shade
 from gonio.model import Model
 
@@ -70,11 +73,39 @@ def shaded(
             given[name] = values[:, 0]
         column += width
     bound = with_parameters(model, entry.members, rows[:, : point_column(entry)], dtype)
+    if isinstance(bound, TabledModel):
+        return bound.shade(dtype, **given)
     return shade(bound, lights, **given, host=stand_ins.StandIn(), dtype=dtype)
 
 
-def with_stand_ins(export: Export) -> Export:
-    """The export with its pictures defined by formulas; it was made without textures."""
+def codes(export: Export) -> Rows:
+    """The tables that the host has to look up, one after the other; none of other exports."""
+    return np.concatenate([np.zeros(0, np.float32), *(t.codes.ravel() for t in _asked(export))])
+
+
+def _asked(export: Export) -> list[Table]:
+    tables = export.tables.all if export.tables is not None else ()
+    return [t for t in tables if any(n.endswith(f"_{t.kind}_table") for n in export.entry.lookups)]
+
+
+def _readers(export: Export, target: Target, reader: Reader, start: int) -> list[str]:
+    """Functions that look tables up in the buffer, from an entry on."""
+    lines = []
+    if target.name == "glsl":
+        lines = [f"float {CODE}(int k);", ""]
+    for table in _asked(export):
+        function = reader.lookup(vars(Lookups)[f"{table.kind}_table"])
+        printer = Printer(target, export.entry.prefix, [function])
+        lines += [*reading(printer, function, table, f"{CODE}({start} + {{}})".format), ""]
+        start += table.codes.size
+    return lines
+
+
+def with_stand_ins(export: Export, rows: int = 0) -> Export:
+    """The export with its pictures defined: of light by formulas, of F and D from behind the rows.
+
+    It was made without textures.
+    """
     entry = export.entry
     if not entry.lookups and not entry.hosted:
         return export
@@ -82,15 +113,18 @@ def with_stand_ins(export: Export) -> Export:
     prefix = "stand_in" if entry.hosted else entry.prefix
     reader = Reader(prefix, target.library)
     functions: list[Function] = []
+    tables = _readers(export, target, reader, rows * input_columns(entry))
     for name in entry.lookups:
+        if name.endswith(TABLES):
+            continue
         plain = name if entry.hosted else name.removeprefix(f"{entry.prefix}_")
         kinds = {"environment": ["vec3", "float"], "split_sum": ["float", "float"]}[plain]
         made = reader.function_for(getattr(stand_ins, plain), kinds)  # type: ignore[arg-type]
         made.name = f"{prefix}_{plain}"
         functions.append(made)
     printer = Printer(target, prefix, functions)
-    lines = [line for f in functions for line in [*printer.function(f), ""]]
-    if target.name in OBJECTS:
+    lines = [*tables, *(line for f in functions for line in [*printer.function(f), ""])]
+    if entry.hosted:
         lines += _object(printer, functions, export.buffer)
     text = "\n".join(lines) + "\n"
     if target.foot:

@@ -25,7 +25,8 @@ from gonio.export.prove.harness import (
 from gonio.export.prove.tools import Rows
 
 # -O1 compiles in half the time of -O2. Products and sums are not contracted, so that processors agree.
-FLAGS = ("-std=c++17", "-O1", "-ffp-contract=off", "-fPIC", "-shared")
+# Tables in inline functions would be one for all libraries of the process, whichever was loaded first.
+FLAGS = ("-std=c++17", "-O1", "-ffp-contract=off", "-fPIC", "-shared", "-fno-gnu-unique")
 
 # Users compile headers with warnings on; parameters that a model does not need stay in signatures.
 WARNINGS = ("-Wall", "-Wextra", "-Werror", "-Wno-unused-parameter")

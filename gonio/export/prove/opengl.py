@@ -15,6 +15,7 @@ from gonio.export.buffer import BINDINGS, WIDTH
 from gonio.export.entry import Export
 from gonio.export.prove import tools
 from gonio.export.prove.harness import (
+    CODE,
     Dialect,
     Results,
     indented,
@@ -105,11 +106,13 @@ def _tables_of(export: Export) -> dict[str, Any]:
 def compute_text(export: Export, count: int) -> str:
     """The source with a compute shader that calls every function for each row."""
     entry = export.entry
+    read = f"float {CODE}(int k) {{\n    return x[k];\n}}\n\n" if CODE in export.source else ""
     return (
         f"{HEAD}{export.source}\n"
         "layout(local_size_x = 64) in;\n"
         "layout(std430, binding = 0) readonly buffer Given { float x[]; };\n"
         "layout(std430, binding = 1) buffer Made { float y[]; };\n\n"
+        f"{read}"
         "void main() {\n"
         "    int row = int(gl_GlobalInvocationID.x);\n"
         f"    if (row >= {count}) {{\n        return;\n    }}\n"

@@ -20,8 +20,9 @@ from gonio.claims import UNBOUNDED
 from gonio.export.entry import Entry, Export
 from gonio.export.prove import judge, rows
 from gonio.export.prove.harness import GIVEN, WIDTHS, split
-from gonio.export.prove.lit import lit_rows, with_stand_ins
+from gonio.export.prove.lit import codes, lit_rows, with_stand_ins
 from gonio.export.prove.runners import RUNNERS
+from gonio.export.prove.tabled import tabled
 from gonio.export.prove.tools import ProofError, Rows
 from gonio.export.text import has_own_albedo
 from gonio.model import Model
@@ -98,7 +99,9 @@ def prove(
     known = {} if known is None else known
     languages = list(dict.fromkeys(export.language for _, export in pairs))
     inputs = [_inputs(m, e, count, seed) for m, e in pairs]
-    pairs = [(m, with_stand_ins(e)) for m, e in pairs]
+    pairs = [(_as_exported(m, e), e) for m, e in pairs]
+    tables = [codes(e) for _, e in pairs]
+    pairs = [(m, with_stand_ins(e, len(r))) for (m, e), r in zip(pairs, inputs, strict=True)]
     for language in languages:
         if language not in RUNNERS:
             raise ProofError(f"nothing can run {language!r}; there are {', '.join(RUNNERS)}.")
@@ -106,10 +109,13 @@ def prove(
         progress(f"{language}: compiling and running {len(numbers)} exports")
         start = time.perf_counter()
         jobs = [job for k in numbers for job in _jobs(k, pairs[k][1], inputs[k])]
-        results = RUNNERS[language]([j.export for j in jobs], [j.rows for j in jobs])
+        given = [_with_codes(j.rows, tables[j.number]) for j in jobs]
+        results = RUNNERS[language]([j.export for j in jobs], given)
         seconds = time.perf_counter() - start
         for job, outputs in zip(jobs, results.outputs, strict=True):
             model, export = pairs[job.number]
+            if not isinstance(outputs, ProofError):
+                outputs = outputs[: len(job.rows)]
             progress(f"{language}: comparing {export.entry.prefix}")
             entry = export.entry
             computed = known.setdefault((id(model), entry.members, entry.lights), {})
@@ -120,10 +126,24 @@ def prove(
     return [found[key] for key in keys]
 
 
+def _as_exported(model: Model, export: Export) -> Any:
+    """The model, with tables where its export has them."""
+    return model if export.tables is None else tabled(model, export)
+
+
 def _inputs(model: Model, export: Export, count: int, seed: int) -> Rows:
     if "shade" in export.entry.functions:
         return lit_rows(model, export.entry, count, seed)
     return rows.rows_for(model, export.entry.members, count, seed)
+
+
+def _with_codes(rows: Rows, codes: Rows) -> Rows:
+    """Rows with a table behind them, as further rows that nobody looks at."""
+    if not len(codes):
+        return rows
+    padded = np.zeros((-(-len(codes) // rows.shape[1]), rows.shape[1]), np.float32)
+    padded.ravel()[: len(codes)] = codes
+    return np.concatenate([rows, padded])
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from gonio.export.buffer import BINDINGS
 from gonio.export.entry import Export
 from gonio.export.prove import tools
 from gonio.export.prove.harness import (
+    CODE,
     Dialect,
     Results,
     indented,
@@ -45,10 +46,12 @@ def run_wgsl(exports: Sequence[Export], rows: Sequence[Rows]) -> Results:
 def compute_text(export: Export, count: int) -> str:
     """The source with a compute shader that calls every function for each row."""
     entry = export.entry
+    read = f"fn {CODE}(k: i32) -> f32 {{\n    return x[k];\n}}\n\n" if CODE in export.source else ""
     return (
         f"{export.source}\n"
         "@group(0) @binding(0) var<storage, read> x: array<f32>;\n"
         "@group(0) @binding(1) var<storage, read_write> y: array<f32>;\n\n"
+        f"{read}"
         "@compute @workgroup_size(64)\n"
         "fn main(@builtin(global_invocation_id) id: vec3u) {\n"
         f"    if (id.x >= {count}u) {{\n        return;\n    }}\n"

@@ -1,0 +1,42 @@
+"""D from a table, in the language of models: what stands in the place of a distribution's own D.
+
+Source: Elek, "Layered materials in real-time rendering", CESCG 2010, section 3.1: one table over the
+facet's angle and the width. His angles are stretched by the eighth power, so that sharp highlights do not
+fall between two entries. Here the sine is met in units of the width, as q / (1 + q) with
+q = (sine / width)^2: every width has the same number of entries in its highlight, rows can be evenly spaced
+in the width, and no power or logarithm is left. The table holds the root of pi alpha^2 D, for 8 bits.
+"""
+
+from gonio.lang import INV_PI, Float, Vec3, maximum, minimum, safe_sqrt
+from gonio.lights.lookups import Lookups
+
+# Stands for the squared sine of a facet that lies level, where any width along its azimuth will do.
+SIN2_MIN = 1e-30
+
+
+def tabled_D(
+    m: Vec3, alpha: Float, first: Float, last: Float, scale: Float, host: Lookups
+) -> Float:
+    """Density of facets of one width, in 1/sr, from the table's rows from `first` on, `last` more."""
+    inv = 1 / (alpha * alpha)
+    q = (m.x * m.x + m.y * m.y) * inv
+    root = host.distribution_table(q / (1 + q), first + last * alpha)
+    return scale * INV_PI * inv * (root * root)
+
+
+def tabled_D_anisotropic(
+    m: Vec3,
+    alpha_x: Float,
+    alpha_y: Float,
+    first: Float,
+    last: Float,
+    scale: Float,
+    host: Lookups,
+) -> Float:
+    """The same for two widths: along its azimuth the facet meets one, up to 1."""
+    x, y = m.x / alpha_x, m.y / alpha_y
+    q = maximum(x * x + y * y, SIN2_MIN)
+    alpha2 = (m.x * m.x + m.y * m.y) / q
+    width = safe_sqrt(minimum(alpha2, 1))
+    root = host.distribution_table(q / (1 + q), first + last * width)
+    return scale * INV_PI / (alpha_x * alpha_y) * (root * root)
