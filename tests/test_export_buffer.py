@@ -89,7 +89,7 @@ def test_a_coat_over_measured_paint_reads_the_tables_of_its_base() -> None:
 def test_lights_and_tables_come_from_one_host() -> None:
     model = made()
     texts = [
-        export_lit(model, "paint", ["directional", "ambient"], to, textures=False)
+        export_lit(model, "paint", ["directional", "ambient"], to, lookups="host")
         for to in ("cpp", "wgsl")
     ]
     assert texts[0].entry.hosted == ("eval", "shade")
