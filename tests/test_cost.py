@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -18,6 +19,9 @@ from gonio.cost.program import ROWS, Program, empty, of_model
 from gonio.cost.texts import tables
 from gonio.export.prove import opengl, tools
 from gonio.export.prove.tools import ProofError
+from gonio.lang import Color, Float, Vec3, fract, vec3
+from gonio.model import Model, param
+from gonio.table import Table, fetch
 
 # Divisions of whole units, on the compilers' word
 GPUS = ("navi21", "vega10", "sm_75", "sm_90")
@@ -84,6 +88,28 @@ def test_the_harness_is_not_a_models_cost(gpu: cost.Gpu) -> None:
     assert lambert is not None
     assert 0 < (lambert - nothing).instructions < lambert.instructions
     assert (lambert - nothing).registers == lambert.registers
+
+
+class Squares(Model, register=False):
+    """Reads an entry of a table from a buffer."""
+
+    rho: Float = param(0.5, 0, 1, "of the whole")
+    squares = Table("squares", np.arange(9.0) ** 2)
+
+    def eval(self, wi: Vec3, wo: Vec3) -> Color:
+        """The entry below the cosine of the light."""
+        place = 8 * wi.z
+        f = self.rho * fetch(self.squares, place - fract(place))
+        return vec3(f, f, f)
+
+
+def test_tables_in_a_buffer_cost_what_is_read(gpu: cost.Gpu) -> None:
+    models = [of_model("x", m, "eval") for m in (Squares(), gonio.model("lambert"))]
+    read, plain = cost.measure(models, gpu)
+    assert read is not None
+    assert plain is not None
+    # A product, its whole part, an address, a load: more than one and less than a function
+    assert 2 < read.instructions - plain.instructions < 60
 
 
 @pytest.mark.skipif(missing("navi21"), reason="no compiler for navi21")

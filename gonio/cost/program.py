@@ -9,8 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from gonio.export import export
+from gonio.export.buffer import BINDINGS
 from gonio.export.prove import cuda, opengl, slang, tools
 from gonio.export.prove.harness import indented
+from gonio.export.prove.lit import with_stand_ins
 from gonio.export.prove.tools import ProofError
 from gonio.foreign.function import parse_map, split
 from gonio.foreign.harness import statements
@@ -74,9 +76,12 @@ def of_model(name: str, model: Model, function: str, language: str = "glsl") -> 
         ExportError: the model cannot be exported.
     """
     shader = export({name: model}, language, only=[function])[0]
-    header = export({name: model}, "cuda", only=[function])[0]
+    header = with_stand_ins(export({name: model}, "cuda", only=[function])[0])
     text = opengl.compute_text(shader, ROWS) if language == "glsl" else slang.compute_text(shader)
-    return Program(f"{name}, {function}", text, language, (header.source, cuda.kernel_text(header)))
+    kernel = (header.source, cuda.kernel_text(header))
+    # With tables, whose binding leaves some between unused
+    bindings = BUFFERS if shader.buffer is None else ("buffer",) * (BINDINGS["glsl"][1] + 1)
+    return Program(f"{name}, {function}", text, language, kernel, bindings)
 
 
 def of_function(text: str, mapping: Sequence[str] = ()) -> Program:
