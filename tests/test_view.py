@@ -375,8 +375,13 @@ def test_a_saved_page_has_the_exporters_text_for_every_choice() -> None:
 
 
 # Its value is called with a formula, and its parameter has a range.
-FOREIGN = """#define PI 3.14159265
+FOREIGN = """#ifdef GL_ES
+precision mediump float;
+#endif
+#define PI 3.14159265
+#ifdef WHITE
 float lambert(float NdotL, float NdotV, float albedo2) { return NdotV > 0.0 ? albedo2 * NdotL / PI : 0.0; }
+#endif
 """
 
 
@@ -386,18 +391,20 @@ def test_code_of_others_has_its_text_its_parameters_and_no_export(tmp_path: Path
     name = f"{path}#lambert"
 
     def read(text: str) -> foreign.Foreign:
-        return foreign.load(text, mapping=["albedo2=rho^2"], ranges=["rho=0.1..1"])
+        mapping, ranges = ["albedo2=rho^2"], ["rho=0.1..1"]
+        return foreign.load(text, mapping=mapping, ranges=ranges, defines=["WHITE"])
 
-    names = page.Names([name], read)
+    names = page.Names([name], read, ["WHITE"])
     made = page.payload(names, f"{name}:rho=0.25")
     (rho,) = made["parameters"]
     assert (rho["path"], rho["value"], rho["low"]) == ("rho", [0.25], 0.1)
     text = made["code"]["essl"]
     assert FOREIGN in text
-    # The formula, the cosine that the code's value has, and an end of its macros
+    # The macro, the formula, the cosine that the code's value has, and an end of what is the code's own
+    assert text.startswith("#define WHITE 1\n")
     assert "(gonio_m.p0 * gonio_m.p0)" in text
     assert "gonio_found / max(gonio_wi.z" in text
-    assert text.endswith("#undef PI\n")
+    assert text.endswith("precision highp float;\nprecision highp int;\n#undef WHITE\n#undef PI\n")
     with pytest.raises(server.Refused, match="stays in its own language"):
         server.code(names, name, "hlsl")
     saved = data_of(page.saved(names, [name], pool(names, [name])))

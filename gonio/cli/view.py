@@ -44,7 +44,7 @@ def command(
     _check_code(code, [name for name in files if is_foreign(name)])
     if len(texts) > 2 and save is None:
         raise click.UsageError("the page shows two models, A and B; name at most two.")
-    names = page.Names(files, code.load)
+    names = page.Names(files, code.load, code.defines)
     for text in texts:
         names.find(text)  # what is wrong is said here rather than in the page
     if save is not None:
@@ -60,7 +60,12 @@ def command(
             temporary.write_text(text, encoding="utf-8")
         click.echo(path)
         return
-    viewer = server.Viewer(texts, names, port)
+    try:
+        viewer = server.Viewer(texts, names, port)
+    except OSError as error:
+        raise click.UsageError(
+            f"port {port} cannot be used ({error.strerror}); leave --port out for a free one."
+        ) from None
     click.echo(f"gonio view: {viewer.url}\nCtrl C ends it.")
     try:
         server.serve(viewer, open_browser=not no_open)

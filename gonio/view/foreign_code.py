@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -53,6 +53,8 @@ class Code:
     """Functions of files by the names that the page calls them by; read again when a file has changed."""
 
     read: Loader = load
+    defines: Sequence[str] = ()
+    """Macros of all of them, NAME or NAME=VALUE."""
 
     def __post_init__(self) -> None:
         """Nothing is read yet."""
@@ -89,7 +91,9 @@ def _stamp(path: Path) -> int:
         return 0
 
 
-def payload(text: str, name: str, model: ForeignModel) -> dict[str, Any]:
+def payload(
+    text: str, name: str, model: ForeignModel, defines: Sequence[str] = ()
+) -> dict[str, Any]:
     """What the page needs to show a function, as `gonio.view.page.payload` has it for models."""
     foreign = model.foreign
     language = RUNS[foreign.source.language]
@@ -109,7 +113,7 @@ def payload(text: str, name: str, model: ForeignModel) -> dict[str, Any]:
         "maps": None,
         "members": [row["path"] for row in rows],
         "start": {path: value for path, _, value in plain.parameters()},
-        "code": {language: code(foreign)},
+        "code": {language: code(foreign, defines)},
         "load": {language: loader(foreign)},
         "foreign": {
             "language": NAMES[language],
@@ -200,8 +204,9 @@ WGSL = _Spelling(
 SPELLINGS = {"essl": ESSL, "wgsl": WGSL}
 
 
-def code(foreign: Foreign) -> str:
+def code(foreign: Foreign, defines: Sequence[str] = ()) -> str:
     """The file's text, then a struct of its parameters and `model_value`, which calls the function."""
+    macros = [(name, value or "1") for name, _, value in (d.partition("=") for d in defines)]
     source = foreign.source
     language = RUNS[source.language]
     spell = SPELLINGS[language]
@@ -222,11 +227,17 @@ def code(foreign: Foreign) -> str:
     if foreign.returns.cosine:
         returned += " / max(gonio_wi.z, 1.0e-12)"
     declared = " ".join(f"{u.type} {u.name};" for u in source.uniforms if u.default)
-    text = [
-        # Parameters of a .brdf file are declared by what reads it
-        *([declared if source.language == "brdf" else "", "#line 1"] if language == "essl" else []),
-        own,
-        f"#line {OWN * FILE_LINES}" if language == "essl" else "",
+    text = [own]
+    if language == "essl":
+        text = [
+            *(f"#define {name} {value}" for name, value in macros),
+            # Parameters of a .brdf file are declared by what reads it
+            declared if source.language == "brdf" else "",
+            "#line 1",
+            own,
+            f"#line {OWN * FILE_LINES}",
+        ]
+    text += [
         spell.struct.format(members=members),
         spell.value + " {",
         *_roles(foreign, spell),
@@ -249,10 +260,12 @@ def code(foreign: Foreign) -> str:
             "let gonio_found = vec3f(gonio_y[0], gonio_y[1], gonio_y[2]);",
         ]
     text += [f"return {returned};", "}"]
-    # Macros of the code end with it
+    # Macros of the code end with it, and what it says of precisions
     if language == "essl":
-        macros = re.findall(r"^[ \t]*#[ \t]*define[ \t]+(\w+)", source.text, re.M)
-        text += [f"#undef {name}" for name in dict.fromkeys(macros)]
+        names = [name for name, _ in macros]
+        names += re.findall(r"^[ \t]*#[ \t]*define[ \t]+(\w+)", source.text, re.M)
+        text += ["precision highp float;", "precision highp int;"]
+        text += [f"#undef {name}" for name in dict.fromkeys(names)]
     return "\n".join(text) + "\n"
 
 

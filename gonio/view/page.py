@@ -6,7 +6,7 @@ import base64
 import gzip
 import html
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -64,15 +64,21 @@ class UnknownModelError(ModelError):
 class Names:
     """What a page may show: gonio's models and materials, and files that its user named."""
 
-    def __init__(self, files: Iterable[str] = (), read: foreign_code.Loader = load_code) -> None:
+    def __init__(
+        self,
+        files: Iterable[str] = (),
+        read: foreign_code.Loader = load_code,
+        defines: Sequence[str] = (),
+    ) -> None:
         """Files by the names that the page calls them by; others are never opened.
 
         Args:
             files: models, materials, and functions of code as FILE#FUNCTION.
             read: how such a function is read.
+            defines: macros that it was read with, NAME or NAME=VALUE.
         """
         self.files = tuple(files)
-        self.code = foreign_code.Code(read)
+        self.code = foreign_code.Code(read, defines)
 
     def start(self, text: str) -> Model | Material:
         """The model or material in front of a text's colon."""
@@ -122,7 +128,7 @@ def payload(names: Names, text: str) -> dict[str, Any]:
 def payload_of(names: Names, text: str, what: Model | Material) -> dict[str, Any]:
     """The same for what a text means."""
     if isinstance(what, ForeignModel):
-        return foreign_code.payload(text, split(text)[0], what)
+        return foreign_code.payload(text, split(text)[0], what, names.code.defines)
     model = what.model if isinstance(what, Material) else what
     about = manifest(what, NAME, refusals=False)
     made = {language: export({NAME: model}, language)[0] for language in SHADERS}
