@@ -26,6 +26,7 @@ import drjit as dr
 import numpy as np
 from numpy.typing import NDArray
 
+from gonio.albedos.half_vectors import last_slope, level_of, mirrored, slope_at
 from gonio.fields import ModelError
 from gonio.lang import Color, Vec2, Vec3, cos, safe_acos, sin, sqrt, vec2, vec3
 from gonio.messages import did_you_mean
@@ -120,10 +121,9 @@ THETA_NODES = 16
 PHI_NODES = 8
 CROWDING = 3
 
-# The same for half vectors. τ is a third of the sharpest α, which anisotropy divides by up to 3.2. The
-# error is below 5e-6 where F and G are smooth but for a kink at μi = μo. Others inside the lobe cost
-# digits: 3e-5 for Walter's fit, 3e-4 for Cook and Torrance's G, and 1e-2 for the edge of total reflection.
-SLOPE_SCALE = 3e-5
+# The same for half vectors (gonio.albedos.half_vectors). The error is below 5e-6 where F and G are smooth
+# but for a kink at μi = μo. Others inside the lobe cost digits: 3e-5 for Walter's fit, 3e-4 for Cook and
+# Torrance's G, and 1e-2 for the edge of total reflection.
 SLOPE_NODES = 112
 AZIMUTH_NODES = 16
 
@@ -271,23 +271,14 @@ def _over_half_vectors(
         y = width.y * (c * axis.y + s * axis.x)
         inv = dr.rsqrt(x * x + y * y)
         dphi = width.x * width.y * inv * inv
-        # The slope at which wi meets the horizon; of its two forms the one without cancellation
         toward = sine * c * inv
-        root = sqrt(toward * toward + wo.z * wo.z)
-        last = dr.select(toward > 0, (root + dr.abs(toward)) / wo.z, wo.z / (root + dr.abs(toward)))
-        # The slope at which wi is as high as wo, where max(μi, μo) has a kink
-        level = dr.asinh(dr.maximum(toward, 0) / wo.z / SLOPE_SCALE)
-        end = dr.asinh(last / SLOPE_SCALE)
-        for begin, extent in ((0, level), (level, end - level)):
-            grown = dr.exp(begin + node * extent)
-            t = 0.5 * SLOPE_SCALE * (grown - 1 / grown)
-            dt = 0.5 * SLOPE_SCALE * (grown + 1 / grown) * extent * weight
-            cos_m = 1 / sqrt(1 + t * t)
-            m = vec3(t * x * inv * cos_m, t * y * inv * cos_m, cos_m)
-            cos_h = (toward * t + wo.z) * cos_m
-            wi = 2 * cos_h * m - wo
-            # dωi = 4 (wo · m) dm, and dm = t cos³θm dt dφ
-            dwi = 4 * cos_h * t * cos_m * cos_m * cos_m * dt * dphi
+        end = level_of(last_slope(toward, wo.z))
+        # Where wi is as high as wo, and max(μi, μo) has a kink
+        equal = level_of(dr.maximum(toward, 0) / wo.z)
+        for begin, extent in ((0, equal), (equal, end - equal)):
+            slope, steepness = slope_at(begin + node * extent)
+            wi, area = mirrored(wo, x * inv, y * inv, toward, slope)
+            dwi = area * steepness * extent * weight * dphi
             total = total + evaluate(wi, wo) * (wi.z * dwi)
         return total
 
@@ -382,6 +373,23 @@ def mean_albedo(model: Reflecting) -> Color:
 
     up = vec3(Float(0), Float(0), Float(1))
     return _sum(_columns(Float, *wo.T, weights), term, 0 * model.eval(up, up), "mean_albedo")
+
+
+# How often each rule asks for a value at one of its nodes.
+ASKED = {"angles": 2, "half_vectors": 2, "mirror": 3}
+
+
+def evaluations(numeric: NumericAlbedo) -> int:
+    """How often a rule evaluates the model for one direction, beside once or twice for the types."""
+    rule = numeric.rule or "angles"
+    if rule == "angles":
+        nodes = len(_table(float)[0])
+    elif rule == "mirror":
+        nodes = len(_mirror_table(float)[0])
+    else:
+        nodes = len(_half_vector_table(float, numeric.symmetric)[0])
+    # The round part is taken off, and integrated alone
+    return nodes * ASKED[rule] * (3 if numeric.round_part else 1)
 
 
 RULES: dict[str, Callable[[Any, Vec3], Color]] = {

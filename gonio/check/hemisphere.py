@@ -1,12 +1,11 @@
 """Integrals over the hemisphere in float64, adaptive, for lobes of any sharpness in any direction.
 
 Directions wi are charted by half vectors: u is the azimuth of m = normalize(wi + wo) from wo's (crowded at
-quarter turns), v its slope,
-spaced evenly in asinh(slope / SLOPE_SCALE) up to where wi meets the horizon. A mirror's lobe of any width
-then takes up a fair share of the unit square. The square is first cut into cells that the model's own
-samples fill equally (so that a lobe anywhere is seen), and cells are cut again until Lobatto's rule has
-converged. Where a sampler sends its samples back to wo rather than to the mirror direction, the chart is
-turned by half a turn about the normal.
+quarter turns), v the level of its slope (gonio.albedos.half_vectors) as a part of that at which wi meets
+the horizon. A mirror's lobe of any width then takes up a fair share of the unit square. The square is first
+cut into cells that the model's own samples fill equally (so that a lobe anywhere is seen), and cells are
+cut again until Lobatto's rule has converged. Where a sampler sends its samples back to wo rather than to
+the mirror direction, the chart is turned by half a turn about the normal.
 """
 
 from __future__ import annotations
@@ -18,6 +17,7 @@ import drjit as dr
 import numpy as np
 from numpy.typing import NDArray
 
+from gonio.albedos.half_vectors import last_slope, level_of, mirrored, slope_at
 from gonio.check.kernels import draw, reflect, reflect_only
 from gonio.check.subject import (
     Array,
@@ -29,9 +29,6 @@ from gonio.check.subject import (
     stored,
     vectors,
 )
-
-# A third of the sharpest alpha, 1e-4, as gonio.albedos.quadrature has it.
-SLOPE_SCALE = 3e-5
 
 # Cells at the start (a power of two) and samples by which they are cut. A quarter of the samples is
 # spread evenly, so that what the sampler does not know of is resolved as well.
@@ -75,12 +72,9 @@ def axes(wo: Any) -> tuple[Any, Any]:
 
 
 def _reach(wo: Any, c: Any) -> tuple[Any, Any]:
-    """sin(theta_o) cos(phi), and asinh of the slope (over the scale) at which wi meets the horizon."""
-    sine = dr.sqrt(wo.x * wo.x + wo.y * wo.y)
-    toward = sine * c
-    root = dr.sqrt(toward * toward + wo.z * wo.z)
-    last = dr.select(toward > 0, (root + dr.abs(toward)) / wo.z, wo.z / (root + dr.abs(toward)))
-    return toward, dr.asinh(last / SLOPE_SCALE)
+    """sin(theta_o) cos(phi), and the level of the slope at which wi meets the horizon."""
+    toward = dr.sqrt(wo.x * wo.x + wo.y * wo.y) * c
+    return toward, level_of(last_slope(toward, wo.z))
 
 
 def chart(wo: Any, u: Any, v: Any, side: Any = 1) -> tuple[Any, Any]:
@@ -113,17 +107,10 @@ def _meridian(wo: Any, u: Any) -> Meridian:
 
 def _down(wo: Any, m: Meridian, v: Any, side: Any) -> tuple[Any, Any]:
     """wi at a part v of a meridian, from the normal to the horizon, and the solid angle."""
-    grown = dr.exp(v * m.end)
-    inv = 1 / grown
-    t = 0.5 * SLOPE_SCALE * (grown - inv)
-    dt = 0.5 * SLOPE_SCALE * (grown + inv) * m.end
-    cos_m = dr.rsqrt(1 + t * t)
-    cos_h = (m.toward * t + wo.z) * cos_m
-    flat = t * cos_m
-    wi = 2 * cos_h * type(wo)(flat * m.x, flat * m.y, cos_m) - wo
+    slope, steepness = slope_at(v * m.end)
+    wi, area = mirrored(wo, m.x, m.y, m.toward, slope)
     wi = type(wo)(side * wi.x, side * wi.y, wi.z)
-    # dωi = 4 (wo · m) dm, and dm = t cos³θm dt dφ
-    return wi, 4 * cos_h * flat * cos_m * cos_m * dt * m.turn
+    return wi, area * steepness * m.end * m.turn
 
 
 def _crowd(u: Any) -> tuple[Any, Any]:
@@ -158,8 +145,7 @@ def unchart(wo: Any, wi: Any, side: Any = 1) -> tuple[Any, Any]:
     turn = dr.atan2(y, x) / (2 * np.pi)
     c = dr.select(radius > 0, x / dr.maximum(radius, 1e-300), 1)
     _, end = _reach(wo, c)
-    slope = radius / dr.maximum(h.z, 1e-300)
-    v = dr.asinh(slope / SLOPE_SCALE) / end
+    v = level_of(radius / dr.maximum(h.z, 1e-300)) / end
     return _uncrowd(dr.select(turn < 0, turn + 1, turn)), dr.clip(v, 0, 1)
 
 
