@@ -10,7 +10,17 @@ import pytest
 from support.tolerances import SINGLE
 
 import gonio
-from gonio.bench import BenchError, bench, command, kernels, native, pairs, pictures, startup
+from gonio.bench import (
+    BenchError,
+    albedos,
+    bench,
+    command,
+    kernels,
+    native,
+    pairs,
+    pictures,
+    startup,
+)
 from gonio.bench.exported_loop import exported_loops
 from gonio.bench.report import GENERATED, Column, Report, Section, goal_text, milliseconds
 from gonio.bench.timing import alternate, stopwatch
@@ -165,6 +175,22 @@ def test_numpy_is_compared_with_drjit():
     assert section.rows[0]["multiple"] == 1
     assert section.rows[1]["goal"].startswith("≤ 4")
     assert gonio.backend.validating()  # as it was before
+
+
+@needs_llvm
+def test_albedos_are_timed_with_their_evaluations_and_the_share_of_evals_own_speed(monkeypatch):
+    monkeypatch.setattr(albedos, "PEAK_PAIRS", 2000)
+    monkeypatch.setattr(albedos, "DIRECTIONS", 3)
+
+    def some(entry):
+        return entry.label in {"hapke", "eon"}  # eon has a closed form
+
+    (row,) = albedos.albedo_section(1, some, silent).rows
+    assert (row["row"], row["rule"]) == ("hapke", "angles")  # found
+    assert row["seconds_per_evaluation"] == row["seconds"] / (3 * row["evaluations"])
+    assert row["share"] == row["eval_seconds"] / row["seconds_per_evaluation"]
+    assert row["mean_evaluations"] % row["evaluations"] == 0
+    assert row["goal"].startswith("≤ 100")
 
 
 # --------------------------------------------------------------------------------------- checking

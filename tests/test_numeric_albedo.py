@@ -196,3 +196,44 @@ def test_drjit_arrays_pass_straight_through() -> None:
     Array3f = backend.array_module().Array3f
     found = gonio.OrenNayar().albedo(Array3f(0, 0, 1))
     assert dr.is_array_v(found)
+
+
+@pytest.mark.parametrize(
+    "numeric",
+    [
+        NumericAlbedo("angles"),
+        NumericAlbedo("half_vectors", symmetric=True),
+        NumericAlbedo("half_vectors"),
+        NumericAlbedo("mirror"),
+        NumericAlbedo("half_vectors", stretched=True, round_part=True, symmetric=True),
+    ],
+    ids=["angles", "symmetric", "half_vectors", "mirror", "round_part"],
+)
+def test_evaluations_are_as_many_as_a_rule_makes(numeric: NumericAlbedo) -> None:
+    calls = []
+
+    class Counted:
+        """As little as a rule asks for, in plain Python."""
+
+        isotropic = True
+        float_type = float
+
+        def eval(self, wi: Any, wo: Any) -> Any:
+            calls.append(wi)
+            return 0.25
+
+        def eval_round(self, wi: Any, wo: Any) -> Any:
+            calls.append(wi)
+            return 0.125
+
+        def slope_widths(self) -> Any:
+            return vec2(0.5, 0.5)
+
+        def bind(self, Float: Any, convert: Any) -> Any:
+            return self
+
+    model = Counted()
+    model.numeric = numeric  # type: ignore[attr-defined]
+    quadrature.directional_albedo(model, vec3(0.0, 0.6, 0.8))  # type: ignore[arg-type]
+    beside = len(calls) - quadrature.evaluations(numeric)
+    assert 0 <= beside <= 5  # for the types, and for a sum of nothing

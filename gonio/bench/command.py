@@ -10,7 +10,7 @@ import drjit as dr
 
 import gonio
 from gonio import backend
-from gonio.bench import machine, native, pictures, shaders, startup
+from gonio.bench import albedos, machine, native, pictures, shaders, startup
 from gonio.bench.pairs import (
     DISTRIBUTION,
     STREAM_BYTES,
@@ -26,7 +26,7 @@ from gonio.bench.pairs import (
 from gonio.bench.report import Column, Report, Section
 from gonio.export.prove.tools import ProofError
 
-SECTIONS = ("eval", "sample", "numpy", "render", "shaders", "kernels", "startup")
+SECTIONS = ("eval", "sample", "albedos", "numpy", "render", "shaders", "kernels", "startup")
 
 NUMPY_PAIRS = 1_000_000
 NUMPY_ROUNDS = 50
@@ -48,7 +48,7 @@ def bench(
     Args:
         pairs: how many pairs of directions, at least 1.
         repeat: how many times the two sides of a comparison run in turn; the medians are reported.
-        rows: what to measure: names of sections (eval, sample, numpy, render, shaders, kernels,
+        rows: what to measure: names of sections (eval, sample, albedos, numpy, render, shaders, kernels,
             startup), of models and of rows such as "eon_fitted". None measures everything.
         output: a file for the report: Markdown, or JSON if its name ends in .json.
         progress: is told what is measured next; None prints that to stderr.
@@ -87,6 +87,8 @@ def bench(
         found.append(eval_section(baseline, arrays, memory, repeat, only, say))
     if arrays is not None and "sample" in sections:
         found.append(sample_section(baseline, arrays, memory, repeat, only, say))
+    if "albedos" in sections:
+        found.append(albedos.albedo_section(repeat, only, say))
     if "numpy" in sections:
         found.append(numpy_section(min(pairs, NUMPY_PAIRS), NUMPY_ROUNDS, say))
     if "render" in sections:
@@ -139,7 +141,7 @@ def _chosen(
         if name not in known:
             raise ValueError(f"no row {name!r} in the bench; known are {', '.join(sorted(known))}.")
     sections, models = set(names) & set(SECTIONS), set(names) - set(SECTIONS)
-    if models and not sections & {"eval", "sample"}:
+    if models and not sections & {"eval", "sample", "albedos"}:
         sections |= {"eval", "sample"}
     return sections, models or None
 

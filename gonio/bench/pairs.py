@@ -151,7 +151,7 @@ def entries(names: Sequence[str]) -> Iterator[Entry]:
             yield Entry(label, cls(**given), label in names)
 
 
-def _finished(*results: Any) -> tuple[Any, ...]:
+def finished(*results: Any) -> tuple[Any, ...]:
     """Compute the results, and wait until they are there."""
     dr.eval(*results)
     dr.sync_thread()
@@ -230,7 +230,7 @@ def eval_section(
         model = entry.model
 
         def work(model: Model = model) -> Any:
-            return _finished(model.eval(pairs.jit_wi, pairs.jit_wo))
+            return finished(model.eval(pairs.jit_wi, pairs.jit_wo))
 
         theirs = partial(_baseline_values, baseline, entry, pairs) if entry.in_baseline else None
         loop = exported_loops({entry.label: model})[entry.label]
@@ -264,7 +264,7 @@ def sample_section(
 
         def work(model: Model = model) -> Any:
             wi, pdf = model.sample(pairs.jit_wo, pairs.jit_u)
-            return _finished(wi, pdf, model.eval(wi, pairs.jit_wo))
+            return finished(wi, pdf, model.eval(wi, pairs.jit_wo))
 
         theirs = partial(_baseline_samples, baseline, entry, pairs)
         different = compare_samples(entry, pairs, theirs())
@@ -317,7 +317,7 @@ def compare_values(
     Raises:
         BenchError: they, or those of the export, differ by more than TOLERANCE.
     """
-    (value,) = _finished(entry.model.eval(pairs.jit_wi, pairs.jit_wo))
+    (value,) = finished(entry.model.eval(pairs.jit_wi, pairs.jit_wo))
     ours = value.numpy()
     exported = loop.eval(pairs.wi, pairs.wo, dr.thread_count()).value
     _agree(entry.label, "value", ours, exported, "its C++ export's")
@@ -334,7 +334,7 @@ def compare_samples(entry: Entry, pairs: Pairs, samples: native.TimedSamples) ->
     above = samples.wi[2] > 0
     wi = dr.llvm.ad.Array3f(*(np.ascontiguousarray(c[above]) for c in samples.wi))
     wo = dr.llvm.ad.Array3f(*(np.ascontiguousarray(c[above]) for c in pairs.wo))
-    pdf, value = _finished(entry.model.pdf(wi, wo), entry.model.eval(wi, wo))
+    pdf, value = finished(entry.model.pdf(wi, wo), entry.model.eval(wi, wo))
     return max(
         _agree(entry.label, "pdf", pdf.numpy(), samples.pdf[above]),
         _agree(entry.label, "value", value.numpy(), samples.value[:, above]),
@@ -392,7 +392,7 @@ def stream(pairs: int) -> Side:
     x = dr.opaque(Float, 0.5)
     a, b = (dr.full(Float, v, floats) for v in (1.0, 2.0))
     dr.make_opaque(a, b)
-    return stopwatch(lambda: _finished(dr.fma(b, x, a)), SHORT_CALLS)
+    return stopwatch(lambda: finished(dr.fma(b, x, a)), SHORT_CALLS)
 
 
 def numpy_section(count: int, repeat: int, progress: Progress) -> Section:
@@ -412,7 +412,7 @@ def numpy_section(count: int, repeat: int, progress: Progress) -> Section:
 
     # One call in turn: with several in a row, the arrays of the first kind would stay in the cache.
     sides = {
-        "drjit": stopwatch(lambda: _finished(model.eval(pairs.jit_wi, pairs.jit_wo))),
+        "drjit": stopwatch(lambda: finished(model.eval(pairs.jit_wi, pairs.jit_wo))),
         "numpy": stopwatch(lambda: model.eval(wi, wo)),
         "unchecked": stopwatch(unchecked),
     }

@@ -18,8 +18,9 @@ def command(
 ) -> None:
     """Measure gonio beside plain C++ (compiled for the purpose), Mitsuba's own plug-ins and the clock.
 
-    ROWs choose what to measure: sections (eval, sample, numpy, render, shaders, kernels, startup), models,
-    or rows such as eon_fitted. Everything takes about four minutes; close other programs first.
+    ROWs choose what to measure: sections (eval, sample, albedos, numpy, render, shaders, kernels,
+    startup), models, or rows such as eon_fitted. Everything takes about four minutes; close other
+    programs first.
 
     \b
     Examples:
