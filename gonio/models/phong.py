@@ -49,16 +49,16 @@ COS_MIN = 1e-37
 def cos_alpha(wi: Vec3, wo: Vec3) -> Float:
     """Cosine between wi and the mirror direction of wo: mu_i mu_o - wi.x wo.x - wi.y wo.y.
 
-    Near 0 the three products cancel. Their rounding errors, and that of the first sum, are carried
-    along (Kahan's and Knuth's ways to find them), so that a broad lobe fades out with all its digits;
-    the last sum's is small beside what is left.
+    Near 0 the three products cancel. The rounding errors of the last two and of their sum are carried
+    along (Kahan's and Knuth's ways to find them), so that a broad lobe fades out with all its digits; the
+    first product comes in with a single rounding, which is small beside what is left.
     """
-    p, q, r = wi.z * wo.z, -wi.x * wo.x, -wi.y * wo.y
-    error_p, error_q, error_r = fma(wi.z, wo.z, -p), fma(-wi.x, wo.x, -q), fma(-wi.y, wo.y, -r)
-    qr = q + r
-    back_r = qr - q
-    error_qr = (q - (qr - back_r)) + (r - back_r)
-    return p + qr + (error_p + error_q + error_r + error_qr)
+    x, y = wi.x * wo.x, wi.y * wo.y
+    s = x + y
+    back_y = s - x
+    error_s = (x - (s - back_y)) + (y - back_y)
+    error = fma(wi.x, wo.x, -x) + fma(wi.y, wo.y, -y) + error_s
+    return fma(wi.z, wo.z, -s) - error
 
 
 def lobe(wi: Vec3, wo: Vec3, exponent: Float) -> Float:

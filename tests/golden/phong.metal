@@ -39,20 +39,17 @@ struct PhongChoice {
 
 // Cosine between wi and the mirror direction of wo: mu_i mu_o - wi.x wo.x - wi.y wo.y.
 //
-// Near 0 the three products cancel. Their rounding errors, and that of the first sum, are carried along
-// (Kahan's and Knuth's ways to find them), so that a broad lobe fades out with all its digits; the last
-// sum's is small beside what is left.
+// Near 0 the three products cancel. The rounding errors of the last two and of their sum are carried along
+// (Kahan's and Knuth's ways to find them), so that a broad lobe fades out with all its digits; the first
+// product comes in with a single rounding, which is small beside what is left.
 inline float phong_cos_alpha(float3 wi, float3 wo) {
-    float p = wi.z * wo.z;
-    float q = -wi.x * wo.x;
-    float r = -wi.y * wo.y;
-    float error_p = fma(wi.z, wo.z, -p);
-    float error_q = fma(-wi.x, wo.x, -q);
-    float error_r = fma(-wi.y, wo.y, -r);
-    float qr = q + r;
-    float back_r = qr - q;
-    float error_qr = q - (qr - back_r) + (r - back_r);
-    return p + qr + (error_p + error_q + error_r + error_qr);
+    float x = wi.x * wo.x;
+    float y = wi.y * wo.y;
+    float s = x + y;
+    float back_y = s - x;
+    float error_s = x - (s - back_y) + (y - back_y);
+    float error = fma(wi.x, wo.x, -x) + fma(wi.y, wo.y, -y) + error_s;
+    return fma(wi.z, wo.z, -s) - error;
 }
 
 // atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25.

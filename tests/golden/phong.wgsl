@@ -36,20 +36,17 @@ struct PhongChoice {
 
 // Cosine between wi and the mirror direction of wo: mu_i mu_o - wi.x wo.x - wi.y wo.y.
 //
-// Near 0 the three products cancel. Their rounding errors, and that of the first sum, are carried along
-// (Kahan's and Knuth's ways to find them), so that a broad lobe fades out with all its digits; the last
-// sum's is small beside what is left.
+// Near 0 the three products cancel. The rounding errors of the last two and of their sum are carried along
+// (Kahan's and Knuth's ways to find them), so that a broad lobe fades out with all its digits; the first
+// product comes in with a single rounding, which is small beside what is left.
 fn phong_cos_alpha(wi: vec3f, wo: vec3f) -> f32 {
-    let p = wi.z * wo.z;
-    let q = -wi.x * wo.x;
-    let r = -wi.y * wo.y;
-    let error_p = fma(wi.z, wo.z, -p);
-    let error_q = fma(-wi.x, wo.x, -q);
-    let error_r = fma(-wi.y, wo.y, -r);
-    let qr = q + r;
-    let back_r = qr - q;
-    let error_qr = q - (qr - back_r) + (r - back_r);
-    return p + qr + (error_p + error_q + error_r + error_qr);
+    let x = wi.x * wo.x;
+    let y = wi.y * wo.y;
+    let s = x + y;
+    let back_y = s - x;
+    let error_s = x - (s - back_y) + (y - back_y);
+    let error = fma(wi.x, wo.x, -x) + fma(wi.y, wo.y, -y) + error_s;
+    return fma(wi.z, wo.z, -s) - error;
 }
 
 // atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25.
