@@ -4,6 +4,20 @@ A model is a class with fields made by `param` and `option` and the methods `eva
 `albedo`, written in the vocabulary of `gonio.lang`. Deriving from `Model` registers it under the name
 of its file. The base class does what models must not repeat: it checks and converts what users pass
 in, keeps parameter values out of compiled kernels, and makes everything zero below the horizon.
+
+What happens when `gonio.EON(roughness=1).eval(wi, wo)` is called: two objects take part, each of a class
+of its own.
+
+1. `EON(...)` makes what users hold: an instance of EON's variant on arrays, a class derived from EON and
+   `OnArrays`. Its parameters are numbers or arrays as they were given, its `eval` is that of `OnArrays`.
+2. `OnArrays.eval` hands over to `gonio.arrays.call`, which finds out whose arrays they are (NumPy's,
+   PyTorch's ...), broadcasts and checks them, and makes Dr.Jit values of them.
+3. `Model.bind` makes the bound model: an instance of EON as its file has it, whose parameters are Dr.Jit
+   values of the kernel's `float_type`.
+4. `eval` of the bound model is what the file says, between guards for the horizon. Whatever it calls, its
+   own methods, those of a class above by `super()`, or those of models inside the model, is bound as well.
+
+Renderers bind models themselves (`gonio.mitsuba.bsdf`), and exports read the file's text.
 """
 
 from __future__ import annotations
@@ -13,6 +27,7 @@ import inspect
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from types import new_class
 from typing import Any, ClassVar, Self, get_type_hints
 
 import drjit as dr
@@ -106,6 +121,9 @@ class Model:
     `wi` points towards the light, `wo` towards the viewer. NumPy, PyTorch and JAX arrays have the
     component last, broadcast, and come back as what came in; Dr.Jit arrays pass straight through.
     Numbers and arrays alike can be given for every parameter.
+
+    A subclass is the model as its file has it, and instances of it are bound, inside a kernel. Calling the
+    class makes its variant on arrays instead, which users hold; see the module's description.
     """
 
     fields: ClassVar[Mapping[str, Field]] = {}
@@ -123,17 +141,29 @@ class Model:
     isotropic: ClassVar[bool] = True
     """False if turning both directions about the normal changes the value."""
 
-    float_type: Any = None
-    """Number type of the kernel a bound copy lives in; None for the model that users hold."""
+    written: ClassVar[type[Any]]
+    """The class as the model's file has it: of what users hold and of bound models alike."""
 
-    _bound: dict[Any, Self]
+    float_type: Any
+    """Number type of the kernel that a bound model lives in; what users hold has none."""
 
-    def __init_subclass__(cls, *, register: bool = True) -> None:
-        """Collect the fields, wrap the methods with the contract, and register the model.
+    _on_arrays: ClassVar[type[Any]]
+    _bound: dict[Any, Any]
+
+    def __init_subclass__(cls, *, register: bool = True, written: bool = True) -> None:
+        """Collect the fields, put the guards around the methods, and register the model.
 
         A model is named after its file; in a notebook or a script that is run, after its class.
-        `class Variant(EON, register=False)` keeps a private variant out of the registry.
+        `class Variant(EON, register=False)` keeps a private variant out of the registry. Variants on arrays
+        are the only classes that are not written.
         """
+        if not written:
+            return
+        if issubclass(cls, OnArrays):
+            raise ModelError(
+                f"{cls.__name__} derives from the type of a model; derive from model.written, its class."
+            )
+        cls.written = cls
         cls.name = cls.__module__.rpartition(".")[2]
         if cls.name == "__main__" or not register:
             cls.name = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", cls.__name__).lower()
@@ -147,20 +177,19 @@ class Model:
                     declared.default = declared.check(cls.name, declared.default)
                 cls.fields[name] = declared
                 delattr(cls, name)
-        quadrature.check_declared(
-            cls, lambda method: getattr(cls, method) is not vars(Model)[method]
-        )
+        quadrature.check_declared(cls, cls.writes)
         cls.description = inspect.cleandoc(vars(cls).get("__doc__") or cls.description)
         cls.__doc__ = "\n".join([cls.description, *_explained(cls.fields)])
         for name, guard in _GUARDS.items():
             if name in vars(cls):
-                setattr(cls, name, _contract(vars(cls)[name], guard))
+                setattr(cls, name, _guarded(vars(cls)[name], guard))
         cls.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
             [
                 inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=f.default)
                 for name, f in cls.fields.items()
             ]
         )
+        cls._on_arrays = _derive_on_arrays(cls)
         if not register:
             return
         known = _registry.get(cls.name)
@@ -170,6 +199,11 @@ class Model:
                 f"two models are called {cls.name!r}: {_file(known)} and {_file(cls)}; rename one file."
             )
         _registry[cls.name] = cls
+
+    def __new__(cls, *_: Any, **__: Any) -> Self:
+        """An instance of the variant on arrays, which users hold; `bind` makes the others."""
+        made: Self = object.__new__(cls._on_arrays)
+        return made
 
     def __init__(self, **given: Any) -> None:
         """Take parameters by name: numbers, triples, names of options, models, or arrays.
@@ -193,6 +227,11 @@ class Model:
             object.__setattr__(self, name, value)
         object.__setattr__(self, "_bound", {})
 
+    @classmethod
+    def writes(cls, method: str) -> bool:
+        """Whether this class, or a model above it, has a method of its own, beside what `Model` has."""
+        return getattr(cls.written, method) is not vars(Model)[method]
+
     def __setattr__(self, name: str, value: Any) -> None:
         """Models do not change; a changed copy is made by `replace`."""
         raise AttributeError(
@@ -206,38 +245,40 @@ class Model:
             for name, declared in self.fields.items()
             if not declared.is_default(getattr(self, name))
         )
-        return f"{type(self).__name__}({', '.join(given)})"
+        return f"{self.written.__name__}({', '.join(given)})"
 
     def __eq__(self, other: object) -> bool:
         """Whether it is the same model with the same parameters; arrays have to be the same objects."""
         if not isinstance(other, Model):
             return NotImplemented
-        return type(self) is type(other) and self._key() == other._key()
+        return self.written is other.written and self._key() == other._key()
 
     def __hash__(self) -> int:
         """Equal models have equal hashes."""
-        return hash((type(self), self._key()))
+        return hash((self.written, self._key()))
 
     def _key(self) -> tuple[Any, ...]:
         return tuple(f.key(getattr(self, name)) for name, f in self.fields.items())
 
     def _repr_html_(self) -> str:
         """A table of the parameters, for notebooks."""
-        return notebook.table(type(self).__name__, self.description, HEADS, self.rows())
+        return notebook.table(self.written.__name__, self.description, HEADS, self.rows())
 
     def rows(self, prefix: str = "") -> Iterator[tuple[str, str, str, str]]:
         """Path, value, allowed values and meaning of all fields, those of inner models included."""
         for name, declared in self.fields.items():
             value = getattr(self, name)
             inside = isinstance(value, Model)
-            text = type(value).__name__ if inside else shown(value)
+            text = value.written.__name__ if inside else shown(value)
             yield prefix + name, text, declared.range_text(), declared.doc
             if inside:
                 yield from value.rows(f"{prefix}{name}.")
 
     def replace(self, **changed: Any) -> Self:
         """Return a copy with some parameters or options changed."""
-        return type(self)(**{name: getattr(self, name) for name in self.fields} | changed)
+        values = {name: getattr(self, name) for name in self.fields}
+        made: Self = self.written(**values | changed)
+        return made
 
     def at_least_as_rough(self, alpha: Float) -> Self:
         """A copy inside a kernel whose highlights are at least as wide as facets of this alpha.
@@ -251,27 +292,27 @@ class Model:
             for name, declared in self.fields.items()
             if isinstance(declared, Parameter) and declared.rougher is not None
         }
-        copy = object.__new__(type(self))
+        copy: Self = object.__new__(self.written)
         vars(copy).update(vars(self) | wider)
         return copy
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
-        """BRDF value in 1/sr, WITHOUT the cosine, shape (..., 3); 0 at and below the horizon."""
+        """BRDF value in 1/sr, WITHOUT the cosine; 0 at and below the horizon."""
         raise NotImplementedError
 
     def eval_above(self, wi: Vec3, wo: Vec3) -> Color:
         """`eval` inside a kernel, without the test for the horizon: for directions known to be above it."""
-        return inspect.unwrap(type(self).eval)(self, wi, wo)
+        return as_written(self.written.eval)(self, wi, wo)
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
-        """Sample `wi` for a known `wo` from two uniform random numbers in [0, 1), shape (..., 2).
+        """Sample `wi` for a known `wo` from two uniform random numbers in [0, 1).
 
         A Monte Carlo weight is eval(wi, wo) · wi.z / pdf. A pdf of 0 marks a wasted sample.
         """
         raise NotImplementedError
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
-        """Density in 1/sr with which `sample` returns `wi`, shape (...); 0 below the horizon."""
+        """Density in 1/sr with which `sample` returns `wi`; 0 below the horizon."""
         raise NotImplementedError
 
     def sample_leaving(self, wo: Vec3, u: Vec2, excess: Float) -> Vec3:
@@ -288,11 +329,11 @@ class Model:
         return pdf_leave(self.pdf(wi_t, wo), self.pdf(gather(wi, excess), wo), wi, wi_t, excess)
 
     def albedo(self, wo: Vec3) -> Color:
-        """Directional albedo ∫ f μi dωi, shape (..., 3): closed form if known, else by quadrature."""
+        """Directional albedo ∫ f μi dωi: closed form if known, else by quadrature."""
         return quadrature.directional_albedo(self, wo)
 
     def mean_albedo(self) -> Color:
-        """Mean albedo (1/π) ∫ albedo(wo) μo dωo, shape (..., 3): closed form or quadrature."""
+        """Mean albedo (1/π) ∫ albedo(wo) μo dωo: closed form or quadrature."""
         return quadrature.mean_albedo(self)
 
     def with_numeric(self, numeric: NumericAlbedo) -> Self:
@@ -326,7 +367,7 @@ class Model:
         keep: bool = False,
         prefix: str = "",
     ) -> Self:
-        """A copy whose parameters are Dr.Jit values, for use inside a kernel.
+        """The bound model: as written, with parameters that are Dr.Jit values, for use inside a kernel.
 
         Args:
             Float: the number type of the kernel (`float` for plain Python).
@@ -335,8 +376,9 @@ class Model:
             prefix: of the paths, for inner models.
         """
         if keep and Float in self._bound:
-            return self._bound[Float]
-        bound = object.__new__(type(self))
+            kept: Self = self._bound[Float]
+            return kept
+        bound: Self = object.__new__(self.written)
         for name, declared in self.fields.items():
             value = getattr(self, name)
             if isinstance(declared, Parameter):
@@ -351,9 +393,72 @@ class Model:
         return bound
 
 
+class OnArrays(Model, written=False):
+    """What users hold: a model whose methods take arrays of any framework and return the same kind.
+
+    Directions and random numbers have the component last and broadcast, with parameters that are arrays as
+    well. Every written model has a variant of this kind, which calling its class makes.
+    """
+
+    def eval(self, wi: Any, wo: Any) -> Any:
+        """BRDF value in 1/sr, WITHOUT the cosine, shape (..., 3); 0 at and below the horizon."""
+        return arrays.call(self, "eval", (wi, wo))
+
+    def sample(self, wo: Any, u: Any) -> Sample:
+        """Sample `wi` for a known `wo` from two uniform random numbers in [0, 1), shape (..., 2).
+
+        A Monte Carlo weight is eval(wi, wo) · wi.z / pdf. A pdf of 0 marks a wasted sample.
+        """
+        found: Sample = arrays.call(self, "sample", (wo, u))
+        return found
+
+    def pdf(self, wi: Any, wo: Any) -> Any:
+        """Density in 1/sr with which `sample` returns `wi`, shape (...); 0 below the horizon."""
+        return arrays.call(self, "pdf", (wi, wo))
+
+    def albedo(self, wo: Any) -> Any:
+        """Directional albedo ∫ f μi dωi, shape (..., 3): closed form if known, else by quadrature."""
+        model: OnArrays = self
+        if not self.writes("albedo") and framework(wo) != "drjit":
+            if "numeric" not in self._bound or not self.numeric.rule:
+                self._bound["numeric"] = for_quadrature(self, wo)
+            model = self._bound["numeric"]
+        return arrays.call(model, "albedo", (wo,))
+
+    def mean_albedo(self) -> Any:
+        """Mean albedo (1/π) ∫ albedo(wo) μo dωo, shape (..., 3): closed form or quadrature."""
+        if not self.writes("mean_albedo"):
+            mean = mean_over_directions(self)
+            if mean is not None:
+                return mean
+        return arrays.call(self, "mean_albedo", ())
+
+    def __reduce__(self) -> Any:
+        """For copies and pickles: the class as written, and the values; what was bound is left out."""
+        return _empty, (self.written,), vars(self) | {"_bound": {}}
+
+
+def _empty(cls: type[Model]) -> Model:
+    """A model without values, for those of another."""
+    return cls.__new__(cls)
+
+
+def _derive_on_arrays(cls: type[Model]) -> type[Model]:
+    """The variant on arrays of a written model, under the same name."""
+    named = {key: getattr(cls, key) for key in ("__module__", "__qualname__", "__doc__")}
+    return new_class(
+        cls.__name__, (OnArrays, cls), {"written": False}, lambda space: space.update(named)
+    )
+
+
 def _file(cls: type[Model]) -> str:
     """Where a model is written; the name of a notebook's cell if it is there."""
-    return str(inspect.unwrap(cls.eval).__code__.co_filename)
+    return str(as_written(cls.eval).__code__.co_filename)
+
+
+def as_written(method: Any) -> Any:
+    """The function that a model's file has, without the guard around it."""
+    return getattr(method, "__wrapped__", method)
 
 
 def _explained(fields: Mapping[str, Field]) -> Iterator[str]:
@@ -408,32 +513,21 @@ def _upwards(above: Any, w: Vec3) -> Vec3:
     return vec3(select(above, w.x, 0), select(above, w.y, 0), select(above, w.z, 1))
 
 
-_GUARDS: dict[str, Callable[..., Any] | None] = {
+def _guard_mean(method: Any, model: Model) -> Color:
+    return method(model)  # no direction that could be below
+
+
+_GUARDS: dict[str, Callable[..., Any]] = {
     "eval": _guard_eval,
     "sample": _guard_sample,
     "pdf": _guard_eval,
     "albedo": _guard_albedo,
-    "mean_albedo": None,
+    "mean_albedo": _guard_mean,
 }
 
 
-def _for_user(model: Model, method: Any, directions: tuple[Any, ...]) -> Any:
-    """A method of a model that users hold, on their arrays."""
-    if method is _NUMERIC_MEAN and (mean := mean_over_directions(model)) is not None:
-        return mean
-    if method is _NUMERIC_ALBEDO and framework(directions[0]) != "drjit":
-        if "numeric" not in model._bound or not model.numeric.rule:
-            model._bound["numeric"] = for_quadrature(model, directions[0])
-        model = model._bound["numeric"]
-    return arrays.call(model, method.__name__, directions)
-
-
-_NUMERIC_ALBEDO, _NUMERIC_MEAN = Model.albedo, Model.mean_albedo
-
-
-def _contract(method: Any, guard: Any) -> Any:
-    """Wrap a model's method: convert what users pass in, and mask what is below the horizon."""
-
+def _guarded(method: Any, guard: Any) -> Any:
+    """A written method whose results are masked below the horizon."""
     signature = inspect.signature(method)
     count = len(signature.parameters) - 1
 
@@ -441,17 +535,13 @@ def _contract(method: Any, guard: Any) -> Any:
     def call(self: Model, *directions: Any, **named: Any) -> Any:
         if named or len(directions) != count:
             directions = signature.bind(self, *directions, **named).args[1:]
-        if self.float_type is None:
-            return _for_user(self, method, directions)
-        if guard is None:
-            return method(self, *directions)
         return guard(method, self, *directions)
 
     return call
 
 
 for _name, _guard in _GUARDS.items():
-    setattr(Model, _name, _contract(vars(Model)[_name], _guard))
+    setattr(Model, _name, _guarded(vars(Model)[_name], _guard))
 
 
 def models() -> dict[str, type[Model]]:

@@ -151,7 +151,7 @@ def test_no_comment_of_an_exported_function_is_lost(name: str) -> None:
     """Functions with conditions on options keep those of the chosen branch only; they are left out."""
     model = gonio.model(name)
     found = " ".join(re.sub(r"[^\x20-\x7e]|//", " ", text(model, "glsl")).split())
-    file = source(str(inspect.getsourcefile(type(model))))
+    file = source(str(inspect.getsourcefile(model.written)))
     for node in ast.walk(file.tree):
         if not isinstance(node, ast.FunctionDef) or f"_{node.name.strip('_')}(" not in found:
             continue

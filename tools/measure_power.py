@@ -90,7 +90,7 @@ def planted(base: str, parameter: str, **methods: Planted) -> type[Model]:
             wi = super().sample(wo, u).wi
             return Sample(wi, self.pdf(wi, wo))
 
-    if cls.albedo is not Model.albedo:
+    if cls.writes("albedo"):
 
         def albedo(self: Any, wo: Any) -> Any:
             value = super(Wrong, self).albedo(wo)

@@ -104,7 +104,7 @@ def subjects(
     kept = frozenset(fixed)
     if kept:
         return [ModelSubject(model, kept, label)]
-    cls = type(model)
+    cls = model.written
     return [
         ModelSubject(model.replace(**choice), frozenset(), label)
         for choice in [*options(cls), *pairs(cls)]

@@ -67,7 +67,7 @@ def find(model: Model, Float: Any) -> None:
         ModelError: with the file, the line, and what to write.
     """
     for one in [model, *inner_models(model)]:
-        _undeclared(type(one))
+        _undeclared(one.written)
         _called(one, Float)
 
 
@@ -105,15 +105,15 @@ def _called(model: Model, Float: Any) -> None:
         "u": Vec2(Float(0.3, 0.6), Float(0.7, 0.2)),
     }
     for name, (arguments, width, wanted) in METHODS.items():
-        method = inspect.unwrap(getattr(type(model), name))
-        if method is inspect.unwrap(getattr(Model, name)):
+        if not model.writes(name):
             continue
+        method = inspect.unwrap(getattr(model.written, name))
         try:
             result = method(bound, *(given[a] for a in arguments))
         except ModelError:
             raise
         except Exception as error:
-            raise ModelError(_stopped(type(model), method, error)) from error
+            raise ModelError(_stopped(model.written, method, error)) from error
         if complaint := _unfit(name, result, width, wanted):
             where = _return_of(method)
             raise ModelError(f"{where}: {model.name}.{name} {complaint}")

@@ -36,7 +36,7 @@ def _classes(model: Model) -> list[type]:
     return [
         cls
         for one in [model, *inner_models(model)]
-        for cls in type(one).__mro__
+        for cls in one.written.__mro__
         if issubclass(cls, Model) and cls is not Model
     ]
 

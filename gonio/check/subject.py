@@ -172,9 +172,9 @@ class ModelSubject:
         self.whole = not fixed
         self.float32 = False
         self.differentiable = True
-        closed = type(model).albedo is not Model.albedo
+        closed = model.writes("albedo")
         self.albedos = "closed form" if closed else "quadrature"
-        self.mean_closed = type(model).mean_albedo is not Model.mean_albedo
+        self.mean_closed = model.writes("mean_albedo")
 
     def prepare(self) -> None:
         """Raise a ModelError about a mistake in the model's methods."""

@@ -52,7 +52,7 @@ def subjects_of(text: str, params: Iterable[str] = ()) -> list[Subject]:
     if isinstance(found, Material):
         return _of_material(found)
     if not (pieces or given):
-        return subjects(type(found), label=name)
+        return subjects(found.written, label=name)
     named = {piece.partition("=")[0].strip() for piece in [*pieces, *given]}
     return subjects(found, named, name)
 

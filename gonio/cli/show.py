@@ -41,7 +41,7 @@ def command(model: str, params: tuple[str, ...], as_json: bool) -> None:
             click.echo(material_text(found, changed), nl=False)
             click.echo(f"\n'gonio show {found.model.name}' describes its model.", err=True)
         return
-    about = describe(type(found))
+    about = describe(found.written)
     given = dict(settings_of(found))
     if as_json:
         echo_json(about | ({"given": given} if given else {}))

@@ -130,7 +130,7 @@ class _Writer:
         return {MARK: "file", "digest": found, "name": path.name}
 
     def model(self, model: Model) -> Any:
-        cls = type(model)
+        cls = model.written
         source: Any
         if models().get(cls.name) is cls:
             source = cls.name

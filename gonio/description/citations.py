@@ -128,7 +128,7 @@ def _classes(model: Model | type[Model]) -> Iterator[type[Model]]:
     if isinstance(model, type):
         yield model
         return
-    yield type(model)
+    yield model.written
     for name, declared in model.fields.items():
         if isinstance(declared, Child):
             yield from _classes(getattr(model, name))

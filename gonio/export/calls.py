@@ -96,7 +96,8 @@ class Calls(Expressions):
             self.refuse(
                 node, "super() takes nothing here; or name the class: EON.eval(self, wi, wo)."
             )
-        classes = type(self.owner.model).__mro__
+        assert self.owner.model is not None
+        classes = self.owner.model.written.__mro__
         here = next(
             i
             for i, cls in enumerate(classes)
@@ -114,9 +115,10 @@ class Calls(Expressions):
         if not (isinstance(first, ast.Name) and first.id == self.self_name):
             return False
         assert self.owner is not None
+        assert self.owner.model is not None
         return any(
             found is function
-            for cls in type(self.owner.model).__mro__
+            for cls in self.owner.model.written.__mro__
             for found in vars(cls).values()
         )
 
@@ -200,7 +202,7 @@ class Calls(Expressions):
         """A copy of a model with wider highlights, each parameter by the function that it declares."""
         assert owner.model is not None
         method = cast(types.FunctionType, Model.at_least_as_rough)
-        if type(owner.model).at_least_as_rough is not method:
+        if owner.model.written.at_least_as_rough is not method:
             self.refuse(node, "at_least_as_rough is gonio's own; give the method another name.")
         ((at, value),) = self._arguments(node, method, 1)
         alpha = self._expr(at, value)
@@ -485,10 +487,10 @@ def method_of(owner: Struct, name: str) -> types.FunctionType:
     """
     model = owner.model
     assert model is not None
-    found = inspect.getattr_static(type(model), name)
+    found = inspect.getattr_static(model.written, name)
     function = written(name, found)
     if function is None:
-        raise MissingMethodError(f"{type(model).__name__}.{name} is no plain method.")
+        raise MissingMethodError(f"{model.written.__name__}.{name} is no plain method.")
     if name not in OF_ALL and function is written(name, vars(Model).get(name)):
         if name == "albedo":
             return cast(types.FunctionType, library.sampled_albedo)

@@ -409,7 +409,7 @@ class Expressions(ABC):
         name = node.attr
         if name in model.fields:
             return Static(getattr(model, name))
-        cls = next((c for c in type(model).__mro__ if name in vars(c)), None)
+        cls = next((c for c in model.written.__mro__ if name in vars(c)), None)
         if cls is None:
             if hasattr(model, name):
                 self.refuse(

@@ -115,13 +115,13 @@ def manifest(
         lights = lit or usual(model)
         made = export_lit(model, own, lights, "wgsl", only=only, prefix=prefix, tables=tables)
     entry, buffer = made.entry, made.buffer
-    module = inspect.getmodule(type(model))
+    module = inspect.getmodule(model.written)
     return {
         "gonio": __version__,
         "name": name or model.name,
         "model": model.name,
         "title": module_notes(inspect.getdoc(module) or "")["title"],
-        "description": what.description if isinstance(what, Material) else summary(type(model)),
+        "description": what.description if isinstance(what, Material) else summary(model.written),
         "prefix": entry.prefix,
         "struct": entry.struct,
         "sample_struct": entry.sample_struct,
@@ -315,7 +315,7 @@ class _Choice:
 
 
 def _classes_and_options(model: Model) -> Iterator[Any]:
-    yield type(model)
+    yield model.written
     for name, declared in model.fields.items():
         if isinstance(declared, Option):
             yield getattr(model, name)

@@ -131,7 +131,7 @@ class _Node:
             "node": function,
             "bsdf": "R",
             "nodegroup": "pbr",
-            "doc": summary(type(self.model)),
+            "doc": summary(self.model.written),
         }
         implementation = {
             "name": f"IM_{function}_genglsl",

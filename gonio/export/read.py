@@ -121,12 +121,12 @@ class Reader:
             for name, declared in model.fields.items()
             if isinstance(declared, Option)
         ]
-        text = [f"{doc}: {(type(model).__doc__ or '').strip().splitlines()[0]}"]
+        text = [f"{doc}: {(model.written.__doc__ or '').strip().splitlines()[0]}"]
         if options:
             text.append(f"Exported with {', '.join(options)}.")
         name = self._struct_name("", prefix) if title else self._struct_name(prefix, "")
         struct = Struct(name, tuple(members), tuple(text), model, prefix)
-        own = {name for cls in type(model).__mro__ for name in vars(cls)}
+        own = {name for cls in model.written.__mro__ for name in vars(cls)}
         self._methods |= {f"{prefix}_{name.strip('_')}" for name in own}
         self._models[key] = struct
         return self._add(struct)
@@ -173,9 +173,9 @@ class Reader:
         if owner is None and (record := record_of(function, given)) is not None:
             plain = f"{snake(record.__name__)}_{plain.strip('_')}"
         inherited = False
-        if owner is not None and function is not library.sampled_albedo:
+        if owner is not None and owner.model is not None and function is not library.sampled_albedo:
             name = "eval" if method == UNTESTED else plain
-            own = inspect.getattr_static(type(owner.model), name, None)
+            own = inspect.getattr_static(owner.model.written, name, None)
             inherited = own is not None and written(name, own) is not function
         made.name = self._name(function, given, owner, plain, inherited)
         if inherited:
@@ -371,7 +371,7 @@ def described(cls: type) -> tuple[tuple[str, ...], dict[str, str]]:
 def _kind(model: Model) -> Any:
     """What makes the code of two models the same: class, options, and the kinds of inner models."""
     return (
-        type(model),
+        model.written,
         *(
             _kind(value) if isinstance(value, Model) else value
             for name, declared in model.fields.items()

@@ -29,7 +29,7 @@ from gonio.export.tidy import members, tidy
 from gonio.export.tree import CALLED, METHODS, SELF, Call, ExportError, Function, Struct, walk
 from gonio.fields import Parameter
 from gonio.messages import did_you_mean
-from gonio.model import Child, Model
+from gonio.model import Child, Model, as_written
 
 FUNCTIONS = METHODS
 
@@ -189,13 +189,13 @@ def _closed(model: Model) -> bool:
     """Whether a model's albedo is a formula, and of models inside it as well."""
     if not has_own_albedo(model):
         return False
-    children = [n for n, declared in type(model).fields.items() if isinstance(declared, Child)]
+    children = [n for n, declared in model.fields.items() if isinstance(declared, Child)]
     return all(_closed(getattr(model, name)) for name in children)
 
 
 def has_own_albedo(model: Model) -> bool:
     """Whether a model writes a method `albedo`, in place of the numeric one."""
-    return inspect.unwrap(type(model).albedo) is not inspect.unwrap(Model.albedo)
+    return model.writes("albedo")
 
 
 class Text:
@@ -486,7 +486,7 @@ class Text:
         for root in self.roots:
             assert root.model is not None
             for model in nested(root.model):
-                module = inspect.getmodule(type(model))
+                module = inspect.getmodule(model.written)
                 doc = inspect.getdoc(module) if module is not None else None
                 paragraph = (doc or f"{model.name}.").splitlines()
                 if paragraph[0] not in lines:
@@ -512,7 +512,7 @@ class Text:
         ]
 
     def _licence(self) -> str:
-        own = all(type(m).__module__.startswith("gonio.") for r in self.roots for m in _nested(r))
+        own = all(m.written.__module__.startswith("gonio.") for r in self.roots for m in _nested(r))
         return LICENCE if own else f"{LICENCE}, as far as it is gonio's"
 
     def _usage(self) -> list[str]:
@@ -536,7 +536,7 @@ class Text:
         for root in self.roots:
             assert root.model is not None
             for model in nested(root.model):
-                names[_shown_path(inspect.unwrap(type(model).eval).__code__.co_filename)] = None
+                names[_shown_path(as_written(model.written.eval).__code__.co_filename)] = None
         return ", ".join(names)
 
 

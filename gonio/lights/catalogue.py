@@ -73,7 +73,7 @@ def _has(model: Model, name: str) -> bool:
         return isinstance(inner, Model) and _has(inner, rest)
     if name in model.fields:
         return True
-    own = inspect.getattr_static(type(model), name, None)
+    own = inspect.getattr_static(model.written, name, None)
     return own is not None and own is not vars(Model).get(name)
 
 

@@ -49,7 +49,7 @@ class Material:
         maps = dict.fromkeys(self.driven_by_maps(), "a map")
         driven = maps | {path: picture.name for path, picture in self.textures.items()}
         rows = ((path, driven.get(path, value), *rest) for path, value, *rest in self.model.rows())
-        title = f"{self.name}: {type(self.model).__name__}"
+        title = f"{self.name}: {self.model.written.__name__}"
         return notebook.table(title, self.description, HEADS, rows)
 
     def driven_by_maps(self) -> list[str]:

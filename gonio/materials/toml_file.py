@@ -209,7 +209,7 @@ class _Reader:
     def model(self, table: dict[str, Any], section: str = "") -> Material:
         """The model of a table; `section` is the table's path with a dot behind, "" for the file."""
         start = self._start(table, section)
-        cls = type(start.model)
+        cls = start.model.written
         given: dict[str, Any] = self._metal(cls, table, section)
         children: dict[str, Material] = {}
         textures: dict[str, Path] = {}

@@ -51,8 +51,8 @@ def _dict_of(shown: Any) -> dict[str, Any]:
 
 @_dict_of.register
 def _(model: Model) -> dict[str, Any]:
-    if not is_registered(type(model)):
-        register(type(model))  # from a user's file, which gonio's registry does not hold
+    if not is_registered(model.written):
+        register(model.written)  # from a user's file, which gonio's registry does not hold
     made: dict[str, Any] = {"type": PREFIX + model.name}
     for name in model.fields:
         value = getattr(model, name)

@@ -51,7 +51,7 @@ def named(models: Sequence[Model]) -> tuple[list[Model], list[str], str]:
             differs = any(
                 parameter_text(o, name) != parameter_text(m, name)
                 for o in models
-                if type(o) is type(m)
+                if o.written is m.written
             )
             default = declared.is_default(getattr(m, name))
             if name not in common and (isinstance(declared, Parameter) or differs or not default):

@@ -153,7 +153,9 @@ def numeric_parameter(model: Model, name: str) -> Parameter | None:
 def numeric_albedo(model: Model, wo: Floats) -> Floats:
     """Directional albedos by quadrature, whether or not the model has a formula."""
 
-    class Numeric(type(model), register=False):  # type: ignore[misc,call-arg]
+    written: Any = model.written
+
+    class Numeric(written, register=False):  # type: ignore[misc,call-arg]
         albedo = Model.albedo
 
     return np.asarray(Numeric(**{name: getattr(model, name) for name in model.fields}).albedo(wo))

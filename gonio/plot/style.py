@@ -77,7 +77,7 @@ def curve_styles(models: Sequence[Model]) -> Callable[[], list[CurveStyle]]:
 
 def _ordered(models: Sequence[Model]) -> list[int] | None:
     """Ranks by the one number in which at least three models of one type differ, else None."""
-    if len(models) < 3 or len({type(m) for m in models}) > 1:
+    if len(models) < 3 or len({m.written for m in models}) > 1:
         return None
     changing = [n for n in models[0].fields if len({parameter_text(m, n) for m in models}) > 1]
     values = [getattr(m, changing[0]) for m in models] if len(changing) == 1 else []

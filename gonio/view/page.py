@@ -190,7 +190,7 @@ def _about(model: Model) -> list[dict[str, Any]]:
     while True:
         if model.name not in seen:
             seen.add(model.name)
-            about = describe(type(model))
+            about = describe(model.written)
             found.append(
                 {
                     k: about[k]

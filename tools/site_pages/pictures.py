@@ -121,7 +121,7 @@ def steps(model: Any, name: str) -> tuple[list[str], list[str]]:
 
     Where the model's default options do not read the parameter, the first other choice that does is taken.
     """
-    declared = type(model).fields[name]
+    declared = model.fields[name]
     assert isinstance(declared, Parameter)
     model = _that_reads(model, name)
     if model is None:
@@ -148,7 +148,7 @@ def _that_reads(model: Any, name: str) -> Any:
     """The model, or the same with the option that makes it read a parameter; None if there is none."""
     if name in used(model):
         return model
-    for path, option in type(model).fields.items():
+    for path, option in model.fields.items():
         for value in option.values if isinstance(option, Option) else ():
             try:
                 changed = model.replace(**{path: value})
@@ -197,7 +197,7 @@ def code_of(text: str) -> str:
     while models:
         model = models.pop()
         models += [v for v in (getattr(model, n) for n in model.fields) if hasattr(v, "fields")]
-        for module in sorted(_imported(type(model).__module__)):
+        for module in sorted(_imported(model.written.__module__)):
             digest.update(_file(module).read_bytes())
     return digest.hexdigest()
 
