@@ -66,6 +66,8 @@ def test_exported_shaders_are_as_accurate_as_hand_written_ones(name, errors):
         ("torrance_sparrow", "(eta + 1.0) - k * k", "(eta + 1.0) + k * k"),
         ("disney", "2.0 * F_ss90 - 0.5", "2.0 * F_ss90 - 0.4999"),
         ("weidlich_wilkie", "T * (lost + G * T)", "T * lost"),  # light lost at the way up
+        ("phong", "y2 * (1.0 / 5.0 +", "y2 * (1.0 / 4.0 +"),
+        ("triace_blinn_phong", "y2 * (1.0 / 3.0 +", "y2 * (1.0 / 2.9 +"),
     ],
 )
 def test_a_wrong_hand_written_shader_is_noticed(name, old, new):
@@ -91,7 +93,9 @@ def test_a_shader_that_does_not_compile_is_an_error_with_its_line():
 
 # torrance_sparrow's hand-written one squares numbers whose derivatives would leave a float32;
 # weidlich_wilkie's keeps its half vectors unnormalised, and has their length from one product for all.
-LONGER = {"torrance_sparrow": 2, "weidlich_wilkie": 6}
+# Series of a logarithm are long enough for double precision, by hand for a float32: four instructions. By
+# hand phong has x and y as one vector.
+LONGER = {"torrance_sparrow": 2, "weidlich_wilkie": 6, "phong": 12, "triace_blinn_phong": 4}
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -1,6 +1,6 @@
 """Exported shaders beside hand-written ones: length, accuracy and time; and two ways to compute acos.
 
-The hand-written GLSL lies in gonio/bench/handwritten: eval of four models, made for this comparison with
+The hand-written GLSL lies in gonio/bench/handwritten: eval of some models, made for this comparison with
 the same parameters, the same signature and the same accuracy in mind.
 """
 
@@ -29,6 +29,9 @@ from gonio.model import Model
 
 FOLDER = Path(__file__).parent / "handwritten"
 
+PLAIN = ("eon", "torrance_sparrow", "disney", "phong", "triace_blinn_phong")
+"""Models that are compared with their default options; weidlich_wilkie is one coat over another."""
+
 ACCURACY_ROWS = 20_000
 
 WELL_CONDITIONED = 1e-6
@@ -41,7 +44,7 @@ SMALL = 1e-3
 def subjects() -> dict[str, Model]:
     """The models that have a hand-written shader, by its name."""
     coats = gonio.model("weidlich_wilkie", base=gonio.model("weidlich_wilkie"))
-    found = {name: gonio.model(name) for name in ("eon", "torrance_sparrow", "disney")}
+    found = {name: gonio.model(name) for name in PLAIN}
     return {**found, "weidlich_wilkie": coats}
 
 

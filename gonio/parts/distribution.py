@@ -55,7 +55,7 @@ from gonio.lang import (
     vec3,
 )
 from gonio.parts.frame import azimuth
-from gonio.parts.special import expm1, log1p, log1p_over
+from gonio.parts.special import expm1, log1p_over, log_cos
 
 # Sharpest facets: a float32 direction is good to 6e-8, a thousandth of this width, so the shape of the
 # highlight is still resolved. The peak of D, 3e7, and its derivatives fit into a float32.
@@ -335,13 +335,9 @@ class BlinnPhong(NamedTuple):
 
     def D(self, m: Vec3) -> Float:
         """Density of facets, in 1/sr. Walter et al., Eq. 30."""
-        # (N.H)^n = (1 + tan^2)^(-n / 2): a sharp lobe needs the digits of the tangent, not of the cosine
-        tan2 = (m.x * m.x + m.y * m.y) / maximum(m.z * m.z, 0.25)
-        steep = log(clamp(m.z, MU_MIN, 0.5))
-        minus_log_cos = select(m.z > 0.5, 0.5 * log1p(tan2), -steep)
         alpha = self.alpha
         a2 = alpha * alpha
-        return INV_PI / a2 * exp(-2 * minus_log_cos * ((1 - alpha) * (1 + alpha) / a2))
+        return INV_PI / a2 * exp(2 * log_cos(m) * ((1 - alpha) * (1 + alpha) / a2))
 
     def sample(self, u: Vec2) -> Vec3:
         """A normal with density D m.z. Walter et al., Eq. 32 and 33: cos = u^(1 / (n + 2))."""

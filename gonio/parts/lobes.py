@@ -16,7 +16,6 @@ from gonio.lang import (
     absolute,
     clamp,
     exp,
-    log,
     maximum,
     minimum,
     select,
@@ -25,7 +24,7 @@ from gonio.lang import (
 )
 from gonio.parts.distribution import GGX, RoundGGX, pdf_visible
 from gonio.parts.frame import half_vector, mirror
-from gonio.parts.special import log1p
+from gonio.parts.special import log_cos
 
 # Added to the first lobe's weight, so that two black lobes still leave something to choose and the
 # reciprocal of their sum has a derivative; no albedo that can be seen is that small.
@@ -108,7 +107,4 @@ def pdf_ggx_lobe(facets: GGX | RoundGGX, wi: Vec3, wo: Vec3) -> Float:
 
 def cos_power(m: Vec3, exponent: Float) -> Float:
     """(N.m)^exponent, exact for sharp lobes."""
-    # (N.m)^n = (1 + tan^2)^(-n / 2): a sharp lobe needs the digits of the tangent, not of the cosine
-    tan2 = (m.x * m.x + m.y * m.y) / maximum(m.z * m.z, 0.25)
-    steep = log(clamp(m.z, MU_MIN, 0.75))
-    return exp(exponent * select(m.z > 0.5, -0.5 * log1p(tan2), steep))
+    return exp(exponent * log_cos(m))

@@ -1,6 +1,6 @@
-"""What plain arithmetic loses digits of: log(1 + x) and exp(x) - 1 near x = 0, and sums that cancel."""
+"""What plain arithmetic loses digits of: logarithms near 1, exp(x) - 1 near x = 0, sums that cancel."""
 
-from gonio.lang import Float, exp, log, maximum, minimum, select
+from gonio.lang import MU_MIN, Float, Vec3, exp, log, maximum, minimum, select
 
 # Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
 LOG1P_SMALL = 0.25
@@ -25,7 +25,7 @@ def log1p_small(x: Float) -> Float:
 
 
 def _atanh_over(y: Float) -> Float:
-    """atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25."""
+    """atanh(y) / y, error below 1e-16 for |y| < 1/7; with y = x / (2 + x) it is half of log(1 + x)."""
     y2 = y * y
     series = 1 / 9 + y2 * (1 / 11 + y2 * (1 / 13 + y2 * (1 / 15 + y2 * (1 / 17))))
     return 1 + y2 * (1 / 3 + y2 * (1 / 5 + y2 * (1 / 7 + y2 * series)))
@@ -34,6 +34,14 @@ def _atanh_over(y: Float) -> Float:
 def log1p(x: Float) -> Float:
     """log(1 + x) for x > -1, exact where x is small."""
     return x * log1p_over(x)
+
+
+def log_cos(m: Vec3) -> Float:
+    """log(m.z) of a unit vector that is not below the horizon, exact where it is near the normal."""
+    # log(cos) = -atanh(sin^2 / (1 + cos^2)): a sharp lobe needs the digits of the sine, not of the cosine
+    sin2 = m.x * m.x + m.y * m.y
+    y = sin2 / (1 + m.z * m.z)
+    return select(sin2 < LOG1P_SMALL, -y * _atanh_over(y), log(maximum(m.z, MU_MIN)))
 
 
 def expm1(x: Float) -> Float:

@@ -175,7 +175,7 @@ inline Vec3 ashikhmin_shirley_half_vector(Vec3 wi, Vec3 wo) {
     return h / length(h);  // which ashikhmin_shirley_cos_half needs as well
 }
 
-// atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25.
+// atanh(y) / y, error below 1e-16 for |y| < 1/7; with y = x / (2 + x) it is half of log(1 + x).
 inline float ashikhmin_shirley_atanh_over(float y) {
     float y2 = y * y;
     float series = 1.0f / 9.0f

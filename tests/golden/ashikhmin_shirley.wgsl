@@ -77,7 +77,7 @@ fn ashikhmin_shirley_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     return h / length(h);  // which ashikhmin_shirley_cos_half needs as well
 }
 
-// atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25.
+// atanh(y) / y, error below 1e-16 for |y| < 1/7; with y = x / (2 + x) it is half of log(1 + x).
 fn ashikhmin_shirley_atanh_over(y: f32) -> f32 {
     let y2 = y * y;
     let series = 1.0 / 9.0

@@ -128,7 +128,7 @@ inline Vec3 blinn_half_vector(Vec3 wi, Vec3 wo) {
     return h / length(h);  // which `cos_half` needs as well
 }
 
-// atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25.
+// atanh(y) / y, error below 1e-16 for |y| < 1/7; with y = x / (2 + x) it is half of log(1 + x).
 inline float blinn_atanh_over(float y) {
     float y2 = y * y;
     float series = 1.0f / 9.0f
@@ -136,26 +136,17 @@ inline float blinn_atanh_over(float y) {
     return 1.0f + y2 * (1.0f / 3.0f + y2 * (1.0f / 5.0f + y2 * (1.0f / 7.0f + y2 * series)));
 }
 
-// log(1 + x) / x for x > -1; 1 at x = 0.
-inline float blinn_log1p_over(float x) {
-    float near = fmaxf(fminf(x, LOG1P_SMALL), -LOG1P_SMALL);
-    bool small = x > -LOG1P_SMALL && x < LOG1P_SMALL;
-    float far = small ? 1.0f : x;
-    float series = blinn_atanh_over(near / (2.0f + near));
-    return small ? 2.0f / (2.0f + near) * series : logf(1.0f + far) / far;
-}
-
-// log(1 + x) for x > -1, exact where x is small.
-inline float blinn_log1p(float x) {
-    return x * blinn_log1p_over(x);
+// log(m.z) of a unit vector that is not below the horizon, exact where it is near the normal.
+inline float blinn_log_cos(Vec3 m) {
+    // log(cos) = -atanh(sin^2 / (1 + cos^2)): a sharp lobe needs the digits of the sine, not of the cosine
+    float sin2 = m.x * m.x + m.y * m.y;
+    float y = sin2 / (1.0f + m.z * m.z);
+    return sin2 < LOG1P_SMALL ? -y * blinn_atanh_over(y) : logf(fmaxf(m.z, mu_min));
 }
 
 // (N.m)^exponent, exact for sharp lobes.
 inline float blinn_cos_power(Vec3 m, float exponent) {
-    // (N.m)^n = (1 + tan^2)^(-n / 2): a sharp lobe needs the digits of the tangent, not of the cosine
-    float tan2 = (m.x * m.x + m.y * m.y) / fmaxf(m.z * m.z, 0.25f);
-    float steep = logf(fminf(fmaxf(m.z, mu_min), 0.75f));
-    return expf(exponent * (m.z > 0.5f ? -0.5f * blinn_log1p(tan2) : steep));
+    return expf(exponent * blinn_log_cos(m));
 }
 
 // The highlight without its weight.

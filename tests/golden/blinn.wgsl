@@ -49,7 +49,7 @@ fn blinn_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     return h / length(h);  // which `cos_half` needs as well
 }
 
-// atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25.
+// atanh(y) / y, error below 1e-16 for |y| < 1/7; with y = x / (2 + x) it is half of log(1 + x).
 fn blinn_atanh_over(y: f32) -> f32 {
     let y2 = y * y;
     let series = 1.0 / 9.0
@@ -57,29 +57,20 @@ fn blinn_atanh_over(y: f32) -> f32 {
     return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * series)));
 }
 
-// log(1 + x) / x for x > -1; 1 at x = 0.
-fn blinn_log1p_over(x: f32) -> f32 {
+// log(m.z) of a unit vector that is not below the horizon, exact where it is near the normal.
+fn blinn_log_cos(m: vec3f) -> f32 {
     // Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
     const LOG1P_SMALL = 0.25;
-    let near = max(min(x, LOG1P_SMALL), -LOG1P_SMALL);
-    let small = x > -LOG1P_SMALL && x < LOG1P_SMALL;
-    let far = select(x, 1.0, small);
-    let series = blinn_atanh_over(near / (2.0 + near));
-    return select(log(1.0 + far) / far, 2.0 / (2.0 + near) * series, small);
-}
-
-// log(1 + x) for x > -1, exact where x is small.
-fn blinn_log1p(x: f32) -> f32 {
-    return x * blinn_log1p_over(x);
+    const mu_min = 1.0e-18;  // cosine of the horizon
+    // log(cos) = -atanh(sin^2 / (1 + cos^2)): a sharp lobe needs the digits of the sine, not of the cosine
+    let sin2 = m.x * m.x + m.y * m.y;
+    let y = sin2 / (1.0 + m.z * m.z);
+    return select(log(max(m.z, mu_min)), -y * blinn_atanh_over(y), sin2 < LOG1P_SMALL);
 }
 
 // (N.m)^exponent, exact for sharp lobes.
 fn blinn_cos_power(m: vec3f, exponent: f32) -> f32 {
-    const mu_min = 1.0e-18;  // cosine of the horizon
-    // (N.m)^n = (1 + tan^2)^(-n / 2): a sharp lobe needs the digits of the tangent, not of the cosine
-    let tan2 = (m.x * m.x + m.y * m.y) / max(m.z * m.z, 0.25);
-    let steep = log(clamp(m.z, mu_min, 0.75));
-    return exp(exponent * select(steep, -0.5 * blinn_log1p(tan2), m.z > 0.5));
+    return exp(exponent * blinn_log_cos(m));
 }
 
 // The highlight without its weight.

@@ -69,7 +69,7 @@ fn lommel_seeliger_sample(params: LommelSeeliger, wo: vec3f, u: vec2f) -> Lommel
 
 // ---- albedo --------------------------------------------------------------------------------
 
-// atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25.
+// atanh(y) / y, error below 1e-16 for |y| < 1/7; with y = x / (2 + x) it is half of log(1 + x).
 fn lommel_seeliger_atanh_over(y: f32) -> f32 {
     let y2 = y * y;
     let series = 1.0 / 9.0

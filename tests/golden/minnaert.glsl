@@ -36,7 +36,7 @@ vec3 minnaert_eval(Minnaert params, vec3 wi, vec3 wo) {
 
 // ---- sampling ------------------------------------------------------------------------------
 
-// atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25.
+// atanh(y) / y, error below 1e-16 for |y| < 1/7; with y = x / (2 + x) it is half of log(1 + x).
 float minnaert_atanh_over(float y) {
     float y2 = y * y;
     float series = 1.0 / 9.0

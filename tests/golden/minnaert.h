@@ -63,7 +63,7 @@ inline Vec3 minnaert_eval(const Minnaert& params, Vec3 wi, Vec3 wo) {
 
 // ---- sampling ------------------------------------------------------------------------------
 
-// atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25.
+// atanh(y) / y, error below 1e-16 for |y| < 1/7; with y = x / (2 + x) it is half of log(1 + x).
 inline float minnaert_atanh_over(float y) {
     float y2 = y * y;
     float series = 1.0f / 9.0f

@@ -126,7 +126,7 @@ inline float phong_cos_alpha(Vec3 wi, Vec3 wo) {
     return fmaf(wi.z, wo.z, -s) - error;
 }
 
-// atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25.
+// atanh(y) / y, error below 1e-16 for |y| < 1/7; with y = x / (2 + x) it is half of log(1 + x).
 inline float phong_atanh_over(float y) {
     float y2 = y * y;
     float series = 1.0f / 9.0f

@@ -49,7 +49,7 @@ fn phong_cos_alpha(wi: vec3f, wo: vec3f) -> f32 {
     return fma(wi.z, wo.z, -s) - error;
 }
 
-// atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25.
+// atanh(y) / y, error below 1e-16 for |y| < 1/7; with y = x / (2 + x) it is half of log(1 + x).
 fn phong_atanh_over(y: f32) -> f32 {
     let y2 = y * y;
     let series = 1.0 / 9.0

@@ -55,7 +55,7 @@ vec3 student_t_half_vector(vec3 wi, vec3 wo) {
     return h / length(h);  // which student_t_cos_half needs as well
 }
 
-// atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25.
+// atanh(y) / y, error below 1e-16 for |y| < 1/7; with y = x / (2 + x) it is half of log(1 + x).
 float student_t_atanh_over(float y) {
     float y2 = y * y;
     float series = 1.0 / 9.0

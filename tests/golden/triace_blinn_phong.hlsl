@@ -74,7 +74,7 @@ float3 triace_blinn_phong_half_vector(float3 wi, float3 wo) {
     return h / length(h);  // which triace_blinn_phong_cos_half needs as well
 }
 
-// atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25.
+// atanh(y) / y, error below 1e-16 for |y| < 1/7; with y = x / (2 + x) it is half of log(1 + x).
 float triace_blinn_phong_atanh_over(float y) {
     float y2 = y * y;
     float series = 1.0 / 9.0
@@ -82,29 +82,20 @@ float triace_blinn_phong_atanh_over(float y) {
     return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * series)));
 }
 
-// log(1 + x) / x for x > -1; 1 at x = 0.
-float triace_blinn_phong_log1p_over(float x) {
+// log(m.z) of a unit vector that is not below the horizon, exact where it is near the normal.
+float triace_blinn_phong_log_cos(float3 m) {
     // Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
     const float LOG1P_SMALL = 0.25;
-    float near = max(min(x, LOG1P_SMALL), -LOG1P_SMALL);
-    bool small = x > -LOG1P_SMALL && x < LOG1P_SMALL;
-    float far = small ? 1.0 : x;
-    float series = triace_blinn_phong_atanh_over(near / (2.0 + near));
-    return small ? 2.0 / (2.0 + near) * series : log(1.0 + far) / far;
-}
-
-// log(1 + x) for x > -1, exact where x is small.
-float triace_blinn_phong_log1p(float x) {
-    return x * triace_blinn_phong_log1p_over(x);
+    const float mu_min = 1.0e-18;  // cosine of the horizon
+    // log(cos) = -atanh(sin^2 / (1 + cos^2)): a sharp lobe needs the digits of the sine, not of the cosine
+    float sin2 = m.x * m.x + m.y * m.y;
+    float y = sin2 / (1.0 + m.z * m.z);
+    return sin2 < LOG1P_SMALL ? -y * triace_blinn_phong_atanh_over(y) : log(max(m.z, mu_min));
 }
 
 // (N.m)^exponent, exact for sharp lobes.
 float triace_blinn_phong_cos_power(float3 m, float exponent) {
-    const float mu_min = 1.0e-18;  // cosine of the horizon
-    // (N.m)^n = (1 + tan^2)^(-n / 2): a sharp lobe needs the digits of the tangent, not of the cosine
-    float tan2 = (m.x * m.x + m.y * m.y) / max(m.z * m.z, 0.25);
-    float steep = log(clamp(m.z, mu_min, 0.75));
-    return exp(exponent * (m.z > 0.5 ? -0.5 * triace_blinn_phong_log1p(tan2) : steep));
+    return exp(exponent * triace_blinn_phong_log_cos(m));
 }
 
 // (0.0397436 n + 0.0856832) (N.H)^n / max(mu_i, mu_o): Eq. 1's highlight without Fresnel.
