@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import torch
 from support.directions import random_directions
+from support.tolerances import NUMERIC_ALBEDO, SINGLE, SINGLE_LONG
 
 import gonio
 from gonio.check.variants import sweep
@@ -75,7 +76,7 @@ def test_inputs_are_left_alone() -> None:
 def test_lists_and_integers_are_float32() -> None:
     f = gonio.Lambert(rho=0.5).eval([0, 0, 1], np.array([0, 0, 1]))
     assert f.dtype == np.float32
-    np.testing.assert_allclose(f, 0.5 / np.pi, rtol=1e-6)
+    np.testing.assert_allclose(f, 0.5 / np.pi, rtol=SINGLE)
 
 
 def test_frameworks_agree() -> None:
@@ -84,13 +85,13 @@ def test_frameworks_agree() -> None:
     t = eon.eval(torch.tensor(WI), torch.tensor(WO))
     assert isinstance(t, torch.Tensor)
     assert t.dtype == torch.float32
-    np.testing.assert_allclose(t.numpy(), expected, rtol=1e-6)
+    np.testing.assert_allclose(t.numpy(), expected, rtol=SINGLE)
     j = eon.eval(jax.numpy.asarray(WI), jax.numpy.asarray(WO))
     assert isinstance(j, jax.Array)
-    np.testing.assert_allclose(np.asarray(j), expected, rtol=1e-6)
+    np.testing.assert_allclose(np.asarray(j), expected, rtol=SINGLE)
     d = eon.eval(dr.llvm.ad.Array3f(WI.T), dr.llvm.ad.Array3f(WO.T))
     assert type(d) is dr.llvm.ad.Array3f
-    np.testing.assert_allclose(d.numpy().T, expected, rtol=1e-6)
+    np.testing.assert_allclose(d.numpy().T, expected, rtol=SINGLE)
     d = eon.eval(dr.llvm.Array3f64(WI.T), dr.llvm.Array3f64(WO.T))
     assert type(d) is dr.llvm.Array3f64
 
@@ -159,7 +160,7 @@ def test_broadcasting_is_that_of_numpy(
     ]
     for index in list(np.ndindex(shape[:-1]))[:10]:
         one = gonio.EON(roughness=float(full[2][index])).eval(full[0][index], full[1][index])
-        np.testing.assert_allclose(f[index], one, rtol=1e-6)
+        np.testing.assert_allclose(f[index], one, rtol=SINGLE)
 
 
 def test_views_that_are_not_contiguous_are_read_right() -> None:
@@ -172,9 +173,9 @@ def test_views_that_are_not_contiguous_are_read_right() -> None:
 def test_colour_parameters_take_arrays_and_greys() -> None:
     rho = np.random.default_rng(0).random((50, 3)).astype(np.float32)
     f = gonio.Lambert(rho=rho).eval(WI, WO)
-    np.testing.assert_allclose(f, rho / np.pi, rtol=1e-6)
+    np.testing.assert_allclose(f, rho / np.pi, rtol=SINGLE)
     f = gonio.Lambert(rho=rho[:, :1]).eval(WI, WO)
-    np.testing.assert_allclose(f, np.repeat(rho[:, :1], 3, 1) / np.pi, rtol=1e-6)
+    np.testing.assert_allclose(f, np.repeat(rho[:, :1], 3, 1) / np.pi, rtol=SINGLE)
 
 
 # --- refusals ------------------------------------------------------------------------------------
@@ -271,11 +272,11 @@ def test_torch_gradients_are_central_differences() -> None:
     gonio.EON(**leaves).eval(direction, torch.tensor(wo)).sum().backward()
     expected = finite_difference(parameters, wi, wo, "roughness", None)
     assert leaves["roughness"].grad.shape == ()
-    assert float(leaves["roughness"].grad) == pytest.approx(expected, rel=1e-6)
+    assert float(leaves["roughness"].grad) == pytest.approx(expected, rel=SINGLE)
     assert leaves["rho"].grad.shape == (3,)
     for axis in range(3):
         expected = finite_difference(parameters, wi, wo, "wi", axis)
-        assert float(direction.grad[:, axis].sum()) == pytest.approx(expected, rel=1e-5)
+        assert float(direction.grad[:, axis].sum()) == pytest.approx(expected, rel=SINGLE_LONG)
 
 
 def test_torch_gradcheck_passes() -> None:
@@ -284,7 +285,10 @@ def test_torch_gradcheck_passes() -> None:
     gonio.use(validate=False)  # gradcheck steps off the unit sphere
     try:
         assert torch.autograd.gradcheck(
-            lambda i, o, r: gonio.EON(roughness=r).eval(i, o), (wi, wo, r), atol=1e-6
+            # gradcheck's own differences, by steps of 1e-6 in double precision
+            lambda i, o, r: gonio.EON(roughness=r).eval(i, o),
+            (wi, wo, r),
+            atol=1e-6,
         )
     finally:
         gonio.use(validate=True)
@@ -299,7 +303,7 @@ def test_torch_backward_can_run_twice_and_under_torch_func() -> None:
     assert float(first) != float(second)
     for row, found in ((0, first), (1, second)):
         one = torch.func.grad(lambda r, n=row: gonio.EON(roughness=r).eval(wi[n], wo[n]).sum())
-        assert float(one(torch.tensor(0.4))) == pytest.approx(float(found), rel=1e-5)
+        assert float(one(torch.tensor(0.4))) == pytest.approx(float(found), rel=SINGLE_LONG)
 
 
 def test_torch_vmap_gives_what_a_loop_gives() -> None:
@@ -334,11 +338,12 @@ def test_jax_gradients_under_jit_and_vmap() -> None:
         parameters, WI.astype(np.float64), WO.astype(np.float64), "roughness", None
     )
     for gradient in (jax.grad(total), jax.jit(jax.grad(total))):
+        # A derivative in single precision, summed over all pairs, beside a difference
         assert float(gradient(0.4 * jax.numpy.ones(()))) == pytest.approx(expected, rel=1e-4)
     one = jax.vmap(lambda i, o: gonio.EON().eval(i, o))(wi, wo)
-    np.testing.assert_allclose(one, gonio.EON().eval(WI, WO), rtol=1e-6)
+    np.testing.assert_allclose(one, gonio.EON().eval(WI, WO), rtol=SINGLE)
     half = jax.vmap(lambda i: gonio.EON().eval(i, wo[0]))(wi)
-    np.testing.assert_allclose(half, gonio.EON().eval(WI, WO[0]), rtol=1e-6)
+    np.testing.assert_allclose(half, gonio.EON().eval(WI, WO[0]), rtol=SINGLE)
     per_sample = jax.vmap(
         jax.grad(lambda r, i: gonio.EON(roughness=r).eval(i, wo[0]).sum()), (0, 0)
     )
@@ -354,6 +359,7 @@ def test_jax_gradient_of_a_broadcast_direction_is_summed() -> None:
     each = jax.grad(lambda i: gonio.EON().eval(i, wo).sum())(
         jax.numpy.asarray(np.tile(WI[0], (50, 1)))
     )
+    # Sums of single precision in another order, of terms with both signs
     np.testing.assert_allclose(g, each.sum(0), rtol=1e-4)
 
 
@@ -436,13 +442,13 @@ class Half(Model, register=False):
 
 def test_models_nest_to_any_depth() -> None:
     f = Half(base=Half(base=gonio.Lambert(rho=0.8), share=0.25)).eval(WI, WO)
-    np.testing.assert_allclose(f, 0.8 / np.pi / 8, rtol=1e-6)
+    np.testing.assert_allclose(f, 0.8 / np.pi / 8, rtol=SINGLE)
     by_name = Half(base="lambert", **{"base.rho": 0.8}).eval(WI, WO)
-    np.testing.assert_allclose(by_name, 0.8 / np.pi / 2, rtol=1e-6)
+    np.testing.assert_allclose(by_name, 0.8 / np.pi / 2, rtol=SINGLE)
     rho = np.random.default_rng(0).random((50, 3)).astype(np.float32)
     f = Half(base=Half(base=gonio.Lambert(rho=rho))).eval(WI, WO)
-    np.testing.assert_allclose(f, rho / np.pi / 4, rtol=1e-6)
-    np.testing.assert_allclose(Half(base="lambert").mean_albedo(), 0.4, rtol=1e-5)
+    np.testing.assert_allclose(f, rho / np.pi / 4, rtol=SINGLE)
+    np.testing.assert_allclose(Half(base="lambert").mean_albedo(), 0.4, rtol=NUMERIC_ALBEDO)
 
 
 def test_derivatives_reach_inner_parameters() -> None:
@@ -451,7 +457,7 @@ def test_derivatives_reach_inner_parameters() -> None:
     (found,) = torch.autograd.grad(outer, r)
     inner = gonio.EON(roughness=r).eval(torch.tensor(WI), torch.tensor(WO)).sum()
     (expected,) = torch.autograd.grad(inner, r)
-    assert float(found) == pytest.approx(0.5 * float(expected), rel=1e-5)
+    assert float(found) == pytest.approx(0.5 * float(expected), rel=SINGLE_LONG)
 
 
 @pytest.mark.parametrize(

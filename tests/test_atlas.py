@@ -29,6 +29,7 @@ def test_rounding_costs_half_a_step_and_is_stated(bits: int, rounding: float) ->
     if bits == 8:
         assert made.errors["copper"].largest > 0.8 * rounding
     else:
+        # With 16 bits interpolation is all that is lost
         assert made.errors["copper"].largest < 1.2e-4
 
 

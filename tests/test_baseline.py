@@ -474,6 +474,7 @@ def test_samples_of_a_white_surface_have_mean_weight_one(baseline, name, roughne
         name, wo, u1, u2, diffuse(name, WHITE, roughness), repeat=1, threads=2
     )
     assert np.all(samples.wi[2] >= 0)
+    # A normalisation in single precision
     np.testing.assert_allclose(np.linalg.norm(samples.wi, axis=0), 1, atol=5e-7)
     weight = samples.value[0].astype(np.float64) * samples.wi[2] / samples.pdf
     # Midpoints over a weight that jumps where u1 passes P_u: the error is one cell's share, 1 / n,

@@ -48,6 +48,7 @@ def with_source(shader: Export, old: str, new: str) -> Export:
 def test_hand_written_shaders_compute_the_model(name, errors):
     by_hand = errors[name][1]
     assert by_hand.worst < WELL_CONDITIONED
+    # Half of the values are within some roundings of a float32
     assert by_hand.median < 5e-7
 
 

@@ -18,6 +18,7 @@ import pytest
 from click.testing import CliRunner, Result
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.tolerances import SINGLE
 
 import gonio
 from gonio import check, materials
@@ -298,12 +299,12 @@ def test_a_sweep_has_the_numbers_of_closed_forms(tmp_path: Path) -> None:
     against = ("--measure", "difference", "--against", "lambert:rho=0.8")
     run("sweep", "lambert", "--vary", "rho=0.4,0.8", *against, "-o", out)
     assert [(r["difference"], r["energy"]) for r in table(out)] == [
-        pytest.approx((0.5, -0.5), abs=1e-6),
-        pytest.approx((0, 0), abs=1e-6),
+        pytest.approx((0.5, -0.5), abs=SINGLE),
+        pytest.approx((0, 0), abs=SINGLE),
     ]
     # What is not given of the other is varied in it too
     run("sweep", "lambert", "--vary", "rho=0.4", *against[:3], "eon:roughness=0", "-o", out)
-    assert table(out)[0]["difference"] == pytest.approx(0, abs=1e-6)
+    assert table(out)[0]["difference"] == pytest.approx(0, abs=SINGLE)
 
 
 def test_parquet_holds_the_same_as_csv(tmp_path: Path) -> None:

@@ -72,8 +72,10 @@ def test_a_coat_without_inner_bounces_loses_walshs_reflectance() -> None:
 def test_the_exact_coat_is_as_good_as_the_truths_noise() -> None:
     coat = smooth_coat(**BOTH, bounces="diffuse")
     e, in_plane, _ = measure(coat, Stack.of(coat), walks=2048).judge(coat)
+    # What 2048 walks for a pair leave
     assert e.noise < 0.015
     assert e.mean < 1.3 * e.noise
+    # What 2048 walks for a pair leave of it
     assert abs(e.energy) < 0.005
     assert np.nanmean(np.abs(in_plane)) < 1.3 * e.noise
 
@@ -234,6 +236,7 @@ def test_commands_on_the_page_make_the_models_that_were_measured() -> None:
             numbers = [np.ravel(v) for m in (made, again) for _, _, v in m.parameters()]
             half = len(numbers) // 2
             for one, other in zip(numbers[:half], numbers[half:], strict=True):
+                # The ninth digit
                 np.testing.assert_allclose(one, other, rtol=1e-8)
             assert type(again) is type(made)
 

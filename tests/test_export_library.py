@@ -10,11 +10,15 @@ import drjit as dr
 import mpmath
 import numpy as np
 import pytest
-from support.tolerances import DOUBLE
+from support.tolerances import DOUBLE, SINGLE
 
 import gonio
 from gonio import lang
 from gonio.export import library
+
+# What the fits of gonio.export.library are good to.
+FITTED = 2e-8
+
 
 mpmath.mp.dps = 40
 
@@ -30,15 +34,15 @@ def worst(ours: Callable[[float], Any], right: Callable[[Any], Any], places: Any
 
 
 def test_arc_sine_and_arc_cosine_are_exact_to_2e_8() -> None:
-    assert worst(library.safe_asin, mpmath.asin, INSIDE) < 2e-8
-    assert worst(library.safe_acos, mpmath.acos, INSIDE[INSIDE < 1]) < 2e-8
+    assert worst(library.safe_asin, mpmath.asin, INSIDE) < FITTED
+    assert worst(library.safe_acos, mpmath.acos, INSIDE[INSIDE < 1]) < FITTED
 
 
 @pytest.mark.parametrize("x", [-1.5, -1.0, 1.0, 1.5])
 def test_arc_sine_and_arc_cosine_limit_their_argument(x: float) -> None:
     limited = min(max(x, -1), 1)
-    assert library.safe_asin(x) == pytest.approx(math.asin(limited), rel=2e-8)
-    assert library.safe_acos(x) == pytest.approx(math.acos(limited), rel=2e-8, abs=DOUBLE)
+    assert library.safe_asin(x) == pytest.approx(math.asin(limited), rel=FITTED)
+    assert library.safe_acos(x) == pytest.approx(math.acos(limited), rel=FITTED, abs=DOUBLE)
 
 
 def twice_atan_over(v: Any) -> Any:
@@ -88,7 +92,7 @@ def test_the_smooth_root_of_a_negative_number_is_nan_as_in_shaders() -> None:
 def test_a_choice_of_two_whole_numbers_is_a_real_number() -> None:
     mask = dr.llvm.Float([0.0, 1.0]) > 0.5
     np.testing.assert_allclose(
-        lang.sin(lang.select(mask, 1, 0)).numpy(), [0, math.sin(1)], rtol=1e-6
+        lang.sin(lang.select(mask, 1, 0)).numpy(), [0, math.sin(1)], rtol=SINGLE
     )
     assert lang.select(True, 1, 0) / 2 == 0.5
     # Integers among the arrays stay what they are
@@ -96,6 +100,7 @@ def test_a_choice_of_two_whole_numbers_is_a_real_number() -> None:
 
 
 def test_the_error_function_is_exact_to_3e_8() -> None:
+    # As the name says
     assert worst(library.erf, mpmath.erf, np.linspace(-6, 6, 241)) < 3e-8
     assert library.erf(1e30) == pytest.approx(1)
 
@@ -138,4 +143,5 @@ def test_the_sampled_albedo_is_near_the_closed_form(
     eon = gonio.model("eon", roughness=0.7)
     wo = [math.sin(math.radians(theta)), 0.0, math.cos(math.radians(theta))]
     found = library.sampled_albedo(_Lattice(eon), _vector(wo))  # type: ignore[arg-type]
+    # The rule has 233 nodes here
     assert np.allclose(np.array(found), eon.albedo(np.array(wo)), atol=0.01)

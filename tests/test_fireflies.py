@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from support.tolerances import SINGLE, SINGLE_LONG
 
 from gonio.cli import main
 from gonio.images import write_linear
@@ -68,14 +69,14 @@ def test_direct_light_is_not_cut(tmp_path: Path) -> None:
     assert plain.max() > 10
     with pytest.warns(Notice, match="which took 0 %"):
         cut = render("clay", clamp=0.01, **scene, **SMALL)
-    np.testing.assert_allclose(cut, plain, rtol=1e-5)
+    np.testing.assert_allclose(cut, plain, rtol=SINGLE_LONG)
 
 
 def test_transparent_pictures_keep_their_alpha() -> None:
     plain = render("gold", transparent=True, **SMALL)
     with pytest.warns(Notice, match="which took"):
         cut = render("gold", transparent=True, clamp=1e9, **SMALL)
-    np.testing.assert_allclose(cut, plain, rtol=1e-5, atol=1e-6)
+    np.testing.assert_allclose(cut, plain, rtol=SINGLE_LONG, atol=SINGLE)
 
 
 def test_the_command_counts_in_whites(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ import pytest
 from drjit.llvm.ad import Array2f, Array3f, Float
 from mpmath import mp
 from support import hard
-from support.tolerances import SINGLE_PROMISED
+from support.tolerances import SINGLE, SINGLE_PROMISED
 
 import gonio
 from gonio import reference
@@ -330,6 +330,6 @@ def test_the_reference_in_the_horizon_is_its_limit() -> None:
     stack = reference.Stack([reference.Layer(1.5)])
     wo = np.array([[1, 0, 0], [1, 0, 1e-8], [1, 0, -1e-8]], np.float32)
     value = stack.albedo(wo, walks=64).value
-    np.testing.assert_allclose(value[0], 1, atol=1e-6)
+    np.testing.assert_allclose(value[0], 1, atol=SINGLE)
     np.testing.assert_array_equal(value[0], value[1])
     np.testing.assert_array_equal(value[2], 0)

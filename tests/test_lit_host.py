@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from support.tolerances import HALF
 
 import gonio
 import gonio.mitsuba
@@ -132,7 +133,7 @@ def test_another_program_reads_the_ktx2_file(tmp_path: Path) -> None:
     assert found["faceCount"] == 6
     for level, texels in zip(baked().levels, found["texels"], strict=True):
         halves = np.array(texels, np.uint16).view(np.float16).reshape(6, *level.shape[1:3], 4)
-        np.testing.assert_allclose(halves[..., :3], level, rtol=1e-3)
+        np.testing.assert_allclose(halves[..., :3], level, rtol=HALF)
         assert (halves[..., 3] == 1).all()
 
 

@@ -21,6 +21,10 @@ from gonio.parts.metals import metal
 from gonio.render import render
 from gonio.render.sheets import write_sheet
 
+# Pictures of the same paths: roundings of single precision along them.
+SAME_PATHS = 1e-4
+
+
 # What the library has to offer: a kind, and how many of it there are at least.
 KINDS = {
     "lacquered_": 3,
@@ -93,7 +97,7 @@ def test_a_texture_drives_an_inner_parameter(tmp_path: Path) -> None:
     assert list(material.textures) == ["base.rho"]
     plain = gonio.model("weidlich_wilkie", base=gonio.Lambert(rho=0.25))
     common = {"size": (24, 24), "spp": 16, "environment": "white"}
-    np.testing.assert_allclose(render(material, **common), render(plain, **common), rtol=1e-4)
+    np.testing.assert_allclose(render(material, **common), render(plain, **common), rtol=SAME_PATHS)
 
 
 @pytest.mark.parametrize(
@@ -241,7 +245,7 @@ def test_a_texture_drives_a_parameter(tmp_path: Path) -> None:
     material = load_material(write(tmp_path, 'model = "lambert"\nrho = "grey.exr"\n'))
     common = {"size": (24, 24), "spp": 16}
     plain = render(gonio.Lambert(rho=0.25), **common)
-    np.testing.assert_allclose(render(material, **common), plain, rtol=1e-4)
+    np.testing.assert_allclose(render(material, **common), plain, rtol=SAME_PATHS)
 
 
 def picture(kind: str, path: Path) -> None:
@@ -301,10 +305,10 @@ def test_a_channel_drives_a_number_as_it_is_stored(tmp_path: Path) -> None:
     assert material.channels == {"roughness": "g"}
     common = {"size": (24, 24), "spp": 16}
     plain = render(gonio.EON(roughness=51 / 255), **common)
-    np.testing.assert_allclose(render(material, **common), plain, rtol=1e-4)
+    np.testing.assert_allclose(render(material, **common), plain, rtol=SAME_PATHS)
     Image.new("RGB", (4, 4), (51, 51, 51)).save(tmp_path / "grey.png")  # no choice to make
     grey = load_material(write(tmp_path, 'model = "eon"\nroughness = "grey.png"\n'))
-    np.testing.assert_allclose(render(grey, **common), plain, rtol=1e-4)
+    np.testing.assert_allclose(render(grey, **common), plain, rtol=SAME_PATHS)
 
 
 def test_values_of_a_picture_out_of_range_are_said(tmp_path: Path) -> None:
@@ -343,7 +347,7 @@ def test_coloured_pictures_are_srgb_in_every_format(tmp_path: Path) -> None:
         Image.new("RGB", (4, 4), (code,) * 3).save(tmp_path / f"p{suffix}", **lossless)
         material = load_material(write(tmp_path, f'model = "lambert"\nrho = "p{suffix}"\n'))
         shown = render(material, size=(24, 24), spp=16)
-        np.testing.assert_allclose(shown, plain, rtol=1e-4)
+        np.testing.assert_allclose(shown, plain, rtol=SAME_PATHS)
 
 
 def test_a_texture_on_a_mesh_without_uvs_is_one_sentence_and_uv_gives_some(tmp_path: Path) -> None:
@@ -359,7 +363,7 @@ def test_a_texture_on_a_mesh_without_uvs_is_one_sentence_and_uv_gives_some(tmp_p
     plain = render(gonio.Lambert(rho=0.25), **common)
     for projection in ("box", "sphere"):
         shown = render(material, uv=projection, **common)
-        np.testing.assert_allclose(shown, plain, rtol=1e-4)
+        np.testing.assert_allclose(shown, plain, rtol=SAME_PATHS)
 
 
 @pytest.mark.parametrize(

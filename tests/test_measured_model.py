@@ -282,6 +282,7 @@ def test_files_of_one_name_do_not_disturb_each_other(paint: Path, tmp_path: Path
     first, second = as_model(paint), as_model(other)
     assert first.name != second.name
     wi, wo = directions(10)
+    # The other file's values are further off
     assert not np.allclose(first.eval(wi, wo), second.eval(wi, wo), rtol=0.05)
     measured.save(paint, source("glossy"))  # the file changes: so does its model
     again = as_model(paint)

@@ -168,6 +168,7 @@ def test_means_over_arrays_of_directions_are_those_of_the_kernels_loop(name: str
     Float = backend.array_module().Float
     bound = model.bind(Float, lambda path, p, value: opaque(Float, p.width, value))
     looped = np.array(quadrature.mean_albedo(bound)).ravel()
+    # Sums in single precision, in two orders
     np.testing.assert_allclose(model.mean_albedo(), looped, rtol=2e-6)
 
 

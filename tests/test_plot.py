@@ -101,7 +101,7 @@ def test_a_lambert_surface_is_a_sphere():
     columns = surface([gonio.Lambert()], theta_o=(0, 45)).columns
     theta = np.radians(columns["theta_i [deg]"])
     np.testing.assert_allclose(
-        columns["f_cos red [1/sr]"], 0.8 / math.pi * np.cos(theta), atol=1e-12
+        columns["f_cos red [1/sr]"], 0.8 / math.pi * np.cos(theta), atol=DOUBLE
     )
 
 
@@ -183,6 +183,7 @@ def test_multiple_scattering_is_what_eon_adds_to_fon():
     whole, single, multiple = (
         np.array(columns[f"f_cos, {part}, red [1/sr]"]) for part in ("all", "single", "multiple")
     )
+    # A few roundings of double precision
     np.testing.assert_allclose(single + multiple, whole, atol=1e-15)
     at = columns["theta_i [deg]"].tolist().index(0.0)
     # Eq. 19 at rho = 1 for the normal and 60 degrees, with E_F of Eq. 13 and its mean of Eq. 15

@@ -208,7 +208,7 @@ def test_rows_meet_the_hard_places_of_every_model(model):
     wi, wo, u = rows[:, :3], rows[:, 3:6], rows[:, 6:8]
     assert rows.dtype == np.float32
     assert np.isfinite(rows).all()
-    assert abs(np.linalg.norm(rows[:, :3].astype(float), axis=1) - 1).max() < 1e-6
+    assert abs(np.linalg.norm(rows[:, :3].astype(float), axis=1) - 1).max() < SINGLE
     above = (wi[:, 2] > 0) & (wo[:, 2] > 0)
     assert 0.85 < above.mean() < 0.97
     for there in (

@@ -512,6 +512,7 @@ def test_integral_of_values_is_the_albedo(name: str) -> None:
     walked = stacked.sample(np.broadcast_to(wo, (400_000, 3)), seed=3)
     weights = np.where(walked.specular, 0, walked.weight[:, 0]).astype(float)
     error = math.hypot(f.std() / len(f) ** 0.5, weights.std() / len(weights) ** 0.5)
+    # Small enough to judge by
     assert error < 0.004
     assert abs(f.mean() - weights.mean()) < CHANCE * error
 
@@ -524,6 +525,7 @@ def test_stacks_are_reciprocal(name: str) -> None:
     wi, wo = random_directions(40, 3), random_directions(40, 4)
     there, back = (as_stack(name).eval(*pair, walks=100_000) for pair in ((wi, wo), (wo, wi)))
     error = np.hypot(there.error, back.error)
+    # Small enough to judge by
     assert np.median(error / there.value) < 0.02
     assert surprise(there.value, error, back.value) < CHANCE
 

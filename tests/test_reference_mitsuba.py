@@ -10,6 +10,7 @@ import drjit as dr
 import numpy as np
 import pytest
 from support.directions import polar
+from support.tolerances import SINGLE
 
 import gonio
 import gonio.mitsuba
@@ -206,7 +207,7 @@ def test_types_and_components_switch_parts_off() -> None:
     bs, weight = bsdf.sample(mirror, si, *u)
     wi, active = np.array(bs.wo), np.array(weight)[0] > 0
     np.testing.assert_allclose(
-        wi[:, active].T, np.tile(wo * (-1, -1, 1), (active.sum(), 1)), atol=1e-6
+        wi[:, active].T, np.tile(wo * (-1, -1, 1), (active.sum(), 1)), atol=SINGLE
     )
     assert np.all(np.array(bs.pdf)[active] == pytest.approx(active.mean(), abs=0.01))
     assert np.all(np.array(bsdf.eval(mirror, si, mi.Vector3f(0, 0, 1))) == 0)

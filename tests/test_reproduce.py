@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from support.tolerances import DOUBLE_DIVIDED
 
 import gonio
 from gonio import reproduce
@@ -125,8 +126,10 @@ def test_unknown_items_are_named_with_near_ones() -> None:
 def test_the_quadrature_knows_the_hemisphere() -> None:
     for theta in (0.0, 0.7, 1.5):
         over = hemisphere(theta)
-        assert over.integral(np.ones(len(over.wi))) == pytest.approx(2 * math.pi, rel=1e-9)
-        assert over.reflected(np.ones(len(over.wi))) == pytest.approx(math.pi, rel=1e-9)
+        assert over.integral(np.ones(len(over.wi))) == pytest.approx(
+            2 * math.pi, rel=DOUBLE_DIVIDED
+        )
+        assert over.reflected(np.ones(len(over.wi))) == pytest.approx(math.pi, rel=DOUBLE_DIVIDED)
 
 
 def test_statistics_of_weights_are_those_of_samples() -> None:

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import torch
 from support.directions import random_directions
+from support.tolerances import SINGLE_LONG
 
 import gonio
 from gonio.arrays import derivatives
@@ -165,7 +166,7 @@ def test_single_precision_gets_its_second_derivatives_from_double() -> None:
     found = torch.func.hessian(lambda k: gonio.model("minnaert", k=k, rho=1).eval(wi, wo).sum())(k)
     assert found.dtype == torch.float32
     expected = 3 * sum(minnaert(0.6, float(mu))[2] for mu in WI[:, 2] * WO[:, 2])
-    assert float(found) == pytest.approx(expected, rel=1e-5)
+    assert float(found) == pytest.approx(expected, rel=SINGLE_LONG)
 
 
 def test_torch_gradients_of_gradients_pass_torchs_own_check() -> None:

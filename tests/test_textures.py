@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.tolerances import SINGLE
 
 from gonio.materials import load_material
 from gonio.mitsuba import textures
@@ -38,10 +39,14 @@ def test_density_size_and_spread_are_what_they_say() -> None:
     for density, spread in ((0.3, 0.2), (0.9, 0.5)):
         m = textures.flake_map(512, density=density, flake_size=8, spread=spread, seed=1)
         tilted = (m != 0).any(axis=-1)
+        # Four standard errors of a share among 4,096 tiles
         assert tilted.mean() == pytest.approx(density, abs=0.03)
+        # Three standard errors of 1,200 flakes and more
         assert m[tilted].std() == pytest.approx(spread, rel=0.05)
+        # Three standard errors of 1,200 flakes and more
         assert abs(m.mean()) < 0.02
         flakes = len(np.unique(m[tilted], axis=0))
+        # Two standard errors of the number of flakes
         assert flakes == pytest.approx(density * (512 / 8) ** 2, rel=0.05)
     assert (textures.flake_map(64, density=0) == 0).all()
     assert np.abs(textures.flake_map(256, spread=50)).max() == textures.SLOPE_MAX
@@ -272,7 +277,7 @@ def test_vertices_doubled_at_seams_get_one_value() -> None:
     growth = textures.growth_map(doubled, mixed)
     np.testing.assert_array_equal(growth[: len(vertices)], growth[len(vertices) :])
     np.testing.assert_allclose(
-        growth[: len(vertices)], textures.growth_map(vertices, faces), atol=1e-6
+        growth[: len(vertices)], textures.growth_map(vertices, faces), atol=SINGLE
     )
 
 

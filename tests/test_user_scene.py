@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from PIL import Image
+from support.tolerances import SINGLE
 
 import gonio
 from gonio.cli import main
@@ -166,7 +167,7 @@ def test_materials_with_textures_flakes_and_growth_go_into_scenes(tmp_path: Path
     (tmp_path / "m.toml").write_text('model = "lambert"\nrho = "black.png"\n')
     path = write(tmp_path, "scene.xml", scene())
     np.testing.assert_allclose(
-        mean(path, {"wall": load_material(tmp_path / "m.toml")}), 0, atol=1e-6
+        mean(path, {"wall": load_material(tmp_path / "m.toml")}), 0, atol=SINGLE
     )
     assert (mean(path, {"wall": load_material("car_paint_red_strong")}) > 0).all()
     with pytest.raises(ValueError, match="grows in the cavities of meshes"):
@@ -226,7 +227,9 @@ def test_a_shape_and_the_bsdf_that_it_shares_get_different_models(tmp_path: Path
     assign = {"both": gonio.Lambert(rho=0.25), "left": gonio.Lambert(rho=0.75)}
     for order in (assign, dict(reversed(assign.items()))):
         picture = render_scene(path, order, spp=64)
+        # Noise of 64 samples
         np.testing.assert_allclose(picture[:, 2:6].mean(), 0.75, rtol=0.05)
+        # Noise of 64 samples
         np.testing.assert_allclose(picture[:, 10:14].mean(), 0.25, rtol=0.05)
 
 

@@ -282,6 +282,7 @@ def test_a_drawn_ball_has_the_shapes_of_gonio_render() -> None:
     low, high = np.array(shell["low"]), np.array(shell["high"])
     points = low + steps / 65535 * (high - low) - [0, BALL_CENTRE, 0]
     radii = np.linalg.norm(points, axis=1)
+    # Positions are stored in steps of 1/65535 of the box
     assert radii.max() == pytest.approx(1, abs=1e-4)
     assert radii.min() == pytest.approx(0.9, abs=1e-3)  # the shell's inside
     assert found["core"]["radius"] == CORE_RADIUS

@@ -130,6 +130,7 @@ def furnace_derivative(integrator: Any) -> float:
     picture, derivative = picture_and_derivative(
         scene, "ball.bsdf.roughness.value", 0.5, spp=4096, seed=3
     )
+    # What is left is the noise of the samples
     assert picture.mean() == pytest.approx(1, abs=2e-3)
     assert np.isfinite(derivative).all()
     return float(derivative.mean())
@@ -163,6 +164,7 @@ def test_backward_derivatives_are_the_forward_ones() -> None:
     parameters.update()
     picture = mi.render(scene, parameters, spp=64, seed=1, seed_grad=2)
     dr.backward(dr.sum(picture, axis=None))
+    # The same derivative by the other mode: sums of single precision over all pixels
     assert dr.grad(parameters[key])[0] == pytest.approx(forward.sum(), rel=1e-3)
 
 

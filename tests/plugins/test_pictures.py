@@ -37,6 +37,7 @@ def test_white_eon_vanishes_in_a_furnace() -> None:
     """Light bounces until it finds a way out; a loss of 0.1 % on the way would show."""
     bsdf = {"type": "gonio_eon", "rho": WHITE, "roughness": 1.0}
     picture = mi.render(mi.load_dict(room(bsdf, 100)), spp=1024, seed=1).numpy()
+    # The loss that the docstring speaks of
     assert picture.mean() == pytest.approx(1, abs=1e-3)
     np.testing.assert_allclose(picture, 1, atol=0.06)  # five standard errors of a pixel
 
@@ -84,6 +85,7 @@ def test_a_plate_under_a_white_sky_shows_the_albedo(cls: type[Model]) -> None:
         found, error = plate(bsdf, json.loads(row["wo"]))
         expected = float(np.mean(json.loads(row["value"])))
         digits = 6e-4 if row["source"].startswith("published") else 1e-5
+        # The estimate's own error, small enough to judge
         assert error < 1e-3
         assert found == pytest.approx(expected, abs=4 * error + digits), row
 
@@ -133,6 +135,7 @@ def test_lambert_renders_like_mitsubas_diffuse() -> None:
     )
     # Two pictures of about 0.5, each with a standard error of 0.005 per pixel.
     assert np.sqrt(np.mean((a - b) ** 2)) < 0.01
+    # The mean over all pixels is much better known than one
     assert a.mean() == pytest.approx(b.mean(), abs=1e-3)
 
 

@@ -5,6 +5,9 @@ from __future__ import annotations
 DOUBLE = 1e-12
 """One formula in two orders of operations, in double precision: some thousand roundings of 1e-16."""
 
+DOUBLE_SHORT = 1e-14
+"""One formula with a few roundings of double precision, and text that keeps all digits."""
+
 DOUBLE_DIVIDED = 1e-9
 """The same where a small cosine, or a difference of near equals, is divided by on the way."""
 
@@ -19,6 +22,9 @@ SINGLE_PROMISED = 1e-5
 
 NUMERIC_ALBEDO = 1e-5
 """What `gonio.albedos.quadrature` is good to where a model is smooth, or has its kinks on its edges."""
+
+HALF = 1e-3
+"""What is stored as half floats, whose steps are 1e-3 of the value at most: half a step, and a little."""
 
 MISTAKE = 1e-3
 """Broken things have to be further off than this, which no tolerance beside it comes near."""
