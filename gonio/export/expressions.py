@@ -68,6 +68,7 @@ OF_ALL = ("sample_leaving", "pdf_leaving")
 
 # What a shader may ask of `gonio.model.Model` itself.
 OF_EVERY_MODEL = {*SIGNATURES, *OF_ALL, "at_least_as_rough", "name"}
+NO_MEANING = "{!r} has no meaning in a shader; use parameters and options."
 
 # Terms and brackets of one statement; Python's own stack holds some five times as many.
 DEPTH_MAX = 100
@@ -411,6 +412,8 @@ class Expressions(ABC):
             return Static(getattr(model, name))
         cls = next((c for c in model.written.__mro__ if name in vars(c)), None)
         if cls is None:
+            if name in inspect.get_annotations(Model):  # what bound models have, such as float_type
+                self.refuse(node, NO_MEANING.format(name))
             if hasattr(model, name):
                 self.refuse(
                     node,
@@ -420,7 +423,7 @@ class Expressions(ABC):
             self.refuse(node, f"{model.name} has no {name!r}.")
         found = vars(cls)[name]
         if cls in Model.__mro__ and name not in OF_EVERY_MODEL:
-            self.refuse(node, f"{name!r} has no meaning in a shader; use parameters and options.")
+            self.refuse(node, NO_MEANING.format(name))
         if isinstance(found, property):
             return self._property(node, expr, found)
         if isinstance(found, staticmethod):
