@@ -283,10 +283,9 @@ class Calls(Expressions):
             self.refuse(
                 at, "fetch reads a gonio.table.Table; give one a name in the module or class."
             )
-        owned = self.owner is not None and any(
-            value is found.value
-            for cls in type(self.owner.model).__mro__
-            for value in vars(cls).values()
+        model = self.owner.model if self.owner is not None else None
+        owned = model is not None and any(
+            value is found.value for cls in model.written.__mro__ for value in vars(cls).values()
         )
         made = self.reader.table(found.value, self.owner if owned else None)
         place = self._coerce(where, self._expr(where, index), "float")

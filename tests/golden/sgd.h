@@ -350,7 +350,7 @@ inline SgdChoice sgd_choose(float probability, Vec2 u) {
     return SgdChoice{first, Vec2{fminf(fmaxf(first ? below : above, 0.0f), RANDOM_MAX), u.y}};
 }
 
-// atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25.
+// atanh(y) / y, error below 1e-16 for |y| < 1/7; with y = x / (2 + x) it is half of log(1 + x).
 inline float sgd_atanh_over(float y) {
     float y2 = y * y;
     float series = 1.0f / 9.0f

@@ -249,7 +249,7 @@ SgdChoice sgd_choose(float probability, float2 u) {
     return result;
 }
 
-// atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25.
+// atanh(y) / y, error below 1e-16 for |y| < 1/7; with y = x / (2 + x) it is half of log(1 + x).
 float sgd_atanh_over(float y) {
     float y2 = y * y;
     float series = 1.0 / 9.0

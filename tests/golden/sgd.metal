@@ -232,7 +232,7 @@ inline SgdChoice sgd_choose(float probability, float2 u) {
     return SgdChoice{first, float2(clamp(first ? below : above, 0.0, RANDOM_MAX), u.y)};
 }
 
-// atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25.
+// atanh(y) / y, error below 1e-16 for |y| < 1/7; with y = x / (2 + x) it is half of log(1 + x).
 inline float sgd_atanh_over(float y) {
     float y2 = y * y;
     float series = 1.0 / 9.0

@@ -226,7 +226,7 @@ fn sgd_choose(probability: f32, u: vec2f) -> SgdChoice {
     return SgdChoice(first, vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
 }
 
-// atanh(y) / y with y = x / (2 + x): half of log(1 + x), error below 1e-16 for |x| < 0.25.
+// atanh(y) / y, error below 1e-16 for |y| < 1/7; with y = x / (2 + x) it is half of log(1 + x).
 fn sgd_atanh_over(y: f32) -> f32 {
     let y2 = y * y;
     let series = 1.0 / 9.0
