@@ -221,7 +221,7 @@ def far_off(made: Any, wanted: Any, error: float) -> Any:
 
 def single_error(model: gonio.Model) -> float:
     """What a model documents of its values in single precision, or what drivers do to any."""
-    known = type(model).claims.float32
+    known = model.written.claims.float32
     sizes = [k.size for k in (known if isinstance(known, tuple) else (known,)) if not k.options]
     return max([F_ERROR, *sizes])
 

@@ -98,7 +98,7 @@ def payload(
     foreign = model.foreign
     language = RUNS[foreign.source.language]
     rows = [_parameter(path, declared, value) for path, declared, value in model.parameters()]
-    plain = type(model)()
+    plain = model.written()
     return {
         "text": text,
         "name": name,

@@ -144,7 +144,7 @@ def payload_of(names: Names, text: str, what: Model | Material) -> dict[str, Any
         "start": dict(_values(start.model if isinstance(start, Material) else start)),
         "hooks": _hooks(about, made),
         "maps": _maps(what) if isinstance(what, Material) else None,
-        "sums": not describe(type(model))["closed_form"].get("albedo", True),
+        "sums": not describe(model.written)["closed_form"].get("albedo", True),
         "about": _about(model),
     }
 
