@@ -6,14 +6,13 @@ direction of growing u, as normal maps and stretched highlights need it.
 
 from typing import NamedTuple
 
-from gonio.lang import Float, Vec3, absolute, dot, maximum, normalize, select, vec3
+from gonio.lang import Float, Vec3, absolute, dot, normalize, select, vec3
 from gonio.parts.tilt import flake_normal
 
-# A tangent that leaves the normal by less than this sine, 0.06 degrees, has no direction: another is taken.
+# A tangent that leaves the normal by less than this sine, 0.06 degrees, has no direction, nor has one of length
+# 0: another is taken.
 TANGENT_MIN = 1e-3
-
-# Stands for the squared length of a tangent that is 0, which cannot be divided by.
-LENGTH2_MIN = 1e-30
+COS2_MAX = 1 - TANGENT_MIN * TANGENT_MIN
 
 
 class Frame(NamedTuple):
@@ -39,11 +38,11 @@ def surface_frame(normal: Vec3, tangent: Vec3) -> Frame:
     a direction is taken that the model must not depend on.
     """
     n = normalize(normal)
-    size2 = dot(tangent, tangent)
-    level = tangent - dot(tangent, n) * n
-    known = dot(level, level) > TANGENT_MIN * TANGENT_MIN * maximum(size2, LENGTH2_MIN)
-    axis = select(absolute(n.x) > 0.7, vec3(0, 1, 0), vec3(1, 0, 0))
-    x = normalize(select(known, level, axis - dot(axis, n) * n))
+    along = dot(tangent, n)
+    known = along * along < COS2_MAX * dot(tangent, tangent)
+    # At right angles to n without a product, and not short
+    other = select(absolute(n.x) > 0.7, vec3(-n.z, 0, n.x), vec3(0, n.z, -n.y))
+    x = normalize(select(known, tangent - along * n, other))
     return Frame(x, cross(n, x), n)
 
 
