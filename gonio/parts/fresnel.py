@@ -29,6 +29,9 @@ ROOT_MIN = 1e-16
 # matched in the horizon, (ABSORPTION_MIN / (2 mu^2))^2.
 ABSORPTION_MIN = 1e-19
 
+# Brings numbers from 1e-19 to 1e7, and what their derivatives need, to where squares are float32 numbers.
+SIZE_SCALE = 2.0**40
+
 # Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
 NEAR_NORMAL = 0.75
 
@@ -107,10 +110,9 @@ def F_conductor_half(cos_h: Float, sin2_h: Float, eta: Color, k: Color) -> Color
 
 
 def _size(re: Color, im: Color) -> Color:
-    """|re + i im| for im > 0, whatever their size: squares and their derivatives would leave a float32."""
-    scale = absolute(re) + im
-    x, y = re / scale, im / scale
-    return scale * sqrt(x * x + y * y)
+    """|re + i im| for im > 0, from 1e-19 to 1e7: squares as they are would leave a float32."""
+    x, y = SIZE_SCALE * re, SIZE_SCALE * im
+    return sqrt(x * x + y * y) / SIZE_SCALE
 
 
 def _sin2(cos_theta: Float) -> Float:

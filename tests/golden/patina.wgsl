@@ -95,12 +95,13 @@ fn patina_sin2_half(wi: vec3f, wo: vec3f) -> f32 {
     return 0.25 * dot(apart, apart);
 }
 
-// |re + i im| for im > 0, whatever their size: squares and their derivatives would leave a float32.
+// |re + i im| for im > 0, from 1e-19 to 1e7: squares as they are would leave a float32.
 fn patina_size(re: vec3f, im: vec3f) -> vec3f {
-    let scale = abs(re) + im;
-    let x = re / scale;
-    let y = im / scale;
-    return scale * sqrt(x * x + y * y);
+    // Brings numbers from 1e-19 to 1e7, and what their derivatives need, to where squares are float32 numbers.
+    const SIZE_SCALE = 1.0995116e12;
+    let x = SIZE_SCALE * re;
+    let y = SIZE_SCALE * im;
+    return sqrt(x * x + y * y) / SIZE_SCALE;
 }
 
 // Exact reflectance of a conductor, eta + i k, at a facet, from both patina_cos_half and patina_sin2_half.

@@ -101,12 +101,13 @@ float sum_sin2_half(vec3 wi, vec3 wo) {
     return 0.25 * dot(apart, apart);
 }
 
-// |re + i im| for im > 0, whatever their size: squares and their derivatives would leave a float32.
+// |re + i im| for im > 0, from 1e-19 to 1e7: squares as they are would leave a float32.
 vec3 sum_size(vec3 re, vec3 im) {
-    vec3 scale = abs(re) + im;
-    vec3 x = re / scale;
-    vec3 y = im / scale;
-    return scale * sqrt(x * x + y * y);
+    // Brings numbers from 1e-19 to 1e7, and what their derivatives need, to where squares are float32 numbers.
+    const float SIZE_SCALE = 1.0995116e12;
+    vec3 x = SIZE_SCALE * re;
+    vec3 y = SIZE_SCALE * im;
+    return sqrt(x * x + y * y) / SIZE_SCALE;
 }
 
 // Exact reflectance of a conductor, eta + i k, at a facet, from both sum_cos_half and sum_sin2_half.

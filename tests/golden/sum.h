@@ -127,6 +127,8 @@ constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
 // A trace of absorption, which keeps a conductor's roots from 0. By itself it reflects where the index is
 // matched in the horizon, (ABSORPTION_MIN / (2 mu^2))^2.
 constexpr float ABSORPTION_MIN = 1.0e-19f;
+// Brings numbers from 1e-19 to 1e7, and what their derivatives need, to where squares are float32 numbers.
+constexpr float SIZE_SCALE = 1.0995116e12f;
 // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
 constexpr float NEAR_NORMAL = 0.75f;
 // Added to the first lobe's weight, so that two black lobes still leave something to choose and the
@@ -220,12 +222,11 @@ inline float sum_sin2_half(Vec3 wi, Vec3 wo) {
     return 0.25f * dot(apart, apart);
 }
 
-// |re + i im| for im > 0, whatever their size: squares and their derivatives would leave a float32.
+// |re + i im| for im > 0, from 1e-19 to 1e7: squares as they are would leave a float32.
 inline Vec3 sum_size(Vec3 re, Vec3 im) {
-    Vec3 scale = absolute(re) + im;
-    Vec3 x = re / scale;
-    Vec3 y = im / scale;
-    return scale * sqrt(x * x + y * y);
+    Vec3 x = SIZE_SCALE * re;
+    Vec3 y = SIZE_SCALE * im;
+    return sqrt(x * x + y * y) / SIZE_SCALE;
 }
 
 // Exact reflectance of a conductor, eta + i k, at a facet, from both sum_cos_half and sum_sin2_half.

@@ -71,12 +71,13 @@ float torrance_sparrow_sin2_half(float3 wi, float3 wo) {
     return 0.25 * dot(apart, apart);
 }
 
-// |re + i im| for im > 0, whatever their size: squares and their derivatives would leave a float32.
+// |re + i im| for im > 0, from 1e-19 to 1e7: squares as they are would leave a float32.
 float3 torrance_sparrow_size(float3 re, float3 im) {
-    float3 scale = abs(re) + im;
-    float3 x = re / scale;
-    float3 y = im / scale;
-    return scale * sqrt(x * x + y * y);
+    // Brings numbers from 1e-19 to 1e7, and what their derivatives need, to where squares are float32 numbers.
+    const float SIZE_SCALE = 1.0995116e12;
+    float3 x = SIZE_SCALE * re;
+    float3 y = SIZE_SCALE * im;
+    return sqrt(x * x + y * y) / SIZE_SCALE;
 }
 
 // Exact reflectance of a conductor, eta + i k, at a facet, from both torrance_sparrow_cos_half and
