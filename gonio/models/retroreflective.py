@@ -21,7 +21,7 @@ class Retroreflective(Model):
         "Has no highlight in the mirror direction; add one by the model sum.",
         "What the base claims holds here as well, with the light turned.",
     )
-    claims = Claims(float32=at_most(5e-5), numeric_albedo=at_most(0.01))
+    claims = Claims(float32=at_most(5e-5), numeric_albedo=at_most(1e-3))
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """The base's value for light from the other side."""

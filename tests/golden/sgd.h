@@ -148,9 +148,8 @@ constexpr float POWER_MIN = 1.0e-4f;
 constexpr float LOG_MAX = 3.0f;
 // Largest squared slope over alpha, where D is 0 in every precision.
 constexpr float SLOPE_MAX = 10000.0f;
-// Largest 1 / (mu_i mu_o), at cosines of 1e-6: times D and derivatives by the masking it still is a
-// float32.
-constexpr float V_SGD = 1.0e12f;
+// Largest 1 / (mu_i mu_o), at cosines of 1e-4: times D and its derivatives it still is a float32.
+constexpr float V_SGD = 1.0e8f;
 // Angles and squared cosines below which a logarithm or quotient leaves a float32.
 constexpr float ANGLE_MIN = 1.0e-12f;
 constexpr float COS2_MIN = 1.0e-30f;

@@ -141,9 +141,8 @@ inline float3 sgd_F(Sgd params, float cos_h) {
 inline float3 sgd_eval(Sgd params, float3 wi, float3 wo) {
     const float inv_pi = 0.31830987;
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    // Largest 1 / (mu_i mu_o), at cosines of 1e-6: times D and derivatives by the masking it still is a
-    // float32.
-    const float V_SGD = 1.0e12;
+    // Largest 1 / (mu_i mu_o), at cosines of 1e-4: times D and its derivatives it still is a float32.
+    const float V_SGD = 1.0e8;
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return float3(0.0);
     }

@@ -136,9 +136,8 @@ fn sgd_F(params: Sgd, cos_h: f32) -> vec3f {
 fn sgd_eval(params: Sgd, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
     const mu_min = 1.0e-18;  // cosine of the horizon
-    // Largest 1 / (mu_i mu_o), at cosines of 1e-6: times D and derivatives by the masking it still is a
-    // float32.
-    const V_SGD = 1.0e12;
+    // Largest 1 / (mu_i mu_o), at cosines of 1e-4: times D and its derivatives it still is a float32.
+    const V_SGD = 1.0e8;
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
