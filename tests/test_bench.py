@@ -326,6 +326,20 @@ def test_memory_is_counted_in_the_kernel_itself(few):
     assert moved("lambert") == 5 * 4  # two cosines, which tell what is below the horizon, and RGB
 
 
+@needs_llvm
+def test_exact_quotients_and_roots_are_counted(few):
+    x, y = few.jit_wi.x + 2, few.jit_wo.y + 3
+
+    def counted(make):
+        (kernel,) = kernels.launched(lambda: dr.eval(make()))
+        return kernels.exact_operations(kernel)
+
+    dr.eval(x, y)
+    assert counted(lambda: x * y + 1) == 0
+    assert counted(lambda: x / y + dr.sqrt(x)) == 2
+    assert counted(lambda: x * (1 / dr.opaque(type(y), 3)) + y / x) == 2
+
+
 # ----------------------------------------------------------------------------------------- timing
 
 

@@ -49,6 +49,14 @@ def moved_bytes(kernel: Kernel) -> int:
     return total
 
 
+def exact_operations(kernel: Kernel) -> int:
+    """Quotients and roots per element of an LLVM kernel, all of which round exactly.
+
+    They take as long as five to ten products; compilers that may round as they like estimate them.
+    """
+    return len(re.findall(r"= (?:fdiv|call [^@]*@llvm\.sqrt\.)", kernel.ir))
+
+
 def needed_again(before: Callable[[], object], after: Callable[[], object]) -> int:
     """How many kernels `after` has to compile that `before` had not compiled yet."""
     known = {kernel.hash for kernel in launched(before)}
