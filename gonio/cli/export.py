@@ -347,6 +347,7 @@ def command(
       gonio export my_model.py --to slang
       gonio export gold --manifest                      names, kinds, ranges, options
       gonio export gold --to wgsl --load --manifest -o host/
+      gonio export paint=paint.binary --to wgsl -o host/    measured: the text and its tables
       gonio export ue4 --to hlsl --lit                  with lights
       gonio export ue4 --to glsl --lit directional,image --prove
       gonio export gold --to glsl --table fresnel,distribution -o host/
