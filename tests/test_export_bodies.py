@@ -33,7 +33,7 @@ WORDS = {
     "workgroup write select saturate bitcast storage uniform function private read",
     "hlsl": "cbuffer tbuffer technique pass stateblock row_major sample centroid linear dword Texture2D "
     "BlendState lerp frac rsqrt mul clip ddx rcp sincos matrix vector line point triangle string register "
-    "packoffset numthreads float4x4",
+    "packoffset numthreads float4x4 globallycoherent min10float SamplerState int3 PointStream",
     "metal": "kernel vertex fragment device constant thread threadgroup metal simd bfloat access coord "
     "as_type vec INFINITY NAN MAXFLOAT M_PI_F fast",
     "cpp and cuda": "alignas bitand bitor compl decltype delete explicit new not_eq operator protected "

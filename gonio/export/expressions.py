@@ -347,6 +347,8 @@ class Expressions(ABC):
                 "only; give it a value before.",
             )
         names = self.python.__globals__
+        if node.id.startswith("__") and node.id not in code.co_names:
+            self.refuse(node, f"Python reads {node.id} within a class as another name; rename it.")
         if node.id in names:
             return self._global(node, node.id, names[node.id], self.source)
         if hasattr(builtins, node.id):

@@ -39,13 +39,24 @@ GLSL_WORDS = C_WORDS | _words(
     "uint uniform uvec2 varying vec2 vec3 vec4 writeonly main"
 )
 HLSL_WORDS = C_WORDS | _words(
-    "asm ByteAddressBuffer RWTexture2D RWByteAddressBuffer RWBuffer StructuredBuffer "
-    "RWStructuredBuffer ConstantBuffer BlendState Buffer cbuffer centroid class column_major compile "
-    "discard dword export float2 float3 "
-    "fxgroup groupshared half in inout interface line lineadj linear matrix min16float "
-    "nointerpolation noperspective out packoffset pass pixelfragment point precise register row_major "
-    "sample sampler shared snorm string Texture2D tbuffer technique texture triangle uint uniform "
-    "unorm unsigned vector main"
+    "AppendStructuredBuffer asm asm_fragment BlendState Buffer ByteAddressBuffer cbuffer centroid "
+    "class column_major compile compile_fragment CompileShader ComputeShader ConstantBuffer "
+    "ConsumeStructuredBuffer DepthStencilState DepthStencilView discard DomainShader dword export "
+    "fxgroup GeometryShader globallycoherent groupshared half HullShader Hullshader in inout "
+    "InputPatch interface line lineadj linear LineStream main matrix min10float min12int min16float "
+    "min16int min16uint nointerpolation noperspective NULL out OutputPatch packoffset pass payload "
+    "pixelfragment PixelShader point PointStream precise RasterizerState register RenderTargetView "
+    "row_major RWBuffer RWByteAddressBuffer RWStructuredBuffer RWTexture1D RWTexture1DArray "
+    "RWTexture2D RWTexture2DArray RWTexture3D sample sampler SamplerComparisonState SamplerState "
+    "shared snorm stateblock stateblock_state string StructuredBuffer SubpassInput SubpassInputMS "
+    "tbuffer technique technique10 technique11 texture Texture1D Texture1DArray Texture2D "
+    "Texture2DArray Texture2DMS Texture2DMSArray Texture3D TextureCube TextureCubeArray triangle "
+    "triangleadj TriangleStream uint uniform unorm unsigned vector vertexfragment VertexShader "
+    + " ".join(
+        f"{kind}{rows}"
+        for kind in ("bool", "int", "uint", "half", "float", "double", "dword")
+        for rows in ("1", "2", "3", "4", *(f"{r}x{c}" for r in "1234" for c in "1234"))
+    )
 )
 WGSL_WORDS = C_WORDS | _words(
     "continuing nil varying storage workgroup function "
