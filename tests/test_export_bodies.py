@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import keyword
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -46,7 +47,7 @@ WORDS = {
     "Differential bwd_diff Optional none Tuple expand each implementing internal typealias countof",
     "python": "print len sum min max round pow range type list str input id vars object complex any map",
 }
-PLACES = {
+PLACES: dict[str, Callable[[list[str]], tuple[str, str]]] = {
     "locals": lambda words: (
         "\n".join(f"{w} = wi.{'xyz'[i % 3]} * {i + 1}" for i, w in enumerate(words))
         + f"\nreturn self.rho * (({' + '.join(words)}) / {len(words) ** 2})",
