@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,15 @@ from gonio.reproduce.text import Item, Text
 ITEMS = {item.id: item for item in reproduce.items()}
 FIGURES = Path(__file__).parent.parent.parent / "shared" / "figures.csv"
 TEXTS = {"000": "triace", "002": "pbr", "003": "eon", "004": "elek"}
+
+
+# What the page of all verdicts says cannot be had
+PAGE = (Path(__file__).parents[1] / "docs" / "reproduce.md").read_text(encoding="utf-8")
+LACKING = set(
+    re.findall(
+        r"`(\w+:[\w-]+)`", PAGE.partition("## What cannot be had")[2].partition("## From")[0]
+    )
+)
 
 
 def run(*arguments: object) -> object:
@@ -68,11 +78,22 @@ def test_a_text_is_wrong_only_while_gonio_is_as_the_proof_says() -> None:
     assert verdict(100) is Verdict.DIFFERS  # as the text, against the proof
 
 
-def test_without_a_claim_nothing_can_be_compared() -> None:
+def test_without_a_claim_it_is_shown_unless_something_is_lacking() -> None:
     sheet = Sheet()
     sheet.show("ours", 3.0)
-    sheet.remark("a console that nobody has")
+    assert sheet.verdict is Verdict.SHOWN
+    sheet.lack("a console that nobody has")
     assert sheet.verdict is Verdict.NOT_COMPARABLE
+    sheet.claim("its ratio", "=", "2", 3)
+    assert sheet.verdict is Verdict.DIFFERS, "what is lacking excuses no claim that fails"
+
+
+def test_a_reason_that_several_lines_share_is_told_once() -> None:
+    sheet = Sheet()
+    for what, why in (("a", "float32"), ("b", "float32"), ("c", "flat")):
+        sheet.claim(what, "=", "1", 1, why=why)
+    sheet.lack("a table")
+    assert sheet.notes() == ["a table", "float32", "c: flat"]
 
 
 # --- the items --------------------------------------------------------------------------------------
@@ -82,8 +103,14 @@ def test_without_a_claim_nothing_can_be_compared() -> None:
 def test_each_number_is_the_text_s_or_the_proven_correction(name: str) -> None:
     made = reproduce.make(ITEMS[name])
     assert made.verdict is not Verdict.DIFFERS, reproduce.table(made)
-    if made.verdict is Verdict.NOT_COMPARABLE:
-        assert made.sheet.reasons or made.picture is not None, "a reason is due"
+    if made.verdict is Verdict.SHOWN:
+        assert made.sheet.lines or made.picture is not None, "nothing is shown"
+    assert (made.verdict is Verdict.NOT_COMPARABLE) == (name in LACKING), made.verdict
+
+
+def test_all_that_cannot_be_had_has_an_item() -> None:
+    assert set(ITEMS) >= LACKING
+    assert len(LACKING) > 5
 
 
 def test_ids_and_parts_are_unique_within_a_text() -> None:

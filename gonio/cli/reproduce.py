@@ -31,8 +31,9 @@ def command(
     """Make what the texts show, with their numbers beside gonio's, the difference and a verdict.
 
     Without an ITEM it lists them. Each item becomes a table (.md) and its numbers (.json), figures
-    also a page (.png). The verdict is computed: "agrees", "text wrong" with the proof, "cannot be
-    compared" with the reason, or "gonio differs". What an interrupted run has written is kept.
+    also a page (.png). The verdict is computed: "agrees", "text wrong" with the proof, "shown" where
+    the text has no number, "cannot be compared" with what cannot be had, or "gonio differs". What an
+    interrupted run has written is kept.
 
     \b
     Examples:

@@ -12,7 +12,7 @@ GPU = "navi21"
 
 def show_cycles(sheet: Sheet, key: str, why: str) -> None:
     """Put the text's ratios beside ours, where the compilers are; they depend on the GPU: only shown."""
-    sheet.remark(
+    sheet.lack(
         f"{why}; beside them cycles of whole shaders on {GPU}, as 'gonio cost --texts' tells"
     )
     try:

@@ -19,6 +19,7 @@ INK, FAINT, PAPER = "#222222", "#666666", "#ffffff"
 COLOURS = {
     Verdict.AGREES: "#00704f",
     Verdict.TEXT_WRONG: "#b04a00",
+    Verdict.SHOWN: "#34609a",
     Verdict.NOT_COMPARABLE: FAINT,
     Verdict.DIFFERS: "#c00000",
 }
@@ -83,9 +84,8 @@ def _rows(made: Made, width: int) -> list[tuple[list[tuple[str, float]], str]]:
             *above, last = [row[0]] if fits else textwrap.wrap(row[0], max(int(first / 9.4), 12))
             rows += [([(part, MARGIN)], colour) for part in above]
             rows.append(([(last, MARGIN), *pieces], colour))
-    reasons = [f"{line.what}: {line.why}" for line in made.sheet.lines if line.why]
-    for reason in (*made.sheet.reasons, *reasons):
-        rows += [([(part, MARGIN)], FAINT) for part in textwrap.wrap(reason, int(inside / 9.0))]
+    for note in made.sheet.notes():
+        rows += [([(part, MARGIN)], FAINT) for part in textwrap.wrap(note, int(inside / 9.0))]
     return rows
 
 

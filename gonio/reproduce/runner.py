@@ -110,7 +110,7 @@ def _data(made: Made) -> dict[str, Any]:
         "source": f"{item.text.title}, {item.source}",
         "states": item.states,
         "verdict": made.verdict.value,
-        "remarks": made.sheet.reasons,
+        "remarks": made.sheet.notes(),
         "lines": [
             {
                 "what": line.what,

@@ -12,6 +12,7 @@ class Verdict(enum.Enum):
 
     AGREES = "agrees"
     TEXT_WRONG = "text wrong"
+    SHOWN = "shown"
     NOT_COMPARABLE = "cannot be compared"
     DIFFERS = "gonio differs"
 
@@ -83,7 +84,9 @@ class Sheet:
 
     lines: list[Line] = field(default_factory=list)
     reasons: list[str] = field(default_factory=list)
-    """Why something cannot be compared, or remarks on how it was."""
+    """Remarks on how something was compared or shown."""
+    lacks: list[str] = field(default_factory=list)
+    """What the text compares with and nobody here has: a console, a table that is lost."""
 
     def claim(
         self,
@@ -129,8 +132,21 @@ class Sheet:
         self.lines.append(Line(what, "", "", math.nan, float(ours), 0.0, None, why))
 
     def remark(self, text: str) -> None:
-        """Why something cannot be compared, or how it was compared."""
+        """How something was compared or shown."""
         self.reasons.append(text)
+
+    def lack(self, text: str) -> None:
+        """What cannot be had, so that the text's numbers have nothing to stand beside."""
+        self.lacks.append(text)
+
+    def notes(self) -> list[str]:
+        """What is lacking, the remarks, and the reasons of the lines, each of them once."""
+        named: dict[str, list[str]] = {}
+        for line in self.lines:
+            if line.why:
+                named.setdefault(line.why, []).append(line.what)
+        whys = [f"{whats[0]}: {why}" if len(whats) == 1 else why for why, whats in named.items()]
+        return [*self.lacks, *self.reasons, *whys]
 
     def _add(
         self,
@@ -154,10 +170,15 @@ class Sheet:
 
     @property
     def verdict(self) -> Verdict:
-        """Computed from the lines: one failing line is enough for `DIFFERS`."""
+        """Computed from the lines: one failing line is enough for `DIFFERS`.
+
+        Without a claim it is `NOT_COMPARABLE` if something is lacking, else `SHOWN`.
+        """
         states = {line.state for line in self.lines} - {""}
         if "fails" in states:
             return Verdict.DIFFERS
         if "text wrong" in states:
             return Verdict.TEXT_WRONG
-        return Verdict.AGREES if states else Verdict.NOT_COMPARABLE
+        if states:
+            return Verdict.AGREES
+        return Verdict.NOT_COMPARABLE if self.lacks else Verdict.SHOWN

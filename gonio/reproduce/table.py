@@ -25,8 +25,7 @@ def table(made: Made) -> str:
         lines += [_row(HEADER), _row(["---"] * len(HEADER))]
         lines += [_row(cells(line)) for line in made.sheet.lines]
         lines.append("")
-    reasons = [f"{line.what}: {line.why}" for line in made.sheet.lines if line.why]
-    lines += [f"- {reason}" for reason in (*made.sheet.reasons, *reasons)]
+    lines += [f"- {note}" for note in made.sheet.notes()]
     return "\n".join(lines).rstrip() + "\n"
 
 

@@ -62,11 +62,11 @@ class Text:
 
         return declare
 
-    def illustration(self, name: str, source: str, states: str, reason: str) -> None:
-        """Declare an item that has nothing to compute, with the reason."""
+    def lacking(self, name: str, source: str, states: str, reason: str) -> None:
+        """Declare an item that cannot be had, with the reason."""
 
         def make(sheet: Sheet) -> None:
-            sheet.remark(reason)
+            sheet.lack(reason)
 
         self.items.append(Item(self, name, source, states, (), False, make))
 

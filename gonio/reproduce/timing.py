@@ -147,7 +147,7 @@ def show_times(
     sheet: Sheet, models: Mapping[str, Model], printed: Mapping[tuple[str, str], float], why: str
 ) -> Times | None:
     """Put the text's times beside ours, where there is a compiler; other machines cannot be compared."""
-    sheet.remark(why)
+    sheet.lack(why)
     try:
         times = measure_times(models)
     except ProofError as error:

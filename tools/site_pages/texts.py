@@ -29,6 +29,7 @@ LONG = 16  # rows of a table that is folded away
 CLASSES = {
     "agrees": "agrees",
     "text wrong": "text-wrong",
+    "shown": "shown",
     "cannot be compared": "not-comparable",
     "gonio differs": "differs",
 }
@@ -97,6 +98,8 @@ def _page(
     ]
     if errata:
         blocks += ["[Errata](#errata) are below."]
+    if counted:
+        blocks += [_overview(text, made)]
     blocks += ["## Figures, tables, equations, numbers"]
     for item in text.items:
         result = made[item.id]
@@ -109,13 +112,26 @@ def _page(
     return page(*blocks)
 
 
+def _overview(text: reproduce.Text, made: dict[str, dict[str, Any] | None]) -> str:
+    """All verdicts in one table, folded away."""
+    rows = []
+    for item in text.items:
+        place = f"[{plain(item.source)}](#{item.text.name}-{item.name})"
+        rows.append((place, plain(sentence(item.states)), _badge(made[item.id])))
+    listed = table(("where", "what it states", "verdict"), rows)
+    return f"::::{{dropdown}} All {len(rows)} at a glance\n\n{listed}\n::::"
+
+
+def _badge(result: dict[str, Any] | None) -> str:
+    if result is None:
+        return ""
+    verdict = result["verdict"]
+    return f'<span class="verdict {CLASSES[verdict]}">{verdict}</span> '
+
+
 def _item(item: reproduce.Item, result: dict[str, Any] | None, picture: str) -> list[str]:
     blocks = [f"({item.text.name}-{item.name})=\n### {plain(item.source)}"]
-    verdict = ""
-    if result:
-        kind = CLASSES[result["verdict"]]
-        verdict = f'<span class="verdict {kind}">{result["verdict"]}</span> '
-    blocks.append(f"{verdict}{plain(sentence(item.states))}")
+    blocks.append(f"{_badge(result)}{plain(sentence(item.states))}")
     if result is None:
         blocks.append(fence(f"gonio reproduce {item.id}", "sh"))
         return blocks
@@ -128,10 +144,8 @@ def _item(item: reproduce.Item, result: dict[str, Any] | None, picture: str) -> 
             blocks.append(f"::::{{dropdown}} {len(rows)} numbers\n\n{numbers}\n::::")
         else:
             blocks.append(numbers)
-    reasons = [*result["remarks"]]
-    reasons += [f"{line['what']}: {line['why']}" for line in result["lines"] if line["why"]]
-    if reasons:
-        blocks.append("\n".join(f"- {plain(reason)}" for reason in reasons))
+    if result["remarks"]:
+        blocks.append("\n".join(f"- {plain(remark)}" for remark in result["remarks"]))
     blocks.append(f"`gonio reproduce {item.id}`")
     return blocks
 

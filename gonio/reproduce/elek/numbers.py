@@ -13,7 +13,7 @@ from gonio.mitsuba import textures
 from gonio.parts import fresnel, metals
 from gonio.render.passes import ready_mitsuba
 from gonio.reproduce.elek import TEXT, formulas
-from gonio.reproduce.elek.figures import half_width, printed_albedo
+from gonio.reproduce.elek.figures import half_width, mip_level, printed_albedo
 from gonio.reproduce.measure import directions, gray
 from gonio.reproduce.sheet import Sheet
 
@@ -65,18 +65,53 @@ def phong_layers(sheet: Sheet) -> None:
     )
 
 
-TEXT.illustration(
-    "7dof",
-    "section 3.1",
-    "F has 7 degrees of freedom",
-    "a count: the angle, and n and kappa of three colours",
-)
-TEXT.illustration(
-    "f3", "section 3.1", "F is evaluated three times", "a count: F1, F2 and the environment's"
-)
-TEXT.illustration(
-    "mip", "section 3.1", "disable MIP-mapping of the table of D", "advice for a texture unit"
-)
+@TEXT.item("7dof", "section 3.1", "F has 7 degrees of freedom")
+def degrees_of_freedom(sheet: Sheet) -> None:
+    index = metals.metal("Cu")
+    given = np.concatenate([[0.3], np.ravel(index["eta"]), np.ravel(index["k"])])
+
+    def F(values: np.ndarray) -> np.ndarray:
+        return np.asarray(elementwise(fresnel.F_conductor, values[0], values[1:4], values[4:]))
+
+    step = 1e-3 * np.eye(len(given))
+    matter = [float(np.abs(F(given + one) - F(given)).max()) > 0 for one in step]
+    sheet.claim(
+        "numbers that change F of a metal: the angle, n and kappa of three colours",
+        "=",
+        "7",
+        sum(matter),
+    )
+
+
+@TEXT.item("f3", "section 3.1", "F is evaluated three times")
+def three_fresnels(sheet: Sheet) -> None:
+    wi, wo = (directions(a)[None] for a in (0.3, 0.5))
+    evaluated = []
+
+    def F(cos: np.ndarray, n: float, k: float = 0.0) -> np.ndarray:
+        evaluated.append(n)
+        return formulas.lazanyi(cos, n, k)
+
+    def base(i: np.ndarray, o: np.ndarray) -> np.ndarray:
+        return formulas.torrance_sparrow(0.3, F(formulas.half(i, o)[1], 0.2, 3.9), i, o)
+
+    formulas.layered(1.5, 0.1, 0.0, base, wi, wo, F)
+    F(wo[..., 2], 1.5)  # Algorithm 1, line 28: of the environment
+    sheet.claim("calls of F in Eq. 2 to 4 and line 28 of Algorithm 1", "=", "3", len(evaluated))
+
+
+@TEXT.item("mip", "section 3.1", "disable MIP-mapping of the table of D")
+def mip(sheet: Sheet) -> None:
+    table = tables.distribution_table("beckmann")
+    for level, relation in ((0, "<="), (3, ">=")):
+        error = tables.distribution_error(mip_level(table, level), "beckmann", 8, 0.01).largest
+        sheet.claim(
+            f"largest error over the peak at m 0.01, level {level}",
+            relation,
+            1 / 255,
+            error,
+            why="a step of 8 bits",
+        )
 
 
 def _table(symbol: str) -> tables.Table:

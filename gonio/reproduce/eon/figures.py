@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import itertools
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -31,7 +33,16 @@ from gonio.reproduce.measure import (
     gray,
     weights,
 )
-from gonio.reproduce.rendered import Later, Layout, Rendered, furnace, middle, single_bounce
+from gonio.reproduce.rendered import (
+    ALL_BOUNCES,
+    BOUNCES,
+    Later,
+    Layout,
+    Rendered,
+    furnace,
+    middle,
+    single_bounce,
+)
 from gonio.reproduce.sheet import Sheet
 from gonio.reproduce.text import Picture
 
@@ -141,10 +152,14 @@ def figure_4(sheet: Sheet) -> Picture:
     for name, value in brightness.items():
         sheet.show(f"mean albedo of {name}", value)
     names = ["Lambert", "full ON", "QON", "footnote QON", "Fujii QON", "FON", "EON"]
-    return Rendered(models, names, [("", {"environment": "side"})], common={"size": (176, 176)})
+    rows = [(f"{e}-lit", {"environment": e}) for e in ("front", "side")]
+    return Rendered(models, names, rows, common={"size": (176, 176)})
 
 
-def _pair(rough: Model, white: Model, sheet: Sheet, loses: bool) -> Picture:
+LARGE = {"size": (320, 320)}
+
+
+def _pair(rough: Model, white: Model, sheet: Sheet, loses: bool, bounces: int = BOUNCES) -> Picture:
     """A single bounce of a directional light, and a furnace."""
     albedo = float(white.mean_albedo()[0])
     if loses:
@@ -165,8 +180,9 @@ def _pair(rough: Model, white: Model, sheet: Sheet, loses: bool) -> Picture:
         else:
             sheet.claim("radiance of the ball in the furnace of 1", "=", "1.00", seen)
 
-    lit = Rendered([rough], [""], [("single bounce", single_bounce("sun"))])
-    return Layout([lit, Rendered([white], [""], [("furnace", furnace())], measure)])
+    lit = Rendered([rough], ["single bounce"], [("", single_bounce("sun"))], common=LARGE)
+    lost = Rendered([white], ["furnace"], [("", furnace(bounces))], measure, LARGE)
+    return Layout([lit, lost], in_a_row=True)
 
 
 @TEXT.item(
@@ -197,7 +213,9 @@ def figure_8(sheet: Sheet) -> Picture:
     "9", "Figure 9", "EON at r = 1: single bounce, and under a uniform sky", "9-left", "9-right"
 )
 def figure_9(sheet: Sheet) -> Picture:
-    return _pair(gonio.EON(rho=CLAY, roughness=1), white_eon(roughness=1), sheet, loses=False)
+    sheet.remark("the furnace has 256 bounces, as the ball's cavity needs; the paper's sky is open")
+    rough, white = gonio.EON(rho=CLAY, roughness=1), white_eon(roughness=1)
+    return _pair(rough, white, sheet, loses=False, bounces=ALL_BOUNCES)
 
 
 def _dots_lie_on_lines(sheet: Sheet, model: Model) -> None:
@@ -375,10 +393,40 @@ def figure_12(sheet: Sheet) -> Picture:
         why="Eq. 28; five times the error of so many points",
     )
     sheet.remark(
-        "drawn as densities over wi: the lobe before clipping, after, and with the uniform part"
+        "above: samples in the unit disk that the hemisphere projects to, the viewer to the right; those "
+        "below the horizon are hollow. Below: their densities in the plane of incidence"
     )
     lobes = [white_eon(roughness=1, sampler=s) for s in ("ltc", "cltc", "cltc_uniform", "cosine")]
-    return _densities(lobes, math.radians(85))
+    theta_o = math.radians(85)
+    return Layout([_Projected(tuple(lobes), theta_o), _densities(lobes, theta_o)])
+
+
+@dataclasses.dataclass(frozen=True)
+class _Projected:
+    """Nusselt's projection of samples: equal areas of the disk hold equal cosine-weighted solid angles."""
+
+    models: tuple[Model, ...]
+    theta_o: float
+
+    def save(self, output: str | Path) -> Path:
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(3 * len(self.models), 3.4), dpi=100, layout="constrained")
+        panels = figure.subplots(1, len(self.models))
+        u = np.random.default_rng(0).random((3000, 2))
+        for panel, model in zip(panels, self.models, strict=True):
+            wi, _ = model.sample(directions(self.theta_o), u)
+            x, y, z = np.asarray(wi, float).T
+            panel.scatter(x[z > 0], y[z > 0], s=1.5, color="#0072b2", linewidths=0)
+            panel.scatter(x[z <= 0], y[z <= 0], s=5, facecolors="none", edgecolors="#d55e00")
+            turn = np.linspace(0, 2 * np.pi, 200)
+            panel.plot(np.cos(turn), np.sin(turn), color="#222222", linewidth=0.8)
+            panel.plot(math.sin(self.theta_o), 0, marker="x", color="#222222")
+            panel.set_title(str(getattr(model, "sampler")), fontsize=11)  # noqa: B009
+            panel.set_aspect("equal")
+            panel.axis("off")
+        figure.savefig(output)
+        return Path(output)
 
 
 def _kept_area(d: float) -> float:

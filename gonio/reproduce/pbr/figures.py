@@ -19,18 +19,6 @@ from gonio.reproduce.rendered import Later, Layout, Rendered
 from gonio.reproduce.sheet import Sheet
 from gonio.reproduce.text import Picture
 
-TEXTBOOK = "a textbook's picture of a definition: there is nothing to compute"
-for _id, _states in {
-    "a": "law of reflection",
-    "b": "scattering by microfacets",
-    "c": "light that enters and leaves",
-    "d": "photograph of the sea: Fresnel reflection grows towards the horizon",
-    "e": "solid angle",
-    "f": "projected area and radiance",
-    "k": "shadowing and masking of facets",
-}.items():
-    TEXT.illustration(_id, "sections 1, 2, 4", _states, TEXTBOOK)
-
 
 @TEXT.item(
     "ndf",
@@ -180,7 +168,9 @@ def unity_code(sheet: Sheet) -> None:
 def three(sheet: Sheet) -> None:
     names = [name for name in gonio.models() if name.startswith("unity_")]
     sheet.show("of them in gonio", len(names))
-    sheet.remark("BRDF3 reads its highlight from a table that is not public")
+    sheet.lack(
+        "BRDF3 reads its highlight from a texture that the engine generates, and that is not public"
+    )
 
 
 @TEXT.item("unitystronger", "section 5", "Unity's diffuse part is stronger, because F > F0")

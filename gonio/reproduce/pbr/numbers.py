@@ -15,18 +15,6 @@ from gonio.reproduce.pbr import TEXT
 from gonio.reproduce.pbr.equations import D_ggx
 from gonio.reproduce.sheet import Sheet
 
-DEFINITION = "a definition: there is nothing to compute"
-for _id, _states in {
-    "eq-flux": "phi = dQ / dt",
-    "eq-irradiance": "E = dphi / dA",
-    "eq-intensity": "I = dphi / domega",
-    "eq-radiance": "L = d2phi / (dA_proj domega)",
-    "eq-projected": "dA_proj = dA cos",
-    "eq-rendering": "the rendering equation",
-    "eq-rendering2": "the same without wavelength and time",
-}.items():
-    TEXT.illustration(_id, "sections 2 and 3", _states, DEFINITION)
-
 
 @TEXT.item("4", "1.1", "dielectrics reflect about 4 % at normal incidence")
 def four_percent(sheet: Sheet) -> None:
@@ -145,9 +133,12 @@ def disney(sheet: Sheet) -> None:
     sheet.show("parameters in all", len(gonio.Disney.fields))
 
 
-TEXT.illustration(
-    "schlick",
-    "4.2.2",
-    "Schlick's original paper has n.v in place of h.v",
-    "a statement about another paper, which is not at hand",
-)
+@TEXT.item("schlick", "4.2.2", "Schlick's original paper has n.v in place of h.v")
+def schlick(sheet: Sheet) -> None:
+    sheet.lack("a statement about another paper, which is not at hand")
+    light, viewer = 60.0, 10.0
+    ratio = [1 - (1 - 0.04) * (1 - (1 - math.cos(math.radians(a))) ** 5) for a in (light, viewer)]
+    sheet.show(
+        "F of n.v at 60 degrees over F at 10 degrees: by how much a lobe with it is not reciprocal",
+        ratio[0] / ratio[1],
+    )

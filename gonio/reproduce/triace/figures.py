@@ -64,12 +64,20 @@ def _absorbing(**changed: Any) -> list[Model]:
     base = gonio.TriAceLayered(
         rho=(0.8, 0.75, 0.7), top_shininess=400, bottom_shininess=20, **changed
     )
-    tint = (0.06, 0.14, 0.2)
+    tint = np.array([0.06, 0.14, 0.2])
+    approximated = base.replace(absorption="linear", bottom_fresnel="constant")
     return [
-        base.replace(sigma_a=tint),
-        base.replace(sigma_a=tint, absorption="linear", bottom_fresnel="constant"),
-        base.replace(absorption="linear", bottom_fresnel="constant"),
+        base.replace(sigma_a=tuple(tint)),
+        approximated.replace(sigma_a=tuple(_modified(tint))),
+        approximated,
     ]
+
+
+def _modified(sigma_a: Floats) -> Floats:
+    """The coefficient of Eq. 3 that absorbs as much at 45 degrees, there and back, as Eq. 2 does."""
+    outside = math.cos(math.pi / 4)
+    inside = math.sqrt(1 - (1 - outside**2) / N1**2)
+    return np.asarray((1 - np.exp(-2 * sigma_a / inside)) * outside / 2)
 
 
 @TEXT.item("2", "Figure 2", "original absorption, approximated, without absorption")
@@ -77,6 +85,9 @@ def figure_2(sheet: Sheet) -> Picture:
     exact, linear, _ = _absorbing()
     wi, wo = directions(0.4), directions(0.3, 2.0)
     ratio = linear.eval(wi, wo) / exact.eval(wi, wo)
+    sheet.remark(
+        "the coefficient of Eq. 3 is modified, as the text has it: equal absorption at 45 degrees"
+    )
     sheet.claim(
         "approximated over original, near the normal, blue",
         "=",
@@ -180,9 +191,9 @@ def _variants() -> list[Model]:
 
 def _against(model: Model) -> Picture:
     """Radiance over E.N, negative where the light comes from behind, as the figures have it."""
-    models = [model, _variants()[0]]
+    models = [_variants()[0], model]  # blue and red, as in the text
     angles = np.linspace(-89.5, 89.5, 359)
-    x = np.sign(angles) * np.cos(np.radians(angles))
+    x = np.where(angles < 0, -1, 1) * np.cos(np.radians(angles))
     middle = int(np.searchsorted(angles, 0))
     panels = []
     for light in LIGHTS:
@@ -376,20 +387,38 @@ def figure_12(sheet: Sheet) -> Picture:
         "the text has no numbers; no head is public, so that the shader ball stands for it"
     )
     skin = gonio.TriAceBlinnPhong(rho=(0.75, 0.46, 0.35), f0=0.028, shininess=20)
-    rows: list[tuple[str, dict[str, Any]]] = [("plain", {}), ("scattering", {"diffusion": 0.05})]
-    return Rendered([skin], [""], rows)
+    return _with_and_without(skin, ("Blinn-Phong", "too much scattering"), 0.08, 240)
+
+
+def _with_and_without(
+    shown: Any, labels: tuple[str, str], millimetre: float, size: int, measure: Any = None
+) -> Picture:
+    """A skin, and beside it with light that wanders: a millimetre in units of the scene."""
+    sun = {"environment": "sun"}  # whose shadows have edges for the light to wander across
+    rows: list[tuple[str, dict[str, Any]]] = [("", sun), ("", sun | {"diffusion": millimetre})]
+    kept: list[Any] = []
+
+    def both(cells: Any) -> None:
+        kept.append(cells)
+        if measure is not None and len(kept) == 2:
+            measure(*kept)
+
+    pictures = [
+        Rendered([shown], [label], [row], both, {"size": (size, size)})
+        for label, row in zip(labels, rows, strict=True)
+    ]
+    return Layout(pictures, in_a_row=True)
 
 
 @TEXT.item("13", "Figure 13", "layered skin, and with a little scattering", "13-left", "13-right")
 def figure_13(sheet: Sheet) -> Picture:
     sheet.remark("the text has no numbers: the scattering is to be almost invisible")
-    rows: list[tuple[str, dict[str, Any]]] = [("layered", {}), ("a little", {"diffusion": 0.01})]
 
-    def measure(cells: Any) -> None:
-        change = float(np.abs(cells[1, 0] - cells[0, 0]).mean() / cells[0, 0].mean())
+    def measure(plain: Any, scattered: Any) -> None:
+        change = float(np.abs(scattered - plain).mean() / plain.mean())
         sheet.claim("mean change of the picture", "<=", "0.05", change, why='"almost invisible"')
 
-    return Rendered([load("skin")], [""], rows, measure)
+    return _with_and_without(load("skin"), ("layered", "a little scattering"), 0.01, 320, measure)
 
 
 @TEXT.item("14", "Figure 14", "the four combinations under one lamp and one image-based light")
