@@ -69,6 +69,12 @@ from gonio.cli.program import (
     help="Against bright dots (fireflies): cut samples of indirect light above so many times white, "
     "such as 1. The picture gets darker; a line says by how much.",
 )
+@click.option(
+    "--denoise",
+    is_flag=True,
+    help="Take the noise out of the finished picture (needs: pip install 'gonio[denoise]'). Flakes and "
+    "other fine texture go with it.",
+)
 @click.option("--size", type=Size(), metavar="N|WxH", default="512", help="Pixels (default: 512).")
 @seed_option
 @exposure_option
@@ -87,6 +93,7 @@ def command(
     noise: float | None,
     seconds: float | None,
     clamp: float | None,
+    denoise: bool,
     size: tuple[int, int],
     seed: int,
     exposure: float | str | None,
@@ -115,6 +122,7 @@ def command(
       gonio render lacquered_walnut --compare gold --env sunsky
       gonio render skin --diffusion 0.01
       gonio render clay.toml --size 1024x768 --spp 256 -o clay.exr
+      gonio render gold --env street.hdr --noise 0.1 --denoise
       gonio render skin --spp 4096 --cluster node1.json
     """
     from gonio.materials import load
@@ -138,6 +146,10 @@ def command(
         # An .exr has no exposure of its own, and the white that a .png would have
         linear = target.suffix.lower() == ".exr" and not furnace
         settings["clamp"] = clamp / 2 ** (auto_exposure(light) if linear else brighter)
+    if denoise:
+        if cluster is not None or run_dir is not None:
+            raise click.UsageError("--denoise is for pictures that are rendered here and at once.")
+        settings["denoise"] = True
     row = {
         "environment": light,
         "furnace": furnace,

@@ -33,13 +33,13 @@ class FON(Model):
         return self.rho * (INV_PI / (1 + C1 * r) * fujii_shape(wi, wo, r))
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
-        """EON's CLTC with a uniform lobe, made for the same shape."""
-        wi = cltc.sample_cltc_uniform(wo, self.roughness, u)
+        """As EON's `cltc_matched`, made for the same shape."""
+        wi = cltc.sample_cltc_matched(wo, self.roughness, u)
         return Sample(wi, self.pdf(wi, wo))
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample` in 1/sr."""
-        return cltc.pdf_cltc_uniform(wi, wo, self.roughness)
+        return cltc.pdf_cltc_matched(wi, wo, self.roughness)
 
     def albedo(self, wo: Vec3) -> Color:
         """Eq. 12."""

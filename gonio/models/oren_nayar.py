@@ -102,15 +102,15 @@ class OrenNayar(Model):
         return self.rho * (INV_PI * L1) + self.rho * self.rho * (INV_PI * L2)
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
-        """EON's CLTC with a uniform lobe, at the roughness that fits the qualitative model."""
+        """As EON's `cltc_matched`, at the roughness that fits the qualitative model."""
         A, B = qualitative_coefficients(self.sigma, 0.33)
-        wi = cltc.sample_cltc_uniform(wo, B / A, u)
+        wi = cltc.sample_cltc_matched(wo, B / A, u)
         return Sample(wi, self.pdf(wi, wo))
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample` in 1/sr."""
         A, B = qualitative_coefficients(self.sigma, 0.33)
-        return cltc.pdf_cltc_uniform(wi, wo, B / A)
+        return cltc.pdf_cltc_matched(wi, wo, B / A)
 
     def mean_albedo(self) -> Color:
         """Hemispherical mean of the albedo; the azimuth averages L2's c to nothing."""

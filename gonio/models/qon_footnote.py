@@ -43,15 +43,15 @@ class QONFootnote(Model):
         return self.rho * (INV_PI * (A + B * s_over_t_qualitative(s, wi, wo)))
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
-        """EON's CLTC with a uniform lobe, at the roughness with the same weight of s/t."""
+        """As EON's `cltc_matched`, at the roughness with the same weight of s/t."""
         A, B = qualitative_coefficients(self.sigma, 0.57)
-        wi = cltc.sample_cltc_uniform(wo, B / A, u)
+        wi = cltc.sample_cltc_matched(wo, B / A, u)
         return Sample(wi, self.pdf(wi, wo))
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample` in 1/sr."""
         A, B = qualitative_coefficients(self.sigma, 0.57)
-        return cltc.pdf_cltc_uniform(wi, wo, B / A)
+        return cltc.pdf_cltc_matched(wi, wo, B / A)
 
     def albedo(self, wo: Vec3) -> Color:
         """Eq. 5."""

@@ -87,7 +87,7 @@ class TriAceBlinnPhong(Model):
             wi = sample_matte_gloss(wo, alpha, self._shares(wo), u)
         else:
             matte, v = choose(self._shares(wo).x, u)
-            rough = cltc.sample_cltc_uniform(wo, self._roughness(), v)
+            rough = cltc.sample_cltc_matched(wo, self._roughness(), v)
             wi = select(matte, rough, sample_ggx_lobe(RoundGGX(alpha), wo, v))
         return Sample(wi, self.pdf(wi, wo))
 
@@ -96,7 +96,7 @@ class TriAceBlinnPhong(Model):
         alpha, P = blinn_phong_alpha(self.shininess), self._shares(wo)
         if self.diffuse == "lambert":
             return pdf_matte_gloss(wi, wo, alpha, P)
-        rough = cltc.pdf_cltc_uniform(wi, wo, self._roughness())
+        rough = cltc.pdf_cltc_matched(wi, wo, self._roughness())
         return P.x * rough + P.y * pdf_ggx_lobe(RoundGGX(alpha), wi, wo)
 
     def _roughness(self) -> Float:

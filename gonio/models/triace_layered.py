@@ -134,7 +134,7 @@ class TriAceLayered(Model):
         if self.diffuse == "lambert":
             w_matte = sample_cosine(t)
         else:
-            w_matte = cltc.sample_cltc_uniform(wo, self._roughness(), t)
+            w_matte = cltc.sample_cltc_matched(wo, self._roughness(), t)
         wi = select(on_top, w_top, select(on_bottom, w_bottom, w_matte))
         return Sample(wi, self.pdf(wi, wo))
 
@@ -146,7 +146,7 @@ class TriAceLayered(Model):
         if self.diffuse == "lambert":
             matte = pdf_cosine(wi)
         else:
-            matte = cltc.pdf_cltc_uniform(wi, wo, self._roughness())
+            matte = cltc.pdf_cltc_matched(wi, wo, self._roughness())
         return P_top.x * top + P_top.y * (P_bottom.x * bottom + P_bottom.y * matte)
 
     def reflectances(self, cos_theta: Float) -> dict[str, Float]:

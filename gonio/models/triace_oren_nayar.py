@@ -77,15 +77,15 @@ class TriAceOrenNayar(Model):
         return self.rho * (INV_PI * (A + B * s_over_t))
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
-        """EON's CLTC with a uniform lobe, at the roughness with the same weight of s/t."""
+        """As EON's `cltc_matched`, at the roughness with the same weight of s/t."""
         A, B = self._coefficients()
-        wi = cltc.sample_cltc_uniform(wo, B / A, u)
+        wi = cltc.sample_cltc_matched(wo, B / A, u)
         return Sample(wi, self.pdf(wi, wo))
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample` in 1/sr."""
         A, B = self._coefficients()
-        return cltc.pdf_cltc_uniform(wi, wo, B / A)
+        return cltc.pdf_cltc_matched(wi, wo, B / A)
 
     def albedo(self, wo: Vec3) -> Color:
         """rho (A + B G / pi); for eq24 the azimuth averages s to nothing and rho A remains."""

@@ -18,9 +18,10 @@ import numpy as np
 from gonio.materials import Material, load
 from gonio.model import Model
 from gonio.reference import Stack
+from gonio.render import denoise as denoising
 from gonio.render.diffusion import diffuse_on_screen
 from gonio.render.growth import add_to, textured
-from gonio.render.passes import Progress, integrate, ready_mitsuba
+from gonio.render.passes import Pixels, Progress, integrate, ready_mitsuba
 from gonio.render.picture import Picture
 from gonio.render.stage import TESTED, shader_ball
 
@@ -40,6 +41,7 @@ def render(
     noise: float | None = None,
     seconds: float | None = None,
     clamp: float | None = None,
+    denoise: bool = False,
     seed: int = 0,
     progress: Progress | None = None,
     **stage: Any,
@@ -63,6 +65,8 @@ def render(
         seconds: begin no further pass after that time.
         clamp: cut samples of indirect light above this radiance: fireflies go, and some light with them;
             a notice says how much (see `gonio.render.fireflies`).
+        denoise: take the noise out of the finished picture, as `gonio.render.denoise` tells; needs the
+            package mitsuba-oidn.
         seed: of the random numbers; the same seed gives the same picture.
         progress: called after each pass.
         stage: further arguments of `gonio.render.stage.shader_ball`, such as up="z".
@@ -100,11 +104,20 @@ def render(
             "clamp changes nothing in paths of at most two segments, which hold no indirect light; leave "
             "it out, or give max_depth 3 and more."
         )
+    if denoise:
+        denoising.library()  # what is missing is said before the work
+        # It is trained on noise that differs from pixel to pixel; a wider filter would smear it to blots.
+        stage["rfilter"] = "box"
     loaded = built(material)
     until: dict[str, Any] = {"noise": noise, "seconds": seconds, "clamp": clamp}
     alpha = bool(stage.get("transparent"))
+
+    def finished(pixels: Pixels) -> Pixels:
+        return denoising.denoised(pixels, loaded) if denoise else pixels
+
     if not diffusion:
-        return integrate(loaded, spp, seed, progress, alpha=alpha, **until).view(Picture)
+        whole = integrate(loaded, spp, seed, progress, alpha=alpha, **until)
+        return finished(whole).view(Picture)
     without = built(without_diffuse(material))
 
     def half(first: int) -> Progress:
@@ -116,7 +129,7 @@ def render(
 
     full = integrate(loaded, spp, seed, half(0), alpha=alpha, **until)
     glossy = integrate(without, spp, seed, half(1), **until)
-    return diffused(full, glossy, loaded, diffusion)
+    return diffused(finished(full), finished(glossy), loaded, diffusion)
 
 
 def scene(

@@ -34,7 +34,9 @@ BALL_DISTANCE = 9.6
 FILLED = 0.84  # of the frame's width or height, by a mesh seen in it
 
 
-def _sensor(size: tuple[int, int], spp: int, place: Floats, target: Floats, zoom: float) -> Nodes:
+def _sensor(
+    size: tuple[int, int], spp: int, place: Floats, target: Floats, zoom: float, rfilter: str
+) -> Nodes:
     import mitsuba as mi
 
     half = np.tan(np.radians(FIELD_OF_VIEW) / 2) / zoom
@@ -51,7 +53,7 @@ def _sensor(size: tuple[int, int], spp: int, place: Floats, target: Floats, zoom
             "height": size[1],
             "pixel_format": "luminance" if "mono" in str(mi.variant()) else "rgb",
             "component_format": "float32",
-            "rfilter": {"type": "gaussian"},
+            "rfilter": {"type": rfilter},
             # Bands of a large picture share the samples at their edges, as its own pixels do.
             "sample_border": size[0] * size[1] > passes.PATHS_PER_PASS,
         },
@@ -127,6 +129,7 @@ def shader_ball(
     zoom: float = 1.0,
     ground: bool = True,
     transparent: bool = False,
+    rfilter: str = "gaussian",
 ) -> Nodes:
     """A scene for `mitsuba.load_dict` that shows a material.
 
@@ -142,6 +145,7 @@ def shader_ball(
     camera: azimuth (to the right of the front) and elevation in degrees. zoom: a longer lens.
     ground: False to leave it out. transparent: leave out the ground and what is behind, and give
     the picture an alpha channel.
+    rfilter: Mitsuba's filter that makes pixels of samples; "box" keeps their noise independent.
     furnace: only the object, in radiance 1 from everywhere; a material that loses no light cannot
     be seen against the background.
 
@@ -200,7 +204,7 @@ def shader_ball(
     if not ground:
         scene.pop("ground", None)
     scene["integrator"] = integrator
-    scene["sensor"] = _sensor(size, spp, place, target, zoom)
+    scene["sensor"] = _sensor(size, spp, place, target, zoom, rfilter)
     if transparent:
         integrator["hide_emitters"] = True
         scene["sensor"]["film"]["pixel_format"] = "rgba"  # type: ignore[index]

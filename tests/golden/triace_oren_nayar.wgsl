@@ -84,13 +84,22 @@ fn triace_oren_nayar_eval(params: TriaceOrenNayar, wi: vec3f, wo: vec3f) -> vec3
 
 // ---- sampling ------------------------------------------------------------------------------
 
-// P_u of Listing 4: how many samples the uniform lobe gets, which bounds the weights.
-fn triace_oren_nayar_uniform_share(mu: f32, r: f32) -> f32 {
-    // Smallest roughness in r^0.1, which keeps the derivative 0.1 r^-0.9 finite in float32. Below it are
-    // numbers that some machines take as 0, so it ends there for all.
-    const R_MIN = 1.0e-37;
-    let fit = 0.162925 + mu * (-0.372058 + (0.538233 - 0.290822 * mu) * mu);
-    return select(0.0, pow(max(r, R_MIN), 0.1) * fit, r > R_MIN);
+fn triace_oren_nayar_matched_roughness(r: f32) -> f32 {
+    // Up to this roughness `cltc_matched` is cosine sampling. A lobe sheared by d leaves a wedge of height r
+    // above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine sampling
+    // is of order r^2, and the smaller of the two below r = 3e-4.
+    const R_COSINE = 1.0e-4;
+    return max(r - R_COSINE, 0.0);
+}
+
+// How many samples `cltc_matched` gives to the uniform lobe: 0 at r = 0, at most 0.13.
+//
+// Fitted to the shares of least variance over (mu, r), on condition that the variance stays 4 % below those
+// of cosine sampling and of `cltc_uniform`. On average it is 5 % above the least.
+fn triace_oren_nayar_matched_share(mu: f32, r: f32) -> f32 {
+    let k = 1.0 - mu;
+    let steep = 0.0169 + k * (0.2136 + k * (0.445 * k - 0.2345));
+    return r * steep * (1.0 + r * (0.315 * r - 0.602 - 0.5736 * k));
 }
 
 // A direction with density 1 / (2 pi).
@@ -165,16 +174,17 @@ fn triace_oren_nayar_sample_cltc(wo: vec3f, r: f32, u: vec2f) -> vec3f {
     return vec3f(wi.x, wi.y, max(wi.z, Z_MIN));
 }
 
-// CLTC mixed with the uniform hemisphere (one-sample MIS, Listing 4): the paper's choice.
-fn triace_oren_nayar_sample_cltc_uniform(wo: vec3f, r: f32, u: vec2f) -> vec3f {
+// CLTC mixed with as much of the uniform hemisphere as the roughness asks for.
+fn triace_oren_nayar_sample_cltc_matched(wo: vec3f, r: f32, u: vec2f) -> vec3f {
     // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
     // taken.
     const P_MIN = 1.0e-6;
-    let P_u = triace_oren_nayar_uniform_share(wo.z, r);
+    let q = triace_oren_nayar_matched_roughness(r);
+    let P_u = triace_oren_nayar_matched_share(wo.z, q);
     let uniform = u.x < P_u;
     let u1 = select((u.x - P_u) / (1.0 - P_u), u.x / max(P_u, P_MIN), uniform);
     let w_u = triace_oren_nayar_sample_uniform(vec2f(u1, u.y));
-    let w_c = triace_oren_nayar_sample_cltc(wo, r, vec2f(u1, u.y));
+    let w_c = triace_oren_nayar_sample_cltc(wo, q, vec2f(u1, u.y));
     return select(w_c, w_u, uniform);
 }
 
@@ -205,11 +215,12 @@ fn triace_oren_nayar_pdf_cltc(wi: vec3f, wo: vec3f, r: f32) -> f32 {
     return triace_oren_nayar_cltc_pdf(wi, wo, r, d) / triace_oren_nayar_kept_area(d);
 }
 
-// Density of triace_oren_nayar_sample_cltc_uniform.
-fn triace_oren_nayar_pdf_cltc_uniform(wi: vec3f, wo: vec3f, r: f32) -> f32 {
+// Density of triace_oren_nayar_sample_cltc_matched.
+fn triace_oren_nayar_pdf_cltc_matched(wi: vec3f, wo: vec3f, r: f32) -> f32 {
     const inv_two_pi = 0.15915494;
-    let P_u = triace_oren_nayar_uniform_share(wo.z, r);
-    return mix(triace_oren_nayar_pdf_cltc(wi, wo, r), inv_two_pi, P_u);
+    let q = triace_oren_nayar_matched_roughness(r);
+    return mix(triace_oren_nayar_pdf_cltc(wi, wo, q), inv_two_pi,
+        triace_oren_nayar_matched_share(wo.z, q));
 }
 
 // Density of triace_oren_nayar_sample in 1/sr.
@@ -221,10 +232,10 @@ fn triace_oren_nayar_pdf(params: TriaceOrenNayar, wi: vec3f, wo: vec3f) -> f32 {
     let coefficients_result = triace_oren_nayar_coefficients(params);
     let A = coefficients_result.A;
     let B = coefficients_result.B;
-    return triace_oren_nayar_pdf_cltc_uniform(wi, wo, B / A);
+    return triace_oren_nayar_pdf_cltc_matched(wi, wo, B / A);
 }
 
-// EON's CLTC with a uniform lobe, at the roughness with the same weight of s/t.
+// As EON's `cltc_matched`, at the roughness with the same weight of s/t.
 fn triace_oren_nayar_sample(params: TriaceOrenNayar, wo: vec3f,
     u: vec2f) -> TriaceOrenNayarSample {
     const mu_min = 1.0e-18;  // cosine of the horizon
@@ -234,7 +245,7 @@ fn triace_oren_nayar_sample(params: TriaceOrenNayar, wo: vec3f,
     let coefficients_result = triace_oren_nayar_coefficients(params);
     let A = coefficients_result.A;
     let B = coefficients_result.B;
-    let wi = triace_oren_nayar_sample_cltc_uniform(wo, B / A, u);
+    let wi = triace_oren_nayar_sample_cltc_matched(wo, B / A, u);
     return TriaceOrenNayarSample(wi, triace_oren_nayar_pdf(params, wi, wo));
 }
 

@@ -19,9 +19,10 @@ from gonio.materials.notation import model_text, split
 
 PACKAGE = Path(gonio.__file__).parent
 
-# Pixels and samples: a large picture, and one of a strip.
-BALL, BALL_SAMPLES = 320, 64
-SMALL, SMALL_SAMPLES = 112, 36
+# Pixels and samples: a large picture, and one of a strip. Their noise is taken out afterwards.
+BALL, BALL_SAMPLES = 320, 36
+SMALL, SMALL_SAMPLES = 112, 16
+FLAKES = 4  # times as many for what has flakes, which would go with the noise
 STEPS = 5  # values of a strip
 
 SMOOTH = 0.02  # slope of facets: below it, a ball this small does not change
@@ -101,7 +102,10 @@ EMPTY = {".webp": _empty_picture, ".svg": _empty_plot}
 
 
 def _render(text: str, size: int, spp: int) -> Any:
-    return gonio.render(text, size=(size, size), spp=spp)
+    shown = load(text)
+    if isinstance(shown, Material) and shown.flakes:
+        return gonio.render(shown, size=(size, size), spp=FLAKES * spp)
+    return gonio.render(shown, size=(size, size), spp=spp, denoise=True)
 
 
 def _save(pixels: Any, path: Path) -> None:

@@ -1,0 +1,67 @@
+"""Noise taken out of a finished picture by Intel's Open Image Denoise, where mitsuba-oidn is installed.
+
+    gonio.render("gold", spp=32, denoise=True)         # pip install 'gonio[denoise]'
+
+A network guesses what more samples would show, from the picture and from the colours and normals of what
+each pixel sees first. It is not the truth: fine texture that neither of these holds, such as the flakes
+of a car paint, is smoothed with the noise, and light is moved between neighbouring pixels. For numbers
+take pictures without it.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from gonio.render.passes import PATHS_PER_PASS, Pixels
+
+# Samples of a pixel that say what it sees: their noise is that of edges alone.
+SEEN = 16
+
+MISSING = "denoise needs the package mitsuba-oidn; install it with: pip install 'gonio[denoise]'"
+
+
+def library() -> Any:
+    """The package mitsuba-oidn.
+
+    Raises:
+        ValueError: it is not installed, or does not fit the Dr.Jit that is.
+    """
+    try:
+        import mitsuba_oidn
+    except ImportError as error:
+        unfit = "" if isinstance(error, ModuleNotFoundError) else f" ({error})"
+        raise ValueError(f"{MISSING}{unfit}.") from None
+    return mitsuba_oidn
+
+
+def denoised(pixels: Pixels, loaded: Any) -> Pixels:
+    """A picture without its noise; a fourth channel, alpha, stays as it is.
+
+    Args:
+        pixels: linear radiance of the scene, shape (height, width, 3 or 4).
+        loaded: the scene, whose first sensor saw it.
+
+    Raises:
+        ValueError: mitsuba-oidn is not installed.
+    """
+    oidn = library()
+    colours, normals = first_seen(loaded)
+    light = np.ascontiguousarray(pixels[..., :3], np.float32)
+    calm = np.asarray(oidn.denoise(light, colours, normals, hdr=True))
+    return np.concatenate([np.maximum(calm, 0), pixels[..., 3:]], axis=2, dtype=np.float32)
+
+
+def first_seen(loaded: Any) -> tuple[Pixels, Pixels]:
+    """Diffuse colour and shading normal of the first surface in each pixel, (height, width, 3) each."""
+    import mitsuba as mi
+
+    width, height = (int(n) for n in loaded.sensors()[0].film().crop_size())
+    count = max(1, min(SEEN, PATHS_PER_PASS // (width * height)))
+    integrator = mi.load_dict({"type": "aov", "aovs": "colour:albedo,normal:sh_normal"})
+    # Its channels come after those of the film.
+    found = np.array(mi.render(loaded, integrator=integrator, spp=count))[..., -6:]
+    found = np.nan_to_num(found, posinf=0, neginf=0)
+    colours = np.clip(found[..., :3], 0, 1)
+    return np.ascontiguousarray(colours), np.ascontiguousarray(found[..., 3:])
