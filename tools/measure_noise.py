@@ -23,7 +23,7 @@ from gonio.mitsuba import node
 from gonio.render.passes import ready_mitsuba
 from gonio.render.stage import shader_ball
 
-SIZE, SPP, SEEDS = 192, 64, 12
+SIZE, SPP, SEEDS = 96, 36, 8
 ENVIRONMENTS = ("studio", "sun")
 
 

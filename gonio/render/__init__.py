@@ -112,8 +112,10 @@ def render(
     until: dict[str, Any] = {"noise": noise, "seconds": seconds, "clamp": clamp}
     alpha = bool(stage.get("transparent"))
 
+    seen = built(denoising.stand_in(material)) if denoise else None
+
     def finished(pixels: Pixels) -> Pixels:
-        return denoising.denoised(pixels, loaded) if denoise else pixels
+        return pixels if seen is None else denoising.denoised(pixels, seen)
 
     if not diffusion:
         whole = integrate(loaded, spp, seed, progress, alpha=alpha, **until)

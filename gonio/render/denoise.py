@@ -14,10 +14,13 @@ from typing import Any
 
 import numpy as np
 
+from gonio.materials import Material
+from gonio.model import Model, model
+from gonio.reference import Stack
 from gonio.render.passes import PATHS_PER_PASS, Pixels
 
 # Samples of a pixel that say what it sees: their noise is that of edges alone.
-SEEN = 16
+SEEN = 8
 
 MISSING = "denoise needs the package mitsuba-oidn; install it with: pip install 'gonio[denoise]'"
 
@@ -36,12 +39,24 @@ def library() -> Any:
     return mitsuba_oidn
 
 
+def stand_in(shown: Model | Material | Stack) -> Model | Material:
+    """The colours of a material, seen at once: its albedo may be an integral at every point."""
+    if isinstance(shown, Stack):
+        return model("lambert", rho=0.5)
+    if isinstance(shown, Material):
+        if shown.textures or shown.flakes or shown.grows:
+            return shown
+        shown = shown.model
+    rho = np.clip(shown.mean_albedo(), 0, 1).tolist()
+    return model("lambert", rho=tuple(rho))
+
+
 def denoised(pixels: Pixels, loaded: Any) -> Pixels:
     """A picture without its noise; a fourth channel, alpha, stays as it is.
 
     Args:
-        pixels: linear radiance of the scene, shape (height, width, 3 or 4).
-        loaded: the scene, whose first sensor saw it.
+        pixels: linear radiance, shape (height, width, 3 or 4).
+        loaded: a scene whose first sensor sees the same, with the material or its `stand_in`.
 
     Raises:
         ValueError: mitsuba-oidn is not installed.

@@ -100,16 +100,43 @@ def _page(
         blocks += ["[Errata](#errata) are below."]
     if counted:
         blocks += [_overview(text, made)]
-    blocks += ["## Figures, tables, equations, numbers"]
-    for item in text.items:
-        result = made[item.id]
-        picture = results / f"{item.id.replace(':', '-')}.png"
-        address = _put(sources, picture) if result and picture.is_file() else ""
-        blocks += _item(item, result, address)
+    for heading, items in _sections(text).items():
+        blocks.append(f"## {heading}")
+        for item in items:
+            result = made[item.id]
+            picture = results / f"{item.id.replace(':', '-')}.png"
+            address = _put(sources, picture) if result and picture.is_file() else ""
+            blocks += _item(item, result, address)
     if errata:
         blocks += ["## Errata", errata]
     blocks += ["## To cite it", fence(publication.bibtex(), "bibtex")]
     return page(*blocks)
+
+
+# Sections of a page, and how the places of their items begin; all else is what the sentences say.
+SECTIONS = {
+    "Figures": ("Figure",),
+    "Tables": ("Table", "Appendix"),
+    "Equations": ("Eq.",),
+    "Listings": ("Listing", "Algorithm"),
+}
+SENTENCES = "Sentences and numbers"
+
+
+def _sections(text: reproduce.Text) -> dict[str, list[reproduce.Item]]:
+    """The items by what they are, figures first."""
+    found: dict[str, list[reproduce.Item]] = {name: [] for name in (*SECTIONS, SENTENCES)}
+    for item in text.items:
+        kinds = [name for name, starts in SECTIONS.items() if item.source.startswith(starts)]
+        found[kinds[0] if kinds else SENTENCES].append(item)
+    return {name: items for name, items in found.items() if items}
+
+
+def _heading(item: reproduce.Item) -> str:
+    """Where it stands; of a sentence what it says, because many stand in one section."""
+    if item.source.startswith(tuple(s for starts in SECTIONS.values() for s in starts)):
+        return plain(item.source)
+    return plain(sentence(item.states).rstrip("."))
 
 
 def _overview(text: reproduce.Text, made: dict[str, dict[str, Any] | None]) -> str:
@@ -130,8 +157,10 @@ def _badge(result: dict[str, Any] | None) -> str:
 
 
 def _item(item: reproduce.Item, result: dict[str, Any] | None, picture: str) -> list[str]:
-    blocks = [f"({item.text.name}-{item.name})=\n### {plain(item.source)}"]
-    blocks.append(f"{_badge(result)}{plain(sentence(item.states))}")
+    heading = _heading(item)
+    blocks = [f"({item.text.name}-{item.name})=\n### {heading}"]
+    told = item.states if heading == plain(item.source) else item.source
+    blocks.append(f"{_badge(result)}{plain(sentence(told))}")
     if result is None:
         blocks.append(fence(f"gonio reproduce {item.id}", "sh"))
         return blocks
@@ -141,9 +170,10 @@ def _item(item: reproduce.Item, result: dict[str, Any] | None, picture: str) -> 
         rows = [_cells(line) for line in result["lines"]]
         numbers = table(HEADER, rows)
         if len(rows) > LONG:
-            blocks.append(f"::::{{dropdown}} {len(rows)} numbers\n\n{numbers}\n::::")
+            folded = f":::{{container}} numbers\n\n{numbers}\n:::"
+            blocks.append(f"::::{{dropdown}} {len(rows)} numbers\n\n{folded}\n::::")
         else:
-            blocks.append(numbers)
+            blocks.append(f"::::{{container}} numbers\n\n{numbers}\n::::")
     if result["remarks"]:
         blocks.append("\n".join(f"- {plain(remark)}" for remark in result["remarks"]))
     blocks.append(f"`gonio reproduce {item.id}`")
