@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ import gonio
 from gonio.cli import main
 from gonio.render import render
 from gonio.render.picture import write_picture
-from gonio.render.stage import FIELD_OF_VIEW, FILLED, _fitted
+from gonio.render.stage import FIELD_OF_VIEW, FILLED, FROM_ABOVE, VIEW, _fitted, usual_view
 from gonio.render.tone import TONES, to_srgb
 
 
@@ -69,6 +70,16 @@ def test_a_mesh_of_any_proportions_fills_the_frame(
 def sky(path: Path, level: float = 0.5) -> Path:
     mi.Bitmap(np.full((16, 32, 3), level, np.float32)).write(str(path))
     return path
+
+
+def test_a_flat_thing_is_looked_at_from_higher_up() -> None:
+    def box(height: float) -> np.ndarray:
+        return np.array(list(itertools.product((-1, 1), (0, height), (-0.7, 0.7))), float)
+
+    elevations = [usual_view(box(height))[1] for height in (2.0, 0.7, 0.4, 0.2, 0.1, 0.0)]
+    assert elevations[:2] == [VIEW[1]] * 2, "a bust and a car are seen from the front"
+    assert elevations == sorted(elevations)
+    assert elevations[-1] == FROM_ABOVE
 
 
 def test_the_ground_has_no_edge_and_catches_shadow(tmp_path: Path) -> None:

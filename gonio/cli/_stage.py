@@ -92,7 +92,8 @@ _STAGE = (
         "--camera",
         type=View(),
         metavar="AZ,EL",
-        help="Where to look from, in degrees: right of the front, and up (default: 0,13).",
+        help="Where to look from, in degrees: right of the front, and up (default: 0,13; higher up for "
+        "a flat mesh).",
     ),
     click.option("--zoom", type=float, help="A longer lens (default: 1)."),
     click.option(

@@ -30,6 +30,8 @@ VIEW = (
     0.0,
     13.0,
 )  # azimuth and elevation of the camera, in degrees: from the front, a little above
+FROM_ABOVE = 38.0  # elevation of the camera for a plate
+FLAT = (0.08, 0.35)  # height over width of a plate, and of what is looked at as the ball is
 BALL_DISTANCE = 9.6
 FILLED = 0.84  # of the frame's width or height, by a mesh seen in it
 
@@ -87,6 +89,17 @@ def _fitted(points: Floats, view: tuple[float, float], size: tuple[int, int]) ->
     return np.asarray(centre[0] * right + centre[1] * up - back * towards)
 
 
+def usual_view(points: Floats) -> tuple[float, float]:
+    """From where an object is looked at: from higher up, the flatter it is, since its top is what it shows.
+
+    points: of the object on the stage, shape (n, 3), y up.
+    """
+    across, high, deep = np.ptp(points, axis=0)
+    flatness = high / max(across, deep, 1e-30)
+    azimuth, elevation = VIEW
+    return azimuth, float(np.interp(flatness, FLAT, (FROM_ABOVE, elevation)))
+
+
 def check_size(size: tuple[int, int]) -> tuple[int, int]:
     """Width and height, or a ValueError for what is no size of a picture."""
     try:
@@ -125,7 +138,7 @@ def shader_ball(
     uv: str | None = None,
     textured: Sequence[str] = (),
     environment_turn: float = 0.0,
-    camera: tuple[float, float] = VIEW,
+    camera: tuple[float, float] | None = None,
     zoom: float = 1.0,
     ground: bool = True,
     transparent: bool = False,
@@ -142,7 +155,8 @@ def shader_ball(
     degrees. size: (width, height) in pixels. spp: samples per pixel the scene asks for.
     max_depth: length of the longest path in segments: 2 is one reflection, 12 the default; in the
     furnace 256.
-    camera: azimuth (to the right of the front) and elevation in degrees. zoom: a longer lens.
+    camera: azimuth (to the right of the front) and elevation in degrees; by default from the front, a
+    little above, and from higher up for a flat mesh (see `usual_view`). zoom: a longer lens.
     ground: False to leave it out. transparent: leave out the ground and what is behind, and give
     the picture an alpha channel.
     rfilter: Mitsuba's filter that makes pixels of samples; "box" keeps their noise independent.
@@ -166,7 +180,7 @@ def shader_ball(
             "the furnace is radiance 1 from everywhere, without ground, and cannot be turned or left out"
         )
     ground = ground and not transparent
-    _check_view(camera, zoom, ground and not furnace)
+    _check_view(camera or VIEW, zoom, ground and not furnace)
     material = mi.load_dict(bsdf)
     scene: Nodes = {"type": "scene"}
     if mesh is None:
@@ -175,6 +189,7 @@ def shader_ball(
         middle = (0.0, BALL_CENTRE, 0.0)
         scene["shell"] = shell().moved(middle).to_mitsuba("shell", material)
         scene["core"] = sphere(CORE_RADIUS).moved(middle).to_mitsuba("core", material)
+        camera = camera or VIEW
         target = np.array([0.0, BALL_CENTRE if furnace else BALL_CENTRE - 0.06, 0.0])
         place = target + BALL_DISTANCE * direction(*camera)
         if not furnace:
@@ -189,7 +204,9 @@ def shader_ball(
                 "needs them; use --uv box or --uv sphere to have some"
             )
         scene["mesh"] = shape.to_mitsuba("mesh", for_both_sides(material))
-        place = _fitted(shape.positions[np.unique(shape.faces)], camera, size)
+        points = shape.positions[np.unique(shape.faces)]
+        camera = camera or usual_view(points)
+        place = _fitted(points, camera, size)
         target = place - direction(*camera)
     if furnace:
         # Russian roulette would only add noise: nothing is lost, so no path is worth cutting.
