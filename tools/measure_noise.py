@@ -15,7 +15,6 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-import drjit as dr
 import numpy as np
 
 import gonio
@@ -61,10 +60,7 @@ def measure(mi: Any, scene: Any) -> tuple[float, float]:
     loaded = mi.load_dict(scene, optimize=False)
 
     def picture(seed: int) -> Any:
-        image = mi.render(loaded, spp=SPP, seed=seed)
-        dr.eval(image)
-        dr.sync_thread()
-        return np.array(image).mean(axis=2)
+        return np.array(mi.render(loaded, spp=SPP, seed=seed)).mean(axis=2)
 
     picture(1000)  # compiles
     start = time.process_time()
