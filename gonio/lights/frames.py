@@ -9,8 +9,8 @@ from typing import NamedTuple
 from gonio.lang import Float, Vec3, absolute, dot, normalize, select, vec3
 from gonio.parts.tilt import flake_normal
 
-# A tangent that leaves the normal by less than this sine, 0.06 degrees, has no direction, nor has one of length
-# 0: another is taken.
+# A tangent that leaves the normal by less than this sine, 0.06 degrees, has no direction, nor has one of
+# length 0: another is taken.
 TANGENT_MIN = 1e-3
 COS2_MAX = 1 - TANGENT_MIN * TANGENT_MIN
 
