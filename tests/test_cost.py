@@ -252,3 +252,16 @@ def test_a_missing_compiler_is_named_with_the_way_to_get_it(
     monkeypatch.setattr(amd, "PLACES", ())
     with pytest.raises(ProofError, match=r"RADV is not installed, .*apt-get install mesa"):
         amd.measure([chain(1)], cost.GPUS["navi21"])
+
+
+@pytest.mark.skipif(missing("navi21"), reason="no compiler for navi21")
+def test_times_are_measured_where_the_device_is_and_a_processor_is_called_one() -> None:
+    """The way that a GPU's times take as well, from the export to the table."""
+    if tools.locate("moderngl") is None:
+        pytest.skip("needs moderngl")
+    models = {name: gonio.model(name) for name in ("lambert", "patina")}
+    section = cost.cost(models, functions=["eval"], gpus=[cost.GPUS["navi21"]], rounds=1)
+    seconds = [row["seconds"] for row in section.rows]
+    assert all(isinstance(value, float) and value > 0 for value in seconds)
+    said = " ".join(section.notes)
+    assert ("can only be measured where there is one" in said) == ("llvmpipe" in said)

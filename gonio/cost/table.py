@@ -27,6 +27,10 @@ NOTES = (
     "Registers are vector registers of a thread: more of them leave room for fewer threads.",
 )
 
+NO_GPU = (
+    "That is a processor: a GPU's time can only be measured where there is one, by --time there."
+)
+
 LOOPS = (
     "A loop counts once in the instructions, and in the cycles as if it had some 16 turns, "
     "however many it has."
@@ -110,6 +114,7 @@ def cost(
             *NOTES,
             *([LOOPS] if files else []),
             *([f"Times are per call of eval on {device}."] if device else []),
+            *([NO_GPU] if "llvmpipe" in device else []),
         ],
         _columns(gpus, None if against is None else against[0], bool(device)),
         rows,
