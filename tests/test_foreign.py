@@ -240,6 +240,26 @@ TWINS = {
 }
 
 
+def exported(name: str, ending: str) -> str:
+    """The function in a golden file that evaluates a model."""
+    if ending == "slang":
+        return "".join(word.capitalize() for word in name.split("_")) + ".eval"
+    return f"gonio_{name}::{name}_eval" if ending == "h" else f"{name}_eval"
+
+
+@pytest.mark.parametrize("name", sorted(gonio.models()))
+def test_names_of_models_parameters_are_no_directions(name: str) -> None:
+    # normalization of sgd, and p, which is a point elsewhere
+    model = gonio.model(name)
+    own = {registry.as_code(path) for path, _, _ in model.parameters()}
+    for ending in ("glsl", "slang"):
+        code = source.read(GOLDEN / f"{name}.{ending}")
+        found = roles.match(code, code.find(exported(name, ending)), {}, {}, {})
+        assert set(found.parameters) <= own
+        taken = {leaf.place for leaf, e in found.leaves if e.alone not in found.parameters}
+        assert all(place in ("wi", "wo") or "." not in place for place in taken), taken
+
+
 @pytest.mark.parametrize("name", sorted(gonio.models()))
 def test_every_export_read_back_is_named_with_its_parameters(
     name: str, request: pytest.FixtureRequest
@@ -249,11 +269,7 @@ def test_every_export_read_back_is_named_with_its_parameters(
     for ending, _, tool in CASES:
         if tools.locate(tool) is None:
             continue
-        function = f"{name}_eval"
-        if ending == "slang":
-            function = f"{type(gonio.model(name)).__name__}.eval"
-        elif ending == "h":
-            function = f"gonio_{name}::{function}"
+        function = exported(name, ending)
         code = foreign.load(f"{GOLDEN}/{name}.{ending}", function=function, returns="f")
         found = foreign.identify(code)
         assert found.exact, (ending, found.lines())

@@ -253,6 +253,8 @@ def _compiled(
             "osl": ["-include", str(OSL), "-fsingle-precision-constant"],
         }
         more = kinds.get(language, [])
+        if source.path.suffix == ".c":  # C converts pointers that C++ does not
+            more = ["-fpermissive"]
         more = [*more, "-Dmain=gonio_unused_main"]
     command = [gxx, *FLAGS, "-w", *more, *options, "code.cpp", "-o", "library.so"]
     _run(command, folder, source)

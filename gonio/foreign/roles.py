@@ -243,9 +243,7 @@ def match(
             text = text or _guess(source, leaf, ranges, pair)
             if text in ("1", "(1, 1, 1)") and _LIT.search(leaf.place):
                 notes.append(f'{leaf.place} is 1, as it is the light; --map "{last}=..." if not')
-            if text in ("(0, 0, 0)", "wi", "wo") and re.search(
-                r"pos|^p$|^hit$|point", _plain(last)[0]
-            ):
+            if text in ("(0, 0, 0)", "wi", "wo") and leaf.width == 3 and _position(leaf):
                 notes.append(
                     f'{leaf.place} is a position: {text}; --map "{last}=..." says otherwise'
                 )
@@ -304,10 +302,21 @@ _PARTS = (
     ("half", r"half"),
     ("bitangent", r"bitangent|binormal"),
     ("tangent", r"tangent"),
-    ("normal", r"normal"),
+    ("normal", r"normal(?!i[sz])"),
     ("wi", r"(?:light|sun|lamp|incoming|incident)\w*(?:dir|vec)|^to(?:light|sun|lamp)"),
     ("wo", r"(?:view|eye|cam|outgoing)\w*(?:dir|vec)|^to(?:view|eye|cam)"),
 )
+
+
+def _position(leaf: Leaf) -> bool:
+    """Whether a vector is a point; p may be a colour of a model that has it in a struct."""
+    owner, _, last = (leaf.variable.shown or leaf.place).rpartition(".")
+    plain = _plain(last)[0]
+    if plain == "p":
+        return (
+            not owner or re.search(r"hit|surf|geo|vert|isect|frag|point", owner, re.I) is not None
+        )
+    return re.search(r"pos(ition)?(ws)?$|^hit$|^point$", plain) is not None
 
 
 def direction_of(leaf: Leaf) -> str:
@@ -426,11 +435,11 @@ def _guess(source: Source, leaf: Leaf, ranges: Container[str], pair: bool) -> st
     if leaf.width == 3:
         if role := direction_of(leaf):
             return role
-        if re.search(r"pos(ition)?(ws)?$|^p$|^hit$|^point$", plain):
+        if _position(leaf):
             # Of a surface in the origin, with the light and the viewer at a distance of 1
             light, viewer = (re.search(w, plain) for w in ("light|lamp|sun", "cam|eye|view"))
             return "wi" if light else "wo" if viewer else "(0, 0, 0)"
-        if re.search(r"dir(ection)?$|vec(tor)?$|normal|tangent", plain):
+        if re.search(r"dir(ection)?$|vec(tor)?$|normal(?!i[sz])|tangent", plain):
             raise ForeignError(
                 f"{source.path}: cannot tell what {leaf.place} ({leaf.type}) is; say it with "
                 f'--map "{last}=wi", or wo, normal, tangent, bitangent, half, or (0, 0, 1).'

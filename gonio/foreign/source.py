@@ -135,7 +135,8 @@ class Source:
         if found:
             return found[0]
         names = list(dict.fromkeys(f.name for f in own))
-        if re.search(rf"\b{re.escape(parts[-1])}\s*\([^;{{]*\)\s*\{{", self.text):
+        written = rf"\b{re.escape(parts[-1])}\s*\([^;{{]*\)\s*\{{"
+        if parts[-1] not in names and re.search(written, self.text):
             raise ForeignError(
                 f"{self.path}: {name} is left out by an #if; -D NAME turns on what it asks for."
             )

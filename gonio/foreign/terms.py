@@ -561,6 +561,7 @@ def _before(kind: str, a: int, b: int, constant: float) -> Iterator[str]:
             "1 / 8": "1 / 8 where 1 / 4 is meant",
             "1 / pi": "1 / pi where 1 / 4 is meant (Cook and Torrance had pi)",
             "pi / 4": "pi is missing below",
+            "pi": "pi where 1 / 4 is meant: the distribution has no 1 / pi, and nothing divides by 4",
         }
     else:
         wrong = {"1 / pi": "pi twice: the lobe has 1 / pi already"}
