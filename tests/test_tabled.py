@@ -22,6 +22,7 @@ from gonio.cli import main
 from gonio.cli.export import run_proof
 from gonio.export import export
 from gonio.export.evaluate import UNKNOWN, Machine
+from gonio.export.manifest import manifest
 from gonio.export.prove import prove
 from gonio.export.prove.tabled import tabled
 from gonio.export.read import Reader
@@ -291,3 +292,9 @@ def test_an_index_that_a_texture_gives_stays_a_function() -> None:
             only=["eval"],
             tables=Request(("fresnel",), varying=frozenset({"eta"})),
         )
+
+
+def test_a_lit_manifest_names_the_textures_of_tables() -> None:
+    about = manifest(coat(), "coat", only=["eval"], lit=["directional"], tables=Request(BOTH))
+    bound = [one["name"] for one in about["lit"]["binds"]]
+    assert {t["texture"] for t in about["tables"]} < set(bound)

@@ -48,6 +48,8 @@ BINDS: Mapping[str, str] = {
     f"(k / {LAST_LEVEL})^2; gonio bake cube makes it",
     "split_sum_map": "a table of two channels over the viewer's cosine and the root of alpha; gonio bake "
     "split-sum makes it for the model",
+    "fresnel_map": "the table of F, see tables",
+    "distribution_map": "the table of D, see tables",
     "linear_clamp": "a sampler: linear between texels and levels, clamped",
 }
 
