@@ -22,6 +22,7 @@ from gonio.cli import main
 from gonio.cli.export import run_proof
 from gonio.export import export
 from gonio.export.evaluate import UNKNOWN, Machine
+from gonio.export.files import manifests
 from gonio.export.manifest import manifest
 from gonio.export.prove import prove
 from gonio.export.prove.tabled import tabled
@@ -187,6 +188,10 @@ def test_several_materials_share_an_atlas() -> None:
     assert len(tables.fresnel.rows) == 2
     assert made[0].entry.binds == ("gonio_fresnel_map",)
     assert made[0].source.count("sampler2D") == 1
+    about = manifests(models, only=["eval"], tables=Request(("fresnel",)))
+    rows = [json.loads(about[f"{name}.json"])["tables"][0]["rows"] for name in models]
+    assert rows[0] == rows[1]
+    assert [row["row"] for row in rows[1]] == [0, 1]
 
 
 HOST = """

@@ -132,9 +132,13 @@ def manifests(
 ) -> dict[str, str]:
     """What hosts have to know about the same exports, as JSON by file name."""
     shared = prefix or (SHARED if together and len(found) > 1 else None)
+    atlas = None
+    if tables is not None and together and len(found) > 1 and lit is None:
+        models = {n: w.model if isinstance(w, Material) else w for n, w in found.items()}
+        atlas = export(models, "wgsl", only=only, tables=tables)[0].tables
     return {
         f"{name}.json": manifest_text(
-            manifest(what, name, only=only, prefix=shared, lit=lit, tables=tables)
+            manifest(what, name, only=only, prefix=shared, lit=lit, tables=tables, atlas=atlas)
         )
         for name, what in found.items()
     }

@@ -86,6 +86,7 @@ def manifest(
     refusals: bool = True,
     lit: Sequence[str] | None = None,
     tables: Request | None = None,
+    atlas: Tables | None = None,
 ) -> dict[str, Any]:
     """All that a host has to know about the export of a model, as plain dicts and lists.
 
@@ -97,6 +98,7 @@ def manifest(
         refusals: find out which values of options are refused; takes a second for three layers of models.
         lit: names of lights, for a lit export (`gonio.export.lit`); none of them: the usual ones.
         tables: for an export that looks up F and D (`gonio.export.tabled`).
+        atlas: the tables that this model shares with others of its text; its own by default.
 
     Returns:
         Names of struct and functions; under "parameters" path, width, kind, value, default, range, soft
@@ -136,7 +138,11 @@ def manifest(
         "hooks": _hooks(what) if isinstance(what, Material) else [],
         **({"lit": _lit(entry)} if lit is not None else {}),
         **({"buffer": buffer.described(entry.reading)} if buffer is not None else {}),
-        **({"tables": _tables(made.tables, prefix or own)} if made.tables is not None else {}),
+        **(
+            {"tables": _tables(atlas or made.tables, prefix or own)}
+            if made.tables is not None
+            else {}
+        ),
     }
 
 
