@@ -15,7 +15,7 @@ from playwright.sync_api import sync_playwright
 from gonio.view.server import Viewer
 
 OUTPUT = Path(__file__).parent.parent / "docs" / "images" / "viewer.png"
-SIZE = {"width": 1200, "height": 760}
+SIZE = {"width": 1280, "height": 800}
 
 # What shows WebGPU without a GPU.
 FLAGS = [
@@ -24,6 +24,7 @@ FLAGS = [
     "--use-webgpu-adapter=swiftshader",
     "--enable-features=Vulkan",
     "--use-vulkan=swiftshader",
+    "--use-angle=swiftshader",
 ]
 
 # A clear coat over a tinted one over a rough base, with two of the ways in which light is let through.
@@ -39,7 +40,11 @@ def main() -> None:
     """Open the page, wait until the picture has all its samples, and save what is seen."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--spp", type=int, default=256)
-    samples = parser.parse_args().spp
+    parser.add_argument(
+        "--seconds", type=float, default=7200, help="after which it is saved as it is"
+    )
+    given = parser.parse_args()
+    samples = given.spp
     viewer = Viewer([A, B])
     thread = threading.Thread(target=viewer.serve_forever)
     thread.start()
@@ -53,11 +58,12 @@ def main() -> None:
                 page.wait_for_timeout(100)
             page.evaluate(f"() => {{ gonio.renderer.limit = {samples}; }}")
             start = time.monotonic()
-            while not page.evaluate(f"() => {rest}"):
+            while not page.evaluate(f"() => {rest}") and time.monotonic() - start < given.seconds:
                 page.wait_for_timeout(1000)
             page.wait_for_timeout(2000)
             page.screenshot(path=str(OUTPUT))
-            print(f"{OUTPUT}: {samples} samples per pixel in {time.monotonic() - start:.0f} s")
+            reached = page.evaluate("() => Math.min(...gonio.sides.map((side) => side.samples))")
+            print(f"{OUTPUT}: {reached} samples per pixel in {time.monotonic() - start:.0f} s")
             browser.close()
     finally:
         viewer.shutdown()
