@@ -472,6 +472,18 @@ def test_a_lost_device_is_replaced_and_the_values_stay(shown: Shown) -> None:
     ]
 
 
+def test_a_device_that_only_throws_is_replaced(shown: Shown) -> None:
+    shown.run(
+        "await gonio.show('eon'); gonio.kept = gonio.gpu;"
+        "gonio.gpu.trace = () => { throw new Error('The instance is gone.'); };"
+        "gonio.renderer.paused = false; gonio.moved(false);"
+    )
+    shown.until("gonio.gpu && gonio.gpu !== gonio.kept && gonio.sides[0].program")
+    assert "The picture stopped." in shown.value("gonio.notes.map((n) => n.title)")
+    picture = shown.film(1, 16, furnace=True, shape="sphere")
+    assert picture.max() == pytest.approx(1, abs=1e-4)
+
+
 def test_a_link_restores_everything(browser: Browser, server: Viewer) -> None:
     a = "weidlich_wilkie:base=eon,base.roughness=0.4,alpha=0.05"
     wanted = f"a={a}&b=eon&cmp=side&env=sun&ev=0.5&theta=30&az=20"

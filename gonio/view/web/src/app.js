@@ -96,7 +96,14 @@ export class App {
         else {
             this.renderer = new Renderer(gpu, this.start, (side) => this.#passed(side));
             this.renderer.sides = this.sides;
-            this.renderer.failed = (error) => this.say("The picture stopped.", error.message, "warn");
+            // Some losses are told by errors alone; each device is given up once, and not without end
+            this.renderer.failed = (error) => {
+                if (this.failedOn === this.gpu) return;
+                this.failedOn = this.gpu;
+                this.failures = (this.failures ?? 0) + 1;
+                this.say("The picture stopped.", error.message, "warn");
+                if (this.failures < 4) this.#lost(this.gpu);
+            };
             this.renderer.run();
         }
         this.gpu = gpu;
