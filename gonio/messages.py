@@ -16,7 +16,12 @@ def notice(text: str) -> None:
     warnings.warn(text, Notice, stacklevel=3)
 
 
+def nearest(name: str, known: Iterable[str], most: int = 1) -> list[str]:
+    """The known names that somebody may have meant, the nearest first; none if none is near."""
+    return difflib.get_close_matches(name, list(known), n=most)
+
+
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """ "did you mean 'eon'? " for the nearest of the known names; "" if none is near."""
-    near = difflib.get_close_matches(name, list(known), n=1)
+    near = nearest(name, known)
     return f"did you mean {near[0]!r}? " if near else ""

@@ -25,6 +25,7 @@ from __future__ import annotations
 import functools
 import inspect
 import re
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from types import new_class
@@ -163,17 +164,21 @@ class Model:
             raise ModelError(
                 f"{cls.__name__} derives from the type of a model; derive from model.written, its class."
             )
+        _check_written(cls)
         cls.written = cls
         cls.name = cls.__module__.rpartition(".")[2]
         if cls.name == "__main__" or not register:
             cls.name = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", cls.__name__).lower()
-        cls.fields = dict(cls.fields)
-        hints = get_type_hints(cls, include_extras=True)
+        cls.fields = {
+            name: declared
+            for base in reversed(cls.__mro__[1:])
+            for name, declared in vars(base).get("fields", {}).items()
+        }
         for name, declared in list(vars(cls).items()):
-            if isinstance(declared, (Parameter, Option, Child)):
+            if isinstance(declared, Field):
                 declared.name = name
                 if isinstance(declared, Parameter):
-                    declared.width = 3 if hints[name] is Color else 1
+                    declared.width = _width(cls, name)
                     declared.default = declared.check(cls.name, declared.default)
                 cls.fields[name] = declared
                 delattr(cls, name)
@@ -196,16 +201,19 @@ class Model:
         # Of one module it is the same one, defined again: a cell of a notebook that runs twice
         if known is not None and known.__module__ != cls.__module__ and _file(known) != _file(cls):
             raise ModelError(
-                f"two models are called {cls.name!r}: {_file(known)} and {_file(cls)}; rename one file."
+                f"two models are called {cls.name!r}: {_file(known)} and {_file(cls)}; "
+                "rename one file, or the class where it is defined in a script."
             )
         _registry[cls.name] = cls
 
     def __new__(cls, *_: Any, **__: Any) -> Self:
         """An instance of the variant on arrays, which users hold; `bind` makes the others."""
+        if not hasattr(cls, "_on_arrays"):
+            raise ModelError(f"{cls.__name__} is no model by itself; 'gonio list' shows all.")
         made: Self = object.__new__(cls._on_arrays)
         return made
 
-    def __init__(self, **given: Any) -> None:
+    def __init__(self, *nameless: Any, **given: Any) -> None:
         """Take parameters by name: numbers, triples, names of options, models, or arrays.
 
         A parameter of an inner model has its path for a name: `**{"base.roughness": 0.5}`.
@@ -213,6 +221,11 @@ class Model:
         Raises:
             ModelError: an unknown name (with the nearest known one), or a number out of its range.
         """
+        if nameless:
+            raise ModelError(
+                f"{self.name} takes what it is given by name, not {nameless[0]!r} alone; "
+                f"known are {', '.join(self.fields)}."
+            )
         inner: dict[str, dict[str, Any]] = {}
         for name in list(given):
             outer, dot, rest = name.partition(".")
@@ -237,6 +250,10 @@ class Model:
         raise AttributeError(
             f"a model does not change; use model.replace({name}={value!r}) for a changed copy."
         )
+
+    def __delattr__(self, name: str) -> None:
+        """Models do not change."""
+        raise AttributeError(f"a model does not change, so its {name} stays.")
 
     def __repr__(self) -> str:
         """The call that makes this model, without the defaults."""
@@ -277,7 +294,8 @@ class Model:
     def replace(self, **changed: Any) -> Self:
         """Return a copy with some parameters or options changed."""
         values = {name: getattr(self, name) for name in self.fields}
-        made: Self = self.written(**values | changed)
+        made: Self = _empty(self.written)
+        Model.__init__(made, **values | changed)  # a model's own may take less than all fields
         return made
 
     def at_least_as_rough(self, alpha: Float) -> Self:
@@ -298,7 +316,7 @@ class Model:
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """BRDF value in 1/sr, WITHOUT the cosine; 0 at and below the horizon."""
-        raise NotImplementedError
+        raise ModelError(f"{self.name} has no method eval.")
 
     def eval_above(self, wi: Vec3, wo: Vec3) -> Color:
         """`eval` inside a kernel, without the test for the horizon: for directions known to be above it."""
@@ -309,11 +327,11 @@ class Model:
 
         A Monte Carlo weight is eval(wi, wo) · wi.z / pdf. A pdf of 0 marks a wasted sample.
         """
-        raise NotImplementedError
+        raise ModelError(f"{self.name} has no method sample.")
 
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density in 1/sr with which `sample` returns `wi`; 0 below the horizon."""
-        raise NotImplementedError
+        raise ModelError(f"{self.name} has no method pdf.")
 
     def sample_leaving(self, wo: Vec3, u: Vec2, excess: Float) -> Vec3:
         """`sample` inside a kernel for a base under layers: the direction in which the light leaves them.
@@ -438,7 +456,7 @@ class OnArrays(Model, written=False):
         return _empty, (self.written,), vars(self) | {"_bound": {}}
 
 
-def _empty(cls: type[Model]) -> Model:
+def _empty(cls: type[Model]) -> Any:
     """A model without values, for those of another."""
     return cls.__new__(cls)
 
@@ -453,7 +471,53 @@ def _derive_on_arrays(cls: type[Model]) -> type[Model]:
 
 def _file(cls: type[Model]) -> str:
     """Where a model is written; the name of a notebook's cell if it is there."""
-    return str(as_written(cls.eval).__code__.co_filename)
+    own = (as_written(value) for value in vars(cls).values())
+    files = [value.__code__.co_filename for value in own if inspect.isfunction(value)]
+    module = sys.modules.get(cls.__module__)
+    return str(files[0] if files else getattr(module, "__file__", cls.__module__))
+
+
+def _check_written(cls: type[Model]) -> None:
+    """Whether what a class writes is something that models can have.
+
+    Raises:
+        ModelError: a method with other arguments, a parameter under the name of a method, or either of
+            them in a class above that is no model.
+    """
+    for base in cls.__mro__:
+        if not issubclass(base, Model):
+            found = [n for n, v in vars(base).items() if n in _GUARDS or isinstance(v, Field)]
+            if found:
+                raise ModelError(
+                    f"{cls.__name__}: {base.__name__} has {found[0]}, but is no model; write "
+                    f"class {base.__name__}(Model, register=False)."
+                )
+    for name, value in vars(cls).items():
+        if isinstance(value, Field) and (name in vars(Model) or name in Model.__annotations__):
+            raise ModelError(
+                f"{cls.__name__}: every model has {name}; give the parameter another name."
+            )
+        if name not in _GUARDS:
+            continue
+        wanted = list(inspect.signature(vars(Model)[name]).parameters)
+        given = list(inspect.signature(value).parameters) if inspect.isfunction(value) else []
+        if len(given) != len(wanted):
+            raise ModelError(f"{cls.__name__}: write def {name}({', '.join(wanted)}).")
+
+
+def _width(cls: type[Model], name: str) -> int:
+    """How many numbers a parameter has, by its annotation."""
+    try:
+        hint = get_type_hints(cls, include_extras=True).get(name)
+    except NameError as error:
+        raise ModelError(
+            f"{cls.name}: the annotation {error.name} is not known; import it at the top of the file."
+        ) from None
+    if hint is not Color and hint is not Float:
+        raise ModelError(
+            f"{cls.name}: write {name}: Float = param(...) or {name}: Color = param(...)."
+        )
+    return 3 if hint is Color else 1
 
 
 def as_written(method: Any) -> Any:
@@ -533,6 +597,10 @@ def _guarded(method: Any, guard: Any) -> Any:
 
     @functools.wraps(method)
     def call(self: Model, *directions: Any, **named: Any) -> Any:
+        if isinstance(self, OnArrays):
+            raise ModelError(
+                f"{method.__qualname__} is written for kernels; call {method.__name__} of the model itself."
+            )
         if named or len(directions) != count:
             directions = signature.bind(self, *directions, **named).args[1:]
         return guard(method, self, *directions)

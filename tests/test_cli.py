@@ -1,8 +1,10 @@
 """The command line: what it prints, and how it says what was wrong."""
 
+import inspect
 import json
 import math
 import os
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -87,6 +89,23 @@ def test_the_python_line_of_show_works():
         call = line.split(maxsplit=1)[1]
         w = np.array([0, 0, 1.0])
         assert np.shape(eval(call, {"gonio": gonio, "wi": w, "wo": w})) == (3,)
+
+
+def test_the_lines_of_show_know_where_a_file_of_ones_own_is(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "my lobe.py"
+    path.write_text(inspect.getsource(inspect.getmodule(gonio.Lambert)), encoding="utf-8")
+    uses = dict(
+        line.split(maxsplit=1)
+        for line in run("show", path.name).stdout.splitlines()
+        if line.startswith(("  Python ", "  Shell ", "  Mitsuba "))
+    )
+    w = np.array([0, 0, 1.0])
+    np.testing.assert_array_equal(
+        eval(uses["Python"], {"gonio": gonio, "wi": w, "wo": w}), gonio.Lambert().eval(w, w)
+    )
+    assert shlex.split(uses["Shell"])[:3] == ["gonio", "eval", "my lobe.py"]
+    assert 'gonio.load("my lobe.py").written' in uses["Mitsuba"]
 
 
 def test_the_ranges_that_show_prints_are_accepted():

@@ -39,7 +39,12 @@ FLOORS = (
 )
 
 # Libraries that one room alone may know.
-ALONE = {"click": {"cli"}, "distributed": {"cluster"}, "pyarrow": {"cluster"}}
+ALONE = {
+    "click": {"cli"},
+    "difflib": {"messages"},  # so that one helper finds the name that somebody meant
+    "distributed": {"cluster"},
+    "pyarrow": {"cluster"},
+}
 
 # Rooms that know nothing of arrays, of Mitsuba, or of files.
 PURE = {"models", "parts", "lang"}

@@ -7,7 +7,6 @@ where it stops can be told.
 from __future__ import annotations
 
 import ast
-import difflib
 import inspect
 import linecache
 import re
@@ -23,6 +22,7 @@ from gonio import lang
 from gonio.arrays.kernel import opaque
 from gonio.check.special import inner_models
 from gonio.fields import ModelError, Parameter
+from gonio.messages import nearest
 from gonio.model import Model
 
 # Methods, what they are given, and what they return: the width and how it is called.
@@ -173,13 +173,13 @@ def _advice(cls: type[Model], error: Exception, filename: str, lineno: int) -> s
             return f"{name} is not known here; write 'from gonio.lang import {name}' at the top."
         if name in cls.fields:
             return f"{name} is not known here; a parameter is written self.{name}."
-        near = difflib.get_close_matches(name, [n for n in dir(lang) if not n.startswith("_")], 1)
+        near = nearest(name, (n for n in dir(lang) if not n.startswith("_")))
         hint = f"did you mean {near[0]!r} of gonio.lang?" if near else "define or import it."
         return f"{name} is not known here; {hint}"
     if isinstance(error, AttributeError):
         name = getattr(error, "name", "") or ""
         if isinstance(getattr(error, "obj", None), Model):
-            near = difflib.get_close_matches(name, cls.fields, 1)
+            near = nearest(name, cls.fields)
             hint = f"; did you mean self.{near[0]}?" if near else ""
             return (
                 f"the model has no parameter {name!r}{hint} Declare it in the class: "

@@ -5,11 +5,13 @@ from __future__ import annotations
 import inspect
 import math
 import re
+import shlex
 import textwrap
 from collections.abc import Iterator
 from typing import Any
 
 from gonio.fields import Option, Parameter
+from gonio.materials import model_file
 from gonio.model import Child, Model
 
 
@@ -63,6 +65,7 @@ def describe(cls: type[Model]) -> dict[str, Any]:
         "caveats": list(cls.caveats),
         "unlike": dict(cls.unlike),
         "mitsuba": f"gonio_{cls.name}",
+        "file": model_file.path_of(cls),
     }
 
 
@@ -163,14 +166,26 @@ def uses(about: dict[str, Any]) -> dict[str, str]:
     mitsuba = "".join(f', "{p["name"]}": {_literal(p["default"])}' for p in floats[:1])
     tags = "".join(f'<float name="{p["name"]}" value="{p["default"]:g}"/>' for p in floats[:1])
     shell = "".join(f" --param {p['name']}={_literal(p['default'])}" for p in floats[:1])
-    plugin = about["mitsuba"]
+    plugin, file = about["mitsuba"], about["file"]
+    made = f"gonio.{about['class']}({python})"
+    known = "import gonio.mitsuba"
+    if file is not None:
+        text = "".join(f":{p['name']}={_written(p['default'])}" for p in first)
+        made = f'gonio.load("{file}{text}")'
+        known = f'gonio.mitsuba.register(gonio.load("{file}").written)'
+    argument = about["name"] if file is None else shlex.quote(file)
     return {
-        "Python": f"gonio.{about['class']}({python}).eval(wi, wo)",
-        "Mitsuba": f"import gonio.mitsuba, then {{'type': '{plugin}'{mitsuba.replace(chr(34), chr(39))}}}",
+        "Python": f"{made}.eval(wi, wo)",
+        "Mitsuba": f"{known}, then {{'type': '{plugin}'{mitsuba.replace(chr(34), chr(39))}}}",
         "XML": f'<bsdf type="{plugin}">{tags}</bsdf>',
-        "Shell": f"gonio eval {about['name']} --theta-i 30 --theta-o 60{shell}",
-        "Shader": f"gonio export {about['name']} --to wgsl",
+        "Shell": f"gonio eval {argument} --theta-i 30 --theta-o 60{shell}",
+        "Shader": f"gonio export {argument} --to wgsl",
     }
+
+
+def _written(value: Any) -> str:
+    """A number or a colour inside the text that names a model."""
+    return "/".join(map(_literal, value if isinstance(value, tuple) else (value,)))
 
 
 def _literal(value: Any) -> str:

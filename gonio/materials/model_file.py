@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import hashlib
 import importlib.util
+import inspect
 import sys
 import traceback
 from pathlib import Path
@@ -33,6 +34,14 @@ PACKAGE = "gonio_model_files."
 def is_model_file(text: str) -> bool:
     """Whether a text names a Python file rather than a model."""
     return text.endswith(".py")
+
+
+def path_of(cls: type[Model]) -> str | None:
+    """The file that `load` read a model from, seen from the current folder if inside; else None."""
+    if not cls.__module__.startswith(PACKAGE):
+        return None
+    path, here = Path(inspect.getfile(cls)), Path.cwd()
+    return str(path.relative_to(here) if path.is_relative_to(here) else path)
 
 
 def load(path: str | Path) -> type[Model]:

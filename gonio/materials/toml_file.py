@@ -16,7 +16,6 @@ Materials that come with gonio lie beside this file.
 
 from __future__ import annotations
 
-import difflib
 import math
 import tomllib
 from collections.abc import Callable, Iterator
@@ -43,7 +42,7 @@ from gonio.materials.notation import (
 )
 from gonio.materials.texture_file import split_channel, stored_values, texture_values
 from gonio.materials.toml_lines import lines
-from gonio.messages import notice
+from gonio.messages import nearest, notice
 from gonio.model import Child, Model, models
 
 # What a [flakes] table may hold; gonio.mitsuba.textures.flake_map says what each does.
@@ -357,7 +356,7 @@ class _Reader:
 def unknown(name: str, materials: dict[str, Path]) -> ModelError:
     """The error for a name that is neither a model nor a material."""
     known = models()
-    near = difflib.get_close_matches(name, [*known, *materials], n=1)
+    near = nearest(name, [*known, *materials])
     did = ""
     if near:
         did = f" did you mean the {'model' if near[0] in known else 'material'} {near[0]!r}?"

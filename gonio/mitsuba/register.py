@@ -21,7 +21,8 @@ def register(*private: type[Model]) -> None:
     Runs by itself on import and on every `mi.set_variant`. Call it after defining a model of your own.
 
     Args:
-        private: models that are not in gonio's registry, defined with `register=False`.
+        private: models that are not in gonio's registry: of a file that `gonio.load` has read, such as
+            `gonio.load("my_model.py").written`, or defined with `register=False`.
 
     Raises:
         BackendError: Dr.Jit has loaded an LLVM that would end the process; the message says what helps.
@@ -31,7 +32,7 @@ def register(*private: type[Model]) -> None:
         return
     if variant.startswith("llvm") and (problem := llvm_problem()):
         raise backend.BackendError(problem)
-    for cls in (*models().values(), *private):
+    for cls in (*models().values(), *(one.written for one in private)):
         if _registered.get((variant, cls.name)) is not cls:
             mi.register_bsdf(PREFIX + cls.name, derive(cls))
             _registered[variant, cls.name] = cls

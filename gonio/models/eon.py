@@ -155,7 +155,7 @@ class EON(Model):
         if self.sampler == "ltc_nonnegative":
             return cltc.pdf_ltc_nonnegative(wi, wo, r)
         if self.sampler == "uniform":
-            return pdf_uniform() + 0 * wi.z
+            return pdf_uniform()
         return pdf_cosine(wi)
 
     def albedo(self, wo: Vec3) -> Color:

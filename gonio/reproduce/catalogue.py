@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import functools
 import importlib
 from collections.abc import Iterator
 from pathlib import Path
 
+from gonio.messages import nearest
 from gonio.reproduce.text import Item, Text
 
 
@@ -43,7 +43,7 @@ def find(name: str) -> Item:
             known.setdefault(f"{item.text.name}:{alias}", item)
     wanted = name.lower()
     if wanted not in known:
-        near = difflib.get_close_matches(wanted, known, n=3)
+        near = nearest(wanted, known, most=3)
         did = f"; did you mean {', '.join(near)}?" if near else "."
         raise ValueError(f"no item {name!r}{did} 'gonio reproduce' lists all.")
     return known[wanted]
