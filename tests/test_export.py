@@ -411,7 +411,7 @@ REFUSED = [
     ("        return self.rho * wi[2]", "v.x, v.y", "wi[2]", ""),
     ("        return self.rho * wi.w", "has no 'w'", "wi.w", ""),
     ("        return self.rho * self.wdith", "has no 'wdith'", "self.wdith", ""),
-    ("        x = [1, 2]\n        return self.rho", "variables, or vec2 and vec3", "[1, 2]", ""),
+    ("        x = [1, 2]\n        return self.rho", "variables, vec2 and vec3", "[1, 2]", ""),
     (
         "        return self.rho * wi.z ** self.width",
         "power(x, exponent)",
@@ -442,7 +442,7 @@ REFUSED = [
     ("        pass", "without a result", "def eval", ""),
     ("        return wi, wo", "where a vec3 is expected", "return wi, wo", ""),
     ("        self.width = 2\n        return self.rho", "only a name", "self.width", ""),
-    ("        return self.rho * f'{wi.z}'", "text has no meaning", "f'{wi.z}'", ""),
+    ("        return self.rho * f'{wi.z}'", "a shader has no text", "f'{wi.z}'", ""),
     (
         "        x = 0\n        for i in (1, 2):\n            x = x + i\n        return self.rho",
         "range",

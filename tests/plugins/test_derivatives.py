@@ -10,7 +10,18 @@ import mitsuba as mi
 import numpy as np
 import pytest
 from support.directions import RANDOM, adversarial_pairs, polar
-from support.plugins import EACH, SUN, Lambertian, ball, between, interaction, load, numbers, vector
+from support.plugins import (
+    EACH,
+    EACH_WITH_NUMBERS,
+    SUN,
+    Lambertian,
+    ball,
+    between,
+    interaction,
+    load,
+    numbers,
+    vector,
+)
 
 import gonio.mitsuba
 from gonio.check.variants import value_at
@@ -77,7 +88,7 @@ def sunlit_error(cls: type[Model]) -> float:
 DIFFERENCE = 2e-3
 
 
-@EACH
+@EACH_WITH_NUMBERS
 def test_derivative_of_a_sunlit_picture_is_its_central_difference(cls: type[Model]) -> None:
     assert sunlit_error(cls) < DIFFERENCE
 

@@ -9,7 +9,7 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from support.plugins import EACH, SUN, ball, between
+from support.plugins import EACH_WITH_NUMBERS, SUN, ball, between
 from support.tolerances import SINGLE
 
 from gonio.model import Model
@@ -27,7 +27,7 @@ def new_kernels() -> Any:
         found += [k for k in kernels if k["cache_disk"] or not k["cache_hit"]]
 
 
-@EACH
+@EACH_WITH_NUMBERS
 def test_changed_values_need_no_new_kernel(cls: type[Model]) -> None:
     def picture(t: float) -> Any:
         """In a scene that is gone afterwards; Dr.Jit numbers the objects that live together."""

@@ -20,6 +20,15 @@ from support.directions import Array, polar, random_directions
 
 MODELS = sorted(gonio.models().items())
 EACH = pytest.mark.parametrize("cls", [cls for _, cls in MODELS], ids=[name for name, _ in MODELS])
+# All but those that only turn or combine other models, and have no numbers of their own.
+WITH_NUMBERS = [
+    (name, cls)
+    for name, cls in MODELS
+    if any(isinstance(f, Parameter) for f in cls.fields.values())
+]
+EACH_WITH_NUMBERS = pytest.mark.parametrize(
+    "cls", [cls for _, cls in WITH_NUMBERS], ids=[name for name, _ in WITH_NUMBERS]
+)
 
 PROMISED = ("scalar_rgb", "llvm_ad_rgb", "llvm_ad_spectral", "llvm_ad_mono")
 CUDA_TWINS = ("cuda_ad_rgb", "cuda_ad_spectral", "cuda_ad_mono")
