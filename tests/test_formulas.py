@@ -167,7 +167,7 @@ def test_the_listing_of_the_clipped_lobe_leaves_the_hemisphere_at_the_normal() -
     """Listing 3 clips the side -x of the disk, which is right where d is negative."""
 
     def lowest(mu: float, sign: float) -> float:
-        d = float(coefficients(mu, 1.0)[3])
+        d = float(coefficients(mu, 1 - mu, 1.0)[3])
         R, phi = np.sqrt(1 - 2.0**-24), np.linspace(0, 2 * np.pi, 2001)
         y = R * np.sin(phi)
         keep = 0.5 * (1 + 1 / math.sqrt(1 + d * d))
@@ -175,7 +175,7 @@ def test_the_listing_of_the_clipped_lobe_leaves_the_hemisphere_at_the_normal() -
         z = d * x + np.sqrt(np.maximum(1 - x * x - y * y, 0))
         return float(z.min())
 
-    d = {mu: float(coefficients(mu, 1.0)[3]) for mu in (0.9, 0.9999, 0.99992, 1.0)}
+    d = {mu: float(coefficients(mu, 1 - mu, 1.0)[3]) for mu in (0.9, 0.9999, 0.99992, 1.0)}
     assert d[0.9] < 0
     assert d[0.9999] < 0 < d[0.99992]
     assert lowest(0.9, -1) >= -DOUBLE

@@ -50,28 +50,32 @@ R_COSINE = 1e-4
 Z_MIN = 2.0**-27
 
 
-def coefficients(mu: Float, r: Float) -> tuple[Float, Float, Float, Float]:
-    """a, b, c, d of M = [[a, 0, b], [0, c, 0], [d, 0, 1]] (Eq. 25, Listing 2) at mu = wo.z."""
+def coefficients(mu: Float, k: Float, r: Float) -> tuple[Float, Float, Float, Float]:
+    """a, b, c, d of M = [[a, 0, b], [0, c, 0], [d, 0, 1]] (Eq. 25, Listing 2) at mu = wo.z, k = 1 - mu."""
     a = 1 + r * (0.303392 + (-0.518982 + 0.111709 * mu) * mu + (-0.276266 + 0.335918 * mu) * r)
     b = r * (-1.16407 + 1.15859 * mu + (0.150815 - 0.150105 * mu) * r) / (mu * mu * mu - 1.43545)
     c = 1 + (0.20013 + (-0.506373 + 0.261777 * mu) * mu) * r
     # Numerator and denominator of d nearly vanish at mu = 1: the paper's polynomials in mu,
     # 0.540852 - 1.01625 mu + 0.475392 mu^2 and -1.0743 + 0.0725628 mu + mu^2, are written in k = 1 - mu.
-    k = 1 - mu
     d = r * (-6e-6 + (0.065466 + 0.475392 * k) * k) / (-0.0017372 - (2.0725628 - k) * k)
     return a, b, c, d
 
 
+def _one_minus_cos(w: Vec3) -> Float:
+    """1 - w.z, with the digits that w.z has lost beside the normal, where d needs them."""
+    return (w.x * w.x + w.y * w.y) / (1 + w.z)
+
+
 def _transform(x: Float, y: Float, wo: Vec3, r: Float, d: Float) -> Vec3:
     """M applied to the cosine lobe's direction above (x, y), turned to wo's azimuth, normalised."""
-    a, b, c, _ = coefficients(wo.z, r)
+    a, b, c, _ = coefficients(wo.z, _one_minus_cos(wo), r)
     z = safe_sqrt(1 - x * x - y * y)
     return normalize(from_frame(vec3(a * x + b * z, c * y, d * x + z), azimuth(wo)))
 
 
 def _pdf(wi: Vec3, wo: Vec3, r: Float, d: Float) -> Float:
     """Density of `_transform` for an unclipped cosine lobe (Eq. 23 and 24)."""
-    a, b, c, _ = coefficients(wo.z, r)
+    a, b, c, _ = coefficients(wo.z, _one_minus_cos(wo), r)
     w = to_frame(wi, azimuth(wo))
     det = c * (a - b * d)
     # det(M) times the inverse of M, applied to w
@@ -84,13 +88,13 @@ def sample_ltc(wo: Vec3, r: Float, u: Vec2) -> Vec3:
     """Unclipped general fit: may return directions below the horizon, which are wasted."""
     R = safe_sqrt(u.x)
     phi = TWO_PI * u.y
-    _, _, _, d = coefficients(wo.z, r)
+    _, _, _, d = coefficients(wo.z, _one_minus_cos(wo), r)
     return _transform(R * cos(phi), R * sin(phi), wo, r, d)
 
 
 def pdf_ltc(wi: Vec3, wo: Vec3, r: Float) -> Float:
     """Density of `sample_ltc`; its integral over the upper hemisphere is below 1."""
-    _, _, _, d = coefficients(wo.z, r)
+    _, _, _, d = coefficients(wo.z, _one_minus_cos(wo), r)
     return _pdf(wi, wo, r, d)
 
 
@@ -113,7 +117,7 @@ def _kept_area(d: Float) -> Float:
 
 def sample_cltc(wo: Vec3, r: Float, u: Vec2) -> Vec3:
     """Clipped to the directions that M keeps above the horizon (Listing 3)."""
-    _, _, _, d = coefficients(wo.z, r)
+    _, _, _, d = coefficients(wo.z, _one_minus_cos(wo), r)
     R = safe_sqrt(u.x)
     phi = TWO_PI * u.y
     y = R * sin(phi)
@@ -125,7 +129,7 @@ def sample_cltc(wo: Vec3, r: Float, u: Vec2) -> Vec3:
 
 def pdf_cltc(wi: Vec3, wo: Vec3, r: Float) -> Float:
     """Density of `sample_cltc`."""
-    _, _, _, d = coefficients(wo.z, r)
+    _, _, _, d = coefficients(wo.z, _one_minus_cos(wo), r)
     return _pdf(wi, wo, r, d) / _kept_area(d)
 
 

@@ -99,8 +99,13 @@ float3 fon_sample_uniform(float2 u) {
     return float3(r * cos(phi), r * sin(phi), z);
 }
 
-// a, b, c, d of M = [[a, 0, b], [0, c, 0], [d, 0, 1]] (Eq. 25, Listing 2) at mu = wo.z.
-FonCoefficients fon_coefficients(float mu, float r) {
+// 1 - w.z, with the digits that w.z has lost beside the normal, where d needs them.
+float fon_one_minus_cos(float3 w) {
+    return (w.x * w.x + w.y * w.y) / (1.0 + w.z);
+}
+
+// a, b, c, d of M = [[a, 0, b], [0, c, 0], [d, 0, 1]] (Eq. 25, Listing 2) at mu = wo.z, k = 1 - mu.
+FonCoefficients fon_coefficients(float mu, float k, float r) {
     float a = 1.0 + r * (0.303392 + (-0.518982 + 0.111709 * mu) * mu
         + (-0.276266 + 0.335918 * mu) * r);
     float b = r * (-1.16407 + 1.15859 * mu + (0.150815 - 0.150105 * mu) * r)
@@ -108,7 +113,6 @@ FonCoefficients fon_coefficients(float mu, float r) {
     float c = 1.0 + (0.20013 + (-0.506373 + 0.261777 * mu) * mu) * r;
     // Numerator and denominator of d nearly vanish at mu = 1: the paper's polynomials in mu,
     // 0.540852 - 1.01625 mu + 0.475392 mu^2 and -1.0743 + 0.0725628 mu + mu^2, are written in k = 1 - mu.
-    float k = 1.0 - mu;
     float d = r * (-6.0e-6 + (0.065466 + 0.475392 * k) * k) / (-0.0017372 - (2.0725627 - k) * k);
     FonCoefficients result;
     result.a = a;
@@ -141,7 +145,7 @@ float3 fon_from_frame(float3 w, float2 axis) {
 
 // M applied to the cosine lobe's direction above (x, y), turned to wo's azimuth, normalised.
 float3 fon_transform(float x, float y, float3 wo, float r, float d) {
-    FonCoefficients coefficients_result = fon_coefficients(wo.z, r);
+    FonCoefficients coefficients_result = fon_coefficients(wo.z, fon_one_minus_cos(wo), r);
     float a = coefficients_result.a;
     float b = coefficients_result.b;
     float c = coefficients_result.c;
@@ -154,7 +158,7 @@ float3 fon_sample_cltc(float3 wo, float r, float2 u) {
     const float two_pi = 6.2831855;
     // A sample that rounding pushed below the horizon is lifted to this cosine, 1/16 of a float32 epsilon.
     const float Z_MIN = 7.450581e-9;
-    FonCoefficients coefficients_result = fon_coefficients(wo.z, r);
+    FonCoefficients coefficients_result = fon_coefficients(wo.z, fon_one_minus_cos(wo), r);
     float d = coefficients_result.d;
     float R = sqrt(max(u.x, 0.0));
     float phi = two_pi * u.y;
@@ -187,7 +191,7 @@ float3 fon_to_frame(float3 w, float2 axis) {
 // Density of fon_transform for an unclipped cosine lobe (Eq. 23 and 24).
 float fon_cltc_pdf(float3 wi, float3 wo, float r, float d) {
     const float inv_pi = 0.31830987;
-    FonCoefficients coefficients_result = fon_coefficients(wo.z, r);
+    FonCoefficients coefficients_result = fon_coefficients(wo.z, fon_one_minus_cos(wo), r);
     float a = coefficients_result.a;
     float b = coefficients_result.b;
     float c = coefficients_result.c;
@@ -201,7 +205,7 @@ float fon_cltc_pdf(float3 wi, float3 wo, float r, float d) {
 
 // Density of fon_sample_cltc.
 float fon_pdf_cltc(float3 wi, float3 wo, float r) {
-    FonCoefficients coefficients_result = fon_coefficients(wo.z, r);
+    FonCoefficients coefficients_result = fon_coefficients(wo.z, fon_one_minus_cos(wo), r);
     float d = coefficients_result.d;
     return fon_cltc_pdf(wi, wo, r, d) / fon_kept_area(d);
 }

@@ -209,8 +209,13 @@ inline Vec3 oren_nayar_sample_uniform(Vec2 u) {
     return Vec3{r * cosf(phi), r * sinf(phi), z};
 }
 
-// a, b, c, d of M = [[a, 0, b], [0, c, 0], [d, 0, 1]] (Eq. 25, Listing 2) at mu = wo.z.
-inline OrenNayarCoefficients oren_nayar_coefficients(float mu, float r) {
+// 1 - w.z, with the digits that w.z has lost beside the normal, where d needs them.
+inline float oren_nayar_one_minus_cos(Vec3 w) {
+    return (w.x * w.x + w.y * w.y) / (1.0f + w.z);
+}
+
+// a, b, c, d of M = [[a, 0, b], [0, c, 0], [d, 0, 1]] (Eq. 25, Listing 2) at mu = wo.z, k = 1 - mu.
+inline OrenNayarCoefficients oren_nayar_coefficients(float mu, float k, float r) {
     float a = 1.0f + r * (0.303392f + (-0.518982f + 0.111709f * mu) * mu
         + (-0.276266f + 0.335918f * mu) * r);
     float b = r * (-1.16407f + 1.15859f * mu + (0.150815f - 0.150105f * mu) * r)
@@ -218,7 +223,6 @@ inline OrenNayarCoefficients oren_nayar_coefficients(float mu, float r) {
     float c = 1.0f + (0.20013f + (-0.506373f + 0.261777f * mu) * mu) * r;
     // Numerator and denominator of d nearly vanish at mu = 1: the paper's polynomials in mu,
     // 0.540852 - 1.01625 mu + 0.475392 mu^2 and -1.0743 + 0.0725628 mu + mu^2, are written in k = 1 - mu.
-    float k = 1.0f - mu;
     float d = r * (-6.0e-6f + (0.065466f + 0.475392f * k) * k)
         / (-0.0017372f - (2.0725627f - k) * k);
     return OrenNayarCoefficients{a, b, c, d};
@@ -244,7 +248,8 @@ inline Vec3 oren_nayar_from_frame(Vec3 w, Vec2 axis) {
 
 // M applied to the cosine lobe's direction above (x, y), turned to wo's azimuth, normalised.
 inline Vec3 oren_nayar_transform(float x, float y, Vec3 wo, float r, float d) {
-    OrenNayarCoefficients coefficients_result = oren_nayar_coefficients(wo.z, r);
+    OrenNayarCoefficients coefficients_result = oren_nayar_coefficients(wo.z,
+        oren_nayar_one_minus_cos(wo), r);
     float a = coefficients_result.a;
     float b = coefficients_result.b;
     float c = coefficients_result.c;
@@ -255,7 +260,8 @@ inline Vec3 oren_nayar_transform(float x, float y, Vec3 wo, float r, float d) {
 
 // Clipped to the directions that M keeps above the horizon (Listing 3).
 inline Vec3 oren_nayar_sample_cltc(Vec3 wo, float r, Vec2 u) {
-    OrenNayarCoefficients coefficients_result = oren_nayar_coefficients(wo.z, r);
+    OrenNayarCoefficients coefficients_result = oren_nayar_coefficients(wo.z,
+        oren_nayar_one_minus_cos(wo), r);
     float d = coefficients_result.d;
     float R = sqrtf(fmaxf(u.x, 0.0f));
     float phi = two_pi * u.y;
@@ -284,7 +290,8 @@ inline Vec3 oren_nayar_to_frame(Vec3 w, Vec2 axis) {
 
 // Density of oren_nayar_transform for an unclipped cosine lobe (Eq. 23 and 24).
 inline float oren_nayar_cltc_pdf(Vec3 wi, Vec3 wo, float r, float d) {
-    OrenNayarCoefficients coefficients_result = oren_nayar_coefficients(wo.z, r);
+    OrenNayarCoefficients coefficients_result = oren_nayar_coefficients(wo.z,
+        oren_nayar_one_minus_cos(wo), r);
     float a = coefficients_result.a;
     float b = coefficients_result.b;
     float c = coefficients_result.c;
@@ -298,7 +305,8 @@ inline float oren_nayar_cltc_pdf(Vec3 wi, Vec3 wo, float r, float d) {
 
 // Density of oren_nayar_sample_cltc.
 inline float oren_nayar_pdf_cltc(Vec3 wi, Vec3 wo, float r) {
-    OrenNayarCoefficients coefficients_result = oren_nayar_coefficients(wo.z, r);
+    OrenNayarCoefficients coefficients_result = oren_nayar_coefficients(wo.z,
+        oren_nayar_one_minus_cos(wo), r);
     float d = coefficients_result.d;
     return oren_nayar_cltc_pdf(wi, wo, r, d) / oren_nayar_kept_area(d);
 }

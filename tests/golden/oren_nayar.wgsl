@@ -174,8 +174,13 @@ fn oren_nayar_sample_uniform(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), z);
 }
 
-// a, b, c, d of M = [[a, 0, b], [0, c, 0], [d, 0, 1]] (Eq. 25, Listing 2) at mu = wo.z.
-fn oren_nayar_coefficients(mu: f32, r: f32) -> OrenNayarCoefficients {
+// 1 - w.z, with the digits that w.z has lost beside the normal, where d needs them.
+fn oren_nayar_one_minus_cos(w: vec3f) -> f32 {
+    return (w.x * w.x + w.y * w.y) / (1.0 + w.z);
+}
+
+// a, b, c, d of M = [[a, 0, b], [0, c, 0], [d, 0, 1]] (Eq. 25, Listing 2) at mu = wo.z, k = 1 - mu.
+fn oren_nayar_coefficients(mu: f32, k: f32, r: f32) -> OrenNayarCoefficients {
     let a = 1.0 + r * (0.303392 + (-0.518982 + 0.111709 * mu) * mu
         + (-0.276266 + 0.335918 * mu) * r);
     let b = r * (-1.16407 + 1.15859 * mu + (0.150815 - 0.150105 * mu) * r)
@@ -183,7 +188,6 @@ fn oren_nayar_coefficients(mu: f32, r: f32) -> OrenNayarCoefficients {
     let c = 1.0 + (0.20013 + (-0.506373 + 0.261777 * mu) * mu) * r;
     // Numerator and denominator of d nearly vanish at mu = 1: the paper's polynomials in mu,
     // 0.540852 - 1.01625 mu + 0.475392 mu^2 and -1.0743 + 0.0725628 mu + mu^2, are written in k = 1 - mu.
-    let k = 1.0 - mu;
     let d = r * (-6.0e-6 + (0.065466 + 0.475392 * k) * k) / (-0.0017372 - (2.0725627 - k) * k);
     return OrenNayarCoefficients(a, b, c, d);
 }
@@ -211,7 +215,7 @@ fn oren_nayar_from_frame(w: vec3f, axis: vec2f) -> vec3f {
 
 // M applied to the cosine lobe's direction above (x, y), turned to wo's azimuth, normalised.
 fn oren_nayar_transform(x: f32, y: f32, wo: vec3f, r: f32, d: f32) -> vec3f {
-    let coefficients_result = oren_nayar_coefficients(wo.z, r);
+    let coefficients_result = oren_nayar_coefficients(wo.z, oren_nayar_one_minus_cos(wo), r);
     let a = coefficients_result.a;
     let b = coefficients_result.b;
     let c = coefficients_result.c;
@@ -225,7 +229,7 @@ fn oren_nayar_sample_cltc(wo: vec3f, r: f32, u: vec2f) -> vec3f {
     const two_pi = 6.2831855;
     // A sample that rounding pushed below the horizon is lifted to this cosine, 1/16 of a float32 epsilon.
     const Z_MIN = 7.450581e-9;
-    let coefficients_result = oren_nayar_coefficients(wo.z, r);
+    let coefficients_result = oren_nayar_coefficients(wo.z, oren_nayar_one_minus_cos(wo), r);
     let d = coefficients_result.d;
     let R = sqrt(max(u.x, 0.0));
     let phi = two_pi * u.y;
@@ -258,7 +262,7 @@ fn oren_nayar_to_frame(w: vec3f, axis: vec2f) -> vec3f {
 // Density of oren_nayar_transform for an unclipped cosine lobe (Eq. 23 and 24).
 fn oren_nayar_cltc_pdf(wi: vec3f, wo: vec3f, r: f32, d: f32) -> f32 {
     const inv_pi = 0.31830987;
-    let coefficients_result = oren_nayar_coefficients(wo.z, r);
+    let coefficients_result = oren_nayar_coefficients(wo.z, oren_nayar_one_minus_cos(wo), r);
     let a = coefficients_result.a;
     let b = coefficients_result.b;
     let c = coefficients_result.c;
@@ -272,7 +276,7 @@ fn oren_nayar_cltc_pdf(wi: vec3f, wo: vec3f, r: f32, d: f32) -> f32 {
 
 // Density of oren_nayar_sample_cltc.
 fn oren_nayar_pdf_cltc(wi: vec3f, wo: vec3f, r: f32) -> f32 {
-    let coefficients_result = oren_nayar_coefficients(wo.z, r);
+    let coefficients_result = oren_nayar_coefficients(wo.z, oren_nayar_one_minus_cos(wo), r);
     let d = coefficients_result.d;
     return oren_nayar_cltc_pdf(wi, wo, r, d) / oren_nayar_kept_area(d);
 }

@@ -67,7 +67,7 @@ def listing_2(sheet: Sheet) -> None:
     }
     for (mu, r), texts in spots.items():
         for k, text in enumerate(texts):
-            ours = float(elementwise(lambda m, q, k=k: cltc.coefficients(m, q)[k], mu, r))
+            ours = float(elementwise(lambda m, q, k=k: cltc.coefficients(m, 1 - m, q)[k], mu, r))
             sheet.claim(f"{'abcd'[k]} at mu {mu:g}, r {r:g}", "=", text, ours)
     sheet.remark("compared with numbers from the source code that the authors publish")
 

@@ -238,7 +238,7 @@ def equation_21(sheet: Sheet) -> None:
     worst = 0.0
     for mu, r in grid:
         ours = [
-            float(elementwise(lambda m, q, k=k: cltc.coefficients(m, q)[k], mu, r))
+            float(elementwise(lambda m, q, k=k: cltc.coefficients(m, 1 - m, q)[k], mu, r))
             for k in range(4)
         ]
         worst = max(worst, float(np.abs(ours - coefficients(mu, r)).max()))
@@ -257,7 +257,7 @@ def equation_21(sheet: Sheet) -> None:
         )
     mus, rs = np.meshgrid(np.linspace(0, 1, 101), np.linspace(0, 1, 101))
     a, b, c, d = (
-        elementwise(lambda m, q, k=k: cltc.coefficients(m, q)[k], mus, rs) for k in range(4)
+        elementwise(lambda m, q, k=k: cltc.coefficients(m, 1 - m, q)[k], mus, rs) for k in range(4)
     )
     det = c * (a - b * d)
     sheet.claim("det(M) > 0 for all angles and r: the smallest", ">=", "0", float(det.min()))

@@ -383,7 +383,7 @@ def figure_11(sheet: Sheet) -> Picture:
 @TEXT.item("12", "Figure 12", "geometry of CLTC: the lobe, the clipped hemisphere, the transform")
 def figure_12(sheet: Sheet) -> Picture:
     mu, r = math.cos(math.radians(85)), 1.0
-    d = elementwise(lambda m: cltc.coefficients(m, r)[3], np.array([mu]))[0]
+    d = elementwise(lambda m: cltc.coefficients(m, 1 - m, r)[3], np.array([mu]))[0]
     sheet.claim(
         "area that clipping keeps of the unit disk, from 4,000,000 points",
         "=",
