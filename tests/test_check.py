@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from support.tolerances import DOUBLE, DOUBLE_DIVIDED, SINGLE, decimals
+from support.tolerances import DOUBLE, DOUBLE_DIVIDED, DOUBLE_SHORT, SINGLE, decimals
 
 import gonio
 from gonio import check
@@ -211,7 +211,7 @@ def test_the_clamped_eon_of_a_material_library_has_its_published_albedo(
     subject = ModelSubject(model_file.load(BROKEN / "clamped_eon.py")(rho=1, roughness=1))
     wo = directions(np.array([math.cos(math.radians(degrees))]), np.zeros(1))
     found = energy.precise(subject, subject.default()[None], wo)
-    assert found[0] == pytest.approx([published] * 3, abs=1.5e-3)
+    assert found[0] == pytest.approx([published] * 3, abs=decimals(3))
 
 
 DARK_RING = dark_ring().name
@@ -306,7 +306,8 @@ def test_adaptive_integration_finds_a_lobe_that_only_the_sampler_knows() -> None
     parameters = subject.default()[None]
     cut = hemisphere.partition(subject, parameters, wo)
     found = hemisphere.integrate(subject, parameters, wo, cut, 1e-8).total[0, hemisphere.PDF]
-    assert found == pytest.approx(1, abs=1e-5)
+    # The lobe is 1e-4 wide; integrals of the check are good to 3e-6
+    assert found == pytest.approx(1, abs=3e-6)
 
 
 @given(
@@ -333,7 +334,7 @@ def test_chart_and_unchart_are_inverse(mu: float, turn: float, u: float, v: floa
 def test_chi_square_tail_is_that_of_mpmath(x: float, degrees: int) -> None:
     true = mpmath.gammainc(mpmath.mpf(degrees) / 2, mpmath.mpf(x) / 2, regularized=True)
     assert statistics.chi2_tail(x, degrees) == pytest.approx(
-        float(true), rel=DOUBLE_DIVIDED, abs=1e-14
+        float(true), rel=DOUBLE_DIVIDED, abs=DOUBLE_SHORT
     )
 
 

@@ -669,6 +669,7 @@ def test_a_folder_of_files_is_fitted_and_a_damaged_one_named(tmp_path: Path) -> 
     assert [Path(entry["data"]).name for entry in first] == ["a.csv", "b.csv"]
     for entry, rho in zip(first, (0.3, 0.6), strict=True):
         (found,) = entry["fits"]
+        # Data without noise: EXACT of test_fit.py
         assert found["parameters"]["rho"] == pytest.approx([rho] * 3, abs=1e-5)
         assert len(found["starts"]) == 9
     text = (data / "a.csv").read_text(encoding="utf-8")

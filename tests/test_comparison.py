@@ -57,6 +57,7 @@ def test_twice_the_albedo_is_a_hundred_percent() -> None:
 def test_five_percent_too_dark_are_five_percent() -> None:
     (found,) = compare([gonio.Lambert(rho=0.8), gonio.Lambert(rho=0.76)], pictures=False)
     e = found.errors
+    # Differences of 5 %, of values and sums in single precision
     assert (e.mean, e.worst, e.energy) == pytest.approx((0.05, -0.05, -0.05), rel=1e-4)
 
 
@@ -64,6 +65,7 @@ def test_a_coat_without_inner_bounces_loses_walshs_reflectance() -> None:
     # White below glass: (1 - R_out)^2 / n^2 against 1 - R_out, and (1 - R_out) / n^2 = 1 - R_in
     coat = smooth_coat(**BOTH)
     e = measure(coat, Stack.of(coat), walks=2048, maps=False).judge(coat)[0]
+    # Means of 2048 walks from each of many directions
     assert e.truth == pytest.approx(1 - WALSH_OUTSIDE, abs=0.003)
     assert e.energy == pytest.approx(-WALSH_INSIDE, abs=0.004)
     assert e.mean == pytest.approx(WALSH_INSIDE, abs=0.004)
@@ -94,9 +96,11 @@ def test_the_worst_error_is_where_it_is_said_to_be() -> None:
     theta_i, theta_o, phi = np.radians(found.errors.worst_at)
     wi, wo = polar(theta_i, phi), polar(theta_o)
     f, truth = (np.asarray(m.eval(wi, wo)) @ comparison.LUMINANCE for m in (other, first))
+    # Highlights in single precision: 1e-6 times some ten, for how fast they change with the angle
     assert found.errors.worst == pytest.approx(f / truth - 1, rel=1e-4)
     # A highlight is on the mirror's side, which is negative.
     row = int(np.flatnonzero(ANGLES_O == 45)[0])
+    # Two steps of the angles: facets reflect most a little beyond the mirror
     assert ANGLES_I[np.argmax(found.in_plane[row])] == pytest.approx(-45, abs=10)
     assert phi == pytest.approx(np.pi)
 
@@ -253,4 +257,5 @@ def test_numbers_on_the_page_are_still_true() -> None:
         e = measure(made, Stack.of(made), walks=512, pairs=1000, maps=False, seed=1).judge(made)[0]
         # 1000 pairs know the mean of a highlight to a few percent; the truth's albedo is better known.
         assert float(cells[1].rstrip(" %")) / 100 == pytest.approx(e.mean, abs=0.05 + 0.1 * e.mean)
+        # The page has two decimals, of other walks
         assert float(cells[-1]) == pytest.approx(e.truth, abs=0.01)

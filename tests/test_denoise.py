@@ -52,6 +52,7 @@ def test_colours_and_normals_are_of_what_each_pixel_sees_first() -> None:
     # A point of the shell right of its cut
     seen = colours[16, 23], normals[16, 23]
     mean = gonio.EON(rho=(0.6, 0.3, 0.1), roughness=0.5).mean_albedo()
+    # A look at which colour it is: 4 samples, light that bounced inside the shell, half floats
     assert seen[0][0] / seen[0][2] == pytest.approx(mean[0] / mean[2], rel=0.5)
     assert np.linalg.norm(seen[1]) == pytest.approx(1, abs=0.02)
     assert seen[1][0] > 0.5  # it faces right

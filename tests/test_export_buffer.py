@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 from scipy.interpolate import RegularGridInterpolator
+from support.tolerances import DOUBLE
 
 import gonio
 from gonio import measured
@@ -236,7 +237,7 @@ def test_python_squares_by_the_ramp() -> None:
     x = 7.999 * 0.8 / 8  # its place among nine squares, between the sixth and the seventh
     low, high = (6 / 8) ** 2, (7 / 8) ** 2
     ramp = low + (8 * x - 6) * (high - low)
-    assert np.allclose(Looked().eval(w, w), ramp * ramp * np.array([0.5, 1, 0.75]), rtol=1e-6)
+    assert np.allclose(Looked().eval(w, w), ramp * ramp * np.array([0.5, 1, 0.75]), rtol=DOUBLE)
 
 
 class Wild(Model, register=False):

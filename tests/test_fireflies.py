@@ -89,4 +89,5 @@ def test_the_command_counts_in_whites(tmp_path: Path) -> None:
         done = CliRunner().invoke(main, arguments)
         assert done.exit_code == 0, done.output
         said.append(float(done.output.partition("brighter than ")[2].split()[0]))
+    # It is said with three digits
     assert said[1] == pytest.approx(8 * said[0], rel=0.01)

@@ -196,7 +196,8 @@ def test_misfit_is_told_apart_from_noise() -> None:
     told = fit.fit(gonio.model("lambert"), both, starts=1, points=3000).noise
     assert told is not None
     assert told.by == "repeats"
-    assert told.size == pytest.approx(noisy.noise.size, rel=0.15)
+    # Two estimates of one noise, from some thousand values each: a few percent
+    assert told.size == pytest.approx(noisy.noise.size, rel=0.1)
 
 
 def test_where_a_model_fails_is_said_in_words() -> None:
@@ -231,8 +232,8 @@ def test_the_nearest_parameters_to_layers_are_those_of_their_truth() -> None:
     # A stack of one layer that is air is its base
     stack = Stack([Layer(eta=1.0)], gonio.model("eon", rho=(0.5, 0.3, 0.2), roughness=0.6))
     found = fit.fit(gonio.model("eon"), stack, points=400, starts=1)
-    assert found.model.roughness == pytest.approx(0.6, abs=0.02)
-    assert np.allclose(found.model.rho, (0.5, 0.3, 0.2), atol=0.01)
+    assert found.model.roughness == pytest.approx(0.6, abs=EXACT)
+    assert np.allclose(found.model.rho, (0.5, 0.3, 0.2), atol=EXACT)
 
 
 def test_a_fit_can_be_sent_to_another_process() -> None:
@@ -261,6 +262,7 @@ def test_parameters_of_published_fits_come_back_from_data_made_of_them(material:
         starts=2,
         points=4000,
     )
+    # 12,000 values with 2 % of noise; a dark rho is what is left of them beside a highlight
     assert found.model.alpha_x == pytest.approx(alpha, rel=0.01)
     assert np.allclose(found.model.rho, rho, rtol=0.02)
     assert np.allclose(found.model.specular, specular, rtol=0.02)
@@ -289,10 +291,10 @@ def test_a_published_cook_torrance_is_a_sum_whose_weight_is_four_times_as_large(
         points=4000,
         starts=2,
     )
-    assert found.model.second.alpha == pytest.approx(m, rel=1e-3)
-    assert found.model.second.f0[0] == pytest.approx(f0, rel=1e-2)
-    assert np.allclose(found.model.second_weight, 4 * np.array(ks), rtol=1e-2)
-    assert np.allclose(found.model.first.rho, kd, rtol=1e-3)
+    assert found.model.second.alpha == pytest.approx(m, rel=EXACT)
+    assert found.model.second.f0[0] == pytest.approx(f0, rel=EXACT)
+    assert np.allclose(found.model.second_weight, 4 * np.array(ks), rtol=EXACT)
+    assert np.allclose(found.model.first.rho, kd, rtol=EXACT)
 
 
 def test_an_end_of_a_range_is_named() -> None:
@@ -378,7 +380,7 @@ def test_command_puts_the_best_model_first_and_writes_it(tmp_path: Path) -> None
     assert result.stdout.startswith("model ")
     assert "starts" in result.stdout
     written = gonio.load(str(output))
-    assert written.model.roughness == pytest.approx(0.8, abs=1e-3)
+    assert written.model.roughness == pytest.approx(0.8, abs=EXACT)
     found = json.loads(run("oren_nayar:sigma=0.5", "eon", *words, "--json").stdout)
     assert set(found[0]["misfit"]) == set(fit.METRICS)
 

@@ -271,7 +271,7 @@ def test_below_where_derivatives_end_values_go_on() -> None:
         assert (dr.grad(wi).y[0] == 0) is ends
         # D = 1 / (pi alpha^2 (1 + tan^2 / alpha^2)^2), whose slope is half the width here; G = 1
         peak = 1 / (np.pi * 1e-8) / 1.25**2 * 0.25
-        assert value[0] * mu * mu == pytest.approx(peak, rel=1e-3)
+        assert value[0] * mu * mu == pytest.approx(peak, rel=SINGLE)
 
 
 def matched_slopes() -> tuple[float, float]:

@@ -518,7 +518,7 @@ def test_half_precision_that_cannot_be_run_is_float32_and_said(tmp_path: Path, e
     if tools.locate(TEXTURING[ending]) is None:
         pytest.skip(f"needs {TEXTURING[ending]}")
     code = foreign.load(write(tmp_path, f"a.{ending}", SHORT[ending]), function="f", returns="f")
-    np.testing.assert_allclose(code.raw(*probe(4), {"rough": 0.3})[0], 0.3, rtol=1e-6)
+    np.testing.assert_allclose(code.raw(*probe(4), {"rough": 0.3})[0], 0.3, rtol=SINGLE)
     said = {f.what for r in foreign.check(code, only=["finite"]) for f in r.findings}
     assert "half precision" in said
 
@@ -619,7 +619,7 @@ def test_energy_is_judged_beside_values_that_are_not_finite(tmp_path: Path) -> N
     path = write(tmp_path, "a.py", PARTS)
     reports = foreign.check(foreign.load(f"{path}#grazing", returns="f"), only=["energy", "finite"])
     found = {f.what: f for r in reports for f in r.findings}
-    assert found["largest albedo"].measured == pytest.approx(2, rel=1e-3)
+    assert found["largest albedo"].measured == pytest.approx(2, rel=COARSE)
     assert found["largest albedo"].verdict == FAIL
     assert found["not finite at the horizon"].measured > 0
 
@@ -825,6 +825,7 @@ def test_factors_and_cut_angles_are_found_by_comparison_alone(tmp_path: Path) ->
     assert right.largest < 3e-6
     code = foreign.load(write(tmp_path, "a.glsl", text + wrapped), function="wrong", returns="f")
     found = foreign.compare(code, eon)
+    # The wrapper has nine digits of pi; the largest difference is that of the nearest place
     assert found.largest == pytest.approx(1 - 1 / np.pi, rel=1e-3)
     assert "times pi everywhere" in found.hint
     grazing = (
@@ -992,6 +993,7 @@ def test_functions_of_python_take_arrays_or_single_numbers(tmp_path: Path) -> No
     assert code.parameters["rho"].default == (0.5, 0.4, 0.3)
     cosine = np.maximum(2 * wi[:, 2] * wo[:, 2] - (wi * wo).sum(1), 0)
     expected = 0.5 * 12 / (2 * np.pi) * cosine**10
+    # Ten times the error of a cosine of directions in single precision
     np.testing.assert_allclose(code.brdf(wi, wo, {"n": 10.0})[:, 0], expected, rtol=1e-4, atol=1e-6)
     alone = foreign.load(path + "#alone", returns="f").brdf(wi, wo, {"roughness": 0.5})
     expected = np.where(wi[:, 2] > 0.5, np.exp(-0.5 * wi[:, 2]), 0.3 * wo[:, 2])

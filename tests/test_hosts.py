@@ -91,6 +91,7 @@ def assert_is_the_sphere(picture: Any) -> None:
     assert np.abs(picture - wanted).mean() < 0.01 * wanted.mean()
     inside = np.zeros((SIZE, SIZE), bool)
     inside[100:156, 100:156] = True
+    # Means over pixels: how much the curve of the highlight bends inside one; and half floats
     np.testing.assert_allclose(picture[inside], wanted[inside], rtol=0.02, atol=1e-3)
 
 

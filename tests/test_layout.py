@@ -1,9 +1,11 @@
-"""Who may import whom: arrows point one way, and there is no circle, not even a hidden one."""
+"""Who may import whom: one way, without any circle. And that the numbers of tests have their reasons."""
 
 from __future__ import annotations
 
 import ast
 import functools
+import io
+import tokenize
 from pathlib import Path
 
 import pytest
@@ -176,3 +178,69 @@ def test_a_circle_inside_a_function_and_an_arrow_upwards_are_noticed(tmp_path: P
     edges = arrows(root)
     assert circles(edges) == [{"gonio.parts.a", "gonio.models.b"}]
     assert forbidden(edges) == ["gonio.parts.a imports gonio.models.b"]
+
+
+TOLERANCES = {"rtol", "atol", "rel", "abs", "rel_tol", "abs_tol", "tolerance"}
+
+
+def bare_tolerances(text: str) -> list[int]:
+    """Lines with a tolerance that is a number without a name, and that no comment gives a reason for.
+
+    The comment stands beside it, or above a block of statements that have tolerances.
+    """
+    tree = ast.parse(text)
+    comments = {
+        token.start[0]
+        for token in tokenize.generate_tokens(io.StringIO(text).readline)
+        if token.type == tokenize.COMMENT
+    }
+    simple = [n for n in ast.walk(tree) if isinstance(n, ast.stmt) and not hasattr(n, "body")]
+    found, explained = [], set()
+    for statement in sorted(simple, key=lambda n: n.lineno):
+        given = [
+            node.value
+            for node in ast.walk(statement)
+            if isinstance(node, ast.keyword) and node.arg in TOLERANCES
+        ]
+        first, last = statement.lineno, statement.end_lineno or statement.lineno
+        if not given:
+            continue
+        if comments & set(range(first - 1, last + 1)) or first - 1 in explained:
+            explained.add(last)
+        else:
+            found += [value.lineno for value in given if _is_bare(value)]
+    return found
+
+
+def _is_bare(value: ast.expr) -> bool:
+    """Whether an expression has numbers, but no name; 0 alone needs none."""
+    nodes = list(ast.walk(value))
+    named = any(isinstance(node, ast.Name | ast.Attribute | ast.Call) for node in nodes)
+    return not named and any(isinstance(node, ast.Constant) and node.value for node in nodes)
+
+
+def test_every_tolerance_has_a_name_or_a_reason() -> None:
+    tests = Path(__file__).parent
+    found = [
+        f"{path.relative_to(tests)}:{line}"
+        for path in sorted(tests.rglob("*.py"))
+        for line in bare_tolerances(path.read_text(encoding="utf-8"))
+    ]
+    assert not found, "name these tolerances (tests/support/tolerances.py), or say why they hold"
+
+
+@pytest.mark.parametrize(
+    ("text", "bare"),
+    [
+        ("assert a == approx(b, rel=1e-3)", [1]),
+        ("close(a, b, rtol=2 * 1e-3, atol=0)", [1]),
+        ("x = 1  # a reason\n\nclose(a, b, atol=1e-3)", [3]),
+        ("if a:\n    # twice\n    x = 1\n    close(a, b, atol=1e-3)", [4]),
+        ("assert a == approx(b, rel=1e-3)  # 1000 samples", []),
+        ("# 1000 samples\nclose(a, b, rtol=1e-3)\nclose(c, d, rtol=1e-2)", []),
+        ("close(a, b, rtol=2 * SINGLE, atol=0)", []),
+        ("close(a, b, rtol=decimals(4))", []),
+    ],
+)
+def test_a_bare_tolerance_is_noticed(text: str, bare: list[int]) -> None:
+    assert bare_tolerances(text) == bare

@@ -156,6 +156,7 @@ def test_irradiance_of_a_half_lit_sphere_is_that_of_a_closed_form() -> None:
 @pytest.mark.parametrize("level", [1e-4, 1.0, 300.0])
 def test_exposure_brings_uniform_light_to_white(level: float) -> None:
     pixels = np.full((32, 64, 3), level, np.float32)
+    # 32 rows, and 256 normals of which none looks straight up
     assert 2 ** exposure(pixels) * level == pytest.approx(0.9, rel=2e-3)
 
 
@@ -165,6 +166,7 @@ def test_ground_looks_like_what_is_behind_it() -> None:
     pixels[90:] = 0.0
     pixels[90:, 150:210] = (0.4, 0.3, 0.2)  # behind the object
     pixels[90:, 240:300] = (0.1, 0.6, 0.1)  # a quarter turn further
+    # The picture's rows are a degree each: the sum over the sky errs by 2e-4
     np.testing.assert_allclose(ground_colour(pixels, 0.0), (0.4, 0.3, 0.2), rtol=1e-3)
     np.testing.assert_allclose(ground_colour(pixels, 90.0), (0.1, 0.6, 0.1), rtol=1e-3)
 
@@ -187,6 +189,7 @@ def test_ground_takes_the_colour_that_the_camera_sees(
     )  # fmt: skip
     picture = np.array(mi.render(mi.load_dict(stage), spp=16))
     behind = picture[2, 14:18].mean(axis=0)
+    # The band that is averaged is 40 degrees wide, over which the cosine bends; a pixel sees one of them
     np.testing.assert_allclose(ground_colour(pixels, turn - azimuth), behind, atol=0.02)
 
 

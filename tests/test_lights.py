@@ -17,7 +17,7 @@ import pytest
 from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
-from support.tolerances import DOUBLE, DOUBLE_DIVIDED, SINGLE_LONG, decimals
+from support.tolerances import DOUBLE, DOUBLE_DIVIDED, NINE_DIGITS, SINGLE_LONG, decimals
 
 import gonio
 from gonio.arrays.functions import applied
@@ -133,7 +133,7 @@ def test_a_wrong_table_shows_another_albedo() -> None:
 def test_a_matte_model_shows_its_closed_albedo(name: str) -> None:
     model = loaded(name)
     picture = shade(model, ["image"], UP, RIGHT, VIEWS, sky=constant_sky())
-    np.testing.assert_allclose(picture, model.albedo(VIEWS) * RADIANCE, rtol=2e-8)
+    np.testing.assert_allclose(picture, model.albedo(VIEWS) * RADIANCE, rtol=DOUBLE_DIVIDED)
 
 
 @pytest.mark.parametrize(("shininess", "albedo"), [(1, 0.36), (10, 0.73), (50, 0.93), (100, 0.96)])
@@ -145,8 +145,9 @@ def test_ambient_brdf_is_the_integral_of_eq_1(shininess: float, albedo: float) -
     mu = 2 * cos_h**2 - 1
     norm = 0.0397436 * shininess + 0.0856832
     closed = 2 * np.pi * abs(np.trapezoid(norm * cos_h**shininess * mu, mu))
-    assert found == pytest.approx(closed, abs=1e-3)
-    assert found == pytest.approx(albedo, abs=0.006)
+    # 4096 samples of a lattice, of a smooth weight
+    assert found == pytest.approx(closed, abs=5e-5)
+    assert found == pytest.approx(albedo, abs=decimals(2))
 
 
 def test_a_black_metal_shows_b_and_a_white_one_a_plus_b() -> None:
@@ -154,8 +155,9 @@ def test_a_black_metal_shows_b_and_a_white_one_a_plus_b() -> None:
     pair = [loaded(f"metallic_roughness:metallic=1,base_color={c},roughness=0.6") for c in (0, 1)]
     black, white = (m.albedo(VIEWS)[:, 0] for m in pair)
     found = split_sum(pair[0], COSINES, np.full(len(COSINES), 0.36))
-    np.testing.assert_allclose(found[:, 1], black, atol=1e-3)
-    np.testing.assert_allclose(found.sum(-1), white, atol=1e-3)
+    # 2048 samples of a lattice, whose weights jump where facets mirror below the horizon
+    np.testing.assert_allclose(found[:, 1], black, atol=5e-4)
+    np.testing.assert_allclose(found.sum(-1), white, atol=5e-4)
 
 
 # --- frames ----------------------------------------------------------------------------------------
@@ -259,7 +261,7 @@ def test_bands_of_irradiance_are_those_of_polynomials() -> None:
     found = applied(bands, loaded("lambert"), [n, *sky[:, None]])
     one = np.ones(50)
     expected = np.stack([np.pi * one, 2 * np.pi / 3 * n[:, 1], np.pi / 4 * n[:, 0] * n[:, 2]], -1)
-    np.testing.assert_allclose(found, expected, rtol=1e-7, atol=1e-8)
+    np.testing.assert_allclose(found, expected, rtol=NINE_DIGITS, atol=DOUBLE_DIVIDED)
 
 
 # Down to 60 degrees; beyond, F(mu_o) of a rough coat is too bright.
@@ -316,7 +318,7 @@ def test_tri_aces_layers_are_lit_as_by_the_array_code() -> None:
     expected = environment.layered_light(sky, model, np.array(UP), VIEWS)
     host = Uniform(loaded("ue4"))
     found = shade(model, ["layered"], UP, RIGHT, VIEWS, sky=sky.harmonics(), host=host)
-    np.testing.assert_allclose(found, expected, rtol=1e-7)
+    np.testing.assert_allclose(found, expected, rtol=NINE_DIGITS)
 
 
 @pytest.mark.parametrize(("dc", "form"), [("eq27", "arccos"), ("eq28", "cheap")])
@@ -326,7 +328,7 @@ def test_harmonics_light_oren_nayar_as_the_array_code_does(dc: str, form: str) -
     normals = np.tile([0.36, 0.48, 0.8], (len(VIEWS), 1))
     expected = environment.oren_nayar_light(sky, normals, VIEWS, rho=0.6, shininess=5, form=form)
     found = shade(model, [f"harmonics:dc={dc}"], normals, RIGHT, VIEWS, sky=sky)
-    np.testing.assert_allclose(found, expected, rtol=1e-7, atol=1e-9)
+    np.testing.assert_allclose(found, expected, rtol=NINE_DIGITS, atol=DOUBLE_DIVIDED)
 
 
 def test_harmonics_of_a_uniform_sky_are_the_integral_in_the_viewers_plane() -> None:
@@ -346,7 +348,7 @@ def test_harmonics_of_a_uniform_sky_are_the_integral_in_the_viewers_plane() -> N
     s = np.sin(theta) * np.sin(theta_o)
     value = f + g * s / np.maximum(np.cos(theta), np.cos(theta_o))
     closed = np.trapezoid(value * np.cos(theta), theta[0], axis=1)
-    np.testing.assert_allclose(picture, closed[:, None] * RADIANCE, rtol=0.04)
+    np.testing.assert_allclose(picture, closed[:, None] * RADIANCE, rtol=0.04)  # what Eq. 27 fits
 
 
 def test_half_the_effect_of_eq_29_is_halfway() -> None:

@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner, Result
 from PIL import Image
 from support.measured_files import EXAMPLES
-from support.tolerances import SINGLE
+from support.tolerances import SINGLE, SINGLE_LONG
 
 import gonio
 from gonio import measured
@@ -72,7 +72,8 @@ def test_a_clean_measurement_passes_and_its_albedo_is_the_models(
     q = quality(measured.load(path))
     wo = np.array([math.sin(math.radians(30)), 0, math.cos(math.radians(30))])
     albedo = next(a for a in q.albedos if a.theta == 30)
-    assert albedo.all == pytest.approx(float(EON.albedo(wo)[0]), rel=5e-3)
+    # Averages over cells of a few degrees, of what is smooth
+    assert albedo.all == pytest.approx(float(EON.albedo(wo)[0]), rel=1e-3)
     assert q.covered == 1
     assert q.negative == 0
 
@@ -180,7 +181,9 @@ def test_data_converts_and_draws(paint: Path, tmp_path: Path) -> None:
     assert result.exit_code == 0, result.output
     back = measured.load(output)
     at = back.wi[:50], back.wo[:50]
-    assert np.allclose(back.values[:50], measured.load(paint).evaluate(*at), rtol=1e-3, atol=SINGLE)
+    assert np.allclose(
+        back.values[:50], measured.load(paint).evaluate(*at), rtol=SINGLE_LONG, atol=SINGLE
+    )
     image = np.asarray(Image.open(picture).convert("L"))
     assert image.std() > 20  # not blank
     assert run("data", str(paint), "--picture", str(tmp_path / "x.csv")).exit_code == 0

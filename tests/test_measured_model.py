@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
-from support.tolerances import SINGLE, SINGLE_LONG
+from support.tolerances import DOUBLE, SINGLE, SINGLE_LONG
 
 import gonio
 from gonio import backend, measured
@@ -97,7 +97,7 @@ def test_precisions_and_backends_agree(name: str) -> None:
         plain = made(name).eval(wi[:20], wo[:20])
     finally:
         backend.use(before)
-    assert np.allclose(plain, double[:20], rtol=2e-5)
+    assert np.allclose(plain, double[:20], rtol=DOUBLE)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -176,6 +176,7 @@ def test_samples_fall_where_the_density_says(name: str) -> None:
 def test_albedos_are_the_sources(name: str) -> None:
     wo = spherical(np.radians([0, 20, 45, 60, 75]), 0.2)
     true = source(name).albedo(wo)
+    # A coarse table, which cuts off the top of a highlight; the narrow one has fewer cells across it
     assert np.allclose(made(name).albedo(wo), true, atol=0.03 if name == "brushed" else 0.012)
     assert np.allclose(made(name).mean_albedo(), source(name).mean_albedo(), atol=0.01)
 
@@ -225,7 +226,7 @@ def test_mitsuba_has_the_models_values_and_its_own_plug_in_agrees(tmp_path: Path
         np.array(mi.load_dict(bsdf).eval(mi.BSDFContext(), si, light)).T
         for bsdf in (node(model), {"type": "measured", "filename": str(path)})
     )
-    assert np.allclose(mine, model.eval(wi, wo) * wi[:, 2:], rtol=2e-3, atol=SINGLE)
+    assert np.allclose(mine, model.eval(wi, wo) * wi[:, 2:], rtol=SINGLE_LONG, atol=SINGLE)
     # Both interpolate, one over a warped square and one over half and difference angles
     off = np.abs(mine - theirs) / theirs
     assert np.percentile(off, 90) < 0.02
@@ -235,6 +236,7 @@ def test_a_measured_base_shines_through_a_coat() -> None:
     coated = gonio.model("weidlich_wilkie", base=made("matte"), sigma_a=0)
     same = gonio.model("weidlich_wilkie", base=source("matte"), sigma_a=0)
     wi, wo = directions(300)
+    # Twice what a matte table may be off: the coat takes it at refracted directions, grazing ones too
     assert np.allclose(coated.eval(wi, wo), same.eval(wi, wo), rtol=0.02)
 
 

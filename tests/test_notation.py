@@ -13,6 +13,7 @@ from click.testing import CliRunner, Result
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
+from support.tolerances import decimals
 
 import gonio
 from gonio.cli import main
@@ -162,7 +163,9 @@ def test_metals_have_their_symbols_in_texts_too() -> None:
 
 # From the definition in IEC 61966-2-1: sRGB 0x80 is 0.2158605, 0xc0 is 0.5271151, 0x40 is 0.0512695.
 def test_hex_colours_are_srgb() -> None:
-    assert hex_colour("#c08040") == pytest.approx((0.5271151, 0.2158605, 0.0512695), abs=1e-7)
+    assert hex_colour("#c08040") == pytest.approx(
+        (0.5271151, 0.2158605, 0.0512695), abs=decimals(7)
+    )
     assert hex_colour("#fff") == (1, 1, 1)
     assert hex_colour("c08040") is None
     assert load("eon:rho=#c08040").rho == hex_colour("#c08040")

@@ -133,9 +133,10 @@ def test_variance_and_maximum_of_cosine_sampling_are_those_of_the_brdf():
     weight = np.pi * white.eval(wi, wo)[..., 0]
     # 200,000 weights that are not far from 1 know their variance to half a percent
     variance = columns["variance of weight, luminance"][last]
-    assert variance == pytest.approx(np.mean(weight**2) - 1, rel=0.02)
+    assert variance == pytest.approx(np.mean(weight**2) - 1, rel=0.01)  # twice that
     highest = columns["maximum of weight, luminance"][last]
-    assert highest == pytest.approx(weight.max(), rel=0.005)
+    # The largest of 200,000 lies next to the largest of all: the weight bends little there
+    assert highest == pytest.approx(weight.max(), rel=1e-3)
 
 
 def test_more_batches_have_the_same_statistics(monkeypatch):

@@ -22,7 +22,7 @@ import pytest
 from make_layers_page import lost
 from numpy.typing import NDArray
 from support.directions import adversarial_pairs, from_cosine, polar, random_directions
-from support.tolerances import SINGLE_LONG
+from support.tolerances import SINGLE_LONG, decimals
 
 import gonio
 from gonio.fields import ModelError
@@ -257,7 +257,7 @@ def lambert_under_glass(mu_i: Array, mu_o: Array, rho: float, depth: float = 0.0
     w = np.concatenate([(b - a) * w / 2 for a, b in pairwise(edges)])
     R = np.sum(w * 2 * mu * fresnel(mu, n, 1.0) * np.exp(-2 * depth / mu))
     if depth == 0:
-        assert pytest.approx(WALSH_INSIDE, abs=2e-6) == R
+        assert pytest.approx(WALSH_INSIDE, abs=decimals(6)) == R
     inner = [np.sqrt(1 - (1 - m**2) / n**2) for m in (mu_i, mu_o)]
     T = np.prod([1 - fresnel(m, 1.0, n) for m in (mu_i, mu_o)], 0)
     kept = np.exp(-depth / inner[0] - depth / inner[1])
@@ -484,7 +484,7 @@ def test_facets_that_scatter_once_lose_what_the_adding_method_says() -> None:
     # The surfaces' own loss is the only one: it vanishes with their roughness.
     losses = [lossless_defect(alpha, "beckmann") for alpha in (0.1, 0.2, 0.4)]
     for walked, added in losses:
-        assert walked == pytest.approx(added, abs=4e-3)
+        assert walked == pytest.approx(added, abs=ADDING_ERROR)
     assert losses[0][0] < 0.02 < losses[2][0]
 
 
@@ -493,6 +493,8 @@ def test_the_page_about_layers_says_what_facets_lose() -> None:
     oracle = Adding([layer], 1.0)
     kept = np.sum(2 * oracle.mu[0] * oracle.w[0] * oracle.albedo())
     coloured = replace(layer, sigma_a=(0.1, 2.0, 0.3))
+    # A million walks, off by 5e-4; the adding method is good to ADDING_ERROR at single nodes. Without
+    # facets each walk keeps all, but for the few that are cut short
     assert lost(Stack([coloured])) == pytest.approx(1 - kept, abs=3e-3)
     assert lost(Stack([Layer(1.5)])) == pytest.approx(0, abs=1e-4)
 
@@ -744,6 +746,7 @@ def test_the_base_of_car_paint_is_one_bare_flake() -> None:
         k=tuple(x / 1.4 for x in paint.metal_k),
     )
     wi, wo = random_directions(100, 1), random_directions(100, 2)
+    # One facet: its normal is a direction in single precision, over a lobe of width 0.2
     np.testing.assert_allclose(found.base.eval(wi, wo), metal.eval(wi, wo), rtol=1e-4)
 
 

@@ -130,10 +130,12 @@ def test_a_picture_is_that_of_mitsubas_plastic() -> None:
     }
     ours = picture(node(Stack([Layer(1.5)], gonio.Lambert(rho=0.7))))
     theirs = picture(plastic)
+    # 256 pixels of 1024 samples: their mean is known to a thousandth
     assert ours.mean() == pytest.approx(theirs.mean(), rel=2e-3)
     assert np.quantile(np.abs(ours - theirs) / theirs, 0.95) < 0.06
     # and 2 % in the base's colour would be seen
     plastic["diffuse_reflectance"] = {"type": "rgb", "value": 0.71}
+    # The same noise
     assert ours.mean() != pytest.approx(picture(plastic).mean(), rel=2e-3)
 
 
@@ -141,6 +143,7 @@ def test_multiple_importance_sampling_does_not_change_the_picture() -> None:
     # Both kinds of samples, those of the BSDF alone, and those of the lights alone
     bsdf = node(STACKS["rough"])
     both = picture(bsdf).mean()
+    # The lamp is small: samples of the BSDF alone seldom find it, and have several times the noise
     assert both == pytest.approx(picture(bsdf, emitter_samples=0, bsdf_samples=1).mean(), rel=5e-3)
     assert both == pytest.approx(picture(bsdf, emitter_samples=1, bsdf_samples=0).mean(), rel=5e-3)
 
@@ -209,6 +212,7 @@ def test_types_and_components_switch_parts_off() -> None:
     np.testing.assert_allclose(
         wi[:, active].T, np.tile(wo * (-1, -1, 1), (active.sum(), 1)), atol=SINGLE
     )
+    # Three standard errors of a share of 20,000
     assert np.all(np.array(bs.pdf)[active] == pytest.approx(active.mean(), abs=0.01))
     assert np.all(np.array(bsdf.eval(mirror, si, mi.Vector3f(0, 0, 1))) == 0)
     matte = mi.BSDFContext()

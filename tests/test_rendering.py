@@ -85,6 +85,7 @@ def test_large_pictures_are_made_of_bands_without_a_seam(monkeypatch: pytest.Mon
     assert np.abs(whole - banded).mean(axis=(1, 2)).max() < 0.1
     inside = whole[:, :, 0] < 1e-3
     assert 40 < inside.sum() < 400
+    # Samples of a pixel inside may see a little of the rim beside it
     np.testing.assert_allclose(banded[inside], 0, atol=0.2)
 
 

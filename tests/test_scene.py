@@ -117,7 +117,7 @@ def test_user_mesh_is_scaled_centred_and_put_on_the_ground(torus_file):
     )
     low, high = mesh.positions.min(axis=0), mesh.positions.max(axis=0)
     assert low[1] == pytest.approx(0, abs=SINGLE)
-    np.testing.assert_allclose((low + high)[[0, 2]], 0, atol=1e-4)
+    np.testing.assert_allclose((low + high)[[0, 2]], 0, atol=SINGLE)
     middle = (low + high) / 2
     radius = np.linalg.norm(mesh.positions - middle, axis=1).max()
     assert radius == pytest.approx(user_mesh.MESH_RADIUS, rel=SINGLE_LONG)

@@ -87,6 +87,7 @@ def test_the_ground_has_no_edge_and_catches_shadow(tmp_path: Path) -> None:
     common: Any = {"environment": sky(tmp_path / "a.exr"), "size": (64, 64), "spp": 64}
     picture = render(gonio.Lambert(rho=0.5), **common).mean(axis=2)
     bare = render(gonio.Lambert(rho=0.5), ground=False, **common).mean(axis=2)
+    # The picture of the sky has half floats
     np.testing.assert_allclose(bare[:, :4], 0.5, rtol=1e-3)
     assert picture[58, 32] < 0.9 * bare[58, 32]  # before the pedestal
     np.testing.assert_allclose(picture[:4], 0.5, rtol=0.01)

@@ -175,6 +175,7 @@ def test_tables_change_little_and_say_how_little() -> None:
     model = gonio.model("torrance_sparrow", **metal("Cu"))
     made = export({"m": model}, "cpp", only=["eval"], tables=Request(BOTH))[0]
     exact, found = model.eval(WI, WO), tabled(model, made).eval(WI, WO)
+    # Entries of D and F, which have a parabola between them in place of the functions
     np.testing.assert_allclose(found, exact, rtol=2e-3)
     assert np.abs(found / exact - 1).max() > 1e-7
 

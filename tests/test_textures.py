@@ -172,6 +172,7 @@ def test_flakes_stay_where_they_are_when_the_camera_moves() -> None:
     for shift in (3, -5):
         moved = seen(paint(), shift=shift, seed=9)
         here, there = (still[:, 5:-5], np.roll(moved, shift, axis=1)[:, 5:-5])
+        # Positions in single precision; a flake is flat, so that its pixels do not change
         np.testing.assert_allclose(there, here, rtol=1e-3)
     other = seen(paint(seed=2))
     assert np.abs(other - still)[:, 5:-5].max() > 0.1 * still.max()
@@ -185,10 +186,12 @@ def test_sparkle_fades_with_the_viewers_distance() -> None:
         contrast.append(picture.std() / picture.mean())
     assert contrast[0] == pytest.approx(contrast[1], rel=1e-3)  # nothing fades up to there
     assert contrast[1] > 2 * contrast[2]
+    # A highlight bends a little over the slopes that are left
     assert contrast[3] / contrast[4] == pytest.approx(10, rel=0.1)
     assert contrast[4] < 1e-2
     # Without it, distance is what the material says, wherever the camera stands
     near, far = seen(paint(), away=1.0), seen(paint(), away=5000.0)
+    # The camera is far away both times: its rays are parallel but for single precision
     np.testing.assert_allclose(near, far, rtol=1e-3)
 
 
@@ -254,6 +257,7 @@ def test_growth_is_spread_evenly_over_the_area() -> None:
         a, b, c = (vertices[faces[:, k]] for k in range(3))
         area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
         share = [np.sum(area * (growth[faces].mean(1) < t)) / area.sum() for t in (0.25, 0.5, 0.75)]
+        # Ranks are of vertices, the shares of faces, which are a 30th of the ring wide
         np.testing.assert_allclose(share, [0.25, 0.5, 0.75], atol=0.03)
         assert growth.min() >= 0
         assert growth.max() <= 1

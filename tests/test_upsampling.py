@@ -101,7 +101,8 @@ def test_every_ready_material_has_its_colour_in_spectral_variants(name: str) -> 
 )
 def test_every_kind_of_parameter_is_upsampled_rightly(model: str, parameters: Any) -> None:
     rgb, spectral = both(lambda: node(gonio.model(model, **parameters)))
-    np.testing.assert_allclose(spectral, rgb, rtol=0.01, atol=0.002 * rgb.max())
+    # 0.1 %: the matrix has four digits, and the grid ten nanometres; small colours have the largest's error
+    np.testing.assert_allclose(spectral, rgb, rtol=1e-3, atol=5e-4 * rgb.max())
 
 
 @pytest.mark.parametrize("colour", [(0.9, 0.4, 0.1), (0.05, 0.6, 0.9), (0.5, 0.5, 0.5)])
@@ -112,7 +113,8 @@ def test_lambert_has_the_colour_of_mitsubas_diffuse(colour: tuple[float, ...]) -
     ours = mi.load_dict({"type": "gonio_lambert", "rho": rgb})
     theirs = mi.load_dict({"type": "diffuse", "reflectance": rgb})
     found, expected = (seen(bsdf, (0, 0, 1), (0, 0.6, 0.8)) for bsdf in (ours, theirs))
-    np.testing.assert_allclose(found, np.array(colour) / np.pi, rtol=0.01, atol=1e-3)
+    # 0.2 %, for the same reason
+    np.testing.assert_allclose(found, np.array(colour) / np.pi, rtol=2e-3, atol=1e-4)
     # 2 %: Mitsuba's fit of smooth spectra meets a colour to that
     np.testing.assert_allclose(found, expected, rtol=0.02, atol=3e-3)
 

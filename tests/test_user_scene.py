@@ -123,6 +123,7 @@ def test_parameters_are_defined_as_mitsuba_has_it(tmp_path: Path) -> None:
     target = tmp_path / "a.exr"
     arguments = ["scene", str(path), "-D", "r=0.125", "-o", str(target)]
     assert CliRunner().invoke(main, arguments).exit_code == 0
+    # Single pixels, whose samples are a 256th of the picture's: half a unit of noise in a few tenths
     np.testing.assert_allclose(np.array(mi.Bitmap(str(target))), 0.125, rtol=0.2)
     with pytest.raises(ValueError, match=r"does not load: .*unused parameters.*zz"):
         mean(path, define={"zz": "1"})

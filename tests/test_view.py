@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from support.tolerances import DOUBLE_DIVIDED, HALF
 
 import gonio
 from gonio import foreign
@@ -209,7 +210,7 @@ def test_an_albedo_that_shaders_sum_is_that_of_the_arrays(viewer: server.Viewer)
     text, wo = "torrance_sparrow:alpha=0.2", [0.6, 0.0, 0.8]
     _, found, _ = ask(viewer, "/api/albedo", body={"text": text, "wo": wo})
     wanted = gonio.model("torrance_sparrow", alpha=0.2).albedo(np.array(wo))
-    np.testing.assert_allclose(found["albedo"], wanted, rtol=1e-9)
+    np.testing.assert_allclose(found["albedo"], wanted, rtol=DOUBLE_DIVIDED)
     _, made, _ = ask(viewer, body={"text": text})
     _, closed, _ = ask(viewer, body={"text": "eon"})
     assert (made["sums"], closed["sums"]) == (True, False)
@@ -341,8 +342,8 @@ def test_textures_are_scaled_and_normals_bent_as_in_gonio_render(tmp_path: Path)
     assert [hooks["texture"]["layer"], hooks["normal_map"]["layer"]] == [0, 1]
     texels = np.frombuffer(base64.b64decode(found["maps"]["half"]), np.float16).reshape(2, 2, 2, 3)
     # Normals are stored as numbers, the colour is in sRGB: 128 there is 0.216 of white's light
-    np.testing.assert_allclose(texels[1, 0, 0], [0.502, 0.502, 1], atol=1e-3)
-    np.testing.assert_allclose(texels[0, 0, 0], [0.2159, 0.2159, 1], atol=1e-3)
+    np.testing.assert_allclose(texels[1, 0, 0], [0.502, 0.502, 1], atol=HALF)
+    np.testing.assert_allclose(texels[0, 0, 0], [0.2159, 0.2159, 1], atol=HALF)
 
 
 # --- a saved page --------------------------------------------------------------------------------------

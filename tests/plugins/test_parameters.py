@@ -20,7 +20,7 @@ from support.plugins import (
     load,
     numbers,
 )
-from support.tolerances import DOUBLE_DIVIDED
+from support.tolerances import DOUBLE_DIVIDED, SINGLE
 
 import gonio.mitsuba
 from gonio.lang import Color, Float, Sample, Vec2, Vec3
@@ -101,11 +101,11 @@ def test_colours_above_one_keep_their_size(variant: str) -> None:
     """Mitsuba's upsampling ends at 1; a metal's k goes beyond."""
     for number in ({"type": "rgb", "value": [4, 4, 4]}, 4.0, {"type": "spectrum", "value": 4}):
         found = grey_value(load(Bright, index=number))
-        np.testing.assert_allclose(found, 4 * np.cos(1.0), rtol=1e-3)
+        np.testing.assert_allclose(found, 4 * np.cos(1.0), rtol=SINGLE)
     if mi.is_spectral:
         hue = load(Bright, index={"type": "rgb", "value": [4, 2, 1]})
         plain = load(Bright, index={"type": "rgb", "value": [1, 0.5, 0.25]})
-        np.testing.assert_allclose(grey_value(hue), 4 * grey_value(plain), rtol=1e-3)
+        np.testing.assert_allclose(grey_value(hue), 4 * grey_value(plain), rtol=SINGLE)
 
 
 def test_textures_by_reference_and_by_bitmap() -> None:

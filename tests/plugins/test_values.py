@@ -183,6 +183,7 @@ def test_lambert_is_mitsubas_diffuse(variant: str) -> None:
     u = np.full((8, 2), 0.25)
     found, expected = wiring(ours, wi, wo, u), wiring(theirs, wi, wo, u)
     for name in ("value", "pdf", "weight"):
+        # Numbers of about 1, each rounded once or twice to single precision
         np.testing.assert_allclose(found[name], expected[name], rtol=SINGLE_LONG, atol=1e-7)
     above = wo[wo[:, 2] > 0]  # theirs has the same albedo on its black side
     np.testing.assert_allclose(

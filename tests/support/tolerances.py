@@ -23,6 +23,9 @@ SINGLE_PROMISED = 1e-5
 NUMERIC_ALBEDO = 1e-5
 """What `gonio.albedos.quadrature` is good to where a model is smooth, or has its kinks on its edges."""
 
+NINE_DIGITS = 1e-8
+"""Numbers that are written with nine digits: in files of `gonio plot`, and constants of exported texts."""
+
 HALF = 1e-3
 """What is stored as half floats, whose steps are 1e-3 of the value at most: half a step, and a little."""
 
