@@ -241,7 +241,7 @@ def surprise(found: Any, error: Any, truth: Any, oracle: float = 0.0) -> float:
     return float(np.max(np.abs(found - truth) / np.maximum(allowed, 1e-12)))
 
 
-WALSH_INSIDE = 0.596347
+WALSH_INSIDE = 0.596346
 """Diffuse reflectance of an index of 1.5 from inside (Walsh 1926; published as 0.59635)."""
 
 
