@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike
 
 from gonio.lang import Color, Float
 
-# Places are numbers of single precision, which are whole up to here.
-COUNT_MAX = 1 << 24
+# Places are numbers of single precision. Shaders add a half and cut: up to here that sum is exact.
+COUNT_MAX = 1 << 23
 
 
 class Table:

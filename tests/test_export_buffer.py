@@ -250,6 +250,14 @@ class Wild(Model, register=False):
         return vec3(1, 1, 1) * fetch((1, 2), wi.z)  # type: ignore[arg-type]
 
 
+def test_places_of_the_largest_table_stay_whole_when_a_half_is_added() -> None:
+    # Shaders read int(index + 0.5): the sum has to round to nothing else in single precision
+    last = np.float32(COUNT_MAX - 1)
+    assert int(last + np.float32(0.5)) == COUNT_MAX - 1
+    # ... as it does in the next octave, for half of the places
+    assert int(np.float32(COUNT_MAX + 1) + np.float32(0.5)) != COUNT_MAX + 1
+
+
 def test_what_is_no_table_is_said_with_its_place() -> None:
     with pytest.raises(ExportError, match=r"test_export_buffer.py:\d+.*gonio.table.Table"):
         export({"wild": Wild()}, "glsl", only=["eval"])

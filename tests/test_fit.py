@@ -182,6 +182,9 @@ def test_misfit_is_told_apart_from_noise() -> None:
     assert noisy.noise.size == pytest.approx(noisy.misfit["log"], rel=0.1)
     assert noisy.noise.model < 0.5 * noisy.noise.size
     assert wrong.noise.model > 3 * wrong.noise.size
+    # So that the right one fails nowhere, though bright places have more noise than others
+    assert not noisy.regions
+    assert wrong.regions
     repeated = measure(true, 0.1)
     twice = measure(true, 0.1, 2)
     both = measured.measurement(

@@ -386,6 +386,12 @@ def test_hostile_files_are_refused(tmp_path: Path) -> None:
             measured.load(path)
         assert "\n" not in str(caught.value), number
         read_safely(path)
+    # A field without numbers whose other sizes are more than NumPy can multiply
+    nothing = bytearray(rgl())
+    place = nothing.index(b"luminance") + len(b"luminance")
+    (sizes,) = struct.unpack_from("<H", nothing, place)
+    struct.pack_into(f"<{sizes}Q", nothing, place + 11, 0, *[1 << 62] * (sizes - 1))
+    read_safely(put(tmp_path, "nothing", bytes(nothing)))
 
 
 def test_a_folder_and_no_file_are_named(tmp_path: Path) -> None:
@@ -393,6 +399,11 @@ def test_a_folder_and_no_file_are_named(tmp_path: Path) -> None:
         measured.load(tmp_path)
     with pytest.raises(DataError, match="does not exist"):
         measured.load(tmp_path / "none")
+    for path in (tmp_path, tmp_path / "none"):
+        with pytest.raises(DataError) as caught:
+            measured.load(path)
+        assert str(caught.value).startswith(f"{path} ")
+        assert "no file's name" not in str(caught.value)
 
 
 # --- writers -------------------------------------------------------------------------------------

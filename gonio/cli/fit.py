@@ -13,6 +13,7 @@ from gonio.cli._code import Code, code_options
 from gonio.cli.program import complete, echo_json, json_option, progress
 from gonio.files import check_place, replacing
 from gonio.fit import CHANNELS, LEVEL, METRICS, POINTS, Fit
+from gonio.fit.misfit import EXACT
 from gonio.foreign.model import ForeignModel
 from gonio.materials.notation import model_text
 from gonio.materials.toml_file import to_toml
@@ -345,6 +346,11 @@ def lines(found: list[Fit], costs: list[int | None]) -> Iterator[str]:
         yield model_text(f.model)
         yield from _misfit(f)
         yield from _numbers(f)
+        if not f.intervals and set(f.values) - set(f.undetermined):
+            yield (
+                f"  {f'{LEVEL:.0%} in':<13} unknown: {f.directions} directions make {f.blocks} blocks "
+                f"of neighbours, too few for {len(f.values)} numbers"
+            )
         if f.undetermined:
             names = ", ".join(_whole(f.undetermined))
             yield f"  {'undetermined':<13} {names}: not determined by this data"
@@ -356,7 +362,9 @@ def lines(found: list[Fit], costs: list[int | None]) -> Iterator[str]:
             yield f"  {'fails at' if number == 0 else '':<13} {region.sentence()}"
         if len(found) == 1:
             yield f"  {'cost':<13} {_cost(cost)}"
-        same = sum(s <= f.starts[0] * 1.001 + 1e-12 for s in f.starts)
+        # Below EXACT of the data all is rounding
+        size = f.misfit[f.metric] / f.relative if f.relative else 0.0
+        same = sum(s <= max(1.001 * f.starts[0], EXACT * size) + 1e-12 for s in f.starts)
         yield (
             f"  {'starts':<13} {same} of {len(f.starts)} came to the same; {f.directions} directions, "
             f"{f.evaluations} evaluations, {f.seconds:.1f} s"

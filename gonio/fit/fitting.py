@@ -129,13 +129,14 @@ def fit(
     relative = misfit[metric] / max(size, 1e-300)
     sure = certainty(problem, METRICS[metric], known, x, measured.isotropic, seed)
     clean = isinstance(data, Model)
+    told = None if clean else noise(measured, problem, METRICS[metric], x, misfit[metric], seed)
     low, high = problem.bounds
     return Fit(
         model=made,
         metric=metric,
         misfit=misfit,
         relative=relative,
-        noise=None if clean else noise(measured, problem, METRICS[metric], x, misfit[metric], seed),
+        noise=told,
         values=_values(problem, x),
         linear=tuple(free[j].name for j in known.columns(True)),
         intervals=sure.intervals,
@@ -152,7 +153,7 @@ def fit(
             )
             for name, m in METRICS.items()
         },
-        regions=regions(problem, METRICS[metric], x, relative),
+        regions=regions(problem, METRICS[metric], x, relative, told),
         map=residual_map(problem, METRICS[metric], x),
         starts=tuple(float(np.sqrt(2 * f.cost / problem.values.size)) for f in found),
         blocks=sure.blocks,

@@ -40,6 +40,10 @@ EXACT = 1e-4
 # A region fails if its directions miss this many times as much as the mean, and this share of all.
 FAILS, SHARE = 1.5, 0.1
 
+# Of the misfit: what a model misses beyond the noise has places only above. Below, it is less than a
+# tenth of the squares, and places are where the noise is large.
+OWN = 0.3
+
 
 @dataclass(frozen=True)
 class Noise:
@@ -213,9 +217,16 @@ def residual_map(problem: Problem, metric: Metric, x: Floats) -> Map:
     return Map(np.where(count > 0, rms, np.nan), np.where(count > 0, ratio, np.nan), count)
 
 
-def regions(problem: Problem, metric: Metric, x: Floats, relative: float) -> tuple[Region, ...]:
-    """Where the model fails, the largest share first; empty where it fits, or misses alike everywhere."""
+def regions(
+    problem: Problem, metric: Metric, x: Floats, relative: float, noise: Noise | None
+) -> tuple[Region, ...]:
+    """Where the model fails, the largest share first.
+
+    Empty where it fits, where what it misses is noise, or where it misses alike everywhere.
+    """
     if relative < EXACT:
+        return ()
+    if noise is not None and noise.model < OWN * np.hypot(noise.model, noise.size):
         return ()
     f, r = _both(problem, metric, x)
     theta_h, theta_d = _angles(problem)

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 from gonio.albedos.quadrature import NumericAlbedo
+from gonio.claims import UNBOUNDED, Claims, at_most
 from gonio.lang import (
     INV_PI,
     PI,
@@ -95,6 +96,13 @@ class MeasuredIsotropic(Model, register=False):
 
     scale: Color = param((1.0, 1.0, 1.0), 0, 10, "multiplies what was measured")
     numeric = NumericAlbedo("half_vectors")
+    # Files may hold anything. A tenth of the samples at least is cosine-weighted: none of those is wasted
+    claims = Claims(
+        energy=at_most(UNBOUNDED),
+        wasted=at_most(0.9),
+        float32=at_most(1e-3),
+        numeric_albedo=at_most(1e-2),
+    )
     steps_h: ClassVar[int]  # of the table, along the root of theta_h
     steps_d: ClassVar[int]  # along theta_d
     steps_p: ClassVar[int]  # along phi_d

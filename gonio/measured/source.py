@@ -38,13 +38,16 @@ class Source:
         self.path = Path(path)
         try:
             if not self.path.is_file():
-                what = "is a folder" if self.path.is_dir() else "does not exist"
-                raise DataError(f"{path} {what}; give the path of a file of measured reflection.")
+                raise DataError(
+                    f"{path} {_no_file(self.path)}; give the path of a file of measured reflection."
+                )
             self.size = self.path.stat().st_size
             with self.path.open("rb") as file:
                 self.head = file.read(HEAD)
         except OSError as error:
             raise DataError(f"{path} cannot be read: {error.strerror or error}.") from None
+        except DataError:  # a ValueError as well
+            raise
         except ValueError as error:  # a null byte in the name
             raise DataError(f"{str(path)!r} is no file's name: {error}.") from None
 
@@ -72,7 +75,8 @@ class Source:
         if offset < 0 or end > self.size:
             raise self.error(f"is truncated: its header needs {end} bytes, there are {self.size}.")
         if count == 0:
-            return np.zeros(tuple(shape), dtype)
+            # NumPy multiplies the sizes that are not 0 even so
+            return np.zeros(tuple(min(int(n), 1) for n in shape), dtype)
         try:
             return np.memmap(self.path, dtype, "r", offset, tuple(int(n) for n in shape))
         except (OSError, ValueError) as error:
@@ -169,6 +173,13 @@ class Source:
         if not np.isfinite(array).all():
             raise self.error(f"{what} are not all finite numbers.")
         return array
+
+
+def _no_file(path: Path) -> str:
+    if path.is_dir():
+        return "is a folder"
+    # A pipe or a device has no end that could be known before it is read
+    return "is no ordinary file" if path.exists() else "does not exist"
 
 
 def _short(text: str) -> str:

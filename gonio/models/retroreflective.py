@@ -19,6 +19,7 @@ class Retroreflective(Model):
     base: Model = child("torrance_sparrow", "whose mirror direction becomes that of the light")
     caveats = (
         "Has no highlight in the mirror direction; add one by the model sum.",
+        "Over a base that looks different after half a turn, as measured ones may, it is not reciprocal.",
         "What the base claims holds here as well, with the light turned.",
     )
     claims = Claims(float32=at_most(5e-5), numeric_albedo=at_most(1e-3))
