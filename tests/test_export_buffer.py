@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import functools
 import json
 from dataclasses import replace
@@ -18,7 +19,7 @@ import gonio
 from gonio import measured
 from gonio.cli import main
 from gonio.export import export
-from gonio.export.buffer import WIDTH, Buffer
+from gonio.export.buffer import WIDTH, Buffer, check_unread
 from gonio.export.lit import export_lit
 from gonio.export.manifest import manifest
 from gonio.export.prove import Proof, prove
@@ -187,9 +188,27 @@ def test_the_command_writes_texts_with_the_file_that_they_read(paint: Path, tmp_
         assert "gonio fit" in done.stderr
 
 
-def test_a_page_that_binds_no_buffer_says_so() -> None:
+class Painted(Names):
+    """A page's names, one of which has tables."""
+
+    def start(self, _: str) -> Model:
+        return made()
+
+
+def test_the_page_gets_the_tables_that_a_host_binds() -> None:
+    tables = payload_of(Painted(), "paint", made())["tables"]
+    text = export({"model": made()}, "wgsl")[0]
+    assert text.buffer is not None
+    assert f"{tables['name']}: array<vec4f>" in text.source
+    rows = np.frombuffer(base64.b64decode(tables["rows"]), "<f4").reshape(tables["entries"], 3)
+    wanted = np.frombuffer(text.buffer.content(), "<f4").reshape(-1, 4)
+    assert np.array_equal(rows, wanted[:, :3])
+    assert not wanted[:, 3].any()
+
+
+def test_a_program_that_binds_no_buffer_says_so() -> None:
     with pytest.raises(ExportError, match="does not bind"):
-        payload_of(Names(), "paint", made())
+        check_unread(export({"paint": made()}, "wgsl")[0].buffer, "it")
 
 
 # --- tables of one's own -------------------------------------------------------------------------

@@ -51,7 +51,9 @@ def browser() -> Iterator[Browser]:
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Viewer]:
     mine = tmp_path_factory.mktemp("mine") / "too_bright.py"
     mine.write_text(BROKEN, encoding="utf-8")
-    viewer = Viewer(["eon"], [str(mine)])
+    looked = mine.with_name("looked.py")
+    looked.write_text(LOOKED, encoding="utf-8")
+    viewer = Viewer(["eon"], [str(mine), str(looked)])
     thread = threading.Thread(target=viewer.serve_forever, kwargs={"poll_interval": 0.05})
     thread.start()
     yield viewer
@@ -74,6 +76,36 @@ class TooBright(Model):
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         return self.rho * (1.25 * INV_PI)
+
+    def sample(self, wo: Vec3, u: Vec2) -> Sample:
+        wi = sample_cosine(u)
+        return Sample(wi, pdf_cosine(wi))
+
+    def pdf(self, wi: Vec3, wo: Vec3) -> Float:
+        return pdf_cosine(wi)
+'''
+
+
+# Every direction has numbers of its own, from more entries than a line of the buffer has.
+LOOKED = '''"""Greys and tints from tables."""
+import numpy as np
+from gonio.lang import Color, Float, Sample, Vec2, Vec3, fract
+from gonio.model import Model, param
+from gonio.parts.hemisphere import pdf_cosine, sample_cosine
+from gonio.table import Table, fetch
+
+
+class Looked(Model):
+    """A grey for wi, a tint for wo."""
+
+    scale: Float = param(1.0, 0, 1, "of all")
+    grey = Table("grey", np.random.default_rng(3).random(5000))
+    tint = Table("tint", np.random.default_rng(4).random((7, 3)), colours=True)
+
+    def eval(self, wi: Vec3, wo: Vec3) -> Color:
+        i = 5000 * wi.z
+        k = 7 * wo.z
+        return self.scale * fetch(self.grey, i - fract(i)) * fetch(self.tint, k - fract(k))
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
         wi = sample_cosine(u)
@@ -268,6 +300,26 @@ def test_wrong_numbers_would_be_seen(shown: Shown) -> None:
     made = shown.rows("eon", rows)
     f = np.asarray(gonio.model("eon", roughness=0.501).eval(rows[:, :3], rows[:, 3:6]))
     assert far_off(made[:, :3], f, F_ERROR).mean() > 0.5
+
+
+def test_tables_are_read_as_they_stand(shown: Shown, server: Viewer) -> None:
+    path = server.names.files[1]
+    rng = np.random.default_rng(5)
+    places = rng.integers(1, (5000, 7), (300, 2))
+    z = (places + 0.5) / (5000, 7)  # the middle of an entry: rounding does not matter
+    rows = np.zeros((300, 8))
+    rows[:, [2, 5]], rows[:, [0, 3]] = z, np.sqrt(1 - z * z)
+    grey = np.random.default_rng(3).random(5000)
+    tint = np.random.default_rng(4).random((7, 3))
+    made = shown.rows(path, rows)[:, :3]
+    wanted = grey[places[:, :1]] * tint[places[:, 1]]
+    assert not far_off(made, wanted, 1e-6).any()
+    # A buffer that begins one entry too late
+    assert far_off(made, grey[places[:, :1] - 1] * tint[places[:, 1]], 1e-6).mean() > 0.9
+    # And the picture has them
+    shown.run("await gonio.show(given)", path)
+    assert shown.film(1, 16, shape="sphere", furnace=True).max() > 0.1
+    shown.run("await gonio.show('eon')")
 
 
 # --- pictures ------------------------------------------------------------------------------------------

@@ -9,7 +9,10 @@ import click
 from gonio.cli._code import Code, code_options
 from gonio.cli.program import complete, say
 from gonio.foreign import ForeignError, is_foreign
+from gonio.materials import library
 from gonio.materials.notation import split
+from gonio.measured.files import is_named_like_data
+from gonio.model import models
 
 
 @click.command("view", short_help="Look at models interactively, in the browser.")
@@ -24,9 +27,9 @@ def command(
     """Show MODELs path traced, with sliders, plots, probe and code; two are compared.
 
     A MODEL is a model (eon, or eon:roughness=1), a ready material, or your own .py or .toml file, which is
-    read again when you save it; or a function of shader code that others wrote (.glsl, .frag, .essl, .brdf
-    and .wgsl), whose own text draws the picture. The page comes from this machine alone and sends nothing
-    anywhere.
+    read again when you save it; a file of measured reflection; or a function of shader code that others
+    wrote (.glsl, .frag, .essl, .brdf and .wgsl), whose own text draws the picture. The page comes from this
+    machine alone and sends nothing anywhere.
 
     \b
     Examples:
@@ -34,6 +37,7 @@ def command(
       gonio view car_paint_red_strong
       gonio view eon:roughness=1 oren_nayar:sigma=0.5
       gonio view my_model.py            edit the file and watch
+      gonio view paint.binary ggx       a measurement beside a model
       gonio view brdf.glsl#ggx eon      your engine's function beside a model
       gonio view gold --save gold.html  one file to send, with its sliders
     """
@@ -76,7 +80,9 @@ def command(
 def _file_of(text: str) -> str:
     """The file that a text names, or nothing; of code with its function."""
     name, _ = split(text)
-    return name if name.endswith((".py", ".toml")) or is_foreign(name) else ""
+    own = name.endswith((".py", ".toml")) or is_foreign(name)
+    known = name in models() or name in library()
+    return name if own or (not known and is_named_like_data(name)) else ""
 
 
 def _check_code(code: Code, foreign: list[str]) -> None:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from gonio.description.about import describe, summary
-from gonio.export.buffer import check_unread
+from gonio.export.buffer import WIDTH, Buffer
 from gonio.export.manifest import loader, manifest
 from gonio.export.text import export
 from gonio.fields import ModelError
@@ -132,7 +132,6 @@ def payload_of(names: Names, text: str, what: Model | Material) -> dict[str, Any
     model = what.model if isinstance(what, Material) else what
     about = manifest(what, NAME, refusals=False)
     made = {language: export({NAME: model}, language)[0] for language in SHADERS}
-    check_unread(made["wgsl"].buffer, "the page")
     start = names.start(text)
     return about | {
         "text": text,
@@ -144,6 +143,7 @@ def payload_of(names: Names, text: str, what: Model | Material) -> dict[str, Any
         "start": dict(_values(start.model if isinstance(start, Material) else start)),
         "hooks": _hooks(about, made),
         "maps": _maps(what) if isinstance(what, Material) else None,
+        "tables": _tables(made["wgsl"].buffer),
         "sums": not describe(model.written)["closed_form"].get("albedo", True),
         "about": _about(model),
     }
@@ -268,6 +268,18 @@ def _maps(material: Material) -> dict[str, Any] | None:
         "layers": len(layers),
         "channels": channels,
         "half": packed(stacked, "<f2"),
+    }
+
+
+def _tables(buffer: Buffer | None) -> dict[str, Any] | None:
+    """The buffer that shaders read: three numbers of each entry, for the fourth is nothing."""
+    if buffer is None:
+        return None
+    return {
+        "name": f"{buffer.prefix}_tables",
+        "width": WIDTH,
+        "entries": buffer.entries,
+        "rows": packed(buffer.rows()[:, :3], "<f4"),
     }
 
 

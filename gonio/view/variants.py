@@ -22,7 +22,7 @@ COMBINATIONS_MAX = 32
 SEPARATOR = "\n\n"
 
 # What a variant has that its model's payload has already.
-SHARED = ("about", "maps", "description", "title")
+SHARED = ("about", "maps", "tables", "description", "title")
 
 
 def pool(

@@ -163,7 +163,11 @@ export class App {
                     options: side.options,
                     models: side.models,
                 };
-            const fits = old && side.program && same(old.code, payload.code) && same(old.hooks, payload.hooks);
+            const fits =
+                old &&
+                side.program &&
+                ["code", "hooks"].every((part) => same(old[part], payload[part])) &&
+                old.tables?.rows === payload.tables?.rows;
             side.take(payload);
             if (!fits) {
                 try {
@@ -768,6 +772,14 @@ export class App {
             weights = this.root.querySelector("canvas.weights");
         if (lobeCanvas && this.bodies().length) this.loaded.drawLobe(lobeCanvas, this.bodies(), this.lobe, ratio);
         if (weights && this.bodies().length) this.loaded.drawWeights(weights, this.bodies(), ratio);
+        // Small pictures of the light can wait for the large one
+        if (this.renderer?.begun)
+            this.more((m) => {
+                for (const canvas of this.root.querySelectorAll("canvas[data-env]:not(.drawn)")) {
+                    m.drawThumb(canvas, this.start.environments[canvas.dataset.env]);
+                    canvas.className = "drawn";
+                }
+            });
         if (again) this.update();
     }
 

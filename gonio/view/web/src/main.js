@@ -35,7 +35,15 @@ async function openPage() {
     const graphics = new URLSearchParams(location.search).get("graphics") ?? "";
     try {
         const fragment = given.replace(/(^#|&)token=[\w-]+&?/, "$1");
-        globalThis.gonio = await mount(host, source, { fragment, linked, graphics });
+        globalThis.gonio = await mount(host, source, {
+            fragment,
+            linked,
+            graphics,
+            // Scroll bars are the document's
+            themed: (theme) => {
+                document.documentElement.style.colorScheme = theme;
+            },
+        });
         const title = () => {
             document.title = `${globalThis.gonio.sides
                 .map((s) => s.text())

@@ -6,3 +6,4 @@ export { aboutPane, codePane } from "./ui/panes.js";
 export { drawLobe, drawWeights, large } from "./ui/plots.js";
 export { savePicture } from "./ui/save.js";
 export { share } from "./ui/shared.js";
+export { drawThumb } from "./ui/thumbs.js";

@@ -7,7 +7,7 @@ import { frame } from "./passes/trace.js";
 import { tables } from "./scene/bvh.js";
 import { camera } from "./scene/camera.js";
 import { aliasTable, brightest, groundColour } from "./scene/light.js";
-import { fromHalf, unpacked } from "./source.js";
+import { fromHalf, tableRows, unpacked } from "./source.js";
 
 const STILL_MS = 220; // without a change, after which the picture is drawn in full
 const TILE_MS = 12; // of GPU time between two looks at the mouse
@@ -26,7 +26,7 @@ export async function graphics(source, wanted = "") {
         }
     }
     const { create } = await source.part("webgl2");
-    return { gpu: create({ display, members, modelAt, rows, sources, trace }), reason };
+    return { gpu: create({ display, members, modelAt, rows, sources, tableRows, trace }), reason };
 }
 
 /** A mesh of the payload as arrays. */

@@ -2,8 +2,16 @@
 
 /** Base64 of little-endian numbers as a typed array. */
 export function unpacked(text, Kind) {
-    const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+    const bytes = Uint8Array.fromBase64?.(text) ?? Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
     return new Kind(bytes.buffer);
+}
+
+/** The tables that a model's shaders read, four numbers for each entry. */
+export function tableRows({ rows, entries }) {
+    const given = unpacked(rows, Float32Array),
+        found = new Float32Array(4 * entries);
+    for (let i = 0; i < 3 * entries; i++) found[i + Math.floor(i / 3)] = given[i];
+    return found;
 }
 
 /** Sixteen-bit floats as thirty-two-bit ones. */

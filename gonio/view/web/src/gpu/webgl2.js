@@ -4,10 +4,10 @@ import { albedoEssl, cornerEssl, displayEssl, rowsEssl, share, traceEssl } from 
 
 const WIDE = 4096; // of tables
 
-/** WebGL2 with the texts of the passes, which the page has already. */
-export function create(texts) {
+/** WebGL2 with the texts of the passes, which the page has already, and what makes rows of tables. */
+export function create({ tableRows, ...texts }) {
     share(texts);
-    return new WebGL2();
+    return Object.assign(new WebGL2(), { tableRows });
 }
 
 class WebGL2 {
@@ -159,7 +159,12 @@ class WebGL2 {
     async compile(model, { trace: wanted = true } = {}) {
         const make = (source) => this.#link(this.#shader(this.gl.FRAGMENT_SHADER, source));
         const trace = wanted ? await this.#ready(make(traceEssl(model))) : null,
-            program = { model, trace };
+            program = { model, trace, tables: {} };
+        // The exporter's texture of its own width
+        if (model.tables) {
+            const { name, width, entries } = model.tables;
+            program.tables[name] = this.#texture(width, entries / width, this.tableRows(model.tables));
+        }
         if (!wanted) await this.#numbers(program);
         return program;
     }
@@ -173,6 +178,7 @@ class WebGL2 {
 
     forget(program) {
         for (const part of [program.trace, program.rows, program.albedo]) if (part) this.gl.deleteProgram(part.program);
+        for (const texture of Object.values(program.tables)) this.gl.deleteTexture(texture);
     }
 
     resize(side, width, height) {
@@ -200,7 +206,16 @@ class WebGL2 {
         const before =
             U[2] > 0 ? side.films[side.front].texture : (this.empty ??= this.#texture(1, 1, new Float32Array(4)));
         const { nodes, places, looks, alias_table, sky } = this;
-        this.#bind(program.trace, { nodes, places, looks, alias_table, sky, maps: side.maps, before });
+        this.#bind(program.trace, {
+            nodes,
+            places,
+            looks,
+            alias_table,
+            sky,
+            maps: side.maps,
+            before,
+            ...program.tables,
+        });
         gl.uniform4fv(this.#place(program.trace, "U"), U);
         gl.uniform4fv(this.#place(program.trace, "P"), params);
         this.#into([side.films[back].texture], width, height);
@@ -272,7 +287,7 @@ class WebGL2 {
         const source = this.#texture(768, height, padded),
             made = this.#texture(256, height),
             drawn = this.#texture(256, height);
-        this.#bind(program.rows, { given: source });
+        this.#bind(program.rows, { given: source, ...program.tables });
         gl.uniform4fv(this.#place(program.rows, "P"), params);
         this.#into([made, drawn], 256, height);
         gl.drawArrays(gl.TRIANGLES, 0, 3);
@@ -297,7 +312,7 @@ class WebGL2 {
             n = given.length / 4;
         const source = this.#texture(n, 1, given),
             made = this.#texture(n, 1);
-        this.#bind(program.albedo, { given: source });
+        this.#bind(program.albedo, { given: source, ...program.tables });
         gl.uniform4fv(this.#place(program.albedo, "P"), params);
         this.#into([made], n, 1);
         gl.drawArrays(gl.TRIANGLES, 0, 3);

@@ -1,5 +1,7 @@
 // The page's graphics by WebGPU. `gpu/webgl2.js` has the same methods.
+
 import { albedoWgsl, displayWgsl, members, rowsWgsl, traceWgsl } from "../passes/texts.js";
+import { tableRows } from "../source.js";
 
 const TRACE_ROWS = 44; // of U
 const text = (messages) => messages.filter((m) => m.type === "error").map((m) => `${m.message} (line ${m.lineNum})`)[0];
@@ -79,7 +81,14 @@ export class WebGPU {
         this.traceGroup = device.createBindGroupLayout({
             entries: kinds.map((kind, binding) => ({ binding, visibility: GPUShaderStage.COMPUTE, ...kind })),
         });
-        this.traceLayout = device.createPipelineLayout({ bindGroupLayouts: [this.traceGroup] });
+        const numbers = [buffer("uniform"), table, buffer("storage")];
+        this.numberGroup = device.createBindGroupLayout({
+            entries: numbers.map((kind, binding) => ({ binding, visibility: GPUShaderStage.COMPUTE, ...kind })),
+        });
+        // Where the exporter declares a model's tables
+        this.tableGroup = device.createBindGroupLayout({
+            entries: [{ binding: 8, visibility: GPUShaderStage.COMPUTE, ...table }],
+        });
         this.settings = device.createBuffer({
             size: 16 * TRACE_ROWS,
             usage: GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST,
@@ -160,23 +169,37 @@ export class WebGPU {
 
     /** The shaders of a model; without `trace` those for numbers alone. */
     async compile(model, { trace: wanted = true } = {}) {
-        const trace = wanted ? await this.#pipeline(traceWgsl(model), this.traceLayout) : null;
+        const trace = wanted ? await this.#pipeline(traceWgsl(model), this.traceGroup, model) : null;
         const params = this.device.createBuffer({
             size: 16 * members(model),
             usage: GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST,
         });
         const program = { model, trace, params };
+        if (model.tables) {
+            program.tables = this.#storage(tableRows(model.tables));
+            program.tableGroup = this.device.createBindGroup({
+                layout: this.tableGroup,
+                entries: [{ binding: 8, resource: { buffer: program.tables } }],
+            });
+        }
         if (!wanted) await this.#numbers(program);
         return program;
     }
 
     /** The shader of numbers, made when it is first asked for: the picture comes first. */
     async #numbers(program) {
-        program.rows ??= await (program.rowsComing ??= this.#pipeline(rowsWgsl(program.model)));
+        program.rows ??= await (program.rowsComing ??= this.#numberPipeline(program, rowsWgsl));
     }
 
-    async #pipeline(code, layout = "auto") {
+    #numberPipeline({ model }, text) {
+        return this.#pipeline(text(model), this.numberGroup, model);
+    }
+
+    async #pipeline(code, group, model) {
         const module = this.device.createShaderModule({ code });
+        const layout = this.device.createPipelineLayout({
+            bindGroupLayouts: model.tables ? [group, this.tableGroup] : [group],
+        });
         try {
             return await this.device.createComputePipelineAsync({ layout, compute: { module, entryPoint: "main" } });
         } catch (error) {
@@ -186,6 +209,7 @@ export class WebGPU {
 
     forget(program) {
         program.params.destroy();
+        program.tables?.destroy();
     }
 
     #group(layout, resources) {
@@ -239,6 +263,7 @@ export class WebGPU {
         const pass = encoder.beginComputePass();
         pass.setPipeline(program.trace);
         pass.setBindGroup(0, group);
+        if (program.tableGroup) pass.setBindGroup(1, program.tableGroup);
         pass.dispatchWorkgroups(Math.ceil(width / 8), Math.ceil((y1 - y0) / 8));
         pass.end();
         this.device.queue.submit([encoder.finish()]);
@@ -291,7 +316,7 @@ export class WebGPU {
         return this.#read(film.buffer, 16 * film.width * film.height);
     }
 
-    async #compute(pipeline, params, values, given, count, out) {
+    async #compute(pipeline, { params, tableGroup }, values, given, count, out) {
         this.device.queue.writeBuffer(params, 0, values);
         const source = this.#storage(given);
         const made = this.device.createBuffer({
@@ -301,7 +326,8 @@ export class WebGPU {
         const encoder = this.device.createCommandEncoder();
         const pass = encoder.beginComputePass();
         pass.setPipeline(pipeline);
-        pass.setBindGroup(0, this.#group(pipeline.getBindGroupLayout(0), [params, source, made]));
+        pass.setBindGroup(0, this.#group(this.numberGroup, [params, source, made]));
+        if (tableGroup) pass.setBindGroup(1, tableGroup);
         pass.dispatchWorkgroups(Math.ceil(count / 64));
         pass.end();
         this.device.queue.submit([encoder.finish()]);
@@ -315,12 +341,12 @@ export class WebGPU {
     async rows(program, params, given) {
         await this.#numbers(program);
         const n = given.length / 12;
-        return this.#compute(program.rows, program.params, params, given, n, 2 * n);
+        return this.#compute(program.rows, program, params, given, n, 2 * n);
     }
 
     /** (n, 4) directions wo to (n, 4) albedos. Its shader is made when it is first asked for. */
     async albedo(program, params, given) {
-        program.albedo ??= await (program.albedoComing ??= this.#pipeline(albedoWgsl(program.model)));
-        return this.#compute(program.albedo, program.params, params, given, given.length / 4, given.length / 4);
+        program.albedo ??= await (program.albedoComing ??= this.#numberPipeline(program, albedoWgsl));
+        return this.#compute(program.albedo, program, params, given, given.length / 4, given.length / 4);
     }
 }

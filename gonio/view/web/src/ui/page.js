@@ -36,13 +36,14 @@ const PHONE = [
     ["about", "About", "info"],
 ];
 
+const themeOf = (app) => app.theme ?? (matchMedia("(prefers-color-scheme:light)").matches ? "light" : "dark");
+
 export function pageOf(app) {
+    app.options.themed?.(themeOf(app));
     const side = app.edited(),
         ready = side.payload,
         phone = app.phone ?? "side";
-    return html`<div class="page" data-t=${app.theme ?? (matchMedia("(prefers-color-scheme:light)").matches ? "light" : "dark")} @dragover=${(
-        e,
-    ) => {
+    return html`<div class="page" data-t=${themeOf(app)} @dragover=${(e) => {
         e.preventDefault();
     }} @drop=${(e) => {
         e.preventDefault();
@@ -90,9 +91,7 @@ function chip(app, side) {
 function top(app) {
     const s = app.state,
         theme = () => {
-            const light =
-                (app.theme ?? (matchMedia("(prefers-color-scheme:light)").matches ? "light" : "dark")) === "light";
-            app.theme = light ? "dark" : "light";
+            app.theme = themeOf(app) === "light" ? "dark" : "light";
             app.update();
         };
     return html`<header class="top"><div class="logo">gonio <span>view</span></div>${chip(app, app.sides[0])}
@@ -160,7 +159,7 @@ function quality(app) {
 function numbers(app) {
     const found = app.statistics;
     if (!found || app.state.view !== "picture") return "";
-    return html`<div class="glass cmp" title="Linear values, whole picture, no tone curve">${found.rmse === null ? "" : html`<span><span class="dim">RMSE</span><b>${fixed(found.rmse)}</b></span>`}${found.sides.map((side) => html`<span class="h"><span class="dim">mean ${app.two ? side.letter : ""}</span><b class="thin">${fixed(side.mean)}</b></span>`)}</div>`;
+    return html`<div class="glass cmp" title="Linear values, whole picture, no tone curve">${found.rmse === null ? "" : html`<span><span class="dim">RMSE</span><b>${fixed(found.rmse)}</b></span>`}${found.sides.map((side) => html`<span class=${app.two ? "h" : ""}><span class="dim">mean ${app.two ? side.letter : ""}</span><b class="thin">${fixed(side.mean)}</b></span>`)}</div>`;
 }
 
 function place(app, e) {
@@ -296,31 +295,13 @@ function lightStrip(app) {
         envs = app.start.environments,
         pick = () => pickFile(app);
     return html`<section class="light" aria-label="Light"><button class="sw" role="switch" aria-checked=${s.furnace} title="Radiance 1 from everywhere (F)" @click=${() => app.set({ furnace: !s.furnace })}><i></i>Furnace</button>
-        <div class="envs w">${Object.keys(envs).map((name) => html`<button class=${`env-${name}`} aria-pressed=${s.env === name} title=${name} @click=${() => app.set({ env: name })}>${thumb(envs[name])}<span>${name}</span></button>`)}${app.renderer?.sky ? html`<button aria-pressed=${s.env === "own"} @click=${() => app.set({ env: "own" })}><span>own</span></button>` : ""}<button class="drop h" aria-label="Open an HDR picture or a mesh" title="Drop .hdr, .exr, .obj or .glb anywhere, or choose a file" @click=${pick}>Drop<br>HDR, OBJ</button></div>
+        <div class="envs w">${Object.keys(envs).map((name) => html`<button class=${`env-${name}`} aria-pressed=${s.env === name} title=${name} @click=${() => app.set({ env: name })}><canvas data-env=${name} aria-hidden="true"></canvas><span>${name}</span></button>`)}${app.renderer?.sky ? html`<button aria-pressed=${s.env === "own"} @click=${() => app.set({ env: "own" })}><span>own</span></button>` : ""}<button class="drop h" aria-label="Open an HDR picture or a mesh" title="Drop .hdr, .exr, .obj or .glb anywhere, or choose a file" @click=${pick}>Drop<br>HDR, OBJ</button></div>
         <div class="g"><label>Turn light<b>${Math.round(s.turn)}°</b></label><input type="range" class="bi" aria-label="Turn light" min="-180" max="180" .value=${String(s.turn)} @input=${(e) => app.set({ turn: e.target.valueAsNumber }, "turn")} @dblclick=${() => app.set({ turn: 0 })}></div>
         <div class="g"><label>Exposure<b>${s.ev < 0 ? "−" : "+"}${Math.abs(s.ev).toFixed(1)} EV</b></label><input type="range" class="bi" aria-label="Exposure" min="-6" max="6" step=".1" .value=${String(s.ev)} @input=${(e) => app.set({ ev: e.target.valueAsNumber }, "ev")} @dblclick=${() => app.set({ ev: 0 })}></div>
         <div class="g tone"><select aria-label="Tone curve" .value=${s.tone} @change=${(e) => app.set({ tone: e.target.value })}>${["none", "reinhard", "filmic"].map((t) => html`<option value=${t} ?selected=${t === s.tone}>Tone: ${t}</option>`)}</select></div>
         <div class="g shape"><select aria-label="Shape" .value=${s.shape} @change=${(e) => (e.target.value === "open" ? pick() : app.set({ shape: e.target.value }))}>${[["ball", "Ball"], ["sphere", "Sphere"], ...(app.renderer?.own ? [["own", "Own mesh"]] : []), ["open", "Open mesh …"]].map(([id, text]) => html`<option value=${id} ?selected=${id === s.shape}>${text}</option>`)}</select></div>
         <div class="phone w" role="group" aria-label="Compare and share">${app.two ? html`<div class="seg">${COMPARE.map(([id, text]) => html`<button aria-pressed=${s.cmp === id} @click=${() => app.set({ cmp: id })}>${text}</button>`)}</div>` : ""}
             <div class="row"><button class="btn" @click=${() => app.compare()}>${app.two ? "Stop comparing" : "Compare"}</button><button class="btn" @click=${() => app.copy(app.link(), "The link")}>Copy link</button><button class="btn" @click=${() => app.savePicture()}>Save picture</button></div></div></section>`;
-}
-
-/** Where the lamps are, as a small map of the surroundings. */
-function thumb(env) {
-    const at = ({ centre: [x, y, z] }) => {
-        const r = Math.hypot(x, y, z);
-        return [29 + (Math.atan2(x, z) / Math.PI) * 29, 16 - (Math.asin(y / r) / Math.PI) * 32];
-    };
-    const grey = Math.round(255 * Math.min(1, (env.surround[1] || 0.05) ** 0.45)),
-        sky = Boolean(env.picture);
-    return svg`<svg viewBox="0 0 58 32" preserveAspectRatio="none" aria-hidden="true"><rect width="58" height="32" fill=${sky ? "#4d7fb8" : `rgb(${grey} ${grey} ${grey})`}></rect><rect y=${sky ? 17 : 20} width="58" height="15" fill=${sky ? "#8a8780" : `rgb(${grey * 0.8} ${grey * 0.8} ${grey * 0.8})`}></rect>
-        ${env.lamps.map((lamp) => {
-            const [x, y] = at(lamp),
-                size = Math.min(7, Math.max(1.6, (Math.sqrt(lamp.area) / Math.hypot(...lamp.centre)) * 9));
-            return lamp.shape === "disk"
-                ? svg`<circle cx=${x} cy=${y} r=${Math.max(size / 2, 1.8)} fill="#fff"></circle>`
-                : svg`<rect x=${x - size} y=${y - size / 2} width=${2 * size} height=${size} fill="#fff"></rect>`;
-        })}</svg>`;
 }
 
 function pickFile(app) {
