@@ -588,10 +588,12 @@ def test_a_saved_file_is_read_again_and_an_error_leaves_the_picture(
 
 
 def test_a_bad_link_says_so_and_something_is_shown(browser: Browser, server: Viewer) -> None:
-    found = Shown(browser, f"{server.origin}/#token={server.token}&a=eno&ev=bright&what=1")
+    bad = "a=eno&ev=bright&what=1&toString=2&cmp=diff&probe=2,x"
+    found = Shown(browser, f"{server.origin}/#token={server.token}&{bad}")
     assert found.value("gonio.sides[0].text()") == "eon"
     notes = json.dumps(found.value("gonio.notes"))
-    assert "ev, what" in notes
+    assert "ev, what, toString, probe" in notes
+    assert found.value("gonio.state.cmp") == "A"
     assert "eno cannot be shown" in notes
     found.page.close()
 
@@ -815,7 +817,10 @@ def test_a_dropped_exr_has_its_first_line_at_the_top(
     shown.run("gonio.set({ env: 'studio' })")
 
 
-def glb(positions: Any, faces: Any, node: dict[str, Any]) -> bytes:
+CORNER = ([[0, 0, 0], [1, 0, 0], [0, 0, -1]], [[0, 1, 2]])
+
+
+def glb(positions: Any, faces: Any, node: dict[str, Any] | None = None) -> bytes:
     """A binary glTF file of one mesh, written here."""
     place = np.asarray(positions, "<f4").tobytes()
     order = np.asarray(faces, "<u2").tobytes()
@@ -831,7 +836,7 @@ def glb(positions: Any, faces: Any, node: dict[str, Any]) -> bytes:
     about = {
         "asset": {"version": "2.0"},
         "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0, **node}],
+        "nodes": [{"mesh": 0, **(node or {})}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
         "accessors": accessors,
         "bufferViews": views,
@@ -849,8 +854,7 @@ def glb(positions: Any, faces: Any, node: dict[str, Any]) -> bytes:
 def test_a_dropped_glb_is_turned_and_scaled_as_its_node_says(shown: Shown) -> None:
     # A flat triangle that the node turns upright by a quarter about x, and stretches four times
     triangle = glb(
-        [[0, 0, 0], [1, 0, 0], [0, 0, -1]],
-        [[0, 1, 2]],
+        *CORNER,
         {"rotation": [np.sqrt(0.5), 0, 0, np.sqrt(0.5)], "scale": [1, 1, 4]},
     )
     take(shown, "flag.glb", triangle)
@@ -882,6 +886,13 @@ def test_a_dropped_mesh_takes_the_balls_place(shown: Shown) -> None:
         ("no.exr", b"not an exr", "does not begin as an OpenEXR"),
         ("bad.obj", b"v 0 0 0\nf 1 2 3\n", "names a point that does not exist"),
         ("no.glb", b"glTF", "does not begin as a binary glTF"),
+        ("broken.exr", b"\x76\x2f\x31\x01\2\0\0\0\0", "its header or its data are damaged"),
+        (
+            "endless.glb",
+            glb(*CORNER).replace(b'"VEC3", "count": 3', b'"VEC3","count":9e9'),
+            "The file ends too early.",
+        ),
+        ("circle.glb", glb(*CORNER, {"children": [0, 0]}), "Its nodes are damaged."),
         ("picture.jpeg", b"", "The page takes .hdr and .exr"),
     ],
 )

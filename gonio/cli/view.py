@@ -37,7 +37,7 @@ def command(
       gonio view car_paint_red_strong
       gonio view eon:roughness=1 oren_nayar:sigma=0.5
       gonio view my_model.py            edit the file and watch
-      gonio view paint.binary ggx       a measurement beside a model
+      gonio view paint.binary eon       a measurement beside a model
       gonio view brdf.glsl#ggx eon      your engine's function beside a model
       gonio view gold --save gold.html  one file to send, with its sliders
     """

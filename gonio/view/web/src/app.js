@@ -70,7 +70,8 @@ export class App {
         Object.assign(this.state, known(state, this.start.environments, bad));
         if (!this.state.a) this.state.a = this.start.show[0] ?? "eon";
         if (!this.state.b && !("a" in state) && this.start.show[1]) this.state.b = this.start.show[1];
-        if (this.state.b && !("cmp" in state)) this.state.cmp = "wipe";
+        if (!this.state.b) this.state.cmp = "A";
+        else if (!("cmp" in state)) this.state.cmp = "wipe";
         if (bad.length)
             this.say(
                 "This link was taken in part.",

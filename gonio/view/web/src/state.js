@@ -79,7 +79,7 @@ export function parsed(text) {
             continue;
         }
         if (key === "token") continue;
-        if (!(key in START)) {
+        if (!Object.hasOwn(START, key)) {
             bad.push(key);
             continue;
         }
@@ -132,6 +132,12 @@ export class History {
     }
 }
 
+/** Whether a probe's text is a place of the picture. */
+const isPlace = (text) => {
+    const at = text.split(",");
+    return at.length === 2 && at.every((x) => x.trim() && x >= 0 && x <= 1);
+};
+
 /** A link's settings whose words mean something here; the others are named. */
 export function known(state, environments, bad) {
     const words = { ...WORDS, env: Object.keys(environments) };
@@ -140,6 +146,10 @@ export function known(state, environments, bad) {
             bad.push(key);
             delete state[key];
         }
+    if (state.probe && !isPlace(state.probe)) {
+        bad.push("probe");
+        delete state.probe;
+    }
     for (const [key, [low, high]] of Object.entries(LIMITS))
         if (key in state && !(state[key] >= low && state[key] <= high)) {
             bad.push(key);

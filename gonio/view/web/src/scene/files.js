@@ -34,7 +34,9 @@ async function readExr(buffer) {
     try {
         found = parse(buffer, 1015);
     } catch (error) {
-        throw new Error(`This EXR cannot be read: ${String(error.message ?? error).replace(/\.$/, "")}.`);
+        // What the reader stumbles over says nothing of the file
+        const why = error instanceof TypeError || error instanceof RangeError ? "" : String(error.message ?? error);
+        throw new Error(`This EXR cannot be read: ${why.replace(/\.$/, "") || "its header or its data are damaged"}.`);
     }
     const { width, height, data } = found,
         channels = data.length / (width * height);
@@ -110,7 +112,7 @@ function stage({ positions, normals, uvs, faces }) {
     return {
         id: ++count,
         height: (high[1] - low[1]) * scale,
-        note: `${many(faces.length / 3)} triangles.`,
+        note: faces.length === 3 ? "One triangle." : `${many(faces.length / 3)} triangles.`,
         mesh: { kind: 0, positions: placed, faces, uvs, growth: null, normals: normals ?? smooth(placed, faces) },
     };
 }

@@ -47,11 +47,12 @@ export function readGlb(buffer, trianglesMax) {
             width = WIDTHS[a?.type];
         if (!a || !b || !Kind || !width || b.buffer) throw new Error("Its data cannot be found.");
         const start = (b.byteOffset ?? 0) + (a.byteOffset ?? 0),
-            stride = b.byteStride ?? width * Kind.BYTES_PER_ELEMENT,
-            values = new Float64Array(a.count * width),
+            size = width * Kind.BYTES_PER_ELEMENT,
+            stride = b.byteStride ?? size;
+        if (!(a.count >= 1 && stride >= size && start >= 0)) throw new Error("Its data cannot be found.");
+        if (start + stride * (a.count - 1) + size > binary.byteLength) throw new Error("The file ends too early.");
+        const values = new Float64Array(a.count * width),
             data = new DataView(binary);
-        if (start + stride * (a.count - 1) + width * Kind.BYTES_PER_ELEMENT > binary.byteLength)
-            throw new Error("The file ends too early.");
         const read = {
             5120: "getInt8",
             5121: "getUint8",
@@ -71,6 +72,8 @@ export function readGlb(buffer, trianglesMax) {
         const p = accessor(primitive.attributes.POSITION),
             n = primitive.attributes.NORMAL === undefined ? null : accessor(primitive.attributes.NORMAL),
             t = primitive.attributes.TEXCOORD_0 === undefined ? null : accessor(primitive.attributes.TEXCOORD_0);
+        if (p.width !== 3 || [n, t].some((list) => list && list.count !== p.count))
+            throw new Error("Its points, normals and texture coordinates do not belong together.");
         const base = out.positions.length / 3,
             cofactor = inverseTransposed(m);
         for (let i = 0; i < p.count; i++) {
@@ -104,9 +107,12 @@ export function readGlb(buffer, trianglesMax) {
             out.faces.push(base + i);
         }
     };
+    const visited = new Set();
     const visit = (index, parent, depth) => {
         const node = json.nodes?.[index];
-        if (!node || depth > 64) throw new Error("Its nodes are damaged.");
+        // A node hangs on one other
+        if (!node || depth > 64 || visited.has(index)) throw new Error("Its nodes are damaged.");
+        visited.add(index);
         const m = times(parent, node.matrix ?? composed(node));
         if (node.mesh !== undefined) for (const primitive of json.meshes[node.mesh].primitives) add(primitive, m);
         for (const child of node.children ?? []) visit(child, m, depth + 1);
