@@ -14,6 +14,9 @@ import drjit as dr
 
 TINY = 1e-30  # under which no limit is asked for
 
+# A smaller share of the light is not cut: single precision's difference of a sample and its first surface.
+ROUNDING = 1e-7
+
 
 @functools.cache
 def _type(variant: str) -> Any:
@@ -62,4 +65,5 @@ def cut(whole: Any, limit: float) -> Any:
 def lost(integrator: Any) -> float:
     """Part of the picture's light that was cut away."""
     light, kept = float(integrator.light[0]), float(integrator.kept[0])
-    return max(0.0, 1 - kept / light) if light > 0 else 0.0  # sums in another order
+    share = 1 - kept / light if light > 0 else 0.0
+    return share if share > ROUNDING else 0.0
