@@ -166,7 +166,14 @@ class Claims:
                 yield "promised", kept
             for entry in entries:
                 size = "without bound" if entry.size == UNBOUNDED else f"{entry.size:g}"
-                yield "known", f"{broken.format(size)}{_condition(entry.options)}"
+                text = broken.format(size)
+                if entry.size == UNBOUNDED:
+                    text = (
+                        text.replace("by up to", "")
+                        .replace("up to", "")
+                        .replace("bound / pi", "bound")
+                    )
+                yield "known", f"{' '.join(text.split())}{_condition(entry.options)}"
             if entries and all(entry.options for entry in entries):
                 yield "promised", f"{kept} with the other options"
         for entry in as_tuple(self.kinks):

@@ -275,6 +275,9 @@ def test_a_file_is_a_model_wherever_one_is_named(paint: Path, tmp_path: Path) ->
     ):
         result = run(*words)
         assert result.exit_code == 0, result.output
+    # What is shown to be used can be used: the file is named, not the class that it became
+    assert f"gonio eval {paint} " in result.output
+    assert "gonio eval measured_paint" not in result.output
 
 
 def test_files_of_one_name_do_not_disturb_each_other(paint: Path, tmp_path: Path) -> None:

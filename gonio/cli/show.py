@@ -11,6 +11,7 @@ from gonio.description.about import describe, description
 from gonio.materials import Material, library, load
 from gonio.materials.notation import settings_of, split
 from gonio.materials.toml_file import to_toml
+from gonio.measured import source_of
 from gonio.model import Model
 
 
@@ -42,6 +43,9 @@ def command(model: str, params: tuple[str, ...], as_json: bool) -> None:
             click.echo(f"\n'gonio show {found.model.name}' describes its model.", err=True)
         return
     about = describe(found.written)
+    measured = source_of(found.written) or source_of(type(found))
+    if measured is not None:
+        about["file"] = str(measured)
     given = dict(settings_of(found))
     if as_json:
         echo_json(about | ({"given": given} if given else {}))
