@@ -114,7 +114,7 @@ def functions_in(bare: str, language: str) -> Iterable[Function]:
                 plain_type(returns),
                 tuple(
                     _argument(piece, language)
-                    for piece in _pieces(inside)
+                    for piece in pieces(inside)
                     if piece.strip() not in ("", "void")
                 ),
                 code.count("\n", 0, found.start()) + 1,
@@ -152,7 +152,7 @@ def closing(text: str, position: int, open_: str, close: str) -> int:
     return len(text)
 
 
-def _pieces(text: str) -> list[str]:
+def pieces(text: str) -> list[str]:
     """Split at commas outside of brackets."""
     found, depth = [""], 0
     for letter in text:
@@ -225,7 +225,7 @@ def structs_in(bare: str, language: str) -> dict[str, tuple[Variable, ...]]:
 def members_in(inside: str, language: str) -> Iterable[Variable]:
     """The members that stand between the braces of a struct."""
     if language == "wgsl":
-        for piece in _pieces(inside):
+        for piece in pieces(inside):
             if ":" in piece:
                 yield _argument(piece, language)
         return
@@ -235,7 +235,7 @@ def members_in(inside: str, language: str) -> Iterable[Variable]:
             continue
         if re.match(r"\s*(static|using|typedef|typealias|friend)\b", statement):
             continue
-        first, *others = _pieces(statement)
+        first, *others = pieces(statement)
         variable = _argument(first, language)
         if not variable.name:
             continue

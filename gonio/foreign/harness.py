@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from gonio.foreign.declarations import Function, Variable
 from gonio.foreign.loops import COUNTER, CUT, TURNS, counted
 from gonio.foreign.python_code import job
-from gonio.foreign.roles import Leaf, Matched, is_role, leaves_of
+from gonio.foreign.roles import Leaf, Matched, direction_of, is_role, leaves_of
 from gonio.foreign.sampled import NOTHING
 from gonio.foreign.source import FILE_LINES, SHADERS, ForeignError, Source
 
@@ -70,11 +70,13 @@ def statements(source: Source, function: Function, matched: Matched) -> list[str
     names = {}
     for k, argument in enumerate(function.arguments):
         names[argument.name] = f"gonio_a{k}"
-        lines.append(_declare(argument, f"gonio_a{k}", spelling))
+        lines.append(_declare(source, argument, f"gonio_a{k}", spelling))
         if argument.written and not argument.array and not argument.pointer:
             lines += _zeroed(source, argument, f"gonio_a{k}", spelling)
     if function.owner:
-        lines.append(spelling.declaration.format(type=function.owner, name="gonio_self"))
+        lines.append(
+            _declare(source, Variable("gonio_self", function.owner), "gonio_self", spelling)
+        )
     column = 0
     for leaf, _ in matched.leaves:
         root, dot, rest = leaf.place.partition(".")
@@ -91,7 +93,9 @@ def statements(source: Source, function: Function, matched: Matched) -> list[str
     )
     call = f"{function.name}({given})"
     if function.owner:
-        call = f"gonio_self.{call}"
+        # Named with its class, so that no table of virtual functions is needed
+        own = f"{function.owner}::" if language in ("cpp", "cuda") else ""
+        call = f"gonio_self.{own}{call}"
     if function.returns == "void":
         lines.append(f"{call};")
     else:
@@ -114,7 +118,24 @@ def _zeroed(source: Source, argument: Variable, name: str, spelling: Spelling) -
         yield from _set(leaf, place, ["0.0"] * leaf.width, source.language, spelling)
 
 
-def _declare(argument: Variable, name: str, spelling: Spelling) -> str:
+# Objects of C++, whose constructors may want arguments: zeros then, and the harness sets the members.
+MADE = """#include <new>
+#include <type_traits>
+template <class T, bool = std::is_default_constructible<T>::value> struct gonio_maker {
+    static T& at(void* place) { return *new (place) T(); }
+};
+template <class T> struct gonio_maker<T, false> { static T& at(void* p) { return *static_cast<T*>(p); } };
+"""
+
+
+def _declare(source: Source, argument: Variable, name: str, spelling: Spelling) -> str:
+    object_ = source.language in ("cpp", "cuda") and not argument.array and not argument.pointer
+    if object_ and source.structs.get(argument.type.rpartition("::")[2]):
+        kind = argument.type
+        return (
+            f"alignas({kind}) unsigned char {name}_bytes[sizeof({kind})] = {{}}; "
+            f"{kind}& {name} = gonio_maker<{kind}>::at({name}_bytes);"
+        )
     if argument.array or (argument.pointer and "wgsl" not in argument.type):
         kind = re.sub(r"^ptr<\w+,(.*)>$", r"\1", argument.type)
         if kind != argument.type:
@@ -157,6 +178,17 @@ def _outputs(
     return found
 
 
+def judged(source: Source, function: Function) -> list[str]:
+    """Names of the colours or numbers whose sum is a value, where there are several."""
+    names = {a.name: a.name for a in function.arguments}
+    try:
+        lines = _result(source, function, names)
+    except ForeignError:
+        return []
+    parts = [re.sub(r"(?:\.[xr]|\[0\]|\.\w+\[0\])$", "", p) for p in lines[0].split(" + ")]
+    return [p.removeprefix("gonio_result.") for p in parts] if len(parts) > 1 else []
+
+
 def _parts(leaf: Leaf, where: str) -> list[str]:
     return [where] if leaf.width == 1 else [where + c for c in _components(leaf)]
 
@@ -169,15 +201,18 @@ def _result(source: Source, function: Function, names: Mapping[str, str]) -> lis
         found = []
     if function.returns != "void":
         found = [pair for pair in found if pair[1].startswith("gonio_result")]
-    widths = {leaf.width for leaf, _ in found}
-    if len(found) > 1 and function.returns == "void" and widths <= {1, 3}:
+    # Beside colours, numbers are widths and densities, and directions are those of samples
+    colours = [p for p in found if p[0].width >= 3 and not direction_of(p[0])]
+    numbers = [p for p in found if p[0].width == 1]
+    summed = colours or (numbers if function.returns == "void" else [])
+    if len(found) > 1 and summed:
         # Several colours are written, the diffuse and the specular one mostly: their sum
-        colours = [_parts(*pair) for pair in found]
-        return [" + ".join(c[k % len(c)] for c in colours) for k in range(3)]
+        parts = [_parts(*pair)[:3] for pair in summed]
+        return [" + ".join(c[k % len(c)] for c in parts) for k in range(3)]
     if len(found) != 1 or found[0][0].width == 2:
         raise ForeignError(
             f"{source.path}: {function.signature} gives back {function.returns}, which is neither a number "
-            "nor a colour; write a function that returns one of them."
+            "nor a colour, nor a struct with one; write a function that returns one of them."
         )
     parts = _parts(*found[0])
     return parts * 3 if len(parts) == 1 else parts[:3]
@@ -230,6 +265,7 @@ def text(source: Source, function: Function, matched: Matched, defines: Sequence
         head = f"namespace osl {{\n{place}\n{source.text}\n}}\nusing namespace osl;\n"
     return (
         f'{head if source.language != "library" else ""}#line 1 "harness"\n'
+        f"{MADE if source.language in ('cpp', 'cuda') else ''}"
         f"{''.join(f'namespace {s} {{ ' for s in scopes)}\n"
         "static void gonio_call(const float* x, float* y) {\n"
         f"{_indented(lines, 4)}\n}}\n{'}' * len(scopes)}\n"

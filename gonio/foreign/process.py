@@ -253,6 +253,8 @@ def _compiled(
             "osl": ["-include", str(OSL), "-fsingle-precision-constant"],
         }
         more = kinds.get(language, [])
+        if language in ("cpp", "cuda"):  # members of classes are set, private ones too
+            more = [*more, "-fno-access-control"]
         if source.path.suffix == ".c":  # C converts pointers that C++ does not
             more = ["-fpermissive"]
         more = [*more, "-Dmain=gonio_unused_main"]

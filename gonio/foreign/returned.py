@@ -61,6 +61,20 @@ def asymmetry(foreign: Foreign, cosine: int) -> float:
     return float(np.median(difference)) if len(difference) else 0.0
 
 
+def names_exchanged(foreign: Foreign) -> bool:
+    """Whether code is reciprocal without the viewer's cosine, which may be that of the light."""
+    if foreign.returns.cosine or asymmetry(foreign, 0) < RECIPROCAL:
+        return False
+    wi, wo = probe(PAIRS, 3)
+    values = random_values(foreign, PAIRS, np.random.default_rng(4))
+    with np.errstate(all="ignore"):
+        a = foreign.raw(wi, wo, values) / wo[:, 2:]
+        b = foreign.raw(wo, wi, values) / wi[:, 2:]
+        difference = np.abs(a - b) / np.maximum(np.abs(a), np.abs(b))
+    seen = np.isfinite(difference) & (np.maximum(np.abs(a), np.abs(b)) > 1e-4)
+    return bool(seen.any() and np.median(difference[seen]) < RECIPROCAL)
+
+
 def around_the_mirror(wo: Array) -> tuple[Array, Array]:
     """Directions (n, 3) of light for a viewer (3,), and weights of an integral over the hemisphere.
 

@@ -73,7 +73,7 @@ _COLOURS = re.compile(
 
 # Ranges that names suggest where gonio's own models do not have the name.
 SUGGESTED = (
-    (r"(ior|eta|index)", 1.0, 3.0, 1.5),
+    (r"(?:^|_)(?:ior|eta|index)|ior$", 1.0, 3.0, 1.5),
     (r"(shininess|exponent|glossiness_power|power|spec_?power|nu|nv|^n|^ns)$", 1.0, 1000.0, 32.0),
     (r"^k$|extinction", 0.0, 8.0, 3.0),
 )
@@ -206,7 +206,13 @@ def match(
     for uniform in source.uniforms:
         if uniform.name in words and not uniform.array:
             leaves += leaves_of(source, uniform)
+    bodies = "\n".join(f.body for f in source.called(function))
+    for variable in source.globals:
+        written = rf"(?<![\w.]){variable.name}\b\s*(?:\.\w+\s*)?(?:[-+*/]?=(?!=)|\+\+|--)"
+        if variable.name in words and not re.search(written, bodies):
+            leaves += leaves_of(source, variable)
     given = dict(mapping) | dict(constants)
+    leaves = [leaf for leaf in leaves if _read(source, leaf, words, {*given, *ranges})]
     # Globals of the file that are named
     places = {leaf.place for leaf in leaves}
     places |= {leaf.variable.shown for leaf in leaves}
@@ -265,9 +271,13 @@ def match(
                 notes.append("it has no argument for the viewer: all directions see the same")
                 continue
             role = "wi" if what == "the light" else "wo"
+            arrays = [
+                f"{u.name}[{u.array}]" for u in source.uniforms if u.array and u.name in words
+            ]
+            more = f" (arrays such as {arrays[0]} cannot be set)" if arrays else ""
             raise ForeignError(
-                f"{source.path}: {function.signature} has no argument for {what}; say which one it is with "
-                f'--map "NAME={role}".'
+                f"{source.path}: {function.signature} has no argument for {what}{more}; say "
+                f'which one it is with --map "NAME={role}".'
             )
     parameters: dict[str, Parameter] = {}
     for leaf, expression in matched:
@@ -291,10 +301,22 @@ def match(
     return Matched(tuple(matched), parameters, tuple(notes), kind)
 
 
+def _read(source: Source, leaf: Leaf, words: Container[str], given: Container[str]) -> bool:
+    """Whether code reads a member of a struct; all else counts as read."""
+    last = leaf.place.rpartition(".")[2]
+    if "." not in leaf.place or source.entry or leaf.variable.shown:
+        return True
+    if last in words or last in given or leaf.place in given or leaf.variable.name in words:
+        return True
+    return re.search(rf"\b{re.escape(last)}\b", source.headers) is not None
+
+
 def _plain(name: str) -> tuple[str, str]:
     """A name in lower case without underscores, and without a prefix such as u_ as well."""
     low = name.lower()
-    return low.replace("_", ""), re.sub(r"^(?:[uvagip]|in|arg|param)_+", "", low).replace("_", "")
+    return low.replace("_", ""), re.sub(
+        r"^(?:[uvagip]|in|arg|param|shading|frag)_+", "", low
+    ).replace("_", "")
 
 
 # Parts of longer names, the first that fits: geometryViewDir, sunDirectionWS, worldSpaceNormal.
@@ -477,8 +499,11 @@ def _declared(
             break
     else:
         low, high, default = 0.0, 1.0, 0.5
+        words = re.sub(
+            r"(?<=[a-z])(?=[A-Z])", "_", name
+        ).lower()  # materialIor; metallic has no eta
         for pattern, a, b, c in SUGGESTED:
-            if width == 1 and re.search(pattern, name.lower()):
+            if width == 1 and re.search(pattern, words):
                 low, high, default = a, b, c
     if len(variable.default) == width:
         default = variable.default if width == 3 else variable.default[0]

@@ -1,4 +1,4 @@
-"""How far roundings of float32 move values of foreign code: measured, by shaking the directions."""
+"""How far roundings of float32 move values of foreign code: by shaking directions and parameters."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Rounded:
 def rounded(
     foreign: Foreign, wi: Array, wo: Array, values: Any, seed: int = 5, times: int = TIMES
 ) -> Rounded:
-    """Values (n, 3), and the largest change that roundings of the directions make."""
+    """Values (n, 3), and the largest change that roundings of what it is given make."""
     rng = np.random.default_rng(seed)
     middle = foreign.brdf(wi, wo, values)
     spread = np.zeros_like(middle)
@@ -43,6 +43,11 @@ def rounded(
             w + SHAKEN * ULP * np.maximum(np.abs(w), ULP) * rng.uniform(-1, 1, w.shape)
             for w in (wi, wo)
         )
+        # An index of 1 leaves a Fresnel term that is nothing but roundings
+        shaken = {
+            name: x * (1 + SHAKEN * ULP * rng.uniform(-1, 1, np.shape(x)))
+            for name, x in (values or {}).items()
+        }
         with np.errstate(invalid="ignore"):
-            spread = np.fmax(spread, np.abs(foreign.brdf(a, b, values) - middle))
+            spread = np.fmax(spread, np.abs(foreign.brdf(a, b, shaken or values) - middle))
     return Rounded(middle, spread)

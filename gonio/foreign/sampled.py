@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 
-from gonio.foreign.declarations import closing
+from gonio.foreign.declarations import closing, pieces
 
 # The type that textures and samplers get.
 NOTHING = "gonio_texture"
@@ -34,6 +34,69 @@ _CALLS = {
 }
 _LIKE = {"slang": "hlsl"}
 _COMPONENTS = {"": "", "1": ".x", "2": ".xy", "3": ".xyz", "4": ""}
+
+
+def unfolded(bare: str, text: str, language: str, headers: str = "") -> tuple[str, str]:
+    """The text with macros written out that declare or read textures, or open constant buffers.
+
+    Args:
+        bare: with comments as spaces; each edit is made in both.
+        text: as it is compiled.
+        language: other languages than those above stay as they are.
+        headers: what is included, whose macros count as well.
+    """
+    language = _LIKE.get(language, language)
+    if language not in ("hlsl", "msl", "cuda"):
+        return bare, text
+    define = re.compile(
+        r"^[ \t]*#[ \t]*define[ \t]+(?P<name>\w+)(?:\((?P<inside>[^)]*)\))?[ \t]+(?P<body>(?:\\\n|[^\n])+)",
+        re.M,
+    )
+    own = rf"\b(?:{_TYPES[language]})\b|\bcbuffer\b|^\}}\s*;?$|{'|'.join(_CALLS[language])}"
+    own = re.sub(r"\?P<\w+>", "?:", own)
+    macros: dict[str, tuple[list[str] | None, str]] = {}
+    all_ = [*define.finditer(headers), *define.finditer(bare)]
+    for _ in range(4):  # macros that are made of such macros
+        for m in all_:
+            body = re.sub(r"\\\n", " ", m["body"]).strip()
+            uses = any(re.search(rf"\b{name}\b", body) for name in macros)
+            if uses or re.search(own, body):
+                inside = m["inside"]
+                names = None if inside is None else [n.strip() for n in inside.split(",")]
+                macros[m["name"]] = (names, body)
+    if not macros:
+        return bare, text
+    for m in reversed(list(define.finditer(bare))):
+        if m["name"] in macros:
+            empty = re.sub(r"[^\n]", " ", m[0])
+            bare = bare[: m.start()] + empty + bare[m.end() :]
+            text = text[: m.start()] + empty + text[m.end() :]
+    words = re.compile(rf"\b(?:{'|'.join(map(re.escape, macros))})\b")
+    for _ in range(_USES):
+        found = next((m for m in words.finditer(bare) if _outside(bare, m.start())), None)
+        if found is None:
+            break
+        names, body = macros[found[0]]
+        end = found.end()
+        if names is not None:
+            end = closing(bare, bare.find("(", end), "(", ")")
+            given = [g.strip() for g in pieces(bare[bare.find("(", found.end()) + 1 : end - 1])]
+            values = dict(zip(names, given, strict=False))
+            if names != [""]:
+                body = re.sub(r"\w+", lambda w: values.get(w[0], w[0]), body)  # noqa: B023
+        body = re.sub(r"\s*##\s*", "", body) + "\n" * bare.count("\n", found.start(), end)
+        bare = bare[: found.start()] + body + bare[end:]
+        text = text[: found.start()] + body + text[end:]
+    return bare, text
+
+
+# So many uses of macros at most are written out: those that name themselves have no end.
+_USES = 2000
+
+
+def _outside(bare: str, position: int) -> bool:
+    """Whether a place is in no line of the preprocessor."""
+    return not bare[bare.rfind("\n", 0, position) + 1 : position].lstrip().startswith("#")
 
 
 def replaced(bare: str, text: str, language: str) -> tuple[str, str, tuple[str, ...]]:

@@ -22,7 +22,7 @@ from gonio.foreign.declarations import (
     plain_type,
     structs_in,
 )
-from gonio.foreign.sampled import replaced
+from gonio.foreign.sampled import NOTHING, replaced, unfolded
 from gonio.messages import did_you_mean
 
 
@@ -88,6 +88,12 @@ class Source:
     """Names of its sampler2D, or of what it reads as a texture in other languages."""
     module: str = ""
     """Of Python, if it was named by its module."""
+    headers: str = ""
+    """What it includes, where compilers do that themselves."""
+    globals: tuple[Variable, ...] = ()
+    """Variables outside of all functions without a value, which entry points fill."""
+    closures: tuple[str, ...] = ()
+    """Names of OSL's shaders and functions that give back closures, and are left out."""
 
     @property
     def short(self) -> bool:
@@ -135,6 +141,16 @@ class Source:
         if found:
             return found[0]
         names = list(dict.fromkeys(f.name for f in own))
+        if parts[-1] in self.closures:
+            raise ForeignError(
+                f"{self.path}: {parts[-1]} gives back a closure, which is no number: the renderer decides "
+                "what it reflects; name a function that computes a colour of two directions."
+            )
+        if self.language == "python" and len(parts) > 1:
+            raise ForeignError(
+                f"{self.path}: {name} is a method, and objects are not made here; write a function of the "
+                "directions and parameters that makes one and calls it."
+            )
         written = rf"\b{re.escape(parts[-1])}\s*\([^;{{]*\)\s*\{{"
         if parts[-1] not in names and re.search(written, self.text):
             raise ForeignError(
@@ -218,9 +234,13 @@ def read(
     if language in SHADERS:
         bare, text = _without_main(bare, text)
     bare = active(bare, [*defines, *_PREDEFINED.get(language, ())])
+    closures: list[str] = []
     if language == "osl":
-        text = _osl(bare)
-        bare = text
+        text = bare = _osl(_without_closures(bare, closures))
+    headers = ""
+    if language not in (*SHADERS, "wgsl"):
+        headers = "".join(_headers(bare, path, [Path(p) for p in include], set()))
+    bare, text = unfolded(bare, text, language, headers)
     bare, text = _singles(bare, text, language)
     bare, text, read_from = replaced(bare, text, language)
     if language == "msl":
@@ -232,19 +252,35 @@ def read(
         bare, text, found = _wgsl_uniforms(bare, text)
         uniforms += found
     functions = tuple(functions_in(bare, language))
-    seen = bare
-    if language not in (*SHADERS, "wgsl"):
-        seen += "".join(_headers(bare, path, [Path(p) for p in include], set()))
     return Source(
         path,
         language,
         text,
         functions,
-        structs_in(seen, language),
+        structs_in(bare + headers, language),
         tuple(uniforms),
         tuple(files),
         textures=_samplers(bare, language) or read_from,
+        headers=headers,
+        globals=tuple(_globals(bare, language, {u.name for u in uniforms})),
+        closures=tuple(closures),
     )
+
+
+def _globals(bare: str, language: str, known: set[str]) -> Iterable[Variable]:
+    """Variables that functions share: shading_normal and the like, without a value in their declaration."""
+    pattern = {
+        "wgsl": r"\bvar\s*<\s*private\s*>\s*(?P<name>\w+)\s*:\s*(?P<type>[\w<>, ]+?)\s*;",
+        "hlsl": r"^[ \t]*static\s+(?P<type>\w+)\s+(?P<name>\w+)\s*;",
+    }.get(
+        language, r"(?:^|(?<=;))[ \t]*(?:(?:high|medium|low)p\s+)?(?P<type>\w+)\s+(?P<name>\w+)\s*;"
+    )
+    if language not in (*SHADERS, "hlsl", "wgsl"):
+        return
+    for m in re.finditer(pattern, bare, re.M):
+        new = m["name"] not in known and m["type"] not in ("return", "precision", NOTHING)
+        if new and depth(bare, m.start()) == 0:
+            yield Variable(m["name"], plain_type(m["type"]))
 
 
 # Half precision that cannot be run here, as float32: patterns and what stands for them.
@@ -360,6 +396,22 @@ def _brdf(path: Path, text: str) -> tuple[str, list[Variable]]:
 def swizzled(text: str) -> str:
     """MSL as C++: components that are read together are functions of the stand-in's vectors."""
     return re.sub(r"\.([xyzw]{2,4}|[rgba]{2,4})\b(?!\s*\()", r".\1()", text)
+
+
+def _without_closures(bare: str, names: list[str]) -> str:
+    """OSL without what gives back closures, whose names are added to the list."""
+    heads = r"\b(?:shader|surface|displacement|volume|closure\s+color)\s+(?P<name>\w+)\s*(?=[\[(])"
+    position = 0
+    while match := re.compile(heads).search(bare, position):
+        position = match.end()
+        opened = bare.find("{", closing(bare, bare.find("(", position), "(", ")"))
+        end = closing(bare, opened, "{", "}")
+        whole = bare[match.start() : end]
+        if opened > 0 and re.search(r"\bclosure\b|\bCi\b", whole):
+            names.append(match["name"])
+            bare = bare[: match.start()] + re.sub(r"[^\n]", " ", whole) + bare[end:]
+            position = end
+    return bare
 
 
 def _osl(bare: str) -> str:

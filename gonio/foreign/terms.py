@@ -227,6 +227,7 @@ COLOURS: dict[str, tuple[Callable[[Array], Array], bool]] = {
 def _fresnels(c: Cosines, colours: dict[str, Array]) -> Iterator[tuple[str, Array, bool]]:
     """Name, F, and whether it is usual."""
     yield "no Fresnel term", np.ones_like(c.d), True
+    gaussian = 2 ** ((-5.55473 * c.d - 6.98316) * c.d)  # Lagarde 2012
     fixed = np.full_like(c.d, 0.04)
     yield "Schlick's Fresnel, F0 = 0.04", _schlick(c.d, fixed), True
     for where, cosine in (("N.V", c.o), ("N.L", c.i), ("N.H", c.h)):
@@ -242,8 +243,8 @@ def _fresnels(c: Cosines, colours: dict[str, Array]) -> Iterator[tuple[str, Arra
             yield f"times {shown}", colour, usual
             if usual or "sRGB" in text or "2.2" in text:
                 yield f"Schlick's Fresnel of V.H, F0 = {shown}", _schlick(c.d, colour), usual
-        power = 2 ** ((-5.55473 * c.d - 6.98316) * c.d)
-        yield f"Schlick's Fresnel as a spherical Gaussian, F0 = {name}", f0 + (1 - f0) * power, True
+        gauss = f0 + (1 - f0) * gaussian
+        yield f"Schlick's Fresnel as a spherical Gaussian, F0 = {name}", gauss, True
         for where, cosine in (("N.V", c.o), ("N.L", c.i), ("N.H", c.h)):
             yield (
                 f"Schlick's Fresnel of {where} instead of V.H, F0 = {name}",
@@ -253,6 +254,9 @@ def _fresnels(c: Cosines, colours: dict[str, Array]) -> Iterator[tuple[str, Arra
     if len(colours) <= PAIRED:
         for (a, x), (b, y) in itertools.permutations(colours.items(), 2):
             yield f"times {a} (1 - {b})", x * (1 - y), True
+            for how, away in (("of V.H", (1 - c.d) ** 5), ("as a spherical Gaussian", gaussian)):
+                f90 = x + (y - x) * away
+                yield f"Schlick's Fresnel {how}, F0 = {a}, F90 = {b}", f90, True
             yield f"times {a}; Schlick's Fresnel of V.H, F0 = {b}", x * _schlick(c.d, y), True
             if a < b:
                 yield f"times {a} {b}", x * y, True

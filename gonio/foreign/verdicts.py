@@ -22,8 +22,11 @@ from gonio.check.subject import Array
 from gonio.foreign import gain
 from gonio.foreign.function import Foreign
 from gonio.foreign.gain import without_poles
+from gonio.foreign.harness import judged
 from gonio.foreign.places import LIMIT, MU_HARD, places
+from gonio.foreign.returned import names_exchanged
 from gonio.foreign.rounding import BEST, NEAR, NEIGHBOURS, OFTEN, ROUNDINGS, TIMES, Rounded, rounded
+from gonio.foreign.sampled import constant
 from gonio.foreign.subject import ForeignSubject
 
 # More than this of a value lost to roundings is said. At lower cosines half vectors are short, so that
@@ -85,10 +88,12 @@ def _scope(foreign: Foreign, subject: ForeignSubject) -> Report:
         Finding("returns", foreign.returns.factor, NOTE, f"{foreign.returns} ({how})"),
         Finding("arguments", float(foreign.matched.columns), NOTE, foreign.matched.explained()),
     ]
-    written = [a.name for a in foreign.function.arguments if a.written]
-    if foreign.function.returns == "void" and len(written) > 1:
-        text = f"{' + '.join(written)}, which it writes"
-        findings.append(Finding("judged", float(len(written)), NOTE, text))
+    if names_exchanged(foreign):
+        text = "reciprocal without the viewer's cosine: was the light taken for wo? --map says so"
+        findings.append(Finding("exchanged", 0.0, NOTE, text))
+    if summed := judged(foreign.source, foreign.function):
+        text = f"{' + '.join(summed)}, which it writes"
+        findings.append(Finding("judged", float(len(summed)), NOTE, text))
     text = "factors, widths and terms that break no law; 'gonio compare' with a model finds these"
     findings.append(Finding("not judged", 0.0, NOTE, text))
     if foreign.shipped is None and foreign.source.short:
@@ -96,7 +101,7 @@ def _scope(foreign: Foreign, subject: ForeignSubject) -> Report:
         findings.append(Finding("half precision", 0.0, NOTE, text))
     words = foreign.source.reached(foreign.function)
     for name in foreign.source.textures:
-        if name in words:
+        if {name, constant(name)} & words:
             text = f"{name} is black unless --texture {name}=FILE.png or a value was given"
             findings.append(Finding("texture", 0.0, NOTE, text))
     findings += [Finding("assumed", 0.0, NOTE, note) for note in foreign.matched.notes]
