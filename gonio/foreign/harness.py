@@ -207,8 +207,8 @@ def _result(source: Source, function: Function, names: Mapping[str, str]) -> lis
     summed = colours or (numbers if function.returns == "void" else [])
     if len(found) > 1 and summed:
         # Several colours are written, the diffuse and the specular one mostly: their sum
-        parts = [_parts(*pair)[:3] for pair in summed]
-        return [" + ".join(c[k % len(c)] for c in parts) for k in range(3)]
+        each = [_parts(*pair)[:3] for pair in summed]
+        return [" + ".join(c[k % len(c)] for c in each) for k in range(3)]
     if len(found) != 1 or found[0][0].width == 2:
         raise ForeignError(
             f"{source.path}: {function.signature} gives back {function.returns}, which is neither a number "
