@@ -368,6 +368,11 @@ class Model:
         """The part of `eval` that is not stretched; for a numeric albedo with a `round_part`."""
         raise NotImplementedError
 
+    def follows_tangents(self) -> bool:
+        """Whether turning both directions about the normal changes the value, of this or a model inside."""
+        inner = (getattr(self, n) for n, kind in self.fields.items() if isinstance(kind, Child))
+        return not self.isotropic or any(model.follows_tangents() for model in inner)
+
     def parameters(self, prefix: str = "") -> Iterator[tuple[str, Parameter, Any]]:
         """Yield path, declaration and value of every parameter, those of inner models included."""
         for name, declared in self.fields.items():

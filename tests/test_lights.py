@@ -15,7 +15,7 @@ import drjit as dr
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from support.tolerances import DOUBLE, DOUBLE_DIVIDED, NINE_DIGITS, SINGLE_LONG, decimals
 
@@ -190,6 +190,43 @@ def test_a_frame_is_right_handed_and_follows_the_tangent(normal: Any, tangent: A
     level = np.asarray(tangent) - z * np.dot(z, tangent)
     if np.linalg.norm(level) > 2 * frames.TANGENT_MIN * np.linalg.norm(tangent):
         np.testing.assert_allclose(x, level / np.linalg.norm(level), atol=DOUBLE_DIVIDED)
+
+
+@given(vectors, st.lists(vectors, min_size=3, max_size=3))
+@example((0.0, 0.0, -1.0), [(1.0, 0.5, 0.2), (0.0, 1.0, 0.3), (0.3, 0.2, -1.0)])
+def test_a_frame_of_the_normal_alone_turns_it_to_z_and_back(normal: Any, given: Any) -> None:
+    def turned(_: Any, n: Any, w: Any, there: Any) -> Any:
+        frame = frames.normal_frame(n)
+        return dr.select(there > 0, frame.to_local(w), frame.to_world(w))
+
+    def turn(vectors: Any, there: float) -> Any:
+        normals = np.broadcast_to(np.asarray(normal, np.float64), np.shape(vectors))
+        return applied(turned, loaded("lambert"), [normals, vectors, [there]])
+
+    n = np.asarray(normal) / np.linalg.norm(normal)
+    w = np.array([n, *given])
+    local = turn(w, 1)
+    np.testing.assert_allclose(local[0], [0, 0, 1], atol=DOUBLE_DIVIDED)
+    np.testing.assert_allclose(local @ local.T, w @ w.T, atol=DOUBLE_DIVIDED)
+    volume = np.linalg.det(w[1:])  # not mirrored
+    np.testing.assert_allclose(np.linalg.det(local[1:]), volume, atol=DOUBLE_DIVIDED)
+    np.testing.assert_allclose(turn(local, 0), w, atol=DOUBLE_DIVIDED)
+
+
+def test_models_say_whether_they_follow_tangents_with_what_is_inside() -> None:
+    stretched = {
+        "weidlich_wilkie": False,
+        "weidlich_wilkie:base=ward": True,
+        "torrance_sparrow": True,
+        "torrance_sparrow:distribution=gaussian": False,
+    }
+    assert {text: loaded(text).follows_tangents() for text in stretched} == stretched
+
+
+def test_without_a_tangent_a_normal_map_leaves_the_normal() -> None:
+    values = [[[0.0, 3.0, 4.0]], [[0.0, 0.0, 0.0]], [[0.9, 0.3, 0.8]], [1.0]]
+    mapped = applied(lambda _, *v: frames.mapped_normal(*v), loaded("lambert"), values)[0]
+    np.testing.assert_allclose(mapped, [0, 0.6, 0.8], atol=DOUBLE)
 
 
 def test_a_flat_normal_map_changes_nothing_and_others_lean_along_u_and_v() -> None:
@@ -435,6 +472,11 @@ def test_lit_exports_are_proven_in_every_language() -> None:
         (model, way)
         for language in LANGUAGES
         for way in each_way(export_lit(model, "paint", LIT, language, lookups="host"))
+    ]
+    stretched = loaded("ward:alpha_x=0.4,alpha_y=0.1,form=balanced")  # whose frame has tangents
+    pairs += [
+        (stretched, export_lit(stretched, "cloth", ["directional"], language))
+        for language in LANGUAGES
     ]
     proofs = prove(pairs, 1000)
     assert {p.function for p in proofs} == {"eval", "shade"}

@@ -53,14 +53,19 @@ def _dual(diffuse: str, lights: Sequence[str]) -> Program:
 
 
 def _coated(label: str, fresnel: str, mirror: str, tables: Request | None = None) -> Program:
-    """Elek's basic model: a coat over a metal of Beckmann's facets, by Algorithm 1."""
+    """Elek's basic model: a coat over a metal by Algorithm 1, both of round facets.
+
+    Evaluated they are Beckmann's; in a table all round facets cost the same, and torrance_sparrow's
+    Blinn-Phong ones have no stretch, which Elek's have not either.
+    """
+    facets = "beckmann" if tables is None else "blinn_phong"
     metal = gonio.model(
         "torrance_sparrow",
-        distribution="beckmann",
+        distribution=facets,
         masking="cook_torrance",
         fresnel="conductor" if fresnel == "exact" else fresnel,
     )
-    coat = gonio.model("weidlich_wilkie", base=metal, fresnel=fresnel)
+    coat = gonio.model("weidlich_wilkie", base=metal, distribution=facets, fresnel=fresnel)
     return lit(label, coat, SUN, tables=tables, mirror=mirror)
 
 

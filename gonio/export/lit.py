@@ -9,9 +9,10 @@
 
 from __future__ import annotations
 
+import types
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, get_type_hints
+from typing import Any, cast, get_type_hints
 
 from gonio.export.entry import Export, Given
 from gonio.export.names import legal
@@ -146,9 +147,12 @@ class Shade:
 
 def read_shade(reader: Reader, root: Struct, taken: Sequence[Chosen]) -> Shade:
     """Read the lights, and make the function that adds them up."""
-    frame_of = _helper(reader, frames.surface_frame)
+    assert root.model is not None
+    follows = root.model.follows_tangents()
+    kind = frames.Frame if follows else frames.NormalFrame
+    frame_of = _helper(reader, frames.surface_frame if follows else frames.normal_frame)
     frame = frame_of.result
-    to_local = _helper(reader, frames.to_local)
+    to_local = reader.function_for(cast(types.FunctionType, kind.to_local), [frame, "vec3"])
     arguments: dict[str, Type] = {}
     parts: list[tuple[Function, list[str]]] = []
     for light in taken:
@@ -166,8 +170,9 @@ def read_shade(reader: Reader, root: Struct, taken: Sequence[Chosen]) -> Shade:
     for call in calls[1:]:
         total = Operation("+", total, call, "vec3")
     normal, tangent, view = (Variable(n, "vec3") for n in POINT)
+    axes = (normal, tangent) if follows else (normal,)
     body: tuple[Statement, ...] = (
-        Assign("frame", Call(frame_of, (normal, tangent), frame)),
+        Assign("frame", Call(frame_of, axes, frame)),
         Assign("wo", Call(to_local, (Variable("frame", frame), view), "vec3")),
         Return(total),
     )
@@ -175,6 +180,7 @@ def read_shade(reader: Reader, root: Struct, taken: Sequence[Chosen]) -> Shade:
         "Radiance towards the viewer, linear RGB.",
         "",
         "normal, tangent: as the mesh has them, in the world; view: towards the viewer, unit.",
+        *([] if follows else ["The tangent changes nothing of this model."]),
         *_argument_docs(taken),
     )
     point: list[tuple[str, Type]] = [(n, "vec3") for n in POINT]

@@ -38,12 +38,13 @@ TABLES = ("fresnel_table", "distribution_table")
 # What the object of C++, CUDA and Metal calls the buffer of tables.
 ROWS = "rows"
 
-# A lookup's statements, after the language's own words for textures: {map} is its resource, {last} and
-# {width} are the entries of a table to the right, {rows} those down.
+# A lookup's statements, after the language's own words for textures: {map} is its resource, {step} and
+# {half} make a place from 0 to 1 the coordinate between the middles of a table's outer texels, {down} and
+# {first} a row that of its middle.
 _LEVEL = f"{LAST_LEVEL}.0 * sqrt(alpha)"
-_F_X = "({last} * cos_theta + 0.5) / {width}"
-_D_X = "({last} * u + 0.5) / {width}"
-_Y = "(row + 0.5) / {rows}"
+_F_X = "{step} * cos_theta + {half}"
+_D_X = "{step} * u + {half}"
+_Y = "{down} * row + {first}"
 _GLSL = {
     "fresnel_table": (f"return textureLod({{map}}, vec2({_F_X}, {_Y}), 0.0).rgb;",),
     "distribution_table": (f"return textureLod({{map}}, vec2({_D_X}, {_Y}), 0.0).r;",),
@@ -244,7 +245,9 @@ def _filled(
     names = {"map": f"{printer.prefix}_{name}" if apart else name, "p": printer.prefix}
     if table is not None:
         rows, width = table.codes.shape[:2]
-        names |= {"last": f"{width - 1}.0", "width": f"{width}.0", "rows": f"{rows}.0"}
+        across, down = 1 / width, 1 / rows
+        numbers = {"step": 1 - across, "half": across / 2, "down": down, "first": down / 2}
+        names |= {name: repr(float(f"{value:.9g}")) for name, value in numbers.items()}
     return names
 
 

@@ -130,7 +130,7 @@ def manifest(
         "struct": entry.struct,
         "sample_struct": entry.sample_struct,
         "functions": {f: f"{entry.prefix}_{f}" for f in entry.functions},
-        "isotropic": model.isotropic,
+        "isotropic": not model.follows_tangents(),
         "stride": STRIDE,
         "parameters": list(_parameters(model, entry, made.tables)),
         "options": list(options(model, only, refusals=refusals)),

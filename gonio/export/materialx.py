@@ -22,7 +22,7 @@ from gonio.export.names import legal
 from gonio.export.print_expressions import number
 from gonio.export.printer import INDENT, fold
 from gonio.export.targets import ESSL, GLSL_WORDS, HLSL_WORDS, MSL_WORDS, SLANG_WORDS
-from gonio.export.text import export, nested
+from gonio.export.text import export
 from gonio.export.tree import SELF, ExportError
 from gonio.fields import Parameter
 from gonio.model import Model
@@ -106,7 +106,7 @@ class _Node:
         self.model = model
         self.function = f"gonio_{name}_bsdf"
         self.file = f"{self.function}.glsl"
-        self.anisotropic = not all(inner.isotropic for inner in nested(model))
+        self.anisotropic = model.follows_tangents()
         self.inputs: dict[str, tuple[str, Parameter, Any]] = {}
         for path, declared, value in model.parameters():
             input_name = path.replace(".", "_")

@@ -7,21 +7,31 @@ q = (sine / width)^2: every width has the same number of entries in its highligh
 in the width, and no power or logarithm is left. The table holds the root of pi alpha^2 D, for 8 bits.
 """
 
-from gonio.lang import INV_PI, Float, Vec3, maximum, minimum, safe_sqrt
+from gonio.lang import INV_PI, Float, Vec3, dot, maximum, minimum, safe_sqrt
 from gonio.lights.lookups import Lookups
 
 # Stands for the squared sine of a facet that lies level, where any width along its azimuth will do.
 SIN2_MIN = 1e-30
 
 
+def facet_sin2(m: Vec3) -> Float:
+    """Squared sine of a facet's angle."""
+    return m.x * m.x + m.y * m.y
+
+
+def half_vector_sin2(wi: Vec3, wo: Vec3) -> Float:
+    """The same of the facets that mirror wi into wo, without making their normal unit."""
+    h = wi + wo
+    return (h.x * h.x + h.y * h.y) / dot(h, h)
+
+
 def tabled_D(
-    m: Vec3, alpha: Float, first: Float, last: Float, scale: Float, host: Lookups
+    sin2: Float, alpha: Float, first: Float, last: Float, scale: Float, host: Lookups
 ) -> Float:
     """Density of facets of one width, in 1/sr, from the table's rows from `first` on, `last` more."""
-    inv = 1 / (alpha * alpha)
-    q = (m.x * m.x + m.y * m.y) * inv
-    root = host.distribution_table(q / (1 + q), first + last * alpha)
-    return scale * INV_PI * inv * (root * root)
+    alpha2 = alpha * alpha
+    root = host.distribution_table(sin2 / (sin2 + alpha2), first + last * alpha)
+    return scale * INV_PI / alpha2 * (root * root)
 
 
 def tabled_D_anisotropic(

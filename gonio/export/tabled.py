@@ -48,6 +48,7 @@ from gonio.messages import did_you_mean
 from gonio.model import Model
 from gonio.parts import fresnel
 from gonio.parts.distribution import ALPHA_MIN
+from gonio.parts.frame import half_vector
 
 Array = NDArray[np.float64]
 
@@ -437,11 +438,23 @@ class _Work:
         facets, m = call.arguments
         alphas = [Access(facets, name, "float") for name in widths]
         numbers = [Number(v) for v in self._numbers(number)]
-        return Call(made, (m, *alphas, *numbers), "float")
+        where = m if len(widths) > 1 else self._facet_sin2(m)
+        return Call(made, (where, *alphas, *numbers), "float")
+
+    def _facet_sin2(self, m: Expr) -> Expr:
+        """Of a facet's normal; without making it unit where it is a half vector."""
+        if isinstance(m, Call) and self.reader.origin(m.function) is half_vector:
+            return self._own(table_facets.half_vector_sin2, m.arguments)
+        return self._own(table_facets.facet_sin2, (m,))
+
+    def _own(self, written: Any, vectors: Sequence[Expr]) -> Expr:
+        return Call(
+            self.reader.function_for(written, ["vec3"] * len(vectors)), tuple(vectors), "float"
+        )
 
     def _tabled_D(self, widths: int) -> Function:
         written = table_facets.tabled_D if widths == 1 else table_facets.tabled_D_anisotropic
-        kinds: list[Type | Static] = ["vec3"]
+        kinds: list[Type | Static] = ["float" if widths == 1 else "vec3"]
         kinds += ["float"] * (widths + 3)
         return self.reader.function_for(cast(types.FunctionType, written), [*kinds, HOST])
 
@@ -493,7 +506,8 @@ class _Work:
         exact = Machine().call(block, [dict(zip(names, widths, strict=True)), m])
         machine = Machine({"distribution_table": table.look_up})
         numbers = [np.full(1, v, np.float64) for v in self._numbers(number)]
-        found = machine.call(self._tabled_D(len(names)), [m, *widths, *numbers])
+        where = m if len(names) == 2 else sine * sine
+        found = machine.call(self._tabled_D(len(names)), [where, *widths, *numbers])
         peak = 1 / (np.pi * widths[0] * widths[-1])
         return float(np.max(np.abs(found - exact) / peak))
 
@@ -568,7 +582,11 @@ def _assigned(statements: Iterable[Statement]) -> list[str]:
 
 def _named(reader: Reader, work: _Work, wanted: Sequence[Function]) -> None:
     """Put copies behind what they are copies of, under names that no other function has."""
-    looked_up = [f for f in reader.functions if f.plain.startswith("tabled_D")]
+    looked_up = [
+        f
+        for f in reader.functions
+        if (origin := reader.origin(f)) is not None and origin.__module__ == table_facets.__name__
+    ]
     used = _reached(wanted)
     placed: list[Function] = list(looked_up)
     taken = {f.name for f in reader.functions}

@@ -6,13 +6,13 @@ a table over N.E and shininess.
 """
 
 from gonio.lang import Color, Vec3, select
-from gonio.lights.frames import Frame
+from gonio.lights.frames import AnyFrame
 from gonio.lights.lookups import Lookups
 from gonio.model import Model
 from gonio.parts.image import Glossy
 
 
-def ambient(model: Glossy, frame: Frame, wo: Vec3, radiance: Color, host: Lookups) -> Color:
+def ambient(model: Glossy, frame: AnyFrame, wo: Vec3, radiance: Color, host: Lookups) -> Color:
     """Radiance towards the viewer of a uniform surrounding, for a model with a highlight.
 
     radiance: of the surrounding, linear RGB.
@@ -22,7 +22,7 @@ def ambient(model: Glossy, frame: Frame, wo: Vec3, radiance: Color, host: Lookup
     return select(wo.z > 0, (highlight + lobes.matte) * radiance, 0)
 
 
-def ambient_matte(model: Model, frame: Frame, wo: Vec3, radiance: Color) -> Color:
+def ambient_matte(model: Model, frame: AnyFrame, wo: Vec3, radiance: Color) -> Color:
     """Radiance towards the viewer of a uniform surrounding, for a model without a highlight."""
     return model.albedo(wo) * radiance
 

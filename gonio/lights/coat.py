@@ -7,20 +7,20 @@ would be (`gonio.lights.image`), along the refracted view, through what the coat
 """
 
 from gonio.lang import INV_PI, Color, Vec3, maximum, minimum, select, vec3
-from gonio.lights.frames import Frame, to_world
+from gonio.lights.frames import AnyFrame
 from gonio.lights.lookups import Lookups
 from gonio.lights.sky import Harmonics, irradiance
 from gonio.models.weidlich_wilkie import WeidlichWilkie
 from gonio.parts.image import CoatedGloss, Surfaced
 
 
-def coat(model: CoatedGloss, frame: Frame, wo: Vec3, sky: Harmonics, host: Lookups) -> Color:
+def coat(model: CoatedGloss, frame: AnyFrame, wo: Vec3, sky: Harmonics, host: Lookups) -> Color:
     """Radiance towards the viewer of a picture all around, for a coat over a base with a highlight.
 
     sky: nine spherical harmonics of the radiance around. The table is that of the base's highlight.
     """
     layer = model.image_coat(wo)
-    mirrored = to_world(frame, vec3(-wo.x, -wo.y, wo.z))
+    mirrored = frame.to_world(vec3(-wo.x, -wo.y, wo.z))
     surface = layer.reflected * host.environment(mirrored, model.alpha)
     lobes = model.base.image_lobes(layer.below.z)
     alpha = maximum(lobes.alpha, layer.alpha_below)
@@ -35,23 +35,23 @@ def coat(model: CoatedGloss, frame: Frame, wo: Vec3, sky: Harmonics, host: Looku
 
 
 def coat_matte(
-    model: WeidlichWilkie, frame: Frame, wo: Vec3, sky: Harmonics, host: Lookups
+    model: WeidlichWilkie, frame: AnyFrame, wo: Vec3, sky: Harmonics, host: Lookups
 ) -> Color:
     """Radiance towards the viewer of a picture all around, for a coat over a matte base.
 
     sky: nine spherical harmonics of the radiance around.
     """
     layer = model.image_coat(wo)
-    mirrored = to_world(frame, vec3(-wo.x, -wo.y, wo.z))
+    mirrored = frame.to_world(vec3(-wo.x, -wo.y, wo.z))
     surface = layer.reflected * host.environment(mirrored, model.alpha)
     matte = INV_PI * model.base.albedo(layer.below) * irradiance(sky, frame.normal)
     return select(wo.z > 0, surface + layer.matte * matte, 0)
 
 
-def coat_alone(model: Surfaced, frame: Frame, wo: Vec3, host: Lookups) -> Color:
+def coat_alone(model: Surfaced, frame: AnyFrame, wo: Vec3, host: Lookups) -> Color:
     """Radiance towards the viewer of a picture all around, which the coat alone mirrors (Elek, line 29)."""
     surface = model.image_surface(wo.z)
-    mirrored = to_world(frame, vec3(-wo.x, -wo.y, wo.z))
+    mirrored = frame.to_world(vec3(-wo.x, -wo.y, wo.z))
     return select(wo.z > 0, surface.reflected * host.environment(mirrored, surface.alpha), 0)
 
 

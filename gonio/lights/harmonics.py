@@ -6,7 +6,7 @@ The course stops at the linear harmonics; the quadratic ones are scaled like the
 """
 
 from gonio.lang import INV_PI, Color, Vec3, clamp, maximum, select
-from gonio.lights.frames import Frame
+from gonio.lights.frames import AnyFrame
 from gonio.lights.image_light import (
     harmonic_dc_scale,
     harmonic_dc_scale_cheap,
@@ -21,7 +21,7 @@ CHOICES = {"dc": ("eq27", "eq28"), "linear": ("eq29", "halved")}
 
 def harmonics(
     model: TriAceOrenNayar,
-    frame: Frame,
+    frame: AnyFrame,
     wo: Vec3,
     sky: Harmonics,
     dc: str = "eq27",

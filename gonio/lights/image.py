@@ -5,27 +5,27 @@ and practice". The highlight sees the surroundings as if it were looked at from 
 """
 
 from gonio.lang import INV_PI, Color, Vec3, select, vec3
-from gonio.lights.frames import Frame, to_world
+from gonio.lights.frames import AnyFrame
 from gonio.lights.lookups import Lookups
 from gonio.lights.sky import Harmonics, irradiance
 from gonio.model import Model
 from gonio.parts.image import Glossy
 
 
-def image(model: Glossy, frame: Frame, wo: Vec3, sky: Harmonics, host: Lookups) -> Color:
+def image(model: Glossy, frame: AnyFrame, wo: Vec3, sky: Harmonics, host: Lookups) -> Color:
     """Radiance towards the viewer of a picture all around, for a model with a highlight.
 
     sky: harmonics of the same picture.
     """
     lobes = model.image_lobes(wo.z)
-    mirrored = to_world(frame, vec3(-wo.x, -wo.y, wo.z))
+    mirrored = frame.to_world(vec3(-wo.x, -wo.y, wo.z))
     split = host.split_sum(wo.z, lobes.alpha)
     highlight = model.highlight_albedo(split) * host.environment(mirrored, lobes.alpha)
     matte = INV_PI * lobes.matte * irradiance(sky, frame.normal)
     return select(wo.z > 0, highlight + matte, 0)
 
 
-def image_matte(model: Model, frame: Frame, wo: Vec3, sky: Harmonics) -> Color:
+def image_matte(model: Model, frame: AnyFrame, wo: Vec3, sky: Harmonics) -> Color:
     """Radiance towards the viewer of a picture all around, for a model without a highlight."""
     return INV_PI * model.albedo(wo) * irradiance(sky, frame.normal)
 

@@ -6,7 +6,7 @@ matte part. F of the upper layer is Schlick's at the viewer's cosine; the lower 
 """
 
 from gonio.lang import INV_PI, Color, Vec3, clamp, maximum, select, vec3
-from gonio.lights.frames import Frame, to_world
+from gonio.lights.frames import AnyFrame
 from gonio.lights.image_light import (
     diffuse_image_absorption,
     harmonic_dc_scale,
@@ -21,13 +21,15 @@ from gonio.parts.distribution import blinn_phong_alpha
 from gonio.parts.fresnel import F_schlick, f0_between, f0_from_eta
 
 
-def layered(model: TriAceLayered, frame: Frame, wo: Vec3, sky: Harmonics, host: Lookups) -> Color:
+def layered(
+    model: TriAceLayered, frame: AnyFrame, wo: Vec3, sky: Harmonics, host: Lookups
+) -> Color:
     """Radiance towards the viewer of a picture all around, for tri-Ace's layers.
 
     sky: nine spherical harmonics of the radiance around.
     """
     mu = clamp(wo.z, 0, 1)
-    mirrored = to_world(frame, vec3(-wo.x, -wo.y, wo.z))
+    mirrored = frame.to_world(vec3(-wo.x, -wo.y, wo.z))
     f0 = f0_from_eta(model.top_eta)
     F_top = F_schlick(mu, f0, 1)
     F_bottom = f0_between(model.top_eta, model.bottom_eta) * (1 - f0)

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from gonio.arrays.functions import applied
 from gonio.fields import ModelError
 from gonio.lights.catalogue import Chosen, chosen
-from gonio.lights.frames import surface_frame, to_local
+from gonio.lights.frames import normal_frame, surface_frame
 from gonio.lights.lookups import Lookups
 from gonio.model import Model
 
@@ -67,9 +67,11 @@ def shade(
         places[name] = slice(len(columns), len(columns) + len(fields))
         columns += _split(given[name], len(fields))
 
+    follows = model.follows_tangents()
+
     def run(bound: Any, *values: Any) -> Any:
-        frame = surface_frame(values[0], values[1])
-        wo = to_local(frame, values[2])
+        frame = surface_frame(values[0], values[1]) if follows else normal_frame(values[0])
+        wo = frame.to_local(values[2])
         total = 0
         for light in taken:
             own = [_made(kinds[n], values[places[n]]) for n in light.form.arguments]

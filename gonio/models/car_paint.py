@@ -34,7 +34,6 @@ from gonio.parts.coat import (
     Round,
     attenuation_least,
     facets_of,
-    optical_depth,
     pdf_facet,
     pdf_facets,
     reflected_by,
@@ -225,16 +224,13 @@ class CarPaint(Model):
             return flake_normal_added(self.flake_x, self.flake_y, self.distance)
         return flake_normal(self.flake_x, self.flake_y, self.distance)
 
-    def _optical_depth(self) -> Color:
-        return optical_depth(self.sigma_a, self.thickness)
-
     def _kept(self, wi_t: Vec3, wo_t: Vec3) -> Color:
         """What the coat does not absorb."""
         if self.absorption == "flake":
             n = self._normal()
             wi, wo = self._facing(to_tilted(wi_t, n)), self._facing(to_tilted(wo_t, n))
-            return attenuation(self._optical_depth(), wi, wo)
-        return attenuation(self._optical_depth(), wi_t, wo_t)
+            return attenuation(self.sigma_a, self.thickness, wi, wo)
+        return attenuation(self.sigma_a, self.thickness, wi_t, wo_t)
 
     def _facets(self) -> Round:
         return facets_of(self.alpha, self.distribution)
@@ -273,7 +269,7 @@ class CarPaint(Model):
         mu = wo.z
         if self.transmission == "half_vector":
             mu = usual_cos_half(wo)
-        below = self._T(mu) * average(attenuation_least(self._optical_depth(), wo_t))
+        below = self._T(mu) * average(attenuation_least(self.sigma_a, self.thickness, wo_t))
         tilted = to_tilted(wo_t, self._normal())
         if self.flake_cosine == "light":
             lit = select(tilted.z > 0, below, 0)

@@ -31,7 +31,6 @@ from gonio.parts.coat import (
     Round,
     attenuation_least,
     facets_of,
-    optical_depth,
     pdf_facet,
     pdf_facets,
     reflected_by,
@@ -199,9 +198,6 @@ class Patina(Model):
         """The metal's under the patina, at least as wide as those of the patina itself (Figure 2)."""
         return facets_of(maximum(self._metal_alpha(), self.alpha), self.distribution)
 
-    def _optical_depth(self) -> Color:
-        return optical_depth(self.sigma_a, self.thickness)
-
     def _excess(self) -> Float:
         """The patina's index for refraction, the mean of its channels, minus 1."""
         return average(self.coat_eta - 1)
@@ -234,7 +230,7 @@ class Patina(Model):
         if self.solid_angle == "compressed":
             through = through / (index * index)
         wi_t, wo_t = refract(wi, excess), refract(wo, excess)
-        kept = attenuation(self._optical_depth(), wi_t, wo_t)
+        kept = attenuation(self.sigma_a, self.thickness, wi_t, wo_t)
         both = refracted_sum(wi, wo, excess)
         cos_t = 0.5 * length(both) / index
         F = self._metal_F(cos_t, refracted_sin2_half(wi, wo, excess))
@@ -251,7 +247,7 @@ class Patina(Model):
         bare = self._bare() * average(F_metal)
         coat = grown * average(F)
         diffuse = grown * average((1 - self.sigma_a) * T)
-        kept = attenuation_least(self._optical_depth(), wo_t)
+        kept = attenuation_least(self.sigma_a, self.thickness, wo_t)
         below = grown * average(T * kept * F_metal) + LOBE_MIN
         inside = diffuse + below
         P_bare, P_coat = shares(bare, coat + inside), shares(coat, inside)

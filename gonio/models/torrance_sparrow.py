@@ -208,11 +208,8 @@ class TorranceSparrow(Model):
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """BRDF value in 1/sr, without the cosine."""
-        m = frame.half_vector(wi, wo)
         cos_h = frame.cos_half(wi, wo)
-        single = self._F(cos_h, frame.sin2_half(wi, wo)) * (
-            self._facets().D(m) * self._V(wi, wo, m, cos_h)
-        )
+        single = self._F(cos_h, frame.sin2_half(wi, wo)) * self.highlight(wi, wo)
         if self.compensation == "kulla_conty":
             # Kulla and Conty, pages 8 and 14
             lost = ggx_loss.loss(wi.z, self.alpha) * ggx_loss.loss(wo.z, self.alpha)
@@ -228,8 +225,7 @@ class TorranceSparrow(Model):
 
     def highlight(self, wi: Vec3, wo: Vec3) -> Float:
         """D G / (4 mu_i mu_o): what facets reflect once, without F."""
-        m = frame.half_vector(wi, wo)
-        return self._facets().D(m) * self._V(wi, wo, m, frame.cos_half(wi, wo))
+        return self._facets().D(frame.half_vector(wi, wo)) * self._V(wi, wo)
 
     def highlight_albedo(self, split: Vec2) -> Color:
         """What the highlight reflects of light from everywhere, from its table's A and B."""
@@ -286,8 +282,8 @@ class TorranceSparrow(Model):
 
     def facet_terms(self, wi: Vec3, wo: Vec3) -> dict[str, Float]:
         """D and G of a pair of directions; for plots."""
-        m, cos_h = frame.half_vector(wi, wo), frame.cos_half(wi, wo)
-        return {"D": self._facets().D(m), "G": 4 * wi.z * wo.z * self._V(wi, wo, m, cos_h)}
+        D = self._facets().D(frame.half_vector(wi, wo))
+        return {"D": D, "G": 4 * wi.z * wo.z * self._V(wi, wo)}
 
     def reflectances(self, cos_theta: Float) -> dict[str, Color]:
         """F at a cosine; for plots."""
@@ -296,6 +292,10 @@ class TorranceSparrow(Model):
     def single_scattering(self) -> Model:
         """What facets reflect once."""
         return self.replace(compensation="none")
+
+    def follows_tangents(self) -> bool:
+        """Whether the facets can be stretched."""
+        return self.distribution in ("ggx", "beckmann")
 
     def slope_widths(self) -> Vec2:
         """As the facets' slopes."""
@@ -320,12 +320,12 @@ class TorranceSparrow(Model):
             return RoundBeckmann(self.alpha)
         return self._facets()
 
-    def _V(self, wi: Vec3, wo: Vec3, m: Vec3, cos_h: Float) -> Float:
+    def _V(self, wi: Vec3, wo: Vec3) -> Float:
         """G / (4 mu_i mu_o)."""
         if self.masking == "cook_torrance":
             return masking.V_cook_torrance(wi, wo)
         if self.masking == "kelemen":
-            return masking.V_kelemen(cos_h)
+            return masking.V_kelemen(frame.cos_half(wi, wo))
         if self.masking == "neumann":
             return masking.V_neumann(wi, wo)
         if self.masking == "implicit":

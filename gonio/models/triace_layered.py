@@ -187,7 +187,10 @@ class TriAceLayered(Model):
         """Eq. 2 or 3."""
         if self.absorption == "exact":
             return attenuation(
-                self._optical_depth(), refract(wi, self.top_eta - 1), refract(wo, self.top_eta - 1)
+                self.sigma_a,
+                self.thickness,
+                refract(wi, self.top_eta - 1),
+                refract(wo, self.top_eta - 1),
             )
         return maximum(1 - self._optical_depth() * (1 / wi.z + 1 / wo.z), 0)
 

@@ -179,11 +179,12 @@ class WeidlichWilkie(Model):
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """Eq. 2: BRDF value in 1/sr, without the cosine."""
         wi_t, wo_t = refract(wi, self.eta - 1), refract(wo, self.eta - 1)
-        tau = self._optical_depth()
+        kept = attenuation(self.sigma_a, self.thickness, wi_t, wo_t)
         through = self._transmitted(wi, wo) * self._compression()
-        below = self._below().eval_above(wi_t, wo_t) * (attenuation(tau, wi_t, wo_t) * through)
+        below = self._below().eval_above(wi_t, wo_t) * (kept * through)
         if self.bounces == "diffuse":
-            below = below / (1 - self.base.mean_albedo() * diffuse_return(tau, self.eta))
+            back = diffuse_return(self._optical_depth(), self.eta)
+            below = below / (1 - self.base.mean_albedo() * back)
         if self.interface == "smooth":
             return below
         cos_h = cos_half(wi, wo)
@@ -197,7 +198,7 @@ class WeidlichWilkie(Model):
         T = self._T(wo.z)
         # In the mirror direction wi' is as steep as wo', and solid angles are eta^2 times as wide outside.
         stretch = self.eta * self.eta * compression
-        glossy = T * T * stretch * attenuation(tau, wo_t, wo_t)
+        glossy = T * T * stretch * attenuation(self.sigma_a, self.thickness, wo_t, wo_t)
         if self.transmission == "both_ways":
             through = T * (1 - diffuse_reflectance(self.eta))
         else:
@@ -368,6 +369,8 @@ class WeidlichWilkie(Model):
         mu = wo.z
         if self.transmission == "half_vector":
             mu = usual_cos_half(wo)
-        through = self._gray(self._T(mu)) * average(attenuation_least(self._optical_depth(), wo_t))
+        through = self._gray(self._T(mu)) * average(
+            attenuation_least(self.sigma_a, self.thickness, wo_t)
+        )
         reflected = maximum(self._gray(self._F(wo.z)), COAT_SHARE_MIN * through + LOBE_MIN)
         return shares(reflected, through)

@@ -84,9 +84,9 @@ def optical_depth(sigma_a: Color, thickness: Float) -> Color:
     return sigma_a * vec3(thickness, thickness, thickness)
 
 
-def attenuation_least(optical_depth: Color, wo: Vec3) -> Color:
+def attenuation_least(sigma_a: Color, thickness: Float, wo: Vec3) -> Color:
     """The most that `attenuation` leaves of light that goes out along wo: it came in along the normal."""
-    return attenuation(optical_depth, vec3(0, 0, 1), wo)
+    return attenuation(sigma_a, thickness, vec3(0, 0, 1), wo)
 
 
 def usual_cos_half(wo: Vec3) -> Float:

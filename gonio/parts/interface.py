@@ -84,12 +84,12 @@ def _eta2_cos2(mu: Float, excess: Float) -> Float:
     return fma(mu, mu, _contrast(excess))
 
 
-def attenuation(optical_depth: Color, wi: Vec3, wo: Vec3) -> Color:
-    """exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+def attenuation(sigma_a: Color, thickness: Float, wi: Vec3, wo: Vec3) -> Color:
+    """exp(-sigma_a d (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 
-    wi, wo: refracted directions. optical_depth: absorption times thickness.
+    wi, wo: refracted directions. sigma_a: absorption per unit of the thickness d.
     """
-    return exp(-optical_depth * (1 / wi.z + 1 / wo.z))
+    return exp(-sigma_a * (thickness * (1 / wi.z + 1 / wo.z)))
 
 
 # --- diffuse light -------------------------------------------------------------------------------------

@@ -47,7 +47,8 @@ def G_cook_torrance(wi: Vec3, wo: Vec3) -> Float:
     """Of V-grooves: min(1, 2 m.z mu_o / wo.m, 2 m.z mu_i / wo.m)."""
     # 2 m.z / wo.m = 4 h.z / |h|^2, without a root
     h = wi + wo
-    return minimum(4 * h.z * minimum(wi.z, wo.z) / dot(h, h), 1)
+    # The 4 comes last: V takes a quarter of it, and a compiler both away
+    return 4 * minimum(h.z * minimum(wi.z, wo.z) / dot(h, h), 0.25)
 
 
 def lost_cook_torrance(wi: Vec3, wo: Vec3) -> Float:

@@ -278,22 +278,11 @@ float car_paint_flake(CarPaint params, vec3 wi_t, vec3 wo_t, vec3 both) {
     return tilted_o.z > 0.0 ? f * visible : 0.0;
 }
 
-// Absorption times thickness, for each channel.
-vec3 car_paint_coat_optical_depth(vec3 sigma_a, float thickness) {
-    return sigma_a * vec3(thickness, thickness, thickness);
-}
-
-// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+// exp(-sigma_a d (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
-// wi, wo: refracted directions. optical_depth: absorption times thickness.
-vec3 car_paint_attenuation(vec3 optical_depth, vec3 wi, vec3 wo) {
-    return exp(-optical_depth * (1.0 / wi.z + 1.0 / wo.z));
-}
-
-// What the coat does not absorb.
-vec3 car_paint_kept(CarPaint params, vec3 wi_t, vec3 wo_t) {
-    return car_paint_attenuation(car_paint_coat_optical_depth(params.sigma_a, params.thickness),
-        wi_t, wo_t);
+// wi, wo: refracted directions. sigma_a: absorption per unit of the thickness d.
+vec3 car_paint_attenuation(vec3 sigma_a, float thickness, vec3 wi, vec3 wo) {
+    return exp(-sigma_a * (thickness * (1.0 / wi.z + 1.0 / wo.z)));
 }
 
 // Eq. 2 with a tilted base: BRDF value in 1/sr, without the cosine.
@@ -321,14 +310,15 @@ vec3 car_paint_eval(CarPaint params, vec3 wi, vec3 wo) {
     float sin2 = car_paint_refracted_sin2_half(wi, wo, excess);
     vec3 F = car_paint_F_conductor_half(cos_t, sin2, metal_eta, metal_k);
     vec3 flake = F * car_paint_flake(params, wi_t, wo_t, both);
-    return coat + flake * (car_paint_kept(params, wi_t, wo_t) * through);
+    return coat + flake * (car_paint_attenuation(params.sigma_a, params.thickness, wi_t, wo_t)
+        * through);
 }
 
 // ---- sampling ------------------------------------------------------------------------------
 
 // The most that car_paint_attenuation leaves of light that goes out along wo: it came in along the normal.
-vec3 car_paint_attenuation_least(vec3 optical_depth, vec3 wo) {
-    return car_paint_attenuation(optical_depth, vec3(0.0, 0.0, 1.0), wo);
+vec3 car_paint_attenuation_least(vec3 sigma_a, float thickness, vec3 wo) {
+    return car_paint_attenuation(sigma_a, thickness, vec3(0.0, 0.0, 1.0), wo);
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -367,8 +357,7 @@ vec2 car_paint_shares(CarPaint params, vec3 wo, vec3 wo_t) {
     const float LOBE_MIN = 1.0e-12;
     float mu = wo.z;
     float below = car_paint_transmittance_entering(mu, params.eta)
-        * car_paint_average(car_paint_attenuation_least(car_paint_coat_optical_depth(params.sigma_a,
-            params.thickness), wo_t));
+        * car_paint_average(car_paint_attenuation_least(params.sigma_a, params.thickness, wo_t));
     vec3 tilted = car_paint_to_tilted(wo_t,
         car_paint_flake_normal(params.flake_x, params.flake_y, params.distance));
     float lit = below * car_paint_seen(tilted.z, wo_t.z);

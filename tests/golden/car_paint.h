@@ -408,22 +408,11 @@ inline float car_paint_flake(const CarPaint& params, Vec3 wi_t, Vec3 wo_t, Vec3 
     return tilted_o.z > 0.0f ? f * visible_ : 0.0f;
 }
 
-// Absorption times thickness, for each channel.
-inline Vec3 car_paint_coat_optical_depth(Vec3 sigma_a, float thickness) {
-    return sigma_a * Vec3{thickness, thickness, thickness};
-}
-
-// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+// exp(-sigma_a d (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
-// wi, wo: refracted directions. optical_depth: absorption times thickness.
-inline Vec3 car_paint_attenuation(Vec3 optical_depth, Vec3 wi, Vec3 wo) {
-    return exp(-optical_depth * (1.0f / wi.z + 1.0f / wo.z));
-}
-
-// What the coat does not absorb.
-inline Vec3 car_paint_kept(const CarPaint& params, Vec3 wi_t, Vec3 wo_t) {
-    return car_paint_attenuation(car_paint_coat_optical_depth(params.sigma_a, params.thickness),
-        wi_t, wo_t);
+// wi, wo: refracted directions. sigma_a: absorption per unit of the thickness d.
+inline Vec3 car_paint_attenuation(Vec3 sigma_a, float thickness, Vec3 wi, Vec3 wo) {
+    return exp(-sigma_a * (thickness * (1.0f / wi.z + 1.0f / wo.z)));
 }
 
 // Eq. 2 with a tilted base: BRDF value in 1/sr, without the cosine.
@@ -450,14 +439,15 @@ inline Vec3 car_paint_eval(const CarPaint& params, Vec3 wi, Vec3 wo) {
     float sin2 = car_paint_refracted_sin2_half(wi, wo, excess);
     Vec3 F = car_paint_F_conductor_half(cos_t, sin2, metal_eta, metal_k);
     Vec3 flake = F * car_paint_flake(params, wi_t, wo_t, both);
-    return coat + flake * (car_paint_kept(params, wi_t, wo_t) * through);
+    return coat + flake * (car_paint_attenuation(params.sigma_a, params.thickness, wi_t, wo_t)
+        * through);
 }
 
 // ---- sampling ------------------------------------------------------------------------------
 
 // The most that car_paint_attenuation leaves of light that goes out along wo: it came in along the normal.
-inline Vec3 car_paint_attenuation_least(Vec3 optical_depth, Vec3 wo) {
-    return car_paint_attenuation(optical_depth, Vec3{0.0f, 0.0f, 1.0f}, wo);
+inline Vec3 car_paint_attenuation_least(Vec3 sigma_a, float thickness, Vec3 wo) {
+    return car_paint_attenuation(sigma_a, thickness, Vec3{0.0f, 0.0f, 1.0f}, wo);
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -484,8 +474,7 @@ inline Vec2 car_paint_lobes_shares(float first, float second) {
 inline Vec2 car_paint_shares(const CarPaint& params, Vec3 wo, Vec3 wo_t) {
     float mu = wo.z;
     float below = car_paint_transmittance_entering(mu, params.eta)
-        * car_paint_average(car_paint_attenuation_least(car_paint_coat_optical_depth(params.sigma_a,
-            params.thickness), wo_t));
+        * car_paint_average(car_paint_attenuation_least(params.sigma_a, params.thickness, wo_t));
     Vec3 tilted = car_paint_to_tilted(wo_t,
         car_paint_flake_normal(params.flake_x, params.flake_y, params.distance));
     float lit = below * car_paint_seen(tilted.z, wo_t.z);

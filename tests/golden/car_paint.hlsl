@@ -284,22 +284,11 @@ float car_paint_flake(CarPaint params, float3 wi_t, float3 wo_t, float3 both) {
     return tilted_o.z > 0.0 ? f * visible : 0.0;
 }
 
-// Absorption times thickness, for each channel.
-float3 car_paint_coat_optical_depth(float3 sigma_a, float thickness) {
-    return sigma_a * float3(thickness, thickness, thickness);
-}
-
-// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+// exp(-sigma_a d (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
-// wi, wo: refracted directions. optical_depth: absorption times thickness.
-float3 car_paint_attenuation(float3 optical_depth, float3 wi, float3 wo) {
-    return exp(-optical_depth * (1.0 / wi.z + 1.0 / wo.z));
-}
-
-// What the coat does not absorb.
-float3 car_paint_kept(CarPaint params, float3 wi_t, float3 wo_t) {
-    return car_paint_attenuation(car_paint_coat_optical_depth(params.sigma_a, params.thickness),
-        wi_t, wo_t);
+// wi, wo: refracted directions. sigma_a: absorption per unit of the thickness d.
+float3 car_paint_attenuation(float3 sigma_a, float thickness, float3 wi, float3 wo) {
+    return exp(-sigma_a * (thickness * (1.0 / wi.z + 1.0 / wo.z)));
 }
 
 // Eq. 2 with a tilted base: BRDF value in 1/sr, without the cosine.
@@ -327,14 +316,15 @@ float3 car_paint_eval(CarPaint params, float3 wi, float3 wo) {
     float sin2 = car_paint_refracted_sin2_half(wi, wo, excess);
     float3 F = car_paint_F_conductor_half(cos_t, sin2, metal_eta, metal_k);
     float3 flake = F * car_paint_flake(params, wi_t, wo_t, both);
-    return coat + flake * (car_paint_kept(params, wi_t, wo_t) * through);
+    return coat + flake * (car_paint_attenuation(params.sigma_a, params.thickness, wi_t, wo_t)
+        * through);
 }
 
 // ---- sampling ------------------------------------------------------------------------------
 
 // The most that car_paint_attenuation leaves of light that goes out along wo: it came in along the normal.
-float3 car_paint_attenuation_least(float3 optical_depth, float3 wo) {
-    return car_paint_attenuation(optical_depth, float3(0.0, 0.0, 1.0), wo);
+float3 car_paint_attenuation_least(float3 sigma_a, float thickness, float3 wo) {
+    return car_paint_attenuation(sigma_a, thickness, float3(0.0, 0.0, 1.0), wo);
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -373,8 +363,7 @@ float2 car_paint_shares(CarPaint params, float3 wo, float3 wo_t) {
     const float LOBE_MIN = 1.0e-12;
     float mu = wo.z;
     float below = car_paint_transmittance_entering(mu, params.eta)
-        * car_paint_average(car_paint_attenuation_least(car_paint_coat_optical_depth(params.sigma_a,
-            params.thickness), wo_t));
+        * car_paint_average(car_paint_attenuation_least(params.sigma_a, params.thickness, wo_t));
     float3 tilted = car_paint_to_tilted(wo_t,
         car_paint_flake_normal(params.flake_x, params.flake_y, params.distance));
     float lit = below * car_paint_seen(tilted.z, wo_t.z);

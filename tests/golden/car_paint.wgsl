@@ -278,22 +278,11 @@ fn car_paint_flake(params: CarPaint, wi_t: vec3f, wo_t: vec3f, both: vec3f) -> f
     return select(0.0, f * visible, tilted_o.z > 0.0);
 }
 
-// Absorption times thickness, for each channel.
-fn car_paint_coat_optical_depth(sigma_a: vec3f, thickness: f32) -> vec3f {
-    return sigma_a * vec3f(thickness, thickness, thickness);
-}
-
-// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+// exp(-sigma_a d (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
-// wi, wo: refracted directions. optical_depth: absorption times thickness.
-fn car_paint_attenuation(optical_depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
-    return exp(-optical_depth * (1.0 / wi.z + 1.0 / wo.z));
-}
-
-// What the coat does not absorb.
-fn car_paint_kept(params: CarPaint, wi_t: vec3f, wo_t: vec3f) -> vec3f {
-    return car_paint_attenuation(car_paint_coat_optical_depth(params.sigma_a, params.thickness),
-        wi_t, wo_t);
+// wi, wo: refracted directions. sigma_a: absorption per unit of the thickness d.
+fn car_paint_attenuation(sigma_a: vec3f, thickness: f32, wi: vec3f, wo: vec3f) -> vec3f {
+    return exp(-sigma_a * (thickness * (1.0 / wi.z + 1.0 / wo.z)));
 }
 
 // Eq. 2 with a tilted base: BRDF value in 1/sr, without the cosine.
@@ -321,14 +310,15 @@ fn car_paint_eval(params: CarPaint, wi: vec3f, wo: vec3f) -> vec3f {
     let sin2 = car_paint_refracted_sin2_half(wi, wo, excess);
     let F = car_paint_F_conductor_half(cos_t, sin2, metal_eta, metal_k);
     let flake = F * car_paint_flake(params, wi_t, wo_t, both);
-    return coat + flake * (car_paint_kept(params, wi_t, wo_t) * through);
+    return coat + flake * (car_paint_attenuation(params.sigma_a, params.thickness, wi_t, wo_t)
+        * through);
 }
 
 // ---- sampling ------------------------------------------------------------------------------
 
 // The most that car_paint_attenuation leaves of light that goes out along wo: it came in along the normal.
-fn car_paint_attenuation_least(optical_depth: vec3f, wo: vec3f) -> vec3f {
-    return car_paint_attenuation(optical_depth, vec3f(0.0, 0.0, 1.0), wo);
+fn car_paint_attenuation_least(sigma_a: vec3f, thickness: f32, wo: vec3f) -> vec3f {
+    return car_paint_attenuation(sigma_a, thickness, vec3f(0.0, 0.0, 1.0), wo);
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -367,8 +357,7 @@ fn car_paint_shares(params: CarPaint, wo: vec3f, wo_t: vec3f) -> vec2f {
     const LOBE_MIN = 1.0e-12;
     let mu = wo.z;
     let below = car_paint_transmittance_entering(mu, params.eta)
-        * car_paint_average(car_paint_attenuation_least(car_paint_coat_optical_depth(params.sigma_a,
-            params.thickness), wo_t));
+        * car_paint_average(car_paint_attenuation_least(params.sigma_a, params.thickness, wo_t));
     let tilted = car_paint_to_tilted(wo_t,
         car_paint_flake_normal(params.flake_x, params.flake_y, params.distance));
     let lit = below * car_paint_seen(tilted.z, wo_t.z);

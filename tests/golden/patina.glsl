@@ -268,16 +268,11 @@ vec3 patina_refract(vec3 w, float excess) {
     return vec3(w.x, w.y, sqrt(patina_eta2_cos2(w.z, excess))) / (1.0 + excess);
 }
 
-// Absorption times thickness, for each channel.
-vec3 patina_coat_optical_depth(vec3 sigma_a, float thickness) {
-    return sigma_a * vec3(thickness, thickness, thickness);
-}
-
-// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+// exp(-sigma_a d (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
-// wi, wo: refracted directions. optical_depth: absorption times thickness.
-vec3 patina_attenuation(vec3 optical_depth, vec3 wi, vec3 wo) {
-    return exp(-optical_depth * (1.0 / wi.z + 1.0 / wo.z));
+// wi, wo: refracted directions. sigma_a: absorption per unit of the thickness d.
+vec3 patina_attenuation(vec3 sigma_a, float thickness, vec3 wi, vec3 wo) {
+    return exp(-sigma_a * (thickness * (1.0 / wi.z + 1.0 / wo.z)));
 }
 
 // eta times the sum of both refracted directions, which has their half vector's direction.
@@ -321,8 +316,7 @@ vec3 patina_coated(Patina params, vec3 wi, vec3 wo) {
     through = through / (index * index);
     vec3 wi_t = patina_refract(wi, excess);
     vec3 wo_t = patina_refract(wo, excess);
-    vec3 kept = patina_attenuation(patina_coat_optical_depth(params.sigma_a, params.thickness),
-        wi_t, wo_t);
+    vec3 kept = patina_attenuation(params.sigma_a, params.thickness, wi_t, wo_t);
     vec3 both = patina_refracted_sum(wi, wo, excess);
     float cos_t = 0.5 * length(both) / index;
     vec3 F = patina_metal_F(params, cos_t, patina_refracted_sin2_half(wi, wo, excess));
@@ -355,8 +349,8 @@ float patina_usual_cos_half(vec3 wo) {
 }
 
 // The most that patina_attenuation leaves of light that goes out along wo: it came in along the normal.
-vec3 patina_attenuation_least(vec3 optical_depth, vec3 wo) {
-    return patina_attenuation(optical_depth, vec3(0.0, 0.0, 1.0), wo);
+vec3 patina_attenuation_least(vec3 sigma_a, float thickness, vec3 wo) {
+    return patina_attenuation(sigma_a, thickness, vec3(0.0, 0.0, 1.0), wo);
 }
 
 float patina_raised(float probability) {
@@ -393,8 +387,7 @@ PatinaShares patina_shares(Patina params, vec3 wo) {
     float bare = patina_bare(params) * patina_average(F_metal);
     float coat = grown * patina_average(F);
     float diffuse = grown * patina_average((1.0 - params.sigma_a) * T);
-    vec3 kept = patina_attenuation_least(patina_coat_optical_depth(params.sigma_a,
-        params.thickness), wo_t);
+    vec3 kept = patina_attenuation_least(params.sigma_a, params.thickness, wo_t);
     float below = grown * patina_average(T * kept * F_metal) + LOBE_MIN;
     float inside = diffuse + below;
     vec2 P_bare = patina_lobes_shares(bare, coat + inside);

@@ -409,16 +409,11 @@ inline Vec3 patina_refract(Vec3 w, float excess) {
     return Vec3{w.x, w.y, sqrtf(patina_eta2_cos2(w.z, excess))} / (1.0f + excess);
 }
 
-// Absorption times thickness, for each channel.
-inline Vec3 patina_coat_optical_depth(Vec3 sigma_a, float thickness) {
-    return sigma_a * Vec3{thickness, thickness, thickness};
-}
-
-// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+// exp(-sigma_a d (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
-// wi, wo: refracted directions. optical_depth: absorption times thickness.
-inline Vec3 patina_attenuation(Vec3 optical_depth, Vec3 wi, Vec3 wo) {
-    return exp(-optical_depth * (1.0f / wi.z + 1.0f / wo.z));
+// wi, wo: refracted directions. sigma_a: absorption per unit of the thickness d.
+inline Vec3 patina_attenuation(Vec3 sigma_a, float thickness, Vec3 wi, Vec3 wo) {
+    return exp(-sigma_a * (thickness * (1.0f / wi.z + 1.0f / wo.z)));
 }
 
 // eta times the sum of both refracted directions, which has their half vector's direction.
@@ -461,8 +456,7 @@ inline Vec3 patina_coated(const Patina& params, Vec3 wi, Vec3 wo) {
     through = through / (index * index);
     Vec3 wi_t = patina_refract(wi, excess);
     Vec3 wo_t = patina_refract(wo, excess);
-    Vec3 kept = patina_attenuation(patina_coat_optical_depth(params.sigma_a, params.thickness),
-        wi_t, wo_t);
+    Vec3 kept = patina_attenuation(params.sigma_a, params.thickness, wi_t, wo_t);
     Vec3 both = patina_refracted_sum(wi, wo, excess);
     float cos_t = 0.5f * length(both) / index;
     Vec3 F = patina_metal_F(params, cos_t, patina_refracted_sin2_half(wi, wo, excess));
@@ -494,8 +488,8 @@ inline float patina_usual_cos_half(Vec3 wo) {
 }
 
 // The most that patina_attenuation leaves of light that goes out along wo: it came in along the normal.
-inline Vec3 patina_attenuation_least(Vec3 optical_depth, Vec3 wo) {
-    return patina_attenuation(optical_depth, Vec3{0.0f, 0.0f, 1.0f}, wo);
+inline Vec3 patina_attenuation_least(Vec3 sigma_a, float thickness, Vec3 wo) {
+    return patina_attenuation(sigma_a, thickness, Vec3{0.0f, 0.0f, 1.0f}, wo);
 }
 
 inline float patina_raised(float probability) {
@@ -523,8 +517,7 @@ inline PatinaShares patina_shares(const Patina& params, Vec3 wo) {
     float bare = patina_bare(params) * patina_average(F_metal);
     float coat = grown * patina_average(F);
     float diffuse = grown * patina_average((1.0f - params.sigma_a) * T);
-    Vec3 kept = patina_attenuation_least(patina_coat_optical_depth(params.sigma_a,
-        params.thickness), wo_t);
+    Vec3 kept = patina_attenuation_least(params.sigma_a, params.thickness, wo_t);
     float below = grown * patina_average(T * kept * F_metal) + LOBE_MIN;
     float inside = diffuse + below;
     Vec2 P_bare = patina_lobes_shares(bare, coat + inside);

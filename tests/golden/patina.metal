@@ -271,16 +271,11 @@ inline float3 patina_refract(float3 w, float excess) {
     return float3(w.x, w.y, sqrt(patina_eta2_cos2(w.z, excess))) / (1.0 + excess);
 }
 
-// Absorption times thickness, for each channel.
-inline float3 patina_coat_optical_depth(float3 sigma_a, float thickness) {
-    return sigma_a * float3(thickness, thickness, thickness);
-}
-
-// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+// exp(-sigma_a d (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
-// wi, wo: refracted directions. optical_depth: absorption times thickness.
-inline float3 patina_attenuation(float3 optical_depth, float3 wi, float3 wo) {
-    return exp(-optical_depth * (1.0 / wi.z + 1.0 / wo.z));
+// wi, wo: refracted directions. sigma_a: absorption per unit of the thickness d.
+inline float3 patina_attenuation(float3 sigma_a, float thickness, float3 wi, float3 wo) {
+    return exp(-sigma_a * (thickness * (1.0 / wi.z + 1.0 / wo.z)));
 }
 
 // eta times the sum of both refracted directions, which has their half vector's direction.
@@ -324,8 +319,7 @@ inline float3 patina_coated(Patina params, float3 wi, float3 wo) {
     through = through / (index * index);
     float3 wi_t = patina_refract(wi, excess);
     float3 wo_t = patina_refract(wo, excess);
-    float3 kept = patina_attenuation(patina_coat_optical_depth(params.sigma_a, params.thickness),
-        wi_t, wo_t);
+    float3 kept = patina_attenuation(params.sigma_a, params.thickness, wi_t, wo_t);
     float3 both = patina_refracted_sum(wi, wo, excess);
     float cos_t = 0.5 * length(both) / index;
     float3 F = patina_metal_F(params, cos_t, patina_refracted_sin2_half(wi, wo, excess));
@@ -358,8 +352,8 @@ inline float patina_usual_cos_half(float3 wo) {
 }
 
 // The most that patina_attenuation leaves of light that goes out along wo: it came in along the normal.
-inline float3 patina_attenuation_least(float3 optical_depth, float3 wo) {
-    return patina_attenuation(optical_depth, float3(0.0, 0.0, 1.0), wo);
+inline float3 patina_attenuation_least(float3 sigma_a, float thickness, float3 wo) {
+    return patina_attenuation(sigma_a, thickness, float3(0.0, 0.0, 1.0), wo);
 }
 
 inline float patina_raised(float probability) {
@@ -396,8 +390,7 @@ inline PatinaShares patina_shares(Patina params, float3 wo) {
     float bare = patina_bare(params) * patina_average(F_metal);
     float coat = grown * patina_average(F);
     float diffuse = grown * patina_average((1.0 - params.sigma_a) * T);
-    float3 kept = patina_attenuation_least(patina_coat_optical_depth(params.sigma_a,
-        params.thickness), wo_t);
+    float3 kept = patina_attenuation_least(params.sigma_a, params.thickness, wo_t);
     float below = grown * patina_average(T * kept * F_metal) + LOBE_MIN;
     float inside = diffuse + below;
     float2 P_bare = patina_lobes_shares(bare, coat + inside);

@@ -268,16 +268,11 @@ fn patina_refract(w: vec3f, excess: f32) -> vec3f {
     return vec3f(w.x, w.y, sqrt(patina_eta2_cos2(w.z, excess))) / (1.0 + excess);
 }
 
-// Absorption times thickness, for each channel.
-fn patina_coat_optical_depth(sigma_a: vec3f, thickness: f32) -> vec3f {
-    return sigma_a * vec3f(thickness, thickness, thickness);
-}
-
-// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+// exp(-sigma_a d (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
-// wi, wo: refracted directions. optical_depth: absorption times thickness.
-fn patina_attenuation(optical_depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
-    return exp(-optical_depth * (1.0 / wi.z + 1.0 / wo.z));
+// wi, wo: refracted directions. sigma_a: absorption per unit of the thickness d.
+fn patina_attenuation(sigma_a: vec3f, thickness: f32, wi: vec3f, wo: vec3f) -> vec3f {
+    return exp(-sigma_a * (thickness * (1.0 / wi.z + 1.0 / wo.z)));
 }
 
 // eta times the sum of both refracted directions, which has their half vector's direction.
@@ -321,8 +316,7 @@ fn patina_coated(params: Patina, wi: vec3f, wo: vec3f) -> vec3f {
     through = through / (index * index);
     let wi_t = patina_refract(wi, excess);
     let wo_t = patina_refract(wo, excess);
-    let kept = patina_attenuation(patina_coat_optical_depth(params.sigma_a, params.thickness), wi_t,
-        wo_t);
+    let kept = patina_attenuation(params.sigma_a, params.thickness, wi_t, wo_t);
     let both = patina_refracted_sum(wi, wo, excess);
     let cos_t = 0.5 * length(both) / index;
     let F = patina_metal_F(params, cos_t, patina_refracted_sin2_half(wi, wo, excess));
@@ -355,8 +349,8 @@ fn patina_usual_cos_half(wo: vec3f) -> f32 {
 }
 
 // The most that patina_attenuation leaves of light that goes out along wo: it came in along the normal.
-fn patina_attenuation_least(optical_depth: vec3f, wo: vec3f) -> vec3f {
-    return patina_attenuation(optical_depth, vec3f(0.0, 0.0, 1.0), wo);
+fn patina_attenuation_least(sigma_a: vec3f, thickness: f32, wo: vec3f) -> vec3f {
+    return patina_attenuation(sigma_a, thickness, vec3f(0.0, 0.0, 1.0), wo);
 }
 
 fn patina_raised(probability: f32) -> f32 {
@@ -393,8 +387,7 @@ fn patina_shares(params: Patina, wo: vec3f) -> PatinaShares {
     let bare = patina_bare(params) * patina_average(F_metal);
     let coat = grown * patina_average(F);
     let diffuse = grown * patina_average((1.0 - params.sigma_a) * T);
-    let kept = patina_attenuation_least(patina_coat_optical_depth(params.sigma_a, params.thickness),
-        wo_t);
+    let kept = patina_attenuation_least(params.sigma_a, params.thickness, wo_t);
     let below = grown * patina_average(T * kept * F_metal) + LOBE_MIN;
     let inside = diffuse + below;
     let P_bare = patina_lobes_shares(bare, coat + inside);

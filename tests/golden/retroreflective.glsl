@@ -64,12 +64,6 @@ vec3 retroreflective_turned(vec3 w) {
     return vec3(-w.x, -w.y, w.z);
 }
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-vec3 retroreflective_half_vector(vec3 wi, vec3 wo) {
-    vec3 h = wi + wo;
-    return h / length(h);  // which retroreflective_cos_half needs as well
-}
-
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float retroreflective_cos_half(vec3 wi, vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
@@ -137,6 +131,12 @@ RetroreflectiveGGX retroreflective_base_facets(RetroreflectiveBase params) {
     return RetroreflectiveGGX(a.x, a.y);
 }
 
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+vec3 retroreflective_half_vector(vec3 wi, vec3 wo) {
+    vec3 h = wi + wo;
+    return h / length(h);  // which retroreflective_cos_half needs as well
+}
+
 // Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
 float retroreflective_ggx_D(RetroreflectiveGGX ggx, vec3 m) {
     const float inv_pi = 0.31830987;
@@ -162,14 +162,17 @@ float retroreflective_base_V(RetroreflectiveBase params, vec3 wi, vec3 wo) {
     return retroreflective_V_smith_correlated(retroreflective_base_facets(params), wi, wo);
 }
 
+// D G / (4 mu_i mu_o): what facets reflect once, without F.
+float retroreflective_base_highlight(RetroreflectiveBase params, vec3 wi, vec3 wo) {
+    return retroreflective_ggx_D(retroreflective_base_facets(params),
+        retroreflective_half_vector(wi, wo)) * retroreflective_base_V(params, wi, wo);
+}
+
 // BRDF value in 1/sr, without the cosine.
 vec3 retroreflective_base_eval_above(RetroreflectiveBase params, vec3 wi, vec3 wo) {
-    vec3 m = retroreflective_half_vector(wi, wo);
     float cos_h = retroreflective_cos_half(wi, wo);
     vec3 single = retroreflective_F_conductor_half(cos_h, retroreflective_sin2_half(wi, wo),
-        params.eta, params.k)
-            * (retroreflective_ggx_D(retroreflective_base_facets(params), m)
-                * retroreflective_base_V(params, wi, wo));
+        params.eta, params.k) * retroreflective_base_highlight(params, wi, wo);
     return single;
 }
 
@@ -300,12 +303,9 @@ vec3 retroreflective_base_eval(RetroreflectiveBase params, vec3 wi, vec3 wo) {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3(0.0);
     }
-    vec3 m = retroreflective_half_vector(wi, wo);
     float cos_h = retroreflective_cos_half(wi, wo);
     vec3 single = retroreflective_F_conductor_half(cos_h, retroreflective_sin2_half(wi, wo),
-        params.eta, params.k)
-            * (retroreflective_ggx_D(retroreflective_base_facets(params), m)
-                * retroreflective_base_V(params, wi, wo));
+        params.eta, params.k) * retroreflective_base_highlight(params, wi, wo);
     return single;
 }
 

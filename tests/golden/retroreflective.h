@@ -176,12 +176,6 @@ inline Vec3 retroreflective_turned(Vec3 w) {
     return Vec3{-w.x, -w.y, w.z};
 }
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline Vec3 retroreflective_half_vector(Vec3 wi, Vec3 wo) {
-    Vec3 h = wi + wo;
-    return h / length(h);  // which retroreflective_cos_half needs as well
-}
-
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float retroreflective_cos_half(Vec3 wi, Vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
@@ -242,6 +236,12 @@ inline RetroreflectiveGGX retroreflective_base_facets(const RetroreflectiveBase&
     return RetroreflectiveGGX{a.x, a.y};
 }
 
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline Vec3 retroreflective_half_vector(Vec3 wi, Vec3 wo) {
+    Vec3 h = wi + wo;
+    return h / length(h);  // which retroreflective_cos_half needs as well
+}
+
 // Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
 inline float retroreflective_ggx_D(RetroreflectiveGGX ggx, Vec3 m) {
     // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
@@ -266,15 +266,19 @@ inline float retroreflective_base_V(const RetroreflectiveBase& params, Vec3 wi, 
     return retroreflective_V_smith_correlated(retroreflective_base_facets(params), wi, wo);
 }
 
+// D G / (4 mu_i mu_o): what facets reflect once, without F.
+inline float retroreflective_base_highlight(const RetroreflectiveBase& params, Vec3 wi,
+    Vec3 wo) {
+    return retroreflective_ggx_D(retroreflective_base_facets(params),
+        retroreflective_half_vector(wi, wo)) * retroreflective_base_V(params, wi, wo);
+}
+
 // BRDF value in 1/sr, without the cosine.
 inline Vec3 retroreflective_base_eval_above(const RetroreflectiveBase& params, Vec3 wi,
     Vec3 wo) {
-    Vec3 m = retroreflective_half_vector(wi, wo);
     float cos_h = retroreflective_cos_half(wi, wo);
     Vec3 single = retroreflective_F_conductor_half(cos_h, retroreflective_sin2_half(wi, wo),
-        params.eta, params.k)
-            * (retroreflective_ggx_D(retroreflective_base_facets(params), m)
-                * retroreflective_base_V(params, wi, wo));
+        params.eta, params.k) * retroreflective_base_highlight(params, wi, wo);
     return single;
 }
 
@@ -401,12 +405,9 @@ inline Vec3 retroreflective_base_eval(const RetroreflectiveBase& params, Vec3 wi
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
-    Vec3 m = retroreflective_half_vector(wi, wo);
     float cos_h = retroreflective_cos_half(wi, wo);
     Vec3 single = retroreflective_F_conductor_half(cos_h, retroreflective_sin2_half(wi, wo),
-        params.eta, params.k)
-            * (retroreflective_ggx_D(retroreflective_base_facets(params), m)
-                * retroreflective_base_V(params, wi, wo));
+        params.eta, params.k) * retroreflective_base_highlight(params, wi, wo);
     return single;
 }
 

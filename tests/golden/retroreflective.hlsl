@@ -68,12 +68,6 @@ float3 retroreflective_turned(float3 w) {
     return float3(-w.x, -w.y, w.z);
 }
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-float3 retroreflective_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
-    return h / length(h);  // which retroreflective_cos_half needs as well
-}
-
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float retroreflective_cos_half(float3 wi, float3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
@@ -144,6 +138,12 @@ RetroreflectiveGGX retroreflective_base_facets(RetroreflectiveBase params) {
     return result;
 }
 
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+float3 retroreflective_half_vector(float3 wi, float3 wo) {
+    float3 h = wi + wo;
+    return h / length(h);  // which retroreflective_cos_half needs as well
+}
+
 // Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
 float retroreflective_ggx_D(RetroreflectiveGGX ggx, float3 m) {
     const float inv_pi = 0.31830987;
@@ -169,14 +169,17 @@ float retroreflective_base_V(RetroreflectiveBase params, float3 wi, float3 wo) {
     return retroreflective_V_smith_correlated(retroreflective_base_facets(params), wi, wo);
 }
 
+// D G / (4 mu_i mu_o): what facets reflect once, without F.
+float retroreflective_base_highlight(RetroreflectiveBase params, float3 wi, float3 wo) {
+    return retroreflective_ggx_D(retroreflective_base_facets(params),
+        retroreflective_half_vector(wi, wo)) * retroreflective_base_V(params, wi, wo);
+}
+
 // BRDF value in 1/sr, without the cosine.
 float3 retroreflective_base_eval_above(RetroreflectiveBase params, float3 wi, float3 wo) {
-    float3 m = retroreflective_half_vector(wi, wo);
     float cos_h = retroreflective_cos_half(wi, wo);
     float3 single = retroreflective_F_conductor_half(cos_h, retroreflective_sin2_half(wi, wo),
-        params.eta, params.k)
-            * (retroreflective_ggx_D(retroreflective_base_facets(params), m)
-                * retroreflective_base_V(params, wi, wo));
+        params.eta, params.k) * retroreflective_base_highlight(params, wi, wo);
     return single;
 }
 
@@ -321,12 +324,9 @@ float3 retroreflective_base_eval(RetroreflectiveBase params, float3 wi, float3 w
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return float3(0.0, 0.0, 0.0);
     }
-    float3 m = retroreflective_half_vector(wi, wo);
     float cos_h = retroreflective_cos_half(wi, wo);
     float3 single = retroreflective_F_conductor_half(cos_h, retroreflective_sin2_half(wi, wo),
-        params.eta, params.k)
-            * (retroreflective_ggx_D(retroreflective_base_facets(params), m)
-                * retroreflective_base_V(params, wi, wo));
+        params.eta, params.k) * retroreflective_base_highlight(params, wi, wo);
     return single;
 }
 

@@ -63,12 +63,6 @@ fn retroreflective_turned(w: vec3f) -> vec3f {
     return vec3f(-w.x, -w.y, w.z);
 }
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-fn retroreflective_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    let h = wi + wo;
-    return h / length(h);  // which retroreflective_cos_half needs as well
-}
-
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn retroreflective_cos_half(wi: vec3f, wo: vec3f) -> f32 {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
@@ -136,6 +130,12 @@ fn retroreflective_base_facets(params: RetroreflectiveBase) -> RetroreflectiveGG
     return RetroreflectiveGGX(a.x, a.y);
 }
 
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn retroreflective_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    let h = wi + wo;
+    return h / length(h);  // which retroreflective_cos_half needs as well
+}
+
 // Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
 fn retroreflective_ggx_D(ggx: RetroreflectiveGGX, m: vec3f) -> f32 {
     const inv_pi = 0.31830987;
@@ -161,14 +161,17 @@ fn retroreflective_base_V(params: RetroreflectiveBase, wi: vec3f, wo: vec3f) -> 
     return retroreflective_V_smith_correlated(retroreflective_base_facets(params), wi, wo);
 }
 
+// D G / (4 mu_i mu_o): what facets reflect once, without F.
+fn retroreflective_base_highlight(params: RetroreflectiveBase, wi: vec3f, wo: vec3f) -> f32 {
+    return retroreflective_ggx_D(retroreflective_base_facets(params),
+        retroreflective_half_vector(wi, wo)) * retroreflective_base_V(params, wi, wo);
+}
+
 // BRDF value in 1/sr, without the cosine.
 fn retroreflective_base_eval_above(params: RetroreflectiveBase, wi: vec3f, wo: vec3f) -> vec3f {
-    let m = retroreflective_half_vector(wi, wo);
     let cos_h = retroreflective_cos_half(wi, wo);
     let single = retroreflective_F_conductor_half(cos_h, retroreflective_sin2_half(wi, wo),
-        params.eta, params.k)
-            * (retroreflective_ggx_D(retroreflective_base_facets(params), m)
-                * retroreflective_base_V(params, wi, wo));
+        params.eta, params.k) * retroreflective_base_highlight(params, wi, wo);
     return single;
 }
 
@@ -304,12 +307,9 @@ fn retroreflective_base_eval(params: RetroreflectiveBase, wi: vec3f, wo: vec3f) 
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
-    let m = retroreflective_half_vector(wi, wo);
     let cos_h = retroreflective_cos_half(wi, wo);
     let single = retroreflective_F_conductor_half(cos_h, retroreflective_sin2_half(wi, wo),
-        params.eta, params.k)
-            * (retroreflective_ggx_D(retroreflective_base_facets(params), m)
-                * retroreflective_base_V(params, wi, wo));
+        params.eta, params.k) * retroreflective_base_highlight(params, wi, wo);
     return single;
 }
 

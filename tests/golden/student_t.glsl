@@ -98,7 +98,8 @@ float student_t_D(StudentT params, vec3 m) {
 float student_t_G_cook_torrance(vec3 wi, vec3 wo) {
     // 2 m.z / wo.m = 4 h.z / |h|^2, without a root
     vec3 h = wi + wo;
-    return min(4.0 * h.z * min(wi.z, wo.z) / dot(h, h), 1.0);
+    // The 4 comes last: V takes a quarter of it, and a compiler both away
+    return 4.0 * min(h.z * min(wi.z, wo.z) / dot(h, h), 0.25);
 }
 
 // G over 4 mu_i mu_o.

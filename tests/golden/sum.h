@@ -204,12 +204,6 @@ inline Vec3 sum_first_eval_above(const SumFirst& params) {
     return params.rho * inv_pi;
 }
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline Vec3 sum_half_vector(Vec3 wi, Vec3 wo) {
-    Vec3 h = wi + wo;
-    return h / length(h);  // which sum_cos_half needs as well
-}
-
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float sum_cos_half(Vec3 wi, Vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
@@ -268,6 +262,12 @@ inline SumGGX sum_second_facets(const SumSecond& params) {
     return SumGGX{a.x, a.y};
 }
 
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline Vec3 sum_half_vector(Vec3 wi, Vec3 wo) {
+    Vec3 h = wi + wo;
+    return h / length(h);  // which sum_cos_half needs as well
+}
+
 // Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
 inline float sum_ggx_D(SumGGX ggx, Vec3 m) {
     // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
@@ -291,12 +291,17 @@ inline float sum_second_V(const SumSecond& params, Vec3 wi, Vec3 wo) {
     return sum_V_smith_correlated(sum_second_facets(params), wi, wo);
 }
 
+// D G / (4 mu_i mu_o): what facets reflect once, without F.
+inline float sum_second_highlight(const SumSecond& params, Vec3 wi, Vec3 wo) {
+    return sum_ggx_D(sum_second_facets(params), sum_half_vector(wi, wo))
+        * sum_second_V(params, wi, wo);
+}
+
 // BRDF value in 1/sr, without the cosine.
 inline Vec3 sum_second_eval_above(const SumSecond& params, Vec3 wi, Vec3 wo) {
-    Vec3 m = sum_half_vector(wi, wo);
     float cos_h = sum_cos_half(wi, wo);
     Vec3 single = sum_F_conductor_half(cos_h, sum_sin2_half(wi, wo), params.eta, params.k)
-        * (sum_ggx_D(sum_second_facets(params), m) * sum_second_V(params, wi, wo));
+        * sum_second_highlight(params, wi, wo);
     return single;
 }
 
@@ -491,10 +496,9 @@ inline Vec3 sum_second_eval(const SumSecond& params, Vec3 wi, Vec3 wo) {
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
-    Vec3 m = sum_half_vector(wi, wo);
     float cos_h = sum_cos_half(wi, wo);
     Vec3 single = sum_F_conductor_half(cos_h, sum_sin2_half(wi, wo), params.eta, params.k)
-        * (sum_ggx_D(sum_second_facets(params), m) * sum_second_V(params, wi, wo));
+        * sum_second_highlight(params, wi, wo);
     return single;
 }
 

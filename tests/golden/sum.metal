@@ -85,12 +85,6 @@ inline float3 sum_first_eval_above(SumFirst params) {
     return params.rho * inv_pi;
 }
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline float3 sum_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
-    return h / length(h);  // which sum_cos_half needs as well
-}
-
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float sum_cos_half(float3 wi, float3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
@@ -156,6 +150,12 @@ inline SumGGX sum_second_facets(SumSecond params) {
     return SumGGX{a.x, a.y};
 }
 
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline float3 sum_half_vector(float3 wi, float3 wo) {
+    float3 h = wi + wo;
+    return h / length(h);  // which sum_cos_half needs as well
+}
+
 // Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
 inline float sum_ggx_D(SumGGX ggx, float3 m) {
     const float inv_pi = 0.31830987;
@@ -180,12 +180,17 @@ inline float sum_second_V(SumSecond params, float3 wi, float3 wo) {
     return sum_V_smith_correlated(sum_second_facets(params), wi, wo);
 }
 
+// D G / (4 mu_i mu_o): what facets reflect once, without F.
+inline float sum_second_highlight(SumSecond params, float3 wi, float3 wo) {
+    return sum_ggx_D(sum_second_facets(params), sum_half_vector(wi, wo))
+        * sum_second_V(params, wi, wo);
+}
+
 // BRDF value in 1/sr, without the cosine.
 inline float3 sum_second_eval_above(SumSecond params, float3 wi, float3 wo) {
-    float3 m = sum_half_vector(wi, wo);
     float cos_h = sum_cos_half(wi, wo);
     float3 single = sum_F_conductor_half(cos_h, sum_sin2_half(wi, wo), params.eta, params.k)
-        * (sum_ggx_D(sum_second_facets(params), m) * sum_second_V(params, wi, wo));
+        * sum_second_highlight(params, wi, wo);
     return single;
 }
 
@@ -405,10 +410,9 @@ inline float3 sum_second_eval(SumSecond params, float3 wi, float3 wo) {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return float3(0.0);
     }
-    float3 m = sum_half_vector(wi, wo);
     float cos_h = sum_cos_half(wi, wo);
     float3 single = sum_F_conductor_half(cos_h, sum_sin2_half(wi, wo), params.eta, params.k)
-        * (sum_ggx_D(sum_second_facets(params), m) * sum_second_V(params, wi, wo));
+        * sum_second_highlight(params, wi, wo);
     return single;
 }
 

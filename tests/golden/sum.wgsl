@@ -82,12 +82,6 @@ fn sum_first_eval_above(params: SumFirst) -> vec3f {
     return params.rho * inv_pi;
 }
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-fn sum_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    let h = wi + wo;
-    return h / length(h);  // which sum_cos_half needs as well
-}
-
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn sum_cos_half(wi: vec3f, wo: vec3f) -> f32 {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
@@ -153,6 +147,12 @@ fn sum_second_facets(params: SumSecond) -> SumGGX {
     return SumGGX(a.x, a.y);
 }
 
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn sum_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    let h = wi + wo;
+    return h / length(h);  // which sum_cos_half needs as well
+}
+
 // Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
 fn sum_ggx_D(ggx: SumGGX, m: vec3f) -> f32 {
     const inv_pi = 0.31830987;
@@ -177,12 +177,17 @@ fn sum_second_V(params: SumSecond, wi: vec3f, wo: vec3f) -> f32 {
     return sum_V_smith_correlated(sum_second_facets(params), wi, wo);
 }
 
+// D G / (4 mu_i mu_o): what facets reflect once, without F.
+fn sum_second_highlight(params: SumSecond, wi: vec3f, wo: vec3f) -> f32 {
+    return sum_ggx_D(sum_second_facets(params), sum_half_vector(wi, wo))
+        * sum_second_V(params, wi, wo);
+}
+
 // BRDF value in 1/sr, without the cosine.
 fn sum_second_eval_above(params: SumSecond, wi: vec3f, wo: vec3f) -> vec3f {
-    let m = sum_half_vector(wi, wo);
     let cos_h = sum_cos_half(wi, wo);
     let single = sum_F_conductor_half(cos_h, sum_sin2_half(wi, wo), params.eta, params.k)
-        * (sum_ggx_D(sum_second_facets(params), m) * sum_second_V(params, wi, wo));
+        * sum_second_highlight(params, wi, wo);
     return single;
 }
 
@@ -401,10 +406,9 @@ fn sum_second_eval(params: SumSecond, wi: vec3f, wo: vec3f) -> vec3f {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
-    let m = sum_half_vector(wi, wo);
     let cos_h = sum_cos_half(wi, wo);
     let single = sum_F_conductor_half(cos_h, sum_sin2_half(wi, wo), params.eta, params.k)
-        * (sum_ggx_D(sum_second_facets(params), m) * sum_second_V(params, wi, wo));
+        * sum_second_highlight(params, wi, wo);
     return single;
 }
 

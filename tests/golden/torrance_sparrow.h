@@ -160,12 +160,6 @@ struct TorranceSparrowGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline Vec3 torrance_sparrow_half_vector(Vec3 wi, Vec3 wo) {
-    Vec3 h = wi + wo;
-    return h / length(h);  // which torrance_sparrow_cos_half needs as well
-}
-
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float torrance_sparrow_cos_half(Vec3 wi, Vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
@@ -226,6 +220,12 @@ inline TorranceSparrowGGX torrance_sparrow_facets(const TorranceSparrow& params)
     return TorranceSparrowGGX{a.x, a.y};
 }
 
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline Vec3 torrance_sparrow_half_vector(Vec3 wi, Vec3 wo) {
+    Vec3 h = wi + wo;
+    return h / length(h);  // which torrance_sparrow_cos_half needs as well
+}
+
 // Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
 inline float torrance_sparrow_ggx_D(TorranceSparrowGGX ggx, Vec3 m) {
     // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
@@ -250,17 +250,20 @@ inline float torrance_sparrow_V(const TorranceSparrow& params, Vec3 wi, Vec3 wo)
     return torrance_sparrow_V_smith_correlated(torrance_sparrow_facets(params), wi, wo);
 }
 
+// D G / (4 mu_i mu_o): what facets reflect once, without F.
+inline float torrance_sparrow_highlight(const TorranceSparrow& params, Vec3 wi, Vec3 wo) {
+    return torrance_sparrow_ggx_D(torrance_sparrow_facets(params),
+        torrance_sparrow_half_vector(wi, wo)) * torrance_sparrow_V(params, wi, wo);
+}
+
 // BRDF value in 1/sr, without the cosine.
 inline Vec3 torrance_sparrow_eval(const TorranceSparrow& params, Vec3 wi, Vec3 wo) {
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
-    Vec3 m = torrance_sparrow_half_vector(wi, wo);
     float cos_h = torrance_sparrow_cos_half(wi, wo);
     Vec3 single = torrance_sparrow_F_conductor_half(cos_h, torrance_sparrow_sin2_half(wi, wo),
-        params.eta, params.k)
-            * (torrance_sparrow_ggx_D(torrance_sparrow_facets(params), m)
-                * torrance_sparrow_V(params, wi, wo));
+        params.eta, params.k) * torrance_sparrow_highlight(params, wi, wo);
     return single;
 }
 

@@ -52,12 +52,6 @@ struct TorranceSparrowGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-float3 torrance_sparrow_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
-    return h / length(h);  // which torrance_sparrow_cos_half needs as well
-}
-
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float torrance_sparrow_cos_half(float3 wi, float3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
@@ -128,6 +122,12 @@ TorranceSparrowGGX torrance_sparrow_facets(TorranceSparrow params) {
     return result;
 }
 
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+float3 torrance_sparrow_half_vector(float3 wi, float3 wo) {
+    float3 h = wi + wo;
+    return h / length(h);  // which torrance_sparrow_cos_half needs as well
+}
+
 // Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
 float torrance_sparrow_ggx_D(TorranceSparrowGGX ggx, float3 m) {
     const float inv_pi = 0.31830987;
@@ -153,18 +153,21 @@ float torrance_sparrow_V(TorranceSparrow params, float3 wi, float3 wo) {
     return torrance_sparrow_V_smith_correlated(torrance_sparrow_facets(params), wi, wo);
 }
 
+// D G / (4 mu_i mu_o): what facets reflect once, without F.
+float torrance_sparrow_highlight(TorranceSparrow params, float3 wi, float3 wo) {
+    return torrance_sparrow_ggx_D(torrance_sparrow_facets(params),
+        torrance_sparrow_half_vector(wi, wo)) * torrance_sparrow_V(params, wi, wo);
+}
+
 // BRDF value in 1/sr, without the cosine.
 float3 torrance_sparrow_eval(TorranceSparrow params, float3 wi, float3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return float3(0.0, 0.0, 0.0);
     }
-    float3 m = torrance_sparrow_half_vector(wi, wo);
     float cos_h = torrance_sparrow_cos_half(wi, wo);
     float3 single = torrance_sparrow_F_conductor_half(cos_h, torrance_sparrow_sin2_half(wi, wo),
-        params.eta, params.k)
-            * (torrance_sparrow_ggx_D(torrance_sparrow_facets(params), m)
-                * torrance_sparrow_V(params, wi, wo));
+        params.eta, params.k) * torrance_sparrow_highlight(params, wi, wo);
     return single;
 }
 

@@ -47,12 +47,6 @@ struct TorranceSparrowGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-fn torrance_sparrow_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    let h = wi + wo;
-    return h / length(h);  // which torrance_sparrow_cos_half needs as well
-}
-
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn torrance_sparrow_cos_half(wi: vec3f, wo: vec3f) -> f32 {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
@@ -120,6 +114,12 @@ fn torrance_sparrow_facets(params: TorranceSparrow) -> TorranceSparrowGGX {
     return TorranceSparrowGGX(a.x, a.y);
 }
 
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn torrance_sparrow_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    let h = wi + wo;
+    return h / length(h);  // which torrance_sparrow_cos_half needs as well
+}
+
 // Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
 fn torrance_sparrow_ggx_D(ggx: TorranceSparrowGGX, m: vec3f) -> f32 {
     const inv_pi = 0.31830987;
@@ -146,18 +146,21 @@ fn torrance_sparrow_V(params: TorranceSparrow, wi: vec3f, wo: vec3f) -> f32 {
     return torrance_sparrow_V_smith_correlated(torrance_sparrow_facets(params), wi, wo);
 }
 
+// D G / (4 mu_i mu_o): what facets reflect once, without F.
+fn torrance_sparrow_highlight(params: TorranceSparrow, wi: vec3f, wo: vec3f) -> f32 {
+    return torrance_sparrow_ggx_D(torrance_sparrow_facets(params),
+        torrance_sparrow_half_vector(wi, wo)) * torrance_sparrow_V(params, wi, wo);
+}
+
 // BRDF value in 1/sr, without the cosine.
 fn torrance_sparrow_eval(params: TorranceSparrow, wi: vec3f, wo: vec3f) -> vec3f {
     const mu_min = 1.0e-18;  // cosine of the horizon
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3f(0.0);
     }
-    let m = torrance_sparrow_half_vector(wi, wo);
     let cos_h = torrance_sparrow_cos_half(wi, wo);
     let single = torrance_sparrow_F_conductor_half(cos_h, torrance_sparrow_sin2_half(wi, wo),
-        params.eta, params.k)
-            * (torrance_sparrow_ggx_D(torrance_sparrow_facets(params), m)
-                * torrance_sparrow_V(params, wi, wo));
+        params.eta, params.k) * torrance_sparrow_highlight(params, wi, wo);
     return single;
 }
 

@@ -225,11 +225,6 @@ TriaceLayeredBottomFresnel triace_layered_bottom_fresnel(TriaceLayered params, f
     return TriaceLayeredBottomFresnel(glossy, T * (F + lost));
 }
 
-// Absorption times thickness, for each channel.
-vec3 triace_layered_coat_optical_depth(vec3 sigma_a, float thickness) {
-    return sigma_a * vec3(thickness, thickness, thickness);
-}
-
 // eta^2 - 1.
 float triace_layered_contrast(float excess) {
     return excess * (2.0 + excess);
@@ -246,17 +241,17 @@ vec3 triace_layered_refract(vec3 w, float excess) {
     return vec3(w.x, w.y, sqrt(triace_layered_eta2_cos2(w.z, excess))) / (1.0 + excess);
 }
 
-// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+// exp(-sigma_a d (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
-// wi, wo: refracted directions. optical_depth: absorption times thickness.
-vec3 triace_layered_attenuation(vec3 optical_depth, vec3 wi, vec3 wo) {
-    return exp(-optical_depth * (1.0 / wi.z + 1.0 / wo.z));
+// wi, wo: refracted directions. sigma_a: absorption per unit of the thickness d.
+vec3 triace_layered_attenuation(vec3 sigma_a, float thickness, vec3 wi, vec3 wo) {
+    return exp(-sigma_a * (thickness * (1.0 / wi.z + 1.0 / wo.z)));
 }
 
 // Eq. 2 or 3.
 vec3 triace_layered_absorption(TriaceLayered params, vec3 wi, vec3 wo) {
-    return triace_layered_attenuation(triace_layered_coat_optical_depth(params.sigma_a,
-        params.thickness), triace_layered_refract(wi, params.top_eta - 1.0),
+    return triace_layered_attenuation(params.sigma_a, params.thickness,
+        triace_layered_refract(wi, params.top_eta - 1.0),
             triace_layered_refract(wo, params.top_eta - 1.0));
 }
 

@@ -322,11 +322,6 @@ inline TriaceLayeredBottomFresnel triace_layered_bottom_fresnel(const TriaceLaye
     return TriaceLayeredBottomFresnel{glossy, T * (F + lost)};
 }
 
-// Absorption times thickness, for each channel.
-inline Vec3 triace_layered_coat_optical_depth(Vec3 sigma_a, float thickness) {
-    return sigma_a * Vec3{thickness, thickness, thickness};
-}
-
 // eta^2 - 1.
 inline float triace_layered_contrast(float excess) {
     return excess * (2.0f + excess);
@@ -343,17 +338,17 @@ inline Vec3 triace_layered_refract(Vec3 w, float excess) {
     return Vec3{w.x, w.y, sqrtf(triace_layered_eta2_cos2(w.z, excess))} / (1.0f + excess);
 }
 
-// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+// exp(-sigma_a d (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
-// wi, wo: refracted directions. optical_depth: absorption times thickness.
-inline Vec3 triace_layered_attenuation(Vec3 optical_depth, Vec3 wi, Vec3 wo) {
-    return exp(-optical_depth * (1.0f / wi.z + 1.0f / wo.z));
+// wi, wo: refracted directions. sigma_a: absorption per unit of the thickness d.
+inline Vec3 triace_layered_attenuation(Vec3 sigma_a, float thickness, Vec3 wi, Vec3 wo) {
+    return exp(-sigma_a * (thickness * (1.0f / wi.z + 1.0f / wo.z)));
 }
 
 // Eq. 2 or 3.
 inline Vec3 triace_layered_absorption(const TriaceLayered& params, Vec3 wi, Vec3 wo) {
-    return triace_layered_attenuation(triace_layered_coat_optical_depth(params.sigma_a,
-        params.thickness), triace_layered_refract(wi, params.top_eta - 1.0f),
+    return triace_layered_attenuation(params.sigma_a, params.thickness,
+        triace_layered_refract(wi, params.top_eta - 1.0f),
             triace_layered_refract(wo, params.top_eta - 1.0f));
 }
 

@@ -230,11 +230,6 @@ inline TriaceLayeredBottomFresnel triace_layered_bottom_fresnel(TriaceLayered pa
     return TriaceLayeredBottomFresnel{glossy, T * (F + lost)};
 }
 
-// Absorption times thickness, for each channel.
-inline float3 triace_layered_coat_optical_depth(float3 sigma_a, float thickness) {
-    return sigma_a * float3(thickness, thickness, thickness);
-}
-
 // eta^2 - 1.
 inline float triace_layered_contrast(float excess) {
     return excess * (2.0 + excess);
@@ -251,17 +246,18 @@ inline float3 triace_layered_refract(float3 w, float excess) {
     return float3(w.x, w.y, sqrt(triace_layered_eta2_cos2(w.z, excess))) / (1.0 + excess);
 }
 
-// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+// exp(-sigma_a d (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
-// wi, wo: refracted directions. optical_depth: absorption times thickness.
-inline float3 triace_layered_attenuation(float3 optical_depth, float3 wi, float3 wo) {
-    return exp(-optical_depth * (1.0 / wi.z + 1.0 / wo.z));
+// wi, wo: refracted directions. sigma_a: absorption per unit of the thickness d.
+inline float3 triace_layered_attenuation(float3 sigma_a, float thickness, float3 wi,
+    float3 wo) {
+    return exp(-sigma_a * (thickness * (1.0 / wi.z + 1.0 / wo.z)));
 }
 
 // Eq. 2 or 3.
 inline float3 triace_layered_absorption(TriaceLayered params, float3 wi, float3 wo) {
-    return triace_layered_attenuation(triace_layered_coat_optical_depth(params.sigma_a,
-        params.thickness), triace_layered_refract(wi, params.top_eta - 1.0),
+    return triace_layered_attenuation(params.sigma_a, params.thickness,
+        triace_layered_refract(wi, params.top_eta - 1.0),
             triace_layered_refract(wo, params.top_eta - 1.0));
 }
 

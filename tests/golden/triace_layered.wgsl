@@ -227,11 +227,6 @@ fn triace_layered_bottom_fresnel(params: TriaceLayered,
     return TriaceLayeredBottomFresnel(glossy, T * (F + lost));
 }
 
-// Absorption times thickness, for each channel.
-fn triace_layered_coat_optical_depth(sigma_a: vec3f, thickness: f32) -> vec3f {
-    return sigma_a * vec3f(thickness, thickness, thickness);
-}
-
 // eta^2 - 1.
 fn triace_layered_contrast(excess: f32) -> f32 {
     return excess * (2.0 + excess);
@@ -248,17 +243,17 @@ fn triace_layered_refract(w: vec3f, excess: f32) -> vec3f {
     return vec3f(w.x, w.y, sqrt(triace_layered_eta2_cos2(w.z, excess))) / (1.0 + excess);
 }
 
-// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+// exp(-sigma_a d (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
-// wi, wo: refracted directions. optical_depth: absorption times thickness.
-fn triace_layered_attenuation(optical_depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
-    return exp(-optical_depth * (1.0 / wi.z + 1.0 / wo.z));
+// wi, wo: refracted directions. sigma_a: absorption per unit of the thickness d.
+fn triace_layered_attenuation(sigma_a: vec3f, thickness: f32, wi: vec3f, wo: vec3f) -> vec3f {
+    return exp(-sigma_a * (thickness * (1.0 / wi.z + 1.0 / wo.z)));
 }
 
 // Eq. 2 or 3.
 fn triace_layered_absorption(params: TriaceLayered, wi: vec3f, wo: vec3f) -> vec3f {
-    return triace_layered_attenuation(triace_layered_coat_optical_depth(params.sigma_a,
-        params.thickness), triace_layered_refract(wi, params.top_eta - 1.0),
+    return triace_layered_attenuation(params.sigma_a, params.thickness,
+        triace_layered_refract(wi, params.top_eta - 1.0),
             triace_layered_refract(wo, params.top_eta - 1.0));
 }
 

@@ -78,9 +78,11 @@ fn weidlich_wilkie_refract(w: vec3f, excess: f32) -> vec3f {
     return vec3f(w.x, w.y, sqrt(weidlich_wilkie_eta2_cos2(w.z, excess))) / (1.0 + excess);
 }
 
-// Absorption times thickness, for each channel.
-fn weidlich_wilkie_coat_optical_depth(sigma_a: vec3f, thickness: f32) -> vec3f {
-    return sigma_a * vec3f(thickness, thickness, thickness);
+// exp(-sigma_a d (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
+//
+// wi, wo: refracted directions. sigma_a: absorption per unit of the thickness d.
+fn weidlich_wilkie_attenuation(sigma_a: vec3f, thickness: f32, wi: vec3f, wo: vec3f) -> vec3f {
+    return exp(-sigma_a * (thickness * (1.0 / wi.z + 1.0 / wo.z)));
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
@@ -112,7 +114,8 @@ fn weidlich_wilkie_transmittance_entering(mu: f32, eta: f32) -> f32 {
 fn weidlich_wilkie_G_cook_torrance(wi: vec3f, wo: vec3f) -> f32 {
     // 2 m.z / wo.m = 4 h.z / |h|^2, without a root
     let h = wi + wo;
-    return min(4.0 * h.z * min(wi.z, wo.z) / dot(h, h), 1.0);
+    // The 4 comes last: V takes a quarter of it, and a compiler both away
+    return 4.0 * min(h.z * min(wi.z, wo.z) / dot(h, h), 0.25);
 }
 
 // 1 - G of V-grooves, 1 - 4 h.z min(mu_i, mu_o) / |h|^2 with h = wi + wo, exact where G is nearly 1.
@@ -138,13 +141,6 @@ fn weidlich_wilkie_transmitted(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> 
 fn weidlich_wilkie_base_eval_above(params: WeidlichWilkieBase) -> vec3f {
     const inv_pi = 0.31830987;
     return params.rho * inv_pi;
-}
-
-// exp(-optical_depth (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
-//
-// wi, wo: refracted directions. optical_depth: absorption times thickness.
-fn weidlich_wilkie_attenuation(optical_depth: vec3f, wi: vec3f, wo: vec3f) -> vec3f {
-    return exp(-optical_depth * (1.0 / wi.z + 1.0 / wo.z));
 }
 
 // The same from the squares of the sine and of g = eta cos(theta_t).
@@ -208,10 +204,9 @@ fn weidlich_wilkie_eval(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> vec3f {
     }
     let wi_t = weidlich_wilkie_refract(wi, params.eta - 1.0);
     let wo_t = weidlich_wilkie_refract(wo, params.eta - 1.0);
-    let tau = weidlich_wilkie_coat_optical_depth(params.sigma_a, params.thickness);
+    let kept = weidlich_wilkie_attenuation(params.sigma_a, params.thickness, wi_t, wo_t);
     let through = weidlich_wilkie_transmitted(params, wi, wo);
-    let below = weidlich_wilkie_base_eval_above(params.base)
-        * (weidlich_wilkie_attenuation(tau, wi_t, wo_t) * through);
+    let below = weidlich_wilkie_base_eval_above(params.base) * (kept * through);
     let cos_h = weidlich_wilkie_cos_half(wi, wo);
     let coat = weidlich_wilkie_F_dielectric_entering(cos_h, params.eta)
         * weidlich_wilkie_round_beckmann_D(weidlich_wilkie_facets(params),
@@ -231,8 +226,8 @@ fn weidlich_wilkie_usual_cos_half(wo: vec3f) -> f32 {
 
 // The most that weidlich_wilkie_attenuation leaves of light that goes out along wo: it came in along the
 // normal.
-fn weidlich_wilkie_attenuation_least(optical_depth: vec3f, wo: vec3f) -> vec3f {
-    return weidlich_wilkie_attenuation(optical_depth, vec3f(0.0, 0.0, 1.0), wo);
+fn weidlich_wilkie_attenuation_least(sigma_a: vec3f, thickness: f32, wo: vec3f) -> vec3f {
+    return weidlich_wilkie_attenuation(sigma_a, thickness, vec3f(0.0, 0.0, 1.0), wo);
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -272,7 +267,8 @@ fn weidlich_wilkie_shares(params: WeidlichWilkie, wo: vec3f, wo_t: vec3f) -> vec
     var mu = wo.z;
     mu = weidlich_wilkie_usual_cos_half(wo);
     let through = weidlich_wilkie_transmittance_entering(mu, params.eta)
-        * weidlich_wilkie_average(weidlich_wilkie_attenuation_least(weidlich_wilkie_coat_optical_depth(params.sigma_a, params.thickness), wo_t));
+        * weidlich_wilkie_average(weidlich_wilkie_attenuation_least(params.sigma_a, params.thickness,
+            wo_t));
     let reflected = max(weidlich_wilkie_F_dielectric_entering(wo.z, params.eta),
         COAT_SHARE_MIN * through + LOBE_MIN);
     return weidlich_wilkie_lobes_shares(reflected, through);
