@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import mpmath
 import numpy as np
 import pytest
 from support.tolerances import SINGLE
@@ -15,6 +16,7 @@ from gonio.bench import command, shader_times, shaders
 from gonio.bench.shaders import Arc, Length, accuracy, handwritten, length
 from gonio.export.entry import Export
 from gonio.export.prove import tools
+from gonio.export.prove.opengl import run_glsl
 from gonio.export.prove.tools import ProofError
 
 NAMES = tuple(shaders.subjects())
@@ -58,6 +60,33 @@ def test_exported_shaders_are_as_accurate_as_hand_written_ones(name, errors):
     assert exported.worst < WELL_CONDITIONED
     assert exported.median < CHANCE * by_hand.median
     assert exported.high < CHANCE * by_hand.high
+
+
+def reflected(cosine: float, eta: float, k: float) -> float:
+    """Fresnel's equations for a conductor."""
+    with mpmath.workdps(50):
+        c, n = mpmath.mpf(cosine), mpmath.mpc(eta, k)
+        g = mpmath.sqrt(n * n - 1 + c * c)
+        s, p = (c - g) / (c + g), (n * n * c - g) / (n * n * c + g)
+        return float((abs(s) ** 2 + abs(p) ** 2) / 2)
+
+
+def test_a_metal_needs_its_scale_and_its_trace_where_its_index_is_that_of_air_and_light_grazes():
+    """What makes F of metals dearer than engines have it: without, by hand, F is off by its own size."""
+    by_hand = handwritten("torrance_sparrow")
+    plain = with_source(by_hand, "1.0e-12 * sqrt(x * x + y * y)", "sqrt(w * w + im * im)")
+    plain = with_source(
+        plain, "sqrt(0.5 * (ab2 + abs(w)))", "sqrt(0.5 * max(ab2 + abs(w), vec3(1.0e-16)))"
+    )
+    mu, k = (float(np.float32(v)) for v in (1e-9, 1e-18))
+    row = np.array([[1, 0, mu, -1, 0, mu, 0.5, 0.5, 1, 0, 1, 1, 1, k, k, k]], np.float32)
+    exported = shaders.exported("torrance_sparrow")
+    ran = run_glsl([exported, by_hand, plain], [row] * 3)
+    # alpha = 1, and h = z: f = F D V with D = 1 / pi and V = 1 / (4 mu)
+    F = np.array([output[0, 0] for output in ran.outputs]) * 4 * np.pi * mu
+    expected = reflected(mu, 1, k + 1e-19)  # with the trace of absorption that all metals have
+    np.testing.assert_allclose(F[:2], expected, rtol=WELL_CONDITIONED)
+    assert abs(F[2] / expected - 1) > 0.5
 
 
 @pytest.mark.parametrize(

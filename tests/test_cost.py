@@ -119,10 +119,10 @@ def test_tables_in_a_buffer_cost_what_is_read(gpu: cost.Gpu) -> None:
         ("eon", 1.0),
         # Instructions in another order are a few cycles' luck
         ("disney", 1.04),
-        # F of metals has quotients that derivatives need
-        ("torrance_sparrow", 1.16),
+        # By hand the half vector is not made unit
+        ("torrance_sparrow", 1.05),
         # One division more in each coat: derivatives need small cosines one after the other; and as above
-        ("weidlich_wilkie", 1.14),
+        ("weidlich_wilkie", 1.12),
     ],
 )
 def test_an_export_is_hardly_dearer_than_a_shader_written_by_hand(name: str, most: float) -> None:

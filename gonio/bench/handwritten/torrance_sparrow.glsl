@@ -17,22 +17,27 @@ struct TorranceSparrow {
 
 vec3 torrance_sparrow_fresnel(float c, float s2, vec3 eta, vec3 k) {
     float c2 = c * c;
-    // (a + i b)^2 = (eta + i k)^2 - s2, of absolute value ab2; contrast is the real part of (eta + i k)^2 - 1
-    vec3 ek = eta * k;
-    vec3 im2 = 4.0 * ek * ek;
+    // (a + i b)^2 = (eta + i k)^2 - s2, of absolute value ab2; contrast is the real part of (eta + i k)^2 - 1.
+    // A trace of absorption keeps the roots from 0, and a scale its square within a float32.
+    vec3 ek = eta * k + 1.0e-19;
+    vec3 im = 2.0 * ek;
     vec3 contrast = (eta - 1.0) * (eta + 1.0) - k * k;
     // A small index leaves little of the contrast and c2 near the normal
     vec3 w = c > 0.7 ? (eta - k) * (eta + k) - s2 : contrast + c2;
-    vec3 ab2 = sqrt(w * w + im2);
+    vec3 x = 1.0e12 * w;
+    vec3 y = 1.0e12 * im;
+    vec3 ab2 = 1.0e-12 * sqrt(x * x + y * y);
     // The larger of a and b has no cancellation, and a b = eta k
-    vec3 larger = sqrt(0.5 * max(ab2 + abs(w), vec3(1.0e-16)));
+    vec3 larger = sqrt(0.5 * (ab2 + abs(w)));
     vec3 a = mix(ek / larger, larger, greaterThan(w, vec3(0.0)));
     // With t1 +- t2 = (c +- a)^2 + b^2, R_s is (t1 - t2) / (t1 + t2) = |contrast|^2 / (t1 + t2)^2.
     // R_p = R_s (t3 - t4) / (t3 + t4), so that (R_s + R_p) / 2 = R_s t3 / (t3 + t4).
     vec3 t2 = 2.0 * c * a;
     vec3 t1 = c2 + ab2 + t2;
     vec3 t3 = c2 * ab2 + s2 * s2;
-    return (contrast * contrast + im2) / t1 * t3 / (t1 * (t3 + t2 * s2));
+    vec3 re = contrast / t1;
+    im /= t1;
+    return (re * re + im * im) * t3 / (t3 + t2 * s2);
 }
 
 vec3 torrance_sparrow_eval(TorranceSparrow params, vec3 wi, vec3 wo) {
