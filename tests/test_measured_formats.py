@@ -287,6 +287,28 @@ def test_csv_takes_radians_vectors_and_wavelengths(tmp_path: Path) -> None:
     assert found.channels == ("value",)
 
 
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (
+            "theta_i,theta_o,f\n10,20,1\n\n# so\n10,200,1\n",
+            "line 5: has an angle to the normal of 200",
+        ),
+        (
+            "theta_i,phi_i,theta_o,phi_o,f\n1,0,1,0,1\n1,nan,1,0,1\n",
+            "line 3: has an angle that is no",
+        ),
+        ("theta_i,phi_i,theta_o,phi_o,f\n1,0,1,1e9,1\n1,1,1,0,1\n", "line 2: has an azimuth of 1e"),
+        ("wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,f\n0,0,1,0,0,1,1\n0,0,1,0,3,4,1\n", "line 3: .* length 5"),
+    ],
+)
+def test_a_wrong_direction_of_a_table_is_named_by_its_line(
+    text: str, said: str, tmp_path: Path
+) -> None:
+    with pytest.raises(DataError, match=said):
+        measured.load(put(tmp_path, "w", text.encode()))
+
+
 # --- damaged files -------------------------------------------------------------------------------
 
 # What a reader may need beside the file itself: Python's objects for small files of any content. A header

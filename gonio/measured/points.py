@@ -22,6 +22,7 @@ class Rows:
     def __init__(self, source: Source, width: int) -> None:
         """`width`: numbers in a row."""
         self.source, self.width, self.data = source, width, array("d")
+        self.lines = array("q")
 
     def add(self, texts: Sequence[str], line: int) -> None:
         """Append a row.
@@ -34,6 +35,7 @@ class Rows:
                 f"has {len(texts)} numbers; the rows of this file have {self.width}.", line
             )
         self.data.extend(self.source.numbers(texts, line))
+        self.lines.append(line)
         if len(self.data) > MOST_NUMBERS // 4:
             raise self.source.error(f"has more than {MOST_NUMBERS // 4} numbers.", line)
 
@@ -48,18 +50,31 @@ class Rows:
         return np.frombuffer(self.data, np.float64).reshape(-1, self.width).copy()
 
 
-def check_angles(source: Source, theta: Any, phi: Any, unit: float) -> None:
-    """Raise unless angles to the normal are in [0, 180°] and azimuths are finite."""
+def check_angles(
+    source: Source, theta: Any, phi: Any, unit: float, lines: Sequence[int] | None = None
+) -> None:
+    """Raise unless angles to the normal are in [0, 180°] and azimuths are finite; (n, k) each.
+
+    lines: of the file, where each row stands.
+    """
     theta, phi = np.asarray(theta), np.asarray(phi)
-    if not (np.isfinite(theta).all() and np.isfinite(phi).all()):
-        raise source.error("has an angle that is no number.")
-    if (np.abs(theta) * unit > np.pi + 1e-3).any():
+
+    def line(wrong: Any) -> int | None:
+        return lines[int(np.argmax(wrong.any(axis=-1)))] if lines is not None else None
+
+    no_number = ~(np.isfinite(theta) & np.isfinite(phi))
+    if no_number.any():
+        raise source.error("has an angle that is no number.", line(no_number))
+    below = np.abs(theta) * unit > np.pi + 1e-3
+    if below.any():
         raise source.error(
-            f"has an angle to the normal of {float(np.abs(theta).max()):g}; at most "
-            f"{np.pi / unit:g} makes sense."
+            f"has an angle to the normal of {float(theta[below][0]):g}; at most "
+            f"{np.pi / unit:g} makes sense.",
+            line(below),
         )
-    if (np.abs(phi) * unit > MOST_TURNS * np.pi).any():
-        raise source.error(f"has an azimuth of {float(np.abs(phi).max()):g}.")
+    turned = np.abs(phi) * unit > MOST_TURNS * np.pi
+    if turned.any():
+        raise source.error(f"has an azimuth of {float(phi[turned][0]):g}.", line(turned))
 
 
 def points(
@@ -69,6 +84,7 @@ def points(
     values: Any,
     *,
     unit: float = 1.0,
+    lines: Sequence[int] | None = None,
     **more: Any,
 ) -> Measurement:
     """A measurement from angles (n, 4), theta_i phi_i theta_o phi_o, and values (n, channels).
@@ -79,13 +95,14 @@ def points(
         angles: theta_i, phi_i, theta_o, phi_o.
         values: in 1/sr.
         unit: radians in the file's unit of angle.
+        lines: of the file, where each row stands; for errors.
         more: other fields of a measurement.
 
     Raises:
         DataError: angles that make no sense.
     """
     angles = np.asarray(angles, np.float64)
-    check_angles(source, angles[:, 0::2], angles[:, 1::2], unit)
+    check_angles(source, angles[:, 0::2], angles[:, 1::2], unit, lines)
     angles = angles * unit
     wi, wo = spherical(angles[:, 0], angles[:, 1]), spherical(angles[:, 2], angles[:, 3])
     if "isotropic" not in more:

@@ -77,6 +77,7 @@ def read(source: Source) -> list[Measurement]:
             table[:, order],
             table[:, rest],
             unit=np.pi / 180 if degrees else 1.0,
+            lines=rows.lines,
             channels=channels,
             notes=("angles are in degrees, though radians are the rule",) if degrees else (),
             metadata=words,

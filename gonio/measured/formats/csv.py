@@ -9,6 +9,7 @@ begins a comment.
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -98,7 +99,8 @@ def read(source: Source) -> list[Measurement]:
         "metadata": {"comment": " ".join(comments)[:500]} if comments else {},
     }
     if used is VECTORS:
-        return [_vectors(source, table[:, [names.index(n) for n in VECTORS]], table[:, rest], more)]
+        w = table[:, [names.index(n) for n in VECTORS]]
+        return [_vectors(source, w, table[:, rest], rows.lines, more)]
     if "theta_o" not in names:
         raise source.error("has no column theta_o.")
     units = {unit for name, unit in header if name in ANGLES and unit}
@@ -111,19 +113,31 @@ def read(source: Source) -> list[Measurement]:
     if not units:
         more["notes"] = ("the header does not say the unit of angles: taken as degrees",)
     return [
-        points(NAME, source, angles, table[:, rest], unit=1.0 if radians else np.pi / 180, **more)
+        points(
+            NAME,
+            source,
+            angles,
+            table[:, rest],
+            unit=1.0 if radians else np.pi / 180,
+            lines=rows.lines,
+            **more,
+        )
     ]
 
 
-def _vectors(source: Source, w: Any, values: Any, more: dict[str, Any]) -> Measurement:
+def _vectors(
+    source: Source, w: Any, values: Any, lines: Sequence[int], more: dict[str, Any]
+) -> Measurement:
     source.finite(w, "the directions")
     found = []
     for start in (0, 3):
         length = np.linalg.norm(w[:, start : start + 3], axis=-1)
-        if (np.abs(length - 1) > UNIT).any():
+        wrong = np.abs(length - 1) > UNIT
+        if wrong.any():
+            row = int(np.argmax(wrong))
             raise source.error(
-                f"has a direction of length {float(length[np.argmax(np.abs(length - 1))]):g}; unit vectors "
-                "are needed."
+                f"has a direction of length {float(length[row]):g}; unit vectors are needed.",
+                lines[row],
             )
         found.append(w[:, start : start + 3] / length[:, None])
     wi, wo = found

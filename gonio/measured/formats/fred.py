@@ -77,6 +77,7 @@ def read(source: Source) -> list[Measurement]:
             angles,
             values,
             unit=radians,
+            lines=rows.lines,
             channels=("value",),
             notes=tuple(notes),
             metadata=words | ({"comment": " ".join(comments)[:500]} if comments else {}),
