@@ -1,5 +1,15 @@
 // A picture as a file, with what it shows written below it.
 
+// What two models' picture shows, where it is not plain.
+const SHOWN = {
+    wipe: "A left, B right",
+    side: "A left, B right",
+    diff: "10 × |A − B|",
+    A: "A",
+    B: "B",
+    flick: "A or B",
+};
+
 export async function savePicture(app) {
     const { canvas } = app.gpu;
     app.renderer.show();
@@ -16,7 +26,7 @@ export async function savePicture(app) {
     g.font = `${line - 6}px sans-serif`;
     const s = app.state,
         first = app.sides.map((side) => `${app.two ? `${side.letter} ` : ""}${side.text()}`);
-    const last = `gonio ${app.start.gonio} · ${s.furnace ? "furnace" : s.env} · ${s.ev >= 0 ? "+" : "−"}${Math.abs(s.ev).toFixed(1)} EV · tone ${s.tone} · ${Math.min(...app.renderer.visible().map((v) => v.samples))} spp · ${app.gpu.name}`;
+    const last = `gonio ${app.start.gonio} · ${app.two ? `${SHOWN[s.cmp]} · ` : ""}${s.furnace ? "furnace" : s.env} · ${s.ev >= 0 ? "+" : "−"}${Math.abs(s.ev).toFixed(1)} EV · tone ${s.tone} · ${Math.min(...app.renderer.visible().map((v) => v.samples))} spp · ${app.gpu.name}`;
     [...first, last]
         .slice(-3)
         .forEach((text, i, all) =>
