@@ -47,7 +47,6 @@ class Asked(Protocol):
     """What is asked of a model that users hold; `gonio.model.Model` has it."""
 
     name: ClassVar[str]
-    isotropic: ClassVar[bool]
     numeric: NumericAlbedo
 
     def parameters(self) -> Iterator[tuple[str, Parameter, Any]]:
@@ -58,6 +57,9 @@ class Asked(Protocol):
 
     def with_numeric(self, numeric: NumericAlbedo) -> Self:
         """A copy whose albedos are found in another way."""
+
+    def follows_tangents(self) -> bool:
+        """Whether turning both directions about the normal changes the value."""
 
     def eval(self, wi: Any, wo: Any) -> Any:
         """BRDF value in 1/sr."""
@@ -84,7 +86,7 @@ def mean_over_directions(model: Asked) -> Any | None:
     shapes = [_batch(declared, value) for declared, value in arrays]
     if sum(math.prod(shape) for shape in shapes) > LANES:
         return None
-    wo, weights = mean_nodes(model.isotropic)
+    wo, weights = mean_nodes(not model.follows_tangents())
     double = any(str(value.dtype).endswith("float64") for _, value in arrays)
     rank = max((len(shape) for shape in shapes), default=0)
     directions = wo.astype(np.float64 if double else np.float32)

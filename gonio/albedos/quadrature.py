@@ -20,7 +20,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, ClassVar, Protocol, Self
+from typing import Any, Protocol, Self
 
 import drjit as dr
 import numpy as np
@@ -96,8 +96,10 @@ class Reflecting(Protocol):
     """What the rules ask of a model bound to Dr.Jit values; `gonio.model.Model` has it."""
 
     numeric: NumericAlbedo
-    isotropic: ClassVar[bool]
     float_type: Any
+
+    def follows_tangents(self) -> bool:
+        """Whether turning both directions about the normal changes the value."""
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """BRDF value in 1/sr."""
@@ -348,7 +350,7 @@ def mean_nodes(isotropic: bool) -> tuple[NDArray[np.float64], NDArray[np.float64
     elevation = 0.5 * np.pi * x**CROWDING
     weight = 0.5 * np.pi * CROWDING * x ** (CROWDING - 1) * w / 2
     weight *= np.sin(2 * elevation)
-    # Models that are not isotropic are at least mirror-symmetric, and periodic functions need no more
+    # Models that follow tangents are at least mirror-symmetric, and periodic functions need no more
     # than even steps.
     turns = 1 if isotropic else MEAN_AZIMUTHS
     azimuth = 0.5 * np.pi * (np.arange(turns) + 0.5) / turns if turns > 1 else np.zeros(1)
@@ -366,7 +368,7 @@ def mean_nodes(isotropic: bool) -> tuple[NDArray[np.float64], NDArray[np.float64
 def mean_albedo(model: Reflecting) -> Color:
     """(1/π) ∫ albedo(wo) μo dωo of a model that is already bound to Dr.Jit values."""
     Float = model.float_type
-    wo, weights = mean_nodes(model.isotropic)
+    wo, weights = mean_nodes(not model.follows_tangents())
 
     def term(x: Any, y: Any, z: Any, weight: Any) -> Color:
         return model.albedo(vec3(x, y, z)) * weight
