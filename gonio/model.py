@@ -293,9 +293,12 @@ class Model:
 
     def replace(self, **changed: Any) -> Self:
         """Return a copy with some parameters or options changed."""
-        values = {name: getattr(self, name) for name in self.fields}
-        made: Self = _empty(self.written)
-        Model.__init__(made, **values | changed)  # a model's own may take less than all fields
+        values = {name: getattr(self, name) for name in self.fields} | changed
+        if _takes_fields(self.written):
+            made: Self = self.written(**values)  # what it refuses is refused here as well
+            return made
+        made = _empty(self.written)
+        Model.__init__(made, **values)
         return made
 
     def at_least_as_rough(self, alpha: Float) -> Self:
@@ -459,6 +462,13 @@ class OnArrays(Model, written=False):
     def __reduce__(self) -> Any:
         """For copies and pickles: the class as written, and the values; what was bound is left out."""
         return _empty, (self.written,), vars(self) | {"_bound": {}}
+
+
+def _takes_fields(cls: type[Model]) -> bool:
+    """Whether a model's own `__init__` takes every field by its name; a user's may take less."""
+    known = inspect.signature(cls.__init__).parameters
+    by_keyword = any(p.kind is inspect.Parameter.VAR_KEYWORD for p in known.values())
+    return by_keyword or set(cls.fields) <= set(known)
 
 
 def _empty(cls: type[Model]) -> Any:

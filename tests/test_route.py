@@ -191,3 +191,9 @@ def test_calls_that_reach_no_arrays_say_what_to_call() -> None:
 
     with pytest.raises(ModelError, match="unfinished has no method sample"):
         Unfinished().sample(UP, (0.5, 0.5))
+
+
+def test_a_copy_is_refused_what_the_model_refuses() -> None:
+    model = gonio.TorranceSparrow(compensation="turquin")
+    with pytest.raises(ModelError, match="is made for distribution='ggx'"):
+        model.replace(distribution="beckmann")
