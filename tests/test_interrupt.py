@@ -1,4 +1,4 @@
-"""Ctrl-C, full disks and read-only places: soon, in one sentence, with nothing left behind."""
+"""Ctrl-C, SIGTERM, full disks and read-only places: soon, in one sentence, with nothing left behind."""
 
 from __future__ import annotations
 
@@ -46,13 +46,14 @@ except KeyboardInterrupt:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="the lock is POSIX's")
+@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize(
     ("program", "code", "said"),
     [(STUCK, 130, "gonio: interrupted"), (NOTICING, 1, "by itself")],
     ids=["stuck", "noticing"],
 )
 def test_an_interrupted_command_ends_and_leaves_nothing(
-    tmp_path: Path, program: str, code: int, said: str
+    tmp_path: Path, program: str, code: int, said: str, by: signal.Signals
 ) -> None:
     process = subprocess.Popen(
         [sys.executable, "-c", program, str(tmp_path / "a.png")],
@@ -62,7 +63,7 @@ def test_an_interrupted_command_ends_and_leaves_nothing(
     )
     assert process.stdout is not None
     assert process.stdout.readline().strip() == "ready"
-    process.send_signal(signal.SIGINT)
+    process.send_signal(by)
     try:
         _, error = process.communicate(timeout=30)
     finally:

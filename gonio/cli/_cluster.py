@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import signal
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -66,7 +64,7 @@ def run_of(
         folder = RunFolder(run_dir if run_dir is not None else f"{output}.run")
     engine = Here() if cluster is None else connect(cluster, _tell)
     try:
-        with _ended_in_order(), progress(label) as bar:
+        with progress(label) as bar:
             run = Run(engine, folder, _Lines(label, bar), _tell)
             yield run
     except KeyboardInterrupt:
@@ -79,23 +77,6 @@ def run_of(
         _complain(run.failures)
     elif folder is not None and not given:
         folder.remove()
-
-
-@contextmanager
-def _ended_in_order() -> Iterator[None]:
-    """Within it, SIGTERM, which batch systems send when time is up, is as Ctrl-C."""
-    if threading.current_thread() is not threading.main_thread():
-        yield  # signals belong to the main thread
-        return
-
-    def end(*_: object) -> None:
-        raise KeyboardInterrupt
-
-    before = signal.signal(signal.SIGTERM, end)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
 
 
 def _tell(text: str) -> None:

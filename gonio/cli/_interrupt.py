@@ -1,4 +1,4 @@
-"""Ctrl-C that ends a command soon, also while it computes in a library that does not look for it."""
+"""Ctrl-C or SIGTERM that ends a command soon, also while it computes in a library that heeds neither."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ def prompt_interrupt(tidy: Callable[[], None]) -> Iterator[None]:
     """Within it, Ctrl-C ends the process after GRACE seconds, if KeyboardInterrupt has not by then.
 
     Python raises KeyboardInterrupt only between its own steps, and one step may render for a minute. The
-    signal wakes a thread at once, though.
+    signal wakes a thread at once, though. SIGTERM, which batch systems and `timeout` send when time is up, is
+    as Ctrl-C, unless the process handles it in another way.
 
     Args:
         tidy: called before the process ends, to remove what is half written.
@@ -31,10 +32,14 @@ def prompt_interrupt(tidy: Callable[[], None]) -> Iterator[None]:
     reader, writer = socket.socketpair()
     writer.setblocking(False)
     left = threading.Event()
+    ending = [signal.SIGINT]
+    if signal.getsignal(signal.SIGTERM) == signal.SIG_DFL:
+        ending.append(signal.SIGTERM)
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
 
     def watch() -> None:
         while signals := reader.recv(64):
-            if signal.SIGINT in signals and not left.wait(GRACE):
+            if any(s in signals for s in ending) and not left.wait(GRACE):
                 tidy()
                 sys.stderr.write("\ngonio: interrupted\n")
                 sys.stderr.flush()
@@ -47,6 +52,8 @@ def prompt_interrupt(tidy: Callable[[], None]) -> Iterator[None]:
         yield
     finally:
         left.set()
+        if signal.SIGTERM in ending:
+            signal.signal(signal.SIGTERM, signal.SIG_DFL)
         signal.set_wakeup_fd(before)
         writer.close()  # ends the thread
         thread.join()

@@ -241,7 +241,7 @@ def _compiled(
         command = [slangc, "code.slang", "-target", "cpp", "-o", "code.cpp"]
         for p in folders:
             command += ["-I", p]
-        _run([*command, *(f"-D{d}" for d in defines)], folder, source)
+        _run([*command, *(f"-D{d}" for d in (*source.macros, *defines))], folder, source)
         options = []
     else:
         if language == "library":

@@ -97,9 +97,18 @@ class Source:
 
     @property
     def short(self) -> bool:
-        """Whether the file declares half precision."""
+        """Whether the file, or what it includes, declares half precision."""
         written = _text(self.path) if self.path.is_file() and not self.entry else self.text
-        return _SHORT.search(blank_comments(written)) is not None
+        return _SHORT.search(blank_comments(written) + self.headers) is not None
+
+    @property
+    def macros(self) -> list[str]:
+        """Macros, NAME=VALUE, by which half precision is float32 in what it includes as well."""
+        words = {word: word for word in re.findall(r"[A-Za-z]\w*", self.headers)}
+        for pattern, new in _HALF.get(self.language, ()):
+            words = {word: re.sub(pattern, new, changed) for word, changed in words.items()}
+        single = re.compile(r"float(?:[1-4](?:x[1-4])?)?")
+        return [f"{word}={new}" for word, new in words.items() if word != new and single.fullmatch(new)]
 
     def find(self, name: str | None) -> Function:
         """The function of a name such as "eval", "Eon.eval", "gonio_eon::eon_eval" or "eval(vec3, float)".
