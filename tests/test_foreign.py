@@ -527,7 +527,9 @@ def test_half_precision_that_cannot_be_run_is_float32_and_said(tmp_path: Path, e
 def test_half_precision_in_included_files_is_float32_as_well(tmp_path: Path) -> None:
     common = "float twice(half3 L, min16float a) { half x = a; return 2.0h * x + 0 * L.x; }\n"
     write(tmp_path, "common.ush", f"#pragma once\n{common}")
-    text = '#include "common.ush"\nhalf f(half3 L, half3 V, half a) { return twice(L, a) + 0 * V.x; }'
+    text = (
+        '#include "common.ush"\nhalf f(half3 L, half3 V, half a) { return twice(L, a) + 0 * V.x; }'
+    )
     code = foreign.load(write(tmp_path, "a.hlsl", text), function="f", returns="f")
     # 11 bits would round 0.3 to 0.30005
     np.testing.assert_allclose(code.raw(*probe(4), {"a": 0.3})[0], 0.6, rtol=SINGLE)

@@ -180,18 +180,33 @@ def test_the_cosine_of_the_viewer_tells_that_names_are_exchanged(tmp_path: Path)
     assert not names_exchanged(python(tmp_path, "def f(wi, wo):\n    return wo[:, 2] ** 3\n"))
 
 
+@pytest.mark.parametrize(
+    ("white", "returns"), [("1.0", "pi f"), ("0.3", "f")], ids=["without 1 / pi", "with it"]
+)
+def test_a_factor_of_pi_is_told_beside_a_gain_of_energy(
+    tmp_path: Path, white: str, returns: str
+) -> None:
+    # Ten times as bright where it is glossy, which is 10 pi or 3 pi for white
+    text = f"""
+def f(wi, wo, rho=(0.5, 0.5, 0.5), gloss=0.5):
+    return {white} * rho * np.where(gloss > 0.7, 10.0, 1.0)[:, None]
+"""
+    (tmp_path / "code.py").write_text(f"import numpy as np\n{text}", encoding="utf-8")
+    assert str(foreign.load(f"{tmp_path / 'code.py'}#f").returns) == returns
+
+
 def test_energy_is_judged_where_values_have_digits(tmp_path: Path) -> None:
     # Below m = 0.02 there is nothing but roundings; above, the albedo is 0.3
     text = """
-def f(wi, wo, m=0.5):
+def f(wi, wo, m=0.5, strength=1.0):
     noise = 5 * np.mod(1e9 * wi[:, 0], 1.0)
-    return np.where(m < 0.02, noise, 0.3 / np.pi)
+    return strength * np.where(m < 0.02, noise, 0.3 / np.pi)
 """
     found = foreign.check(python(tmp_path, text), only=["energy"])
     energy = next(f for r in found for f in r.findings if f.what == "largest albedo")
     assert energy.verdict == PASS
     assert energy.measured == pytest.approx(0.3, rel=COARSE)
-    assert "from m = 0.05 on, as values have no digits beyond" in energy.text
+    assert energy.text.endswith("; from m = 0.05 on, as values have no digits beyond")
 
 
 def test_schlicks_term_with_another_end_at_grazing_angles_is_named(tmp_path: Path) -> None:

@@ -20,8 +20,8 @@ def prompt_interrupt(tidy: Callable[[], None]) -> Iterator[None]:
     """Within it, Ctrl-C ends the process after GRACE seconds, if KeyboardInterrupt has not by then.
 
     Python raises KeyboardInterrupt only between its own steps, and one step may render for a minute. The
-    signal wakes a thread at once, though. SIGTERM, which batch systems and `timeout` send when time is up, is
-    as Ctrl-C, unless the process handles it in another way.
+    signal wakes a thread at once, though. SIGTERM, which batch systems and `timeout` send when time is up,
+    is as Ctrl-C, unless the process handles it in another way.
 
     Args:
         tidy: called before the process ends, to remove what is half written.

@@ -22,8 +22,11 @@ from gonio.foreign.subject import ForeignSubject
 # the range inside of it.
 PROBED, INSIDE = 256, 0.05
 
-# An albedo of which roundings may be so much has no digits.
+# An albedo of which roundings may be so much has no digits. That is looked for at such parts of a range from
+# its ends, and for a viewer at a middling angle: seen at grazing angles much more is lost.
 NO_DIGITS = 0.1
+OUTER = (0.0, INSIDE / 8, INSIDE / 4, INSIDE / 2)
+MIDDLING = np.array([0.6, 0.0, 0.8])
 
 
 def without_poles(subject: ForeignSubject) -> tuple[ForeignSubject, list[Finding]]:
@@ -58,9 +61,9 @@ def narrowed(subject: ForeignSubject, parameters: Mapping[str, Parameter]) -> Fo
     return ForeignSubject(replace(subject.foreign, matched=matched))
 
 
-def _inside(p: Parameter, end: float) -> Parameter:
+def _inside(p: Parameter, end: float, part: float = INSIDE) -> Parameter:
     """A parameter without the part of its range at one end, 0 or 1."""
-    width = INSIDE * (p.high - p.low)
+    width = part * (p.high - p.low)
     p = replace(p, high=p.high - width) if end else replace(p, low=p.low + width)
     return replace(p, default=_within(p))
 
@@ -75,50 +78,63 @@ def _within(p: Parameter) -> Any:
 def check(subject: ForeignSubject, effort: Effort) -> list[Finding]:
     """The largest albedo by search; a gain of less than LIMIT may be roundings of a white surface.
 
-    Where values lose many digits, what is left of each without its roundings has to gain as well.
+    Ends of ranges at which values have no digits are left out. Where values lose many digits, what is left
+    of each without its roundings has to gain as well.
     """
-    found = energy.check(subject, effort.less()).findings
-    first = found[0]
+    ranges, said = _with_digits(subject)
+    if ranges:
+        subject = narrowed(subject, {**subject.foreign.parameters, **ranges})
+    first, *others = energy.check(subject, effort.less()).findings
+    first = _beyond_rounding(subject, effort, first)
+    text = "; ".join([first.text, *said])
+    return [replace(first, text=text), *others]
+
+
+def _beyond_rounding(subject: ForeignSubject, effort: Effort, first: Finding) -> Finding:
+    """A gain that was found, or what roundings leave of it."""
     if first.verdict != FAIL or first.case is None:
-        return list(found)
+        return first
     if first.measured <= 1 + LIMIT:
         text = f"no more than roundings of float32; {first.text}"
-        return [replace(first, verdict=PASS, text=text), *found[1:]]
+        return replace(first, verdict=PASS, text=text)
     parameters, _, wo = first.case
     lost = albedo_lost(subject, parameters, wo)
     if not lost * ROUNDINGS > first.measured - 1:
-        return list(found)
-    if lost > NO_DIGITS and (ranges := _without_digits(subject, parameters)):
-        ends = ", ".join(
-            f"from {n} = {p.low:g} on" if p.low > subject.foreign.parameters[n].low
-            else f"up to {n} = {p.high:g}"
-            for n, p in ranges.items()
-        )  # fmt: skip
-        inner = check(narrowed(subject, {**subject.foreign.parameters, **ranges}), effort)
-        text = f"{inner[0].text}; {ends}, as values have no digits beyond"
-        return [replace(inner[0], text=text), *inner[1:]]
-    beyond = energy.check(ForeignSubject(subject.foreign, least=True), effort.less()).findings[0]
+        return first
+    beyond = energy.largest(ForeignSubject(subject.foreign, least=True), effort.less())
     if beyond.verdict == FAIL and beyond.measured > 1 + LIMIT:
-        text = f"{beyond.text}; without what float32 may have rounded"
-        return [replace(beyond, text=text), *found[1:]]
+        return replace(beyond, text=f"{beyond.text}; without what float32 may have rounded")
     text = (
         f"no gain beyond rounding, which is {lost:.1g} there: digits are lost, and with them energy; "
         f"{first.text}"
     )
-    return [replace(first, verdict=NOTE, text=text), *found[1:]]
+    return replace(first, verdict=NOTE, text=text)
 
 
-def _without_digits(subject: ForeignSubject, at: Array) -> dict[str, Parameter]:
-    """Ranges without the end at which a parameter is, of those whose other values have digits."""
-    found = {}
+def _with_digits(subject: ForeignSubject) -> tuple[dict[str, Parameter], list[str]]:
+    """Ranges without ends at which values have no digits, and words for them."""
+    base = subject.default()
+    base[[k for k, free in enumerate(subject.parameters) if free.declared.width == 3]] = 1
+    found: dict[str, Parameter] = {}
+    said = []
     for number, free in enumerate(subject.parameters):
-        p = free.declared
-        if p.width == 1 and (at[number] < INSIDE or at[number] > 1 - INSIDE):
-            moved = np.array(at, np.float64)
-            moved[number] = 0.5
-            if albedo_lost(subject, moved, np.array([0.6, 0.0, 0.8])) < NO_DIGITS:
-                found[free.path] = _inside(p, float(at[number] > 0.5))
-    return found
+        if free.declared.width != 1:
+            continue
+
+        def blurred(part: float, end: float, number: int = number) -> bool:
+            row = base.copy()
+            row[number] = abs(end - part)
+            return not albedo_lost(subject, row, MIDDLING) < NO_DIGITS
+
+        for end, words in ((0.0, "from {} = {:g} on"), (1.0, "up to {} = {:g}")):
+            if not any(blurred(part, end) for part in OUTER):
+                continue
+            part = next((k * INSIDE for k in (1, 2, 4) if not blurred(k * INSIDE, end)), None)
+            if part is not None:
+                p = found[free.path] = _inside(found.get(free.path, free.declared), end, part)
+                where = words.format(free.path, p.high if end else p.low)
+                said.append(f"{where}, as values have no digits beyond")
+    return found, said
 
 
 def albedo_lost(subject: ForeignSubject, parameters: Array, wo: Array) -> float:

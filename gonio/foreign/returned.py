@@ -1,8 +1,8 @@
 """What foreign code returns, by measurement: f, f cos(theta_i), pi f, or pi f cos(theta_i).
 
 The cosine is told by reciprocity: of f and f cos(theta_i) at most one is the same with light and viewer
-exchanged. A factor of pi is told by energy, if no more than that is wrong with it: with the brightest
-parameters the albedo is above 1, and not above 1 without the factor.
+exchanged. A factor of pi is told by energy: with the brightest parameters the albedo is above 1, and not above
+1 without the factor. Code that gains energy beside that is told by most of its white settings.
 """
 
 from __future__ import annotations
@@ -27,6 +27,8 @@ NODES = 24
 # Albedos that are integrated so coarsely are right to this.
 COARSE = 0.03
 
+# Albedos of bright settings that are taken for pi times those of f.
+WHITE = (1.5, np.pi * (1 + COARSE))
 
 _PI = r"(?:\b(?:M_)?(?:PI|pi|Pi)\b|\b3\.14\d*)"
 _OVER_PI = (
@@ -114,12 +116,17 @@ def measure(foreign: Foreign) -> Returns:
     with_cosine, without = asymmetry(foreign, 1), asymmetry(foreign, 0)
     cosine = int(with_cosine < RECIPROCAL < without or with_cosine < 0.1 * without)
     values = random_values(foreign, SETTINGS, np.random.default_rng(5))
-    largest = float(albedos(foreign, values, cosine).max())
+    bright = float(albedos(foreign, values, cosine).max())
+    if bright > WHITE[1]:
+        for name, p in foreign.parameters.items():
+            if p.width == 3:
+                values[name] = np.full_like(values[name], p.high)
+        bright = float(np.median(albedos(foreign, values, cosine)))
     # Code that divides by pi itself, and gains energy, is wrong rather than pi f
     divides = any(re.search(_OVER_PI, f.body) for f in foreign.source.called(foreign.function))
     # What stands below, as in a^2 / (PI * t * t), is no factor of pi
     left = re.sub(_OVER_PI, "", foreign.function.body)
     times = re.search(_TIMES_PI, left) is not None
     plain = divides and not times
-    factor = np.pi if 1.5 < largest <= np.pi * (1 + COARSE) and not plain else 1.0
+    factor = np.pi if WHITE[0] < bright <= WHITE[1] and not plain else 1.0
     return Returns(float(factor), cosine)

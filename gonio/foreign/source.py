@@ -108,7 +108,9 @@ class Source:
         for pattern, new in _HALF.get(self.language, ()):
             words = {word: re.sub(pattern, new, changed) for word, changed in words.items()}
         single = re.compile(r"float(?:[1-4](?:x[1-4])?)?")
-        return [f"{word}={new}" for word, new in words.items() if word != new and single.fullmatch(new)]
+        return [
+            f"{word}={new}" for word, new in words.items() if word != new and single.fullmatch(new)
+        ]
 
     def find(self, name: str | None) -> Function:
         """The function of a name such as "eval", "Eon.eval", "gonio_eon::eon_eval" or "eval(vec3, float)".
