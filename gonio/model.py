@@ -140,7 +140,7 @@ class Model:
     numeric: NumericAlbedo = NumericAlbedo()
     """How albedos without a closed form are found."""
     isotropic: ClassVar[bool] = True
-    """False if turning both directions about the normal changes the value."""
+    """False if turning both directions about the normal changes the value, whatever the models inside are."""
 
     written: ClassVar[type[Any]]
     """The class as the model's file has it: of what users hold and of bound models alike."""

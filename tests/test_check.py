@@ -494,6 +494,25 @@ def test_the_first_size_that_fits_the_options_counts() -> None:
     assert Claims().size("energy", {}) is None
 
 
+@pytest.mark.parametrize("promise", PROMISES)
+def test_a_departure_reads_as_a_sentence_with_its_size_and_without_any(promise: str) -> None:
+    sized, endless = (
+        next(text for kind, text in Claims(**{promise: at_most(size)}).lines() if kind == "known")
+        for size in (0.25, UNBOUNDED)
+    )
+    what = endless.removesuffix(" without bound")
+    assert what != endless
+    assert sized.startswith(what)
+    assert "0.25" in sized.removeprefix(what)
+    assert not what.endswith(("within", "by", "up to"))
+
+
+def test_a_model_is_held_to_isotropy_unless_it_follows_tangents_with_its_options() -> None:
+    assert ModelSubject(gonio.TorranceSparrow(distribution="blinn_phong")).isotropic
+    assert not ModelSubject(gonio.TorranceSparrow()).isotropic
+    assert not ModelSubject(gonio.WeidlichWilkie(base="ward")).isotropic
+
+
 def test_claims_name_options_and_parameters_that_exist() -> None:
     for cls in gonio.models().values():
         promises = [getattr(cls.claims, name) for name in (*PROMISES, "kinks")]

@@ -217,6 +217,10 @@ def test_models_say_whether_they_follow_tangents_with_what_is_inside() -> None:
     stretched = {
         "weidlich_wilkie": False,
         "weidlich_wilkie:base=ward": True,
+        "sum:second=phong": False,
+        "sum:second=ward": True,
+        "retroreflective:base=phong": False,
+        "retroreflective:base=ward": True,
         "torrance_sparrow": True,
         "torrance_sparrow:distribution=gaussian": False,
     }

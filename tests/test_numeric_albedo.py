@@ -218,7 +218,6 @@ def test_evaluations_are_as_many_as_a_rule_makes(numeric: NumericAlbedo) -> None
     class Counted:
         """As little as a rule asks for, in plain Python."""
 
-        isotropic = True
         float_type = float
 
         def eval(self, wi: Any, wo: Any) -> Any:

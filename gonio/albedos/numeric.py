@@ -86,7 +86,7 @@ def mean_over_directions(model: Asked) -> Any | None:
     shapes = [_batch(declared, value) for declared, value in arrays]
     if sum(math.prod(shape) for shape in shapes) > LANES:
         return None
-    wo, weights = mean_nodes(not model.follows_tangents())
+    wo, weights = mean_nodes(model.follows_tangents())
     double = any(str(value.dtype).endswith("float64") for _, value in arrays)
     rank = max((len(shape) for shape in shapes), default=0)
     directions = wo.astype(np.float64 if double else np.float32)

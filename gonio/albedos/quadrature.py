@@ -343,7 +343,7 @@ def _around_mirror(model: Reflecting, wo: Vec3) -> Color:
 
 
 @functools.cache
-def mean_nodes(isotropic: bool) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def mean_nodes(follows_tangents: bool) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Directions, shape (n, 3), and weights, shape (n,), for the mean (1/π) ∫ E(wo) μo dωo."""
     x, w = np.polynomial.legendre.leggauss(ELEVATION_NODES)
     x = (x + 1) / 2
@@ -352,7 +352,7 @@ def mean_nodes(isotropic: bool) -> tuple[NDArray[np.float64], NDArray[np.float64
     weight *= np.sin(2 * elevation)
     # Models that follow tangents are at least mirror-symmetric, and periodic functions need no more
     # than even steps.
-    turns = 1 if isotropic else MEAN_AZIMUTHS
+    turns = MEAN_AZIMUTHS if follows_tangents else 1
     azimuth = 0.5 * np.pi * (np.arange(turns) + 0.5) / turns if turns > 1 else np.zeros(1)
     wo = np.stack(
         [
@@ -368,7 +368,7 @@ def mean_nodes(isotropic: bool) -> tuple[NDArray[np.float64], NDArray[np.float64
 def mean_albedo(model: Reflecting) -> Color:
     """(1/π) ∫ albedo(wo) μo dωo of a model that is already bound to Dr.Jit values."""
     Float = model.float_type
-    wo, weights = mean_nodes(not model.follows_tangents())
+    wo, weights = mean_nodes(model.follows_tangents())
 
     def term(x: Any, y: Any, z: Any, weight: Any) -> Color:
         return model.albedo(vec3(x, y, z)) * weight

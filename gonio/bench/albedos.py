@@ -92,7 +92,7 @@ def _row(entry: Entry, pairs: Pairs, wo: Any, repeat: int) -> dict[str, Value]:
 
 
 def _mean_directions(model: Model) -> int:
-    return len(mean_nodes(model.isotropic)[1])
+    return len(mean_nodes(model.follows_tangents())[1])
 
 
 def _at_most(seconds: float, goal: float) -> str:

@@ -168,7 +168,7 @@ class ModelSubject:
         self.claiming = True
         self.chosen: Mapping[str, str] = _choices(model)
         self.varied = frozenset(n for n, v in self.chosen.items() if v != model.fields[n].default)
-        self.isotropic = model.isotropic and all(m.isotropic for m in inner_models(model))
+        self.isotropic = not model.follows_tangents()
         self.whole = not fixed
         self.float32 = False
         self.differentiable = True

@@ -19,6 +19,7 @@ def describe(cls: type[Model]) -> dict[str, Any]:
     """All that is known about a model, as plain dicts and lists that JSON can hold."""
     notes = module_notes(inspect.getdoc(inspect.getmodule(cls)) or "")
     fields = cls.fields.values()
+    inside = [f for f in fields if isinstance(f, Child)]
     return {
         "name": cls.name,
         "class": cls.__name__,
@@ -43,21 +44,14 @@ def describe(cls: type[Model]) -> dict[str, Any]:
             for f in fields
             if isinstance(f, Option)
         ],
-        "models": [
-            {"name": f.name, "default": f.default, "meaning": f.doc}
-            for f in fields
-            if isinstance(f, Child)
-        ],
+        "models": [{"name": f.name, "default": f.default, "meaning": f.doc} for f in inside],
         "methods": {
             method: (inspect.getdoc(getattr(cls, method)) or "").partition("\n")[0]
             for method in ("eval", "sample", "pdf", "albedo", "mean_albedo")
         },
-        "closed_form": {
-            method: getattr(cls, method) is not getattr(Model, method)
-            for method in ("albedo", "mean_albedo")
-        },
+        "closed_form": {method: cls.writes(method) for method in ("albedo", "mean_albedo")},
         "claims": [
-            {"kind": "promised", "text": "isotropic"}
+            {"kind": "promised", "text": "isotropic" + (" if what is inside is" if inside else "")}
             if cls.isotropic
             else {"kind": "known", "text": "anisotropic"},
             *({"kind": kind, "text": text} for kind, text in dict.fromkeys(cls.claims.lines())),

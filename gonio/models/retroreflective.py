@@ -14,8 +14,6 @@ from gonio.model import Model, child
 class Retroreflective(Model):
     """Road signs and safety tape: bright where the light comes from. Reciprocal if the base is."""
 
-    isotropic = False
-
     base: Model = child("torrance_sparrow", "whose mirror direction becomes that of the light")
     caveats = (
         "Has no highlight in the mirror direction; add one by the model sum.",

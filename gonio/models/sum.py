@@ -14,8 +14,6 @@ from gonio.parts.lobes import average, choose, shares
 class Sum(Model):
     """Two models added, such as a diffuse one and a highlight. Reciprocal if both are."""
 
-    isotropic = False
-
     first: Model = child("lambert", "one of the two, such as what is diffuse")
     second: Model = child("torrance_sparrow", "the other one, such as a highlight, or another sum")
     first_weight: Color = param((0.5, 0.5, 0.5), 0, 1, "what the first one is multiplied by")

@@ -13,7 +13,6 @@ class TwoChildren(Model):
     second: Model = child("torrance_sparrow", "the other one")
     cover: Float = param(0.3, 0.05, 0.95, "part of the second")
     numeric = NumericAlbedo("half_vectors", stretched=True)
-    isotropic = False
     claims = Claims()
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
