@@ -160,20 +160,15 @@ class Claims:
 
     def lines(self) -> Iterator[tuple[str, str]]:
         """What is promised, and what is known not to be kept, as pairs of heading and text."""
-        for name, (kept, broken) in PROMISES.items():
+        for name, (kept, broken, extent) in PROMISES.items():
             entries = as_tuple(getattr(self, name))
             if not entries:
                 yield "promised", kept
             for entry in entries:
-                size = "without bound" if entry.size == UNBOUNDED else f"{entry.size:g}"
-                text = broken.format(size)
-                if entry.size == UNBOUNDED:
-                    text = (
-                        text.replace("by up to", "")
-                        .replace("up to", "")
-                        .replace("bound / pi", "bound")
-                    )
-                yield "known", f"{' '.join(text.split())}{_condition(entry.options)}"
+                size = " without bound"
+                if entry.size != UNBOUNDED:
+                    size = extent.format(f"{entry.size:g}")
+                yield "known", f"{broken}{size}{_condition(entry.options)}"
             if entries and all(entry.options for entry in entries):
                 yield "promised", f"{kept} with the other options"
         for entry in as_tuple(self.kinks):
@@ -198,16 +193,25 @@ def _condition(options: Options) -> str:
     return f", with {', '.join(texts)}" if options else ""
 
 
-# How each promise reads when it is kept, and when its departure is known.
+# How each promise reads when it is kept, and when its departure is known: what departs, and how far.
 PROMISES = {
-    "energy": ("reflects no more than it receives", "albedo up to {}"),
-    "reciprocity": ("reciprocal", "swapping the directions changes the value by up to {} of it"),
-    "negative": ("never negative", "goes below zero by up to {} / pi"),
-    "wasted": ("wastes no sample", "wastes up to {} of the samples"),
+    "energy": ("reflects no more than it receives", "albedo", " up to {}"),
+    "reciprocity": (
+        "reciprocal",
+        "swapping the directions changes the value",
+        " by up to {} of it",
+    ),
+    "negative": ("never negative", "goes below zero", " by up to {} / pi"),
+    "wasted": ("wastes no sample", "wastes", " up to {} of the samples"),
     "unreached": (
         "samples every direction that reflects",
-        "albedo that is never sampled, up to {}",
+        "albedo that is never sampled",
+        ", up to {}",
     ),
-    "float32": ("float32 values within 1e-5 of float64", "float32 values within {} of float64"),
-    "numeric_albedo": ("albedos within 3e-5", "albedos within {}"),
+    "float32": (
+        "float32 values within 1e-5 of float64",
+        "float32 values differ from float64",
+        " by up to {}",
+    ),
+    "numeric_albedo": ("albedos within 3e-5", "albedos", " within {}"),
 }

@@ -23,7 +23,7 @@ from gonio.arrays.kernel import opaque
 from gonio.check.special import inner_models
 from gonio.fields import ModelError, Parameter
 from gonio.messages import nearest
-from gonio.model import Model
+from gonio.model import Model, as_written
 
 # Methods, what they are given, and what they return: the width and how it is called.
 METHODS = {
@@ -107,7 +107,7 @@ def _called(model: Model, Float: Any) -> None:
     for name, (arguments, width, wanted) in METHODS.items():
         if not model.writes(name):
             continue
-        method = inspect.unwrap(getattr(model.written, name))
+        method = as_written(getattr(model.written, name))
         try:
             result = method(bound, *(given[a] for a in arguments))
         except ModelError:
