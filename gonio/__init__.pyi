@@ -22,6 +22,7 @@ from gonio import fields as fields
 from gonio import files as files
 from gonio import fit as fit
 from gonio import foreign as foreign
+from gonio import horizon as horizon
 from gonio import images as images
 from gonio import lang as lang
 from gonio import lights as lights

@@ -14,8 +14,8 @@ of its own.
    PyTorch's ...), broadcasts and checks them, and makes Dr.Jit values of them.
 3. `Model.bind` makes the bound model: an instance of EON as its file has it, whose parameters are Dr.Jit
    values of the kernel's `float_type`.
-4. `eval` of the bound model is what the file says, between guards for the horizon. Whatever it calls, its
-   own methods, those of a class above by `super()`, or those of models inside the model, is bound as well.
+4. `eval` of the bound model is what the file says, between the guards of `gonio.horizon`. Whatever it
+   calls, its own methods, those of a class above by `super()`, or those of models inside, is bound as well.
 
 Renderers bind models themselves (`gonio.mitsuba.bsdf`), and exports read the file's text.
 """
@@ -31,15 +31,14 @@ from dataclasses import dataclass
 from types import new_class
 from typing import Any, ClassVar, Self, get_type_hints
 
-import drjit as dr
-
 from gonio import arrays, notebook
 from gonio.albedos import quadrature
 from gonio.albedos.numeric import for_quadrature, mean_over_directions
 from gonio.albedos.quadrature import NumericAlbedo
 from gonio.claims import Claims
 from gonio.fields import ModelError, Option, Parameter, framework, shown
-from gonio.lang import MU_MIN, Color, Float, Sample, Vec2, Vec3, select, vec3
+from gonio.horizon import GUARDS
+from gonio.lang import Color, Float, Sample, Vec2, Vec3
 from gonio.messages import did_you_mean
 from gonio.parts.interface import gather, leave, pdf_leave, refract
 
@@ -140,7 +139,7 @@ class Model:
     numeric: NumericAlbedo = NumericAlbedo()
     """How albedos without a closed form are found."""
     isotropic: ClassVar[bool] = True
-    """False if turning both directions about the normal changes the value, whatever the models inside are."""
+    """False if the model itself changes when both directions turn; see `follows_tangents`."""
 
     written: ClassVar[type[Any]]
     """The class as the model's file has it: of what users hold and of bound models alike."""
@@ -185,7 +184,7 @@ class Model:
         quadrature.check_declared(cls, cls.writes)
         cls.description = inspect.cleandoc(vars(cls).get("__doc__") or cls.description)
         cls.__doc__ = "\n".join([cls.description, *_explained(cls.fields)])
-        for name, guard in _GUARDS.items():
+        for name, guard in GUARDS.items():
             if name in vars(cls):
                 setattr(cls, name, _guarded(vars(cls)[name], guard))
         cls.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
@@ -239,6 +238,10 @@ class Model:
                 value = value.replace(**inner[name])
             object.__setattr__(self, name, value)
         object.__setattr__(self, "_bound", {})
+        self.check_together()
+
+    def check_together(self) -> None:
+        """Raise a ModelError where values do not go together: for models that have such values."""
 
     @classmethod
     def writes(cls, method: str) -> bool:
@@ -293,12 +296,9 @@ class Model:
 
     def replace(self, **changed: Any) -> Self:
         """Return a copy with some parameters or options changed."""
-        values = {name: getattr(self, name) for name in self.fields} | changed
-        if _takes_fields(self.written):
-            made: Self = self.written(**values)  # what it refuses is refused here as well
-            return made
-        made = _empty(self.written)
-        Model.__init__(made, **values)
+        made: Self = _empty(self.written)
+        # Not the model's own __init__, if it has one, which may take other arguments
+        Model.__init__(made, **{name: getattr(self, name) for name in self.fields} | changed)
         return made
 
     def at_least_as_rough(self, alpha: Float) -> Self:
@@ -464,13 +464,6 @@ class OnArrays(Model, written=False):
         return _empty, (self.written,), vars(self) | {"_bound": {}}
 
 
-def _takes_fields(cls: type[Model]) -> bool:
-    """Whether a model's own `__init__` takes every field by its name; a user's may take less."""
-    known = inspect.signature(cls.__init__).parameters
-    by_keyword = any(p.kind is inspect.Parameter.VAR_KEYWORD for p in known.values())
-    return by_keyword or set(cls.fields) <= set(known)
-
-
 def _empty(cls: type[Model]) -> Any:
     """A model without values, for those of another."""
     return cls.__new__(cls)
@@ -501,7 +494,7 @@ def _check_written(cls: type[Model]) -> None:
     """
     for base in cls.__mro__:
         if not issubclass(base, Model):
-            found = [n for n, v in vars(base).items() if n in _GUARDS or isinstance(v, Field)]
+            found = [n for n, v in vars(base).items() if n in GUARDS or isinstance(v, Field)]
             if found:
                 raise ModelError(
                     f"{cls.__name__}: {base.__name__} has {found[0]}, but is no model; write "
@@ -512,7 +505,7 @@ def _check_written(cls: type[Model]) -> None:
             raise ModelError(
                 f"{cls.__name__}: every model has {name}; give the parameter another name."
             )
-        if name not in _GUARDS:
+        if name not in GUARDS:
             continue
         wanted = list(inspect.signature(vars(Model)[name]).parameters)
         given = list(inspect.signature(value).parameters) if inspect.isfunction(value) else []
@@ -552,59 +545,6 @@ def _suggest(name: str, known: Mapping[str, Any]) -> str:
     return f"; {did_you_mean(name, known)}known are {', '.join(known)}" if known else ""
 
 
-# Where derivatives end: they are 0 below this cosine, down to the horizon. The sharpest facets, of width
-# 1e-4 and with V-cavities, reflect D / (4 mu^2) = 8e6 / mu^2 where both directions graze. Turning one tilts
-# the half vector by 1 / (2 mu) as much, and D changes by its 1 / alpha: the slope is 4e10 / mu^3, which
-# leaves a float32 below 5e-10. The products on the way to it, as reverse mode forms them, do so below
-# 1.3e-8.
-MU_STEEP = 1e-7
-
-# The horizon is handled here and nowhere else. Directions in it or below are replaced by the normal before
-# the model sees them: the values are masked anyway, and their derivatives stay finite that way.
-
-
-def _guard_eval(method: Any, model: Model, wi: Vec3, wo: Vec3) -> Color:
-    above_i, above_o = wi.z > MU_MIN, wo.z > MU_MIN
-    value = method(model, _upwards(above_i, wi), _upwards(above_o, wo))
-    value = _steady((wi.z > MU_STEEP) & (wo.z > MU_STEEP), value)
-    # A number of the kernel's type, in which a constant value is then returned
-    return select(above_i & above_o, value, type(wi.z)(0))
-
-
-def _guard_sample(method: Any, model: Model, wo: Vec3, u: Vec2) -> Sample:
-    above = wo.z > MU_MIN
-    wi, pdf = method(model, _upwards(above, wo), u)
-    wi, pdf = _steady(wo.z > MU_STEEP, wi), _steady(wo.z > MU_STEEP, pdf)
-    return Sample(wi, select(above & (wi.z > MU_MIN), pdf, 0))
-
-
-def _guard_albedo(method: Any, model: Model, wo: Vec3) -> Color:
-    above = wo.z >= 0  # the albedo has a limit at the horizon
-    return select(above, method(model, _upwards(above, wo)), type(wo.z)(0))
-
-
-def _steady(condition: Any, value: Any) -> Any:
-    """A value without its derivative where the condition does not hold."""
-    return select(condition, value, dr.detach(value)) if dr.grad_enabled(value) else value
-
-
-def _upwards(above: Any, w: Vec3) -> Vec3:
-    return vec3(select(above, w.x, 0), select(above, w.y, 0), select(above, w.z, 1))
-
-
-def _guard_mean(method: Any, model: Model) -> Color:
-    return method(model)  # no direction that could be below
-
-
-_GUARDS: dict[str, Callable[..., Any]] = {
-    "eval": _guard_eval,
-    "sample": _guard_sample,
-    "pdf": _guard_eval,
-    "albedo": _guard_albedo,
-    "mean_albedo": _guard_mean,
-}
-
-
 def _guarded(method: Any, guard: Any) -> Any:
     """A written method whose results are masked below the horizon."""
     signature = inspect.signature(method)
@@ -623,7 +563,7 @@ def _guarded(method: Any, guard: Any) -> Any:
     return call
 
 
-for _name, _guard in _GUARDS.items():
+for _name, _guard in GUARDS.items():
     setattr(Model, _name, _guarded(vars(Model)[_name], _guard))
 
 

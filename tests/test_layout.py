@@ -25,7 +25,7 @@ FLOORS = (
         "backend",
         "claims",
     },
-    {"fields", "conversions", "table"},
+    {"fields", "conversions", "table", "horizon"},
     {"parts", "arrays"},
     {"albedos"},
     {"model"},

@@ -3,6 +3,7 @@
 import copy
 import pickle
 from types import new_class
+from typing import Any
 
 import numpy as np
 import pytest
@@ -116,10 +117,10 @@ def test_a_copy_is_changed_by_name_whatever_the_class_is_made_from() -> None:
     class Chalk(gonio.EON, register=False):
         """Made from one word."""
 
-        def __init__(self, kind: str = "fine") -> None:
-            super().__init__(roughness={"fine": 0.5, "coarse": 1.0}[kind])
+        def __init__(self, kind: str = "fine", **given: Any) -> None:
+            super().__init__(roughness={"fine": 0.5, "coarse": 1.0}[kind], **given)
 
-    assert Chalk("coarse").replace(rho=0.5).roughness == 1
+    assert Chalk("coarse", rho=0.2).replace(rho=0.5).roughness == 1
     assert copy.deepcopy(Chalk("coarse")) == Chalk("coarse")
 
 

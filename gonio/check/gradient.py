@@ -36,8 +36,8 @@ from gonio.check.subject import (
     stored,
     vectors,
 )
+from gonio.horizon import MU_STEEP
 from gonio.lang import MU_MIN
-from gonio.model import MU_STEEP
 
 # Steps of the differences, relative to the parameter or to its range.
 STEP = 1e-6

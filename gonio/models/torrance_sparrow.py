@@ -191,9 +191,8 @@ class TorranceSparrow(Model):
         ),
     )
 
-    def __init__(self, **given: Any) -> None:
-        """As every model; also refuses a compensation for what it was not made for."""
-        super().__init__(**given)
+    def check_together(self) -> None:
+        """Refuse a compensation for what it was not made for."""
         made_for = self.distribution == "ggx" and self.masking == "smith_correlated"
         if self.compensation != "none" and not made_for:
             raise ModelError(

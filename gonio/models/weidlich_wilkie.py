@@ -10,8 +10,6 @@ reflection at both crossings, the compression of solid angles, and the light tha
 surface.
 """
 
-from typing import Any
-
 from gonio.albedos.quadrature import NumericAlbedo
 from gonio.claims import Claims, Place, at_most, kink
 from gonio.fields import ModelError
@@ -167,9 +165,8 @@ class WeidlichWilkie(Model):
         ),
     )
 
-    def __init__(self, **given: Any) -> None:
-        """As every model; also refuses a series of bounces below a coloured coat."""
-        super().__init__(**given)
+    def check_together(self) -> None:
+        """Refuse a series of bounces below a coloured coat."""
         if self.bounces != "none" and self.fresnel in COLOURED:
             raise ModelError(
                 f"{self.name}: bounces={self.bounces!r} is a series of reflections by one index, got "
