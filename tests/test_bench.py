@@ -262,6 +262,14 @@ def test_values_that_are_not_finite_never_agree(wrong):
     assert pairs.difference(values, values) == 0
 
 
+def test_one_pair_of_ten_thousand_may_differ_and_no_more():
+    theirs, ours = np.ones(40_001, np.float32), np.ones(40_001, np.float32)
+    ours[:4] = 2
+    assert pairs.difference(ours, theirs) == 0
+    ours[4] = 2
+    assert pairs.difference(ours, theirs) == 1
+
+
 def test_a_value_near_zero_is_compared_with_the_mean():
     theirs = np.float32([1, 1, 1e-9])
     ours = theirs + np.float32([0, 0, 1e-5])

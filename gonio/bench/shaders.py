@@ -29,8 +29,8 @@ from gonio.model import Model
 
 FOLDER = Path(__file__).parent / "handwritten"
 
-PLAIN = ("eon", "torrance_sparrow", "disney", "phong", "triace_blinn_phong")
-"""Models that are compared with their default options; weidlich_wilkie is one coat over another."""
+INSIDE = {"weidlich_wilkie": {"base": "weidlich_wilkie"}}
+"""What is inside a model of the comparison, where that is not the default: one coat over another."""
 
 ACCURACY_ROWS = 20_000
 
@@ -43,9 +43,8 @@ SMALL = 1e-3
 
 def subjects() -> dict[str, Model]:
     """The models that have a hand-written shader, by its name."""
-    coats = gonio.model("weidlich_wilkie", base=gonio.model("weidlich_wilkie"))
-    found = {name: gonio.model(name) for name in PLAIN}
-    return {**found, "weidlich_wilkie": coats}
+    names = sorted(path.stem for path in FOLDER.glob("*.glsl"))
+    return {name: gonio.model(name, **INSIDE.get(name, {})) for name in names}
 
 
 def exported(name: str) -> Export:
