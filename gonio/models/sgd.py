@@ -46,8 +46,9 @@ ALPHA_SGD = 1e-5
 # Nearer to 1 than this, 1 - p is taken as this: what is divided by it differs by as little.
 POWER_MIN = 1e-4
 
-# Largest x of exp(x) in the masking, where G of all fits is 0 before.
-LOG_MAX = 3.0
+# Largest x of exp(x) in the masking, where G of all fits is 0 before; and the smallest, where
+# 1.8e-35 of Lambda changes no G and still is a normal float32.
+LOG_MAX, LOG_MIN = 3.0, -80.0
 
 # Largest squared slope over alpha, where D is 0 in every precision.
 SLOPE_MAX = 1e4
@@ -207,7 +208,7 @@ class SGD(Model):
         v = smooth_sqrt(w.x * w.x + w.y * w.y) / (1 + w.z)
         beyond = v * twice_atan_over(v) - self.masking_angle
         x = log(maximum(beyond, ANGLE_MIN)) - log(self.masking_width)
-        t = maximum(minimum(self.masking_exponent * x, LOG_MAX), -80)
+        t = maximum(minimum(self.masking_exponent * x, LOG_MAX), LOG_MIN)
         # expm1 of each channel
         lost = exp(t)
         masked = self.masking_strength * vec3(expm1(lost.x), expm1(lost.y), expm1(lost.z))

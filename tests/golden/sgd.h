@@ -144,8 +144,10 @@ constexpr float LOG1P_SMALL = 0.25f;
 constexpr float EXPM1_SMALL = 0.3f;
 // Nearer to 1 than this, 1 - p is taken as this: what is divided by it differs by as little.
 constexpr float POWER_MIN = 1.0e-4f;
-// Largest x of exp(x) in the masking, where G of all fits is 0 before.
+// Largest x of exp(x) in the masking, where G of all fits is 0 before; and the smallest, where 1.8e-35 of
+// Lambda changes no G and still is a normal float32.
 constexpr float LOG_MAX = 3.0f;
+constexpr float LOG_MIN = -80.0f;
 // Largest squared slope over alpha, where D is 0 in every precision.
 constexpr float SLOPE_MAX = 10000.0f;
 // Largest 1 / (mu_i mu_o), at cosines of 1e-4: times D and its derivatives it still is a float32.
@@ -243,7 +245,7 @@ inline Vec3 sgd_G(const Sgd& params, Vec3 w) {
     float v = sqrtf(w.x * w.x + w.y * w.y) / (1.0f + w.z);
     Vec3 beyond = v * sgd_twice_atan_over(v) - params.masking_angle;
     Vec3 x = log(maximum(beyond, splat(ANGLE_MIN))) - log(params.masking_width);
-    Vec3 t = maximum(minimum(params.masking_exponent * x, splat(LOG_MAX)), splat(-80.0f));
+    Vec3 t = maximum(minimum(params.masking_exponent * x, splat(LOG_MAX)), splat(LOG_MIN));
     // expm1 of each channel
     Vec3 lost = exp(t);
     Vec3 masked = params.masking_strength

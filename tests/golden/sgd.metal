@@ -99,14 +99,16 @@ inline float sgd_expm1(float x) {
 
 // 1 + Lambda (1 - exp(((theta - theta_0) / width)^k)).
 inline float3 sgd_G(Sgd params, float3 w) {
-    // Largest x of exp(x) in the masking, where G of all fits is 0 before.
+    // Largest x of exp(x) in the masking, where G of all fits is 0 before; and the smallest, where 1.8e-35 of
+    // Lambda changes no G and still is a normal float32.
     const float LOG_MAX = 3.0;
+    const float LOG_MIN = -80.0;
     // Angles and squared cosines below which a logarithm or quotient leaves a float32.
     const float ANGLE_MIN = 1.0e-12;
     float v = sqrt(w.x * w.x + w.y * w.y) / (1.0 + w.z);
     float3 beyond = v * sgd_twice_atan_over(v) - params.masking_angle;
     float3 x = log(max(beyond, float3(ANGLE_MIN))) - log(params.masking_width);
-    float3 t = max(min(params.masking_exponent * x, float3(LOG_MAX)), float3(-80.0));
+    float3 t = max(min(params.masking_exponent * x, float3(LOG_MAX)), float3(LOG_MIN));
     // expm1 of each channel
     float3 lost = exp(t);
     float3 masked = params.masking_strength

@@ -95,13 +95,16 @@ fn sgd_expm1(x: f32) -> f32 {
 
 // 1 + Lambda (1 - exp(((theta - theta_0) / width)^k)).
 fn sgd_G(params: Sgd, w: vec3f) -> vec3f {
-    const LOG_MAX = 3.0;  // Largest x of exp(x) in the masking, where G of all fits is 0 before.
+    // Largest x of exp(x) in the masking, where G of all fits is 0 before; and the smallest, where 1.8e-35 of
+    // Lambda changes no G and still is a normal float32.
+    const LOG_MAX = 3.0;
+    const LOG_MIN = -80.0;
     // Angles and squared cosines below which a logarithm or quotient leaves a float32.
     const ANGLE_MIN = 1.0e-12;
     let v = sqrt(w.x * w.x + w.y * w.y) / (1.0 + w.z);
     let beyond = v * sgd_twice_atan_over(v) - params.masking_angle;
     let x = log(max(beyond, vec3f(ANGLE_MIN))) - log(params.masking_width);
-    let t = max(min(params.masking_exponent * x, vec3f(LOG_MAX)), vec3f(-80.0));
+    let t = max(min(params.masking_exponent * x, vec3f(LOG_MAX)), vec3f(LOG_MIN));
     // expm1 of each channel
     let lost = exp(t);
     let masked = params.masking_strength
