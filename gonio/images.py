@@ -483,19 +483,20 @@ def write_linear(path: Path, pixels: NDArray[Any], *, half: bool = False) -> Non
     path.write_bytes(stored.raw_buffer())
 
 
-def write_codes(path: str | Path, codes: NDArray[Any]) -> None:
-    """Write whole numbers of 8 or 16 bits as a .png, grey (height, width) or RGB (height, width, 3).
+# How many the whole numbers of a picture of tables have.
+BITS = (8, 16)
 
-    Raises:
-        ValueError: another suffix.
-        FileNotFoundError: the folder does not exist.
-    """
+
+def codes_of(values: NDArray[Any], bits: int) -> NDArray[Any]:
+    """Numbers from 0 to 1 as whole ones of 8 or 16 bits, the largest of which is 1."""
+    kind = np.uint8 if bits == 8 else np.uint16
+    return np.rint(np.clip(values, 0, 1) * np.iinfo(kind).max).astype(kind)
+
+
+def png_of_codes(codes: NDArray[Any]) -> bytes:
+    """Whole numbers of 8 or 16 bits as a .png has them, grey (height, width) or RGB (height, width, 3)."""
     import mitsuba as mi
 
-    path = Path(path)
-    if path.suffix.lower() != ".png":
-        raise ValueError(f"cannot write {path.name!r}; the suffix must be .png.")
-    check_place(path)
     kind = mi.Struct.Type.UInt8 if codes.dtype == np.uint8 else mi.Struct.Type.UInt16
     form = mi.Bitmap.PixelFormat.Y if codes.ndim == 2 else mi.Bitmap.PixelFormat.RGB
     picture = mi.Bitmap(np.ascontiguousarray(codes))
@@ -503,5 +504,19 @@ def write_codes(path: str | Path, codes: NDArray[Any]) -> None:
     # By way of memory: Mitsuba opens no files whose names are not UTF-8.
     stored = mi.MemoryStream()
     picture.convert(form, kind, False).write(stored, mi.Bitmap.FileFormat.PNG)
+    return bytes(stored.raw_buffer())
+
+
+def write_codes(path: str | Path, codes: NDArray[Any]) -> None:
+    """Write whole numbers of 8 or 16 bits as a .png, grey (height, width) or RGB (height, width, 3).
+
+    Raises:
+        ValueError: another suffix.
+        FileNotFoundError: the folder does not exist.
+    """
+    path = Path(path)
+    if path.suffix.lower() != ".png":
+        raise ValueError(f"cannot write {path.name!r}; the suffix must be .png.")
+    check_place(path)
     with replacing(path) as temporary:
-        temporary.write_bytes(stored.raw_buffer())
+        temporary.write_bytes(png_of_codes(codes))

@@ -1,7 +1,7 @@
 """Tables that a model looks up: numbers that belong to its class or module, read by `fetch`.
 
 A kernel gathers them from an array, a shader reads them from a buffer that its host binds
-(`gonio.export.tables`). What lies between two entries is written in the language of models.
+(`gonio.export.buffer`). What lies between two entries is written in the language of models.
 """
 
 from __future__ import annotations

@@ -188,6 +188,29 @@ def test_the_command_writes_texts_with_the_file_that_they_read(paint: Path, tmp_
         assert "gonio fit" in done.stderr
 
 
+def test_tables_that_another_text_reads_are_not_replaced(
+    paint: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    two = (f"one={paint}", f"two={paint}")
+    tables = tmp_path / "gonio_tables.bin"
+    assert run("export", *two, "-o", str(tmp_path / "first.h")).exit_code == 0
+    before = tables.read_bytes()
+    assert run("export", *two, "-o", str(tmp_path / "same.wgsl")).exit_code == 0
+    monkeypatch.setattr(measured, "as_model", lambda _: made(False))
+    done = run("export", *two, "-o", str(tmp_path / "second.h"))
+    assert done.exit_code == 1
+    assert "first.h reads gonio_tables.bin" in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert tables.read_bytes() == before
+    assert not (tmp_path / "second.h").exists()
+    named = run("export", *two, "--prefix", "other", "-o", str(tmp_path / "second.h"))
+    assert named.exit_code == 0, named.output
+    # No text is left that reads the old ones
+    (tmp_path / "same.wgsl").unlink()
+    assert run("export", *two, "-o", str(tmp_path / "first.h")).exit_code == 0
+    assert tables.read_bytes() != before
+
+
 class Painted(Names):
     """A page's names, one of which has tables."""
 

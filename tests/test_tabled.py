@@ -21,13 +21,13 @@ from gonio.bake.tables import fresnel_table
 from gonio.cli import main
 from gonio.cli.export import run_proof
 from gonio.export import export
+from gonio.export.coded import BITS, Request, Tables
 from gonio.export.evaluate import UNKNOWN, Machine
 from gonio.export.files import manifests
 from gonio.export.manifest import manifest
 from gonio.export.prove import prove
 from gonio.export.prove.tabled import tabled
 from gonio.export.read import Reader
-from gonio.export.tabled import BITS, Request, Tables
 from gonio.export.targets import SHADER_LIBRARY
 from gonio.export.tree import ExportError
 from gonio.lang import vec3
@@ -261,6 +261,21 @@ def test_textures_are_the_files_that_the_command_writes(bits: int, tmp_path: Pat
     made = export({"gold": model}, "glsl", only=["eval"], tables=Request(BOTH, bits))[0]
     expected = tabled(model, made).eval(WI, WO)
     np.testing.assert_allclose(np.load(tmp_path / "made.npy"), expected, rtol=FILTERED)
+
+
+def test_text_manifest_and_folder_agree_on_the_names_of_pictures(tmp_path: Path) -> None:
+    arguments = ["--to", "wgsl", "--table", "fresnel", "--manifest", "-o", f"{tmp_path}/"]
+    done = CliRunner().invoke(main, ["export", "gold", "--prefix", "shared", *arguments])
+    assert done.exit_code == 0, done.output
+    (table,) = json.loads((tmp_path / "gold.json").read_text(encoding="utf-8"))["tables"]
+    text = (tmp_path / "gold.wgsl").read_text(encoding="utf-8")
+    assert f"tables in {table['file']}." in text
+    assert f"var {table['texture']}:" in text
+    before = (tmp_path / table["file"]).read_bytes()
+    done = CliRunner().invoke(main, ["export", "copper", "--prefix", "shared", *arguments])
+    assert done.exit_code == 1
+    assert "reads shared_fresnel.png" in done.output
+    assert (tmp_path / table["file"]).read_bytes() == before
 
 
 @pytest.mark.parametrize(

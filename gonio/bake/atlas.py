@@ -19,9 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gonio.bake.tables import FRESNEL_ENTRIES, Table, TableError, fresnel_error, fresnel_table
-from gonio.images import write_codes
-
-BITS = (8, 16)
+from gonio.images import BITS, codes_of, write_codes
 
 
 @dataclass(frozen=True)
@@ -67,12 +65,11 @@ def fresnel_atlas(
         raise ValueError(f"bits={bits} is out of range; allowed are 8 and 16.")
     if not materials:
         raise ValueError("no material; name one, such as Cu or 1.5.")
-    most = 2**bits - 1
     rows, errors = [], {}
     for name, index in materials.items():
         table = np.broadcast_to(fresnel_table(**index, entries=entries), (entries, 3))
-        codes = np.rint(np.clip(table, 0, 1) * most)
+        codes = codes_of(table, bits)
         rows.append(codes)
-        errors[name] = fresnel_error(np.asarray(codes / most, np.float32), **index)
-    kind = np.uint8 if bits == 8 else np.uint16
-    return Atlas(np.stack(rows).astype(kind), tuple(materials), errors)
+        stored = np.asarray(codes / np.iinfo(codes.dtype).max, np.float32)
+        errors[name] = fresnel_error(stored, **index)
+    return Atlas(np.stack(rows), tuple(materials), errors)

@@ -14,16 +14,14 @@ from click.core import ParameterSource
 from gonio.cli.program import check_params, complete, param_option, say
 from gonio.export import materialx
 from gonio.export.buffer import RESOURCES
+from gonio.export.coded import ARRAY_PLACES, Request
 from gonio.export.entry import Export
-from gonio.export.files import exports, manifests, table_files, write
+from gonio.export.files import exports, manifests, write
 from gonio.export.host import OBJECTS
 from gonio.export.lit import export_lit
-from gonio.export.table_axes import ARRAY_PLACES
-from gonio.export.tabled import Request
 from gonio.export.targets import TARGETS
 from gonio.export.text import FUNCTIONS, LOOKUPS, PROVABLE, export
 from gonio.export.tree import ExportError
-from gonio.images import write_codes
 from gonio.lights.catalogue import listed, usual
 from gonio.materials import Material, library, load
 from gonio.model import Model
@@ -409,11 +407,12 @@ def command(
             lit=lights,
             tables=request,
         )
-    pictures = {} if _in_text(to, lookups) else table_files(made.tables)
+    pictures = {} if _in_text(to, lookups) else made.pictures()
     if pictures and (output is None or (not output.endswith("/") and not Path(output).is_dir())):
         raise click.UsageError(
             f"a text and its tables are {len(files) + len(pictures)} files; give a folder: -o FOLDER/"
         )
+    files |= pictures
     shown = [text for text in files.values() if isinstance(text, str)]
     if output is None and len(shown) == 1:
         click.echo(shown[0], nl=False)
@@ -422,9 +421,6 @@ def command(
     else:
         for path in write(files, output):
             click.echo(path)
-        for name, table in pictures.items():
-            write_codes(Path(str(output)) / name, table.codes)
-            click.echo(Path(str(output)) / name)
     for one in made.tables.values():
         for said in (line for table in one.all for line in table.said()):
             click.echo(f"note: {said}", err=True)

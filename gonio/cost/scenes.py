@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from gonio.cost.program import ROWS, Program
+from gonio.export.coded import Request
 from gonio.export.lit import export_lit
 from gonio.export.prove.opengl import HEAD
-from gonio.export.tabled import Request
 from gonio.model import Model
 
 PHONG = Path(__file__).with_name("phong.glsl")

@@ -15,7 +15,7 @@ from gonio.cost import amd
 from gonio.cost.gpus import CostError, Gpu
 from gonio.cost.program import Program
 from gonio.cost.scenes import lit, plain_phong
-from gonio.export.tabled import Request
+from gonio.export.coded import Request
 
 SUN = ("directional",)
 

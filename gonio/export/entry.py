@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from gonio.export.buffer import Buffer
 
 if TYPE_CHECKING:
-    from gonio.export.tabled import Tables
+    from gonio.export.coded import Tables
 
 
 @dataclass(frozen=True)

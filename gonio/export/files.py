@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from gonio.export import materialx
+from gonio.export.coded import Request, Tables
 from gonio.export.lit import export_lit
 from gonio.export.manifest import loader, manifest, manifest_text
-from gonio.export.tabled import Request, Table, Tables
 from gonio.export.targets import TARGETS
 from gonio.export.text import FUNCTIONS, SHARED, export
 from gonio.export.tree import ExportError
 from gonio.files import replacing
+from gonio.images import png_of_codes
 from gonio.lights.catalogue import usual
 from gonio.materials import Material
 from gonio.model import Model
@@ -28,10 +30,10 @@ class Texts:
     tables: dict[str, Tables]
     """By the name of the texts that look them up, without its extension."""
 
-
-def table_files(tables: Mapping[str, Tables]) -> dict[str, Table]:
-    """Tables by the names of their files."""
-    return {f"{stem}_{t.kind}.png": t for stem, its in tables.items() for t in its.all}
+    def pictures(self) -> dict[str, bytes]:
+        """Files of the tables of F and D, for texts that look them up in textures."""
+        pictures = {name: t for its in self.tables.values() for name, t in its.files().items()}
+        return {name: png_of_codes(table.codes) for name, table in pictures.items()}
 
 
 def texts(
@@ -150,7 +152,7 @@ def write(files: Mapping[str, str | bytes], output: str | None) -> list[Path]:
     Bytes keep their own names, beside the text that reads them.
 
     Raises:
-        ExportError: several texts for one file.
+        ExportError: several texts for one file, or bytes that another text in the folder reads.
         FileNotFoundError: the file's folder does not exist.
     """
     if output is None:
@@ -161,15 +163,40 @@ def write(files: Mapping[str, str | bytes], output: str | None) -> list[Path]:
     root = Path(output)
     if folder:
         root.mkdir(parents=True, exist_ok=True)
-    paths = []
-    for name, content in files.items():
-        path = root / name if folder else root
-        if isinstance(content, bytes):
-            path = path if folder else root.parent / name
+    inside = root if folder else root.parent
+    placed = {
+        inside / name if folder or isinstance(content, bytes) else root: content
+        for name, content in files.items()
+    }
+    _check_readers(placed)
+    for path, content in placed.items():
         with replacing(path) as temporary:
             if isinstance(content, bytes):
                 temporary.write_bytes(content)
             else:
                 temporary.write_text(content, encoding="utf-8")
-        paths.append(path)
-    return paths
+    return list(placed)
+
+
+# What gonio writes that says which tables it reads.
+READERS = frozenset(f".{target.extension}" for target in TARGETS.values()) | {".json"}
+
+
+def _check_readers(placed: Mapping[Path, str | bytes]) -> None:
+    """Refuse to put other tables in the place of those that an older text in the folder reads.
+
+    Raises:
+        ExportError: which text that is.
+    """
+    for path, content in placed.items():
+        if not isinstance(content, bytes) or not path.is_file() or path.read_bytes() == content:
+            continue
+        named = re.compile(rf"(?<!\w){re.escape(path.name)}")
+        for other in sorted(path.parent.iterdir()):
+            if other.suffix not in READERS or other in placed or not other.is_file():
+                continue
+            if named.search(other.read_text(encoding="utf-8", errors="replace")):
+                raise ExportError(
+                    f"{other} reads {path.name}, which this export would replace by other tables; give "
+                    f"another folder, or --prefix NAME for a name of their own, or remove {other.name}."
+                )

@@ -14,11 +14,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, cast, get_type_hints
 
+from gonio.export.coded import Request
 from gonio.export.entry import Export, Given
 from gonio.export.names import legal
 from gonio.export.printer import Printer
 from gonio.export.read import Reader
-from gonio.export.tabled import Request, with_tables
+from gonio.export.tabled import with_tables
 from gonio.export.targets import Target
 from gonio.export.text import (
     FUNCTIONS,

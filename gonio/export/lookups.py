@@ -15,10 +15,10 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from gonio.export import buffer
+from gonio.export.coded import CodedTable
 from gonio.export.comments import comment
 from gonio.export.host import OBJECTS
 from gonio.export.printer import INDENT, Printer
-from gonio.export.tabled import Table
 from gonio.export.tree import Function
 from gonio.lights.lookups import LAST_LEVEL
 
@@ -160,7 +160,7 @@ class Supply:
 
     textures: bool = True
     """With textures; else the host defines them."""
-    tables: Mapping[str, Table] = field(default_factory=dict)
+    tables: Mapping[str, CodedTable] = field(default_factory=dict)
     """Those of F and D by the lookup's name."""
     arrays: bool = False
     """Whether tables stand in the text as arrays, as they always do in C++, CUDA and Metal."""
@@ -239,7 +239,7 @@ def _samplers(printer: Printer) -> list[list[str]]:
 
 
 def _filled(
-    printer: Printer, function: Function, apart: bool, table: Table | None = None
+    printer: Printer, function: Function, apart: bool, table: CodedTable | None = None
 ) -> dict[str, str]:
     name = MAPS[function.plain]
     names = {"map": f"{printer.prefix}_{name}" if apart else name, "p": printer.prefix}
@@ -251,7 +251,7 @@ def _filled(
     return names
 
 
-def _with_texture(printer: Printer, function: Function, table: Table | None) -> list[str]:
+def _with_texture(printer: Printer, function: Function, table: CodedTable | None) -> list[str]:
     language, names = printer.target.name, _filled(printer, function, True, table)
     body = [line.format(**names) for line in _BODIES[language][function.plain]]
     resource = _RESOURCES[language][function.plain].format(**names)

@@ -16,11 +16,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from gonio.description.about import module_notes, summary
+from gonio.export.coded import Request, Tables
 from gonio.export.entry import Entry, Export
 from gonio.export.lit import export_lit
 from gonio.export.printer import INDENT
 from gonio.export.read import Reader
-from gonio.export.tabled import Request, Tables
 from gonio.export.targets import TARGETS, Target
 from gonio.export.text import FUNCTIONS, export
 from gonio.export.tree import Access, ExportError, Struct, walk
@@ -138,21 +138,17 @@ def manifest(
         "hooks": _hooks(what) if isinstance(what, Material) else [],
         **({"lit": _lit(entry)} if lit is not None else {}),
         **({"buffer": buffer.described(entry.reading)} if buffer is not None else {}),
-        **(
-            {"tables": _tables(atlas or made.tables, prefix or own)}
-            if made.tables is not None
-            else {}
-        ),
+        **({"tables": _tables(atlas or made.tables)} if made.tables is not None else {}),
     }
 
 
-def _tables(tables: Tables, stem: str) -> list[dict[str, Any]]:
+def _tables(tables: Tables) -> list[dict[str, Any]]:
     """The files of tables, and what is in them."""
     return [
         {
             "kind": table.kind,
-            "file": f"{stem}_{table.kind}.png",
-            "texture": f"{stem}_{table.kind}_map",
+            "file": file,
+            "texture": f"{tables.prefix}_{table.kind}_map",
             "bits": table.bits,
             "width": table.codes.shape[1],
             "height": table.codes.shape[0],
@@ -163,7 +159,7 @@ def _tables(tables: Tables, stem: str) -> list[dict[str, Any]]:
                 for row, name, error in zip(table.starts, table.rows, table.errors, strict=True)
             ],
         }
-        for table in tables.all
+        for file, table in tables.files().items()
     ]
 
 

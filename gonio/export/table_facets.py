@@ -20,7 +20,7 @@ def facet_sin2(m: Vec3) -> Float:
 
 
 def half_vector_sin2(wi: Vec3, wo: Vec3) -> Float:
-    """The same of the facets that mirror wi into wo, without making their normal unit."""
+    """Squared sine of the facets that mirror wi into wo, without making their normal unit."""
     h = wi + wo
     return (h.x * h.x + h.y * h.y) / dot(h, h)
 
@@ -43,7 +43,7 @@ def tabled_D_anisotropic(
     scale: Float,
     host: Lookups,
 ) -> Float:
-    """The same for two widths: along its azimuth the facet meets one, up to 1."""
+    """Density of facets of two widths, in 1/sr: along its azimuth the facet meets one, up to 1."""
     x, y = m.x / alpha_x, m.y / alpha_y
     q = maximum(x * x + y * y, SIN2_MIN)
     alpha2 = (m.x * m.x + m.y * m.y) / q

@@ -10,9 +10,9 @@ import textwrap
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
+from gonio.export.coded import FRESNEL, CodedTable
 from gonio.export.comments import comment
 from gonio.export.printer import INDENT, WIDTH, Printer
-from gonio.export.tabled import FRESNEL, Table
 from gonio.export.tree import ExportError, Function
 
 # An array's declaration, before the function or (C++, CUDA) inside it.
@@ -34,7 +34,7 @@ _WHOLE: Mapping[str, tuple[str, str, str]] = MappingProxyType(
 )
 
 
-def array(printer: Printer, function: Function, table: Table) -> list[str]:
+def array(printer: Printer, function: Function, table: CodedTable) -> list[str]:
     """A table's array, and the function that looks it up."""
     language = printer.target.name
     name = f"{function.name}_codes"
@@ -59,7 +59,7 @@ def array(printer: Printer, function: Function, table: Table) -> list[str]:
 
 
 def reading(
-    printer: Printer, function: Function, table: Table, entry: Callable[[str], str]
+    printer: Printer, function: Function, table: CodedTable, entry: Callable[[str], str]
 ) -> list[str]:
     """The function that looks a table up, whose codes are read by an expression of their number."""
     body = (
@@ -110,7 +110,7 @@ class _Words:
         return f"{inside} * {self.number(last)}"
 
 
-def _fresnel(printer: Printer, table: Table, entry: Callable[[str], str]) -> list[str]:
+def _fresnel(printer: Printer, table: CodedTable, entry: Callable[[str], str]) -> list[str]:
     w = _Words(printer)
     cosines = table.codes.shape[1]
     lines = w.place("at", w.within("cos_theta", cosines - 1), "left", cosines - 1)
@@ -128,7 +128,7 @@ def _fresnel(printer: Printer, table: Table, entry: Callable[[str], str]) -> lis
     return [*lines, f"return {made};"]
 
 
-def _distribution(printer: Printer, table: Table, entry: Callable[[str], str]) -> list[str]:
+def _distribution(printer: Printer, table: CodedTable, entry: Callable[[str], str]) -> list[str]:
     w = _Words(printer)
     rows, places = table.codes.shape
     lines = w.place("across", w.within("u", places - 1), "left", places - 1)

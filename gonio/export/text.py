@@ -13,6 +13,7 @@ from typing import Any
 from gonio.export import library
 from gonio.export.buffer import check as check_buffer
 from gonio.export.buffer import placed
+from gonio.export.coded import ARRAY_PLACES, DISTRIBUTION, Request, Tables, picture_file
 from gonio.export.comments import comment, plain_text
 from gonio.export.entry import Entry, Export, Member
 from gonio.export.host import OBJECTS, HostPrinter, asking, with_host
@@ -21,9 +22,8 @@ from gonio.export.names import Names, legal
 from gonio.export.print_expressions import number
 from gonio.export.printer import INDENT, WIDTH, Printer, constants_of, in_order
 from gonio.export.read import Reader, camel
-from gonio.export.table_axes import ARRAY_PLACES
 from gonio.export.table_text import array
-from gonio.export.tabled import DISTRIBUTION, Request, Tables, with_tables
+from gonio.export.tabled import with_tables
 from gonio.export.targets import TARGETS, Target
 from gonio.export.tidy import members, tidy
 from gonio.export.tree import CALLED, METHODS, SELF, Call, ExportError, Function, Struct, walk
@@ -495,8 +495,8 @@ class Text:
             f"{self.target.title}, made by gonio from {self._files()}.",
             *self._conventions(),
         ]
-        if self.buffer is not None:
-            lines.append(f"The host binds the tables in {self.buffer.file}.")
+        if files := self._table_files():
+            lines.append(f"The host binds the tables in {' and '.join(files)}.")
         if self.target.note:
             lines.append(self.target.note)
         if any(f.doc and f.method == "albedo" and _is_sampled(f) for f in self.wanted):
@@ -504,6 +504,13 @@ class Text:
                 "albedo has no closed form here; it takes many evaluations, for tables and previews."
             )
         return [f"// {self._licence()}", *comment(lines), *self._usage()]
+
+    def _table_files(self) -> list[str]:
+        """What stands beside the text: the buffer of tables, and pictures of F and D."""
+        found = [] if self.buffer is None else [self.buffer.file]
+        asked = {f.plain for f in self.lookups}
+        pictures = [table for plain, table in self.supply.tables.items() if plain in asked]
+        return [*found, *(picture_file(self.prefix, table) for table in pictures)]
 
     def _conventions(self) -> list[str]:
         return [

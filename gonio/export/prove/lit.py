@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gonio.export.buffer import Buffer
+from gonio.export.coded import CodedTable
 from gonio.export.entry import Entry, Export
 from gonio.export.lookups import TABLES, object_name
 from gonio.export.printer import Printer
@@ -19,7 +20,6 @@ from gonio.export.prove.tabled import TabledModel
 from gonio.export.prove.tools import Rows
 from gonio.export.read import Reader
 from gonio.export.table_text import reading
-from gonio.export.tabled import Table
 from gonio.export.targets import TARGETS, Target
 from gonio.export.tree import Function
 from gonio.lights import stand_ins
@@ -83,7 +83,7 @@ def codes(export: Export) -> Rows:
     return np.concatenate([np.zeros(0, np.float32), *(t.codes.ravel() for t in _asked(export))])
 
 
-def _asked(export: Export) -> list[Table]:
+def _asked(export: Export) -> list[CodedTable]:
     tables = export.tables.all if export.tables is not None else ()
     return [t for t in tables if any(n.endswith(f"_{t.kind}_table") for n in export.entry.lookups)]
 

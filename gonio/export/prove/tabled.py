@@ -13,12 +13,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from gonio.export.coded import Tables
 from gonio.export.entry import Export
 from gonio.export.evaluate import Known, Machine
 from gonio.export.lit import read_shade
 from gonio.export.prove.rows import rows_for
 from gonio.export.read import Reader
-from gonio.export.tabled import Tables, with_tables
+from gonio.export.tabled import with_tables
 from gonio.export.targets import SHADER_LIBRARY
 from gonio.export.tree import Function, Struct, Type
 from gonio.lights import stand_ins
