@@ -490,7 +490,7 @@ BITS = (8, 16)
 def codes_of(values: NDArray[Any], bits: int) -> NDArray[Any]:
     """Numbers from 0 to 1 as whole ones of 8 or 16 bits, the largest of which is 1."""
     kind = np.uint8 if bits == 8 else np.uint16
-    return np.rint(np.clip(values, 0, 1) * np.iinfo(kind).max).astype(kind)
+    return np.asarray(np.rint(np.clip(values, 0, 1) * np.iinfo(kind).max), kind)
 
 
 def png_of_codes(codes: NDArray[Any]) -> bytes:

@@ -54,7 +54,17 @@ def exported(name: str) -> Export:
 
 def handwritten(name: str) -> Export:
     """The hand-written shader of a subject, which defines the same names as the exported one."""
-    return replace(exported(name), source=(FOLDER / f"{name}.glsl").read_text(encoding="utf-8"))
+    return _written(name, FOLDER / f"{name}.glsl")
+
+
+def plain(name: str) -> Export | None:
+    """A hand-written shader of fewer digits, as engines have it, where there is one."""
+    file = FOLDER / f"{name}_plain.glsl"
+    return _written(name, file) if file.exists() else None
+
+
+def _written(name: str, file: Path) -> Export:
+    return replace(exported(name), source=file.read_text(encoding="utf-8"))
 
 
 # --- length ----------------------------------------------------------------------------------------------

@@ -59,6 +59,12 @@ ROUNDS = 9
     is_flag=True,
     help="The cost tables of the texts (tri-Ace 2012, Elek 2010): whole shaders beside their numbers.",
 )
+@click.option(
+    "--by-hand",
+    "beside",
+    is_flag=True,
+    help="Exports beside shaders that are written by hand (gonio/bench/handwritten).",
+)
 @click.option("-o", "--output", metavar="FILE", help="Also write a .md or .json file.")
 @json_option
 def command(
@@ -72,6 +78,7 @@ def command(
     mapping: tuple[str, ...],
     timed: bool,
     of_texts: bool,
+    beside: bool,
     output: str | None,
     as_json: bool,
 ) -> None:
@@ -87,11 +94,12 @@ def command(
       gonio cost eon:albedo_form=fitted --only eval,sample --to hlsl
       gonio cost eon engine.glsl#diffuse --map "L=wi V=wo"   a hand-written function beside an export
       gonio cost patina --time --json
-      gonio cost --all --against phong --texts -o docs/cost.md
+      gonio cost --all --against phong --by-hand --texts -o docs/cost.md
     """
     from gonio.bench.report import Report
     from gonio.cli.export import choose
     from gonio.cost import compilers
+    from gonio.cost.by_hand import by_hand
     from gonio.cost.gpus import CostError, chosen
     from gonio.cost.table import FUNCTIONS, cost
     from gonio.cost.texts import tables
@@ -108,7 +116,7 @@ def command(
     files = [text for text in texts if is_foreign(text)]
     named = [text for text in texts if not is_foreign(text)]
     of_models = {"--param": params, "--to": language, "--time": timed}
-    if of_texts and not files:  # whole shaders, compared with each other
+    if (of_texts or beside) and not files:  # whole shaders, compared with each other
         of_models |= {"--only": only, "--against": against}
     given = [name for name, value in of_models.items() if value]
     if given and not named and not everything and (params or not (files and against)):
@@ -128,7 +136,7 @@ def command(
     if output is not None:
         check_place(output)
     sections = []
-    if named or everything or files or not of_texts:
+    if named or everything or files or not (of_texts or beside):
         models = choose(named, params, everything).models if named or everything else {}
         if not models and not files:
             raise CostError("nothing to measure; name a model, such as eon, or give --all.")
@@ -144,6 +152,8 @@ def command(
             progress=say,
         )
         sections.append(found)
+    if beside:
+        sections.append(by_hand(wanted, say))
     if of_texts:
         sections += tables(wanted, say)
     report = Report(

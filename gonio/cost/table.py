@@ -25,6 +25,8 @@ NOTES = (
     "directions and parameters is included.",
     "Cycles are the compiler's estimate of what 64 threads take from a busy unit. "
     "Registers are vector registers of a thread: more of them leave room for fewer threads.",
+    "There is no share of a GPU's peak: that is a rate of fused multiply-adds in a second, and code that "
+    "was compiled but not run has no seconds.",
 )
 
 NO_GPU = (

@@ -1,0 +1,71 @@
+"""Exports beside shaders written by hand: cycles of eval on GPUs of AMD."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from gonio.bench import shaders
+from gonio.bench.report import Column, Section, Value, ratio
+from gonio.cost import amd
+from gonio.cost.gpus import CostError, Gpu
+from gonio.cost.program import ROWS, Program, empty
+from gonio.export.prove import opengl
+
+NOTES = (
+    "GLSL that `gonio export` writes, beside shaders of the same functions written by hand "
+    "(gonio/bench/handwritten): with all digits of a float32 in the whole range that the model promises; "
+    "and as engines have them, where that is another shader. A ratio is the export's cycles over theirs.",
+    "weidlich_wilkie is one coat over another.",
+)
+
+
+def by_hand(gpus: Sequence[Gpu], progress: Callable[[str], None] = lambda text: None) -> Section:
+    """The exports that have a shader written by hand, measured for AMD's GPUs among those asked for.
+
+    Raises:
+        CostError: none of the GPUs is AMD's.
+        ProofError: a compiler is missing, or refuses a shader.
+    """
+    chosen = [gpu for gpu in gpus if gpu.vendor == "amd"]
+    if not chosen:
+        raise CostError(
+            "--by-hand needs a GPU of AMD, whose compiler tells cycles; add --gpu navi21."
+        )
+    names = list(shaders.subjects())
+    columns = [Column("row", "eval")]
+    rows: list[dict[str, Value]] = [{"row": name} for name in names]
+    kinds = {"": "", "_by_hand": " by hand", "_plain": " as in engines"}
+    for gpu in chosen:
+        progress(f"cost: exports and shaders written by hand on {gpu.name}")
+        _measure(rows, names, gpu)
+        for kind, heading in kinds.items():
+            columns.append(Column(f"{gpu.name}{kind}", f"{gpu.name} cycles{heading}"))
+            if kind:
+                columns.append(Column(f"{gpu.name}{kind}_ratio", "ratio", ratio))
+    return Section("by_hand", "Exports beside shaders written by hand", NOTES, columns, rows)
+
+
+def _measure(rows: Sequence[dict[str, Value]], names: Sequence[str], gpu: Gpu) -> None:
+    """Fill in a GPU's cells."""
+    found = [
+        (row, kind, shader)
+        for row, name in zip(rows, names, strict=True)
+        for kind, shader in (
+            ("", shaders.exported(name)),
+            ("_by_hand", shaders.handwritten(name)),
+            ("_plain", shaders.plain(name)),
+        )
+        if shader is not None
+    ]
+    programs = [
+        Program(f"{row['row']}{kind}", opengl.compute_text(shader, ROWS))
+        for row, kind, shader in found
+    ]
+    *measured, nothing = amd.measure([*programs, empty()], gpu)
+    for (row, kind, _), numbers in zip(found, measured, strict=True):
+        cycles = (numbers - nothing).price
+        row[f"{gpu.name}{kind}"] = cycles
+        if kind:
+            ours = row[gpu.name]
+            assert isinstance(ours, int)
+            row[f"{gpu.name}{kind}_ratio"] = ours / cycles
