@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from hypothesis import given
+from hypothesis import strategies as st
 
 import gonio
 from gonio import lang
@@ -19,6 +21,8 @@ from gonio.cli import main
 from gonio.cli.export import choose
 from gonio.export import ExportError, export
 from gonio.export import targets as target_tables
+from gonio.export.comments import WIDTH as COMMENT_WIDTH
+from gonio.export.comments import comment
 from gonio.export.files import texts
 from gonio.export.print_expressions import number
 from gonio.export.source import source
@@ -498,6 +502,32 @@ def test_a_loop_over_a_fixed_number_of_steps_is_exported(tmp_path: Path) -> None
     assert "var total = vec3f(0.0, 0.0, 0.0);" in found
     assert "for (var i_step = 0; i_step < 4; i_step++) {" in found
     assert "// each step" in found
+
+
+def test_a_loop_ends_at_its_number_by_name(tmp_path: Path) -> None:
+    """Who changes the number in the text changes the loop as well."""
+    body = (
+        "        total = vec3(0, 0, 0)\n"
+        "        for i in range(STEPS):\n"
+        "            total = total + self.rho * i / STEPS\n"
+        "        return total\n"
+    )
+    model = written(tmp_path, body, head="STEPS = 7")
+    assert "i_step < i32(STEPS);" in text(model, "wgsl")
+    assert "i_step < int(STEPS);" in text(model, "glsl")
+    assert "i_step < 7; ++i_step) {  // STEPS" in text(model, "slang")
+    # A loop alone declares it too
+    alone = written(tmp_path, body.replace(" / STEPS", ""), head="STEPS = 7")
+    assert "const STEPS = 7.0;" in text(alone, "wgsl")
+
+
+@given(st.lists(st.text("ab", min_size=1, max_size=12), min_size=2, max_size=60))
+def test_no_word_of_a_comment_stands_alone_in_its_last_line(words: list[str]) -> None:
+    paragraph = " ".join(words)
+    lines = [line.removeprefix("// ") for line in comment((paragraph,))]
+    assert " ".join(lines) == paragraph
+    assert max(map(len, lines)) <= COMMENT_WIDTH
+    assert len(lines) == 1 or len(lines[-1].split()) > 1
 
 
 def test_a_model_without_a_mean_albedo_is_refused_where_it_is_needed() -> None:

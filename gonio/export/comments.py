@@ -37,18 +37,24 @@ def comment(lines: Iterable[str], names: Mapping[str, str] | None = None) -> lis
     """Comment lines: paragraphs folded anew to the width of the page."""
     found: list[str] = []
     for line in reflowed([named(plain_text(line).rstrip(), names or {}) for line in lines]):
-        indent = " " * (len(line) - len(line.lstrip()))
-        found += [
-            f"// {part}"
-            for part in textwrap.wrap(
-                line,
-                WIDTH,
-                subsequent_indent=indent,
-                break_long_words=False,
-                break_on_hyphens=False,
-            )
-        ] or ["//"]
+        found += [f"// {part}" for part in _folded(line)] or ["//"]
     return found
+
+
+def _folded(line: str) -> list[str]:
+    """A paragraph in lines; narrower ones where a single word would be left for the last."""
+    folded: list[str] = []
+    for width in range(WIDTH, SHORT, -1):
+        folded = textwrap.wrap(
+            line,
+            width,
+            subsequent_indent=" " * _indent(line),
+            break_long_words=False,
+            break_on_hyphens=False,
+        )
+        if len(folded) < 2 or len(folded[-1].split()) > 1:
+            break
+    return folded
 
 
 def reflowed(lines: list[str]) -> list[str]:

@@ -75,6 +75,7 @@ class ExpressionPrinter:
         self.functions = functions
         spelled = [*target.spellings.values(), target.select, target.select3, target.splat]
         spelled += [*target.comparisons.values(), target.select_computed, target.to_float]
+        spelled.append(f"{target.whole}()")
         # What the text calls: a variable of the same name would hide it
         called = set(re.findall(r"(\w+)\(", " ".join(spelled)))
         called |= {f.name for f in functions} | {s.name for s in structs}
@@ -132,7 +133,7 @@ class ExpressionPrinter:
         owner = self.inside.owner if self.inside is not None else None
         found: dict[str, str] = {}
         for function in self.functions:
-            if function.owner is None or function.owner is owner:
+            if self.inside is None or function.owner is None or function.owner is owner:
                 methods = self.target.methods and function.owner is not None
                 name = self._method(function) if methods else function.name
                 if function.owner is owner or function.plain not in found:

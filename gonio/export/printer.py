@@ -180,7 +180,12 @@ class Printer(ExpressionPrinter):
         template = self.target.variable if statement.variable in changing else self.target.local
         name = self.name(statement.variable)
         local = template.format(type=self.type("float"), name=name, value=start)
-        lines = [self.target.loop.format(index=index, count=statement.count)]
+        count, beside = str(statement.count), ""
+        if statement.named is not None and self.target.named_counts:
+            count = f"{self.target.whole}({self.expr(statement.named)})"
+        elif statement.named is not None:
+            beside = f"  // {self.expr(statement.named)}"
+        lines = [self.target.loop.format(index=index, count=count) + beside]
         names = {e.name for e in walk(statement.body) if isinstance(e, Variable)}
         if statement.variable in names | changing:
             lines.append(INDENT + local)

@@ -334,7 +334,7 @@ class Body(Assignments):
             and not node.orelse
         ):
             self.refuse(node, "only 'for i in range(count)' can be exported.")
-        count = self._steps(call.args[0])
+        count, named = self._steps(call.args[0])
         name = node.target.id
         self._check_name(node, name)
         if name in self.scope or name in self.arguments:
@@ -354,17 +354,19 @@ class Body(Assignments):
         body, self.statements = tuple(self.statements), kept
         self.scope, self.plain = outside, self.plain & plain
         self.own &= set(outside)
-        self.statements.append(Repeat(name, count, body))
+        self.statements.append(Repeat(name, count, body, named))
 
-    def _steps(self, node: ast.expr) -> int:
-        known = truth(self.value(node))
+    def _steps(self, node: ast.expr) -> tuple[int, Constant | None]:
+        """How many steps a loop has, and the name of that number if it has one."""
+        value = self.value(node)
+        known = truth(value)
         if known is None or isinstance(known.value, bool) or not isinstance(known.value, int):
             self.refuse(node, "this whole number must be known when the shader is made.")
         if not 0 < known.value <= STEPS_MAX:
             self.refuse(
                 node, f"the number of steps must be from 1 to {STEPS_MAX}, got {known.value}."
             )
-        return known.value
+        return known.value, value if isinstance(value, Constant) else None
 
     def _return(self, node: ast.Return) -> None:
         if node.value is None:

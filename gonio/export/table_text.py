@@ -28,11 +28,6 @@ _ARRAYS: Mapping[str, str] = MappingProxyType(
     }
 )
 
-# How a language writes whole numbers: their type, and the casts from and to floating ones.
-_WHOLE: Mapping[str, tuple[str, str, str]] = MappingProxyType(
-    {"wgsl": ("i32", "i32({})", "f32({})")}
-)
-
 
 def array(printer: Printer, function: Function, table: CodedTable) -> list[str]:
     """A table's array, and the function that looks it up."""
@@ -83,9 +78,8 @@ class _Words:
 
     def __init__(self, printer: Printer) -> None:
         self.target = printer.target
-        self.int, self.to_int, self.to_float = _WHOLE.get(
-            self.target.name, ("int", "int({})", "float({})")
-        )
+        self.to_int = f"{self.target.whole}({{}})"
+        self.to_float = self.target.to_float
 
     def number(self, value: float) -> str:
         return f"{float(value)!r}{self.target.suffix}"
@@ -94,7 +88,7 @@ class _Words:
         return self.target.local.format(type=self.target.types["float"], name=name, value=value)
 
     def whole(self, name: str, value: str) -> str:
-        return self.target.local.format(type=self.int, name=name, value=value)
+        return self.target.local.format(type=self.target.whole, name=name, value=value)
 
     def call(self, name: str, *arguments: str) -> str:
         return self.target.spellings[name].format(*arguments)

@@ -150,6 +150,10 @@ class Target:
     """Of vectors, by operator; empty: the operators themselves."""
     loop: str = "for (int {index} = 0; {index} < {count}; ++{index}) {{"
     to_float: str = "float({0})"
+    whole: str = "int"
+    """The type of whole numbers, which is also its cast."""
+    named_counts: bool = True
+    """Whether a loop may end at a named number; Slang's derivatives have to see how many steps it has."""
     constants_in_file: bool = False
     """Whether named numbers stand once in the file, in a namespace where they clash with no others."""
     mixed: bool = True
@@ -271,6 +275,7 @@ WGSL = Target(
     select3="select({2}, {1}, {0})",
     loop="for (var {index} = 0; {index} < {count}; {index}++) {{",
     to_float="f32({0})",
+    whole="i32",
 )
 
 MSL = Target(
@@ -297,6 +302,7 @@ SLANG = Target(
     splat_plain=HLSL.splat_plain,
     record="",
     select3="select({0}, {1}, {2})",
+    named_counts=False,
     methods=True,
     attribute="[Differentiable]",
     value="IDifferentiable",

@@ -214,6 +214,8 @@ class Repeat(Statement):
     variable: str
     count: int
     body: tuple[Statement, ...]
+    named: Constant | None = None
+    """The count as the file has it, if it is a number with a name."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -253,6 +255,8 @@ def walk(statements: tuple[Statement, ...]) -> Iterator[Expr]:
     """Every expression in some statements, outer ones first."""
     for statement in statements:
         if isinstance(statement, Repeat):
+            if statement.named is not None:
+                yield statement.named
             yield from walk(statement.body)
         for part in ("condition", "value"):
             expr = getattr(statement, part, None)

@@ -100,8 +100,8 @@ float ashikhmin_shirley_log1p_over(float x) {
 // sqrt((n_u + 1) (n_v + 1)) / (2 pi) (N.m)^(n_u cos^2 + n_v sin^2 of the azimuth).
 float ashikhmin_shirley_weighed(AshikhminShirley params, vec3 m, float weight) {
     const float inv_two_pi = 0.15915494;
-    // -log(N.m) (n_u x^2 + n_v y^2) / (x^2 + y^2) with log(N.m) = -log(1 + tan^2) / 2: the square of the sine
-    // cancels
+    // -log(N.m) (n_u x^2 + n_v y^2) / (x^2 + y^2) with log(N.m) = -log(1 + tan^2) / 2: the square of the
+    // sine cancels
     float x2 = m.x * m.x;
     float y2 = m.y * m.y;
     float z2 = m.z * m.z;
@@ -278,7 +278,7 @@ vec3 ashikhmin_shirley_albedo(AshikhminShirley params, vec3 wo) {
     }
     vec3 w = vec3(wo.x, wo.y, max(wo.z, HORIZON));
     vec3 total = vec3(0.0, 0.0, 0.0);
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         AshikhminShirleySample drawn = ashikhmin_shirley_sample(params, w, u);

@@ -107,7 +107,7 @@ constexpr float SHARE_MIN = 1.0e-12f;
 constexpr float RANDOM_MAX = 0.99999994f;
 // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
 constexpr float RANDOM_MARGIN = 5.9604645e-8f;
-// Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+// Steps of the rule in ashikhmin_shirley_albedo: a Fibonacci number, and the golden ratio.
 constexpr float ALBEDO_SAMPLES = 987.0f;
 constexpr float GOLDEN = 0.618034f;
 // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
@@ -196,8 +196,8 @@ inline float ashikhmin_shirley_log1p_over(float x) {
 //
 // sqrt((n_u + 1) (n_v + 1)) / (2 pi) (N.m)^(n_u cos^2 + n_v sin^2 of the azimuth).
 inline float ashikhmin_shirley_weighed(const AshikhminShirley& params, Vec3 m, float weight) {
-    // -log(N.m) (n_u x^2 + n_v y^2) / (x^2 + y^2) with log(N.m) = -log(1 + tan^2) / 2: the square of the sine
-    // cancels
+    // -log(N.m) (n_u x^2 + n_v y^2) / (x^2 + y^2) with log(N.m) = -log(1 + tan^2) / 2: the square of the
+    // sine cancels
     float x2 = m.x * m.x;
     float y2 = m.y * m.y;
     float z2 = m.z * m.z;
@@ -346,7 +346,7 @@ inline Vec3 ashikhmin_shirley_albedo(const AshikhminShirley& params, Vec3 wo) {
     }
     Vec3 w = Vec3{wo.x, wo.y, fmaxf(wo.z, HORIZON)};
     Vec3 total = Vec3{0.0f, 0.0f, 0.0f};
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         Vec2 u = Vec2{(i + 0.5f) / ALBEDO_SAMPLES, fract((i + 0.5f) * GOLDEN)};
         AshikhminShirleySample drawn = ashikhmin_shirley_sample(params, w, u);

@@ -104,8 +104,8 @@ inline float ashikhmin_shirley_log1p_over(float x) {
 // sqrt((n_u + 1) (n_v + 1)) / (2 pi) (N.m)^(n_u cos^2 + n_v sin^2 of the azimuth).
 inline float ashikhmin_shirley_weighed(AshikhminShirley params, float3 m, float weight) {
     const float inv_two_pi = 0.15915494;
-    // -log(N.m) (n_u x^2 + n_v y^2) / (x^2 + y^2) with log(N.m) = -log(1 + tan^2) / 2: the square of the sine
-    // cancels
+    // -log(N.m) (n_u x^2 + n_v y^2) / (x^2 + y^2) with log(N.m) = -log(1 + tan^2) / 2: the square of the
+    // sine cancels
     float x2 = m.x * m.x;
     float y2 = m.y * m.y;
     float z2 = m.z * m.z;
@@ -284,7 +284,7 @@ inline float3 ashikhmin_shirley_albedo(AshikhminShirley params, float3 wo) {
     }
     float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
     float3 total = float3(0.0, 0.0, 0.0);
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         float2 u = float2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         AshikhminShirleySample drawn = ashikhmin_shirley_sample(params, w, u);

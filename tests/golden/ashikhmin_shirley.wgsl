@@ -101,8 +101,8 @@ fn ashikhmin_shirley_log1p_over(x: f32) -> f32 {
 // sqrt((n_u + 1) (n_v + 1)) / (2 pi) (N.m)^(n_u cos^2 + n_v sin^2 of the azimuth).
 fn ashikhmin_shirley_weighed(params: AshikhminShirley, m: vec3f, weight: f32) -> f32 {
     const inv_two_pi = 0.15915494;
-    // -log(N.m) (n_u x^2 + n_v y^2) / (x^2 + y^2) with log(N.m) = -log(1 + tan^2) / 2: the square of the sine
-    // cancels
+    // -log(N.m) (n_u x^2 + n_v y^2) / (x^2 + y^2) with log(N.m) = -log(1 + tan^2) / 2: the square of the
+    // sine cancels
     let x2 = m.x * m.x;
     let y2 = m.y * m.y;
     let z2 = m.z * m.z;
@@ -278,7 +278,7 @@ fn ashikhmin_shirley_albedo(params: AshikhminShirley, wo: vec3f) -> vec3f {
     }
     let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
     var total = vec3f(0.0, 0.0, 0.0);
-    for (var i_step = 0; i_step < 987; i_step++) {
+    for (var i_step = 0; i_step < i32(ALBEDO_SAMPLES); i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         let drawn = ashikhmin_shirley_sample(params, w, u);

@@ -5,15 +5,15 @@
 // `weidlich_wilkie` over a metal whose normal alone is perturbed by a map of flakes, tiled and unfiltered.
 // `gonio.mitsuba.textures.flake_map` makes such maps. Spatial variation is the host's business: flake_x and
 // flake_y are numbers here, and a texture gives each point its own.
-// Deviations: by default light that leaves the coat spreads by 1 / eta^2, without which the metal is eta^2
-// times too bright; both crossings of the surface count at the mean normal, because 1 - F(wo.H) lets too
-// much of a tilted flake's light through; and a flake counts as much as both light and viewer see of it, so
-// that the model stays reciprocal. Facets are GGX's with Smith's masking instead of Beckmann's with
-// V-cavities, F is exact instead of Lazanyi's fit, the coat absorbs along paths through the mean surface
-// instead of the flake, and a flake counts as much as the normal above it instead of half as much. Options
-// restore each of these. No option restores that Algorithm 1 weighs what the metal reflects by the cosine
-// outside, which the light that is shone on it has already. The metal's index is taken relative to the
-// coat.
+// Deviations: by default light that leaves the coat spreads by 1 / eta^2, without which the metal is
+// eta^2 times too bright; both crossings of the surface count at the mean normal, because 1 - F(wo.H)
+// lets too much of a tilted flake's light through; and a flake counts as much as both light and viewer
+// see of it, so that the model stays reciprocal. Facets are GGX's with Smith's masking instead of
+// Beckmann's with V-cavities, F is exact instead of Lazanyi's fit, the coat absorbs along paths through
+// the mean surface instead of the flake, and a flake counts as much as the normal above it instead of
+// half as much. Options restore each of these. No option restores that Algorithm 1 weighs what the metal
+// reflects by the cosine outside, which the light that is shone on it has already. The metal's index is
+// taken relative to the coat.
 //
 // C++, made by gonio from gonio/models/car_paint.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
@@ -156,7 +156,7 @@ constexpr float RANDOM_MARGIN = 5.9604645e-8f;
 // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
 // its reciprocal still fits into a float32.
 constexpr float SIN2_MIN = 1.0e-18f;
-// Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+// Steps of the rule in car_paint_albedo: a Fibonacci number, and the golden ratio.
 constexpr float ALBEDO_SAMPLES = 987.0f;
 constexpr float GOLDEN = 0.618034f;
 // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
@@ -169,9 +169,9 @@ struct CarPaintSample {
 };
 
 // car_paint: One flake's worth of metallic paint; a map of flakes makes it sparkle. Reciprocal.
-// Exported with transmission='both_ways', solid_angle='compressed', distribution='ggx',
-// masking='smith_correlated', fresnel='exact', absorption='surface', tilt='distance',
-// flake_cosine='reciprocal'.
+// Exported with transmission='both_ways', solid_angle='compressed',
+// distribution='ggx', masking='smith_correlated', fresnel='exact',
+// absorption='surface', tilt='distance', flake_cosine='reciprocal'.
 struct CarPaint {
     float eta;  // index of the clear coat; 1 to 3, default 1.5
     float alpha;  // slope width of the coat's facets; 0.0001 to 1, default 0.03
@@ -523,9 +523,9 @@ inline Vec3 car_paint_mirror(Vec3 wo, Vec3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (car_paint_ggx_bound): the rim of those that are left would be a jump of the density, in the horizon
-// itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not
+// bounded (car_paint_ggx_bound): the rim of those that are left would be a jump of the density, in
+// the horizon itself.
 inline Vec3 car_paint_sample_ggx_lobe(CarPaintRoundGGX facets, Vec3 wo, Vec2 u) {
     Vec3 w = car_paint_mirror(wo, car_paint_round_ggx_sample_visible(facets, wo, u, 1.0f));
     return Vec3{w.x, w.y, fabsf(w.z)};
@@ -690,7 +690,7 @@ inline Vec3 car_paint_albedo(const CarPaint& params, Vec3 wo) {
     }
     Vec3 w = Vec3{wo.x, wo.y, fmaxf(wo.z, HORIZON)};
     Vec3 total = Vec3{0.0f, 0.0f, 0.0f};
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         Vec2 u = Vec2{(i + 0.5f) / ALBEDO_SAMPLES, fract((i + 0.5f) * GOLDEN)};
         CarPaintSample drawn = car_paint_sample(params, w, u);

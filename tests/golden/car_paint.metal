@@ -5,15 +5,15 @@
 // `weidlich_wilkie` over a metal whose normal alone is perturbed by a map of flakes, tiled and unfiltered.
 // `gonio.mitsuba.textures.flake_map` makes such maps. Spatial variation is the host's business: flake_x and
 // flake_y are numbers here, and a texture gives each point its own.
-// Deviations: by default light that leaves the coat spreads by 1 / eta^2, without which the metal is eta^2
-// times too bright; both crossings of the surface count at the mean normal, because 1 - F(wo.H) lets too
-// much of a tilted flake's light through; and a flake counts as much as both light and viewer see of it, so
-// that the model stays reciprocal. Facets are GGX's with Smith's masking instead of Beckmann's with
-// V-cavities, F is exact instead of Lazanyi's fit, the coat absorbs along paths through the mean surface
-// instead of the flake, and a flake counts as much as the normal above it instead of half as much. Options
-// restore each of these. No option restores that Algorithm 1 weighs what the metal reflects by the cosine
-// outside, which the light that is shone on it has already. The metal's index is taken relative to the
-// coat.
+// Deviations: by default light that leaves the coat spreads by 1 / eta^2, without which the metal is
+// eta^2 times too bright; both crossings of the surface count at the mean normal, because 1 - F(wo.H)
+// lets too much of a tilted flake's light through; and a flake counts as much as both light and viewer
+// see of it, so that the model stays reciprocal. Facets are GGX's with Smith's masking instead of
+// Beckmann's with V-cavities, F is exact instead of Lazanyi's fit, the coat absorbs along paths through
+// the mean surface instead of the flake, and a flake counts as much as the normal above it instead of
+// half as much. Options restore each of these. No option restores that Algorithm 1 weighs what the metal
+// reflects by the cosine outside, which the light that is shone on it has already. The metal's index is
+// taken relative to the coat.
 //
 // Metal, made by gonio from gonio/models/car_paint.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
@@ -31,9 +31,9 @@ struct CarPaintSample {
 };
 
 // car_paint: One flake's worth of metallic paint; a map of flakes makes it sparkle. Reciprocal.
-// Exported with transmission='both_ways', solid_angle='compressed', distribution='ggx',
-// masking='smith_correlated', fresnel='exact', absorption='surface', tilt='distance',
-// flake_cosine='reciprocal'.
+// Exported with transmission='both_ways', solid_angle='compressed',
+// distribution='ggx', masking='smith_correlated', fresnel='exact',
+// absorption='surface', tilt='distance', flake_cosine='reciprocal'.
 struct CarPaint {
     float eta;  // index of the clear coat; 1 to 3, default 1.5
     float alpha;  // slope width of the coat's facets; 0.0001 to 1, default 0.03
@@ -416,9 +416,9 @@ inline float3 car_paint_mirror(float3 wo, float3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (car_paint_ggx_bound): the rim of those that are left would be a jump of the density, in the horizon
-// itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not
+// bounded (car_paint_ggx_bound): the rim of those that are left would be a jump of the density, in
+// the horizon itself.
 inline float3 car_paint_sample_ggx_lobe(CarPaintRoundGGX facets, float3 wo, float2 u) {
     float3 w = car_paint_mirror(wo, car_paint_round_ggx_sample_visible(facets, wo, u, 1.0));
     return float3(w.x, w.y, abs(w.z));
@@ -599,7 +599,7 @@ inline float3 car_paint_albedo(CarPaint params, float3 wo) {
     }
     float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
     float3 total = float3(0.0, 0.0, 0.0);
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         float2 u = float2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         CarPaintSample drawn = car_paint_sample(params, w, u);

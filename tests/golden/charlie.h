@@ -54,7 +54,7 @@ constexpr float inv_two_pi = 0.15915494f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
 // Smallest squared sine of a half vector: below it grazing directions have no digits left for it.
 constexpr float SIN2_LEAST = 1.0e-12f;
-// Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+// Steps of the rule in charlie_albedo: a Fibonacci number, and the golden ratio.
 constexpr float ALBEDO_SAMPLES = 987.0f;
 constexpr float GOLDEN = 0.618034f;
 // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
@@ -132,7 +132,7 @@ inline Vec3 charlie_albedo(const Charlie& params, Vec3 wo) {
     }
     Vec3 w = Vec3{wo.x, wo.y, fmaxf(wo.z, HORIZON)};
     Vec3 total = Vec3{0.0f, 0.0f, 0.0f};
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         Vec2 u = Vec2{(i + 0.5f) / ALBEDO_SAMPLES, fract((i + 0.5f) * GOLDEN)};
         CharlieSample drawn = charlie_sample(params, w, u);

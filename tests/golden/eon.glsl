@@ -217,8 +217,8 @@ vec3 eon_sample_cltc(vec3 wo, float r, vec2 u) {
 
 // CLTC mixed with as much of the uniform hemisphere as the roughness asks for.
 vec3 eon_sample_cltc_matched(vec3 wo, float r, vec2 u) {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
-    // taken.
+    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
+    // not taken.
     const float P_MIN = 1.0e-6;
     float q = eon_matched_roughness(r);
     float P_u = eon_matched_share(wo.z, q);

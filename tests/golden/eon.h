@@ -85,8 +85,8 @@ constexpr float inv_two_pi = 0.15915494f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
 constexpr float C1 = 0.2877934f;  // A_F = 1 / (1 + C1 r)
 constexpr float C2 = 0.07248821f;  // the hemispherical mean of E_F is A_F (1 + C2 r)
-// Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
-// taken.
+// Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
+// not taken.
 constexpr float P_MIN = 1.0e-6f;
 // Up to this roughness `cltc_matched` is cosine sampling. A lobe sheared by d leaves a wedge of height r
 // above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine sampling

@@ -166,8 +166,8 @@ fn fon_sample_cltc(wo: vec3f, r: f32, u: vec2f) -> vec3f {
 
 // CLTC mixed with as much of the uniform hemisphere as the roughness asks for.
 fn fon_sample_cltc_matched(wo: vec3f, r: f32, u: vec2f) -> vec3f {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
-    // taken.
+    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
+    // not taken.
     const P_MIN = 1.0e-6;
     let q = fon_matched_roughness(r);
     let P_u = fon_matched_share(wo.z, q);

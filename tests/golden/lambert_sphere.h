@@ -81,7 +81,7 @@ inline Vec3 sqrt(Vec3 a) {
     return Vec3{sqrtf(a.x), sqrtf(a.y), sqrtf(a.z)};
 }
 
-// Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+// Steps of the rule in lambert_sphere_albedo: a Fibonacci number, and the golden ratio.
 constexpr float ALBEDO_SAMPLES = 987.0f;
 constexpr float GOLDEN = 0.618034f;
 // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
@@ -196,7 +196,7 @@ inline Vec3 lambert_sphere_albedo(const LambertSphere& params, Vec3 wo) {
     }
     Vec3 w = Vec3{wo.x, wo.y, fmaxf(wo.z, HORIZON)};
     Vec3 total = Vec3{0.0f, 0.0f, 0.0f};
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         Vec2 u = Vec2{(i + 0.5f) / ALBEDO_SAMPLES, fract((i + 0.5f) * GOLDEN)};
         LambertSphereSample drawn = lambert_sphere_sample(params, w, u);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lommel-Seeliger: single scattering in a half space of dark dust, such as the Moon's.
 //
-// Source: Seeliger, "Zur Photometrie des Saturnringes", Astronomische Nachrichten 109, 1884, in the form of
-// Hapke, "Bidirectional reflectance spectroscopy, 1: theory", Journal of Geophysical Research 86, 1981, Eq.
-// 15 without its other orders, for grains that scatter evenly in all directions. The albedos are integrated
-// here.
+// Source: Seeliger, "Zur Photometrie des Saturnringes", Astronomische Nachrichten 109, 1884, in the form
+// of Hapke, "Bidirectional reflectance spectroscopy, 1: theory", Journal of Geophysical Research 86, 1981,
+// Eq. 15 without its other orders, for grains that scatter evenly in all directions. The albedos are
+// integrated here.
 //
 // HLSL, made by gonio from gonio/models/lommel_seeliger.py.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose

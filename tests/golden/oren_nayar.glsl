@@ -244,8 +244,8 @@ vec3 oren_nayar_sample_cltc(vec3 wo, float r, vec2 u) {
 
 // CLTC mixed with as much of the uniform hemisphere as the roughness asks for.
 vec3 oren_nayar_sample_cltc_matched(vec3 wo, float r, vec2 u) {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
-    // taken.
+    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
+    // not taken.
     const float P_MIN = 1.0e-6;
     float q = oren_nayar_matched_roughness(r);
     float P_u = oren_nayar_matched_share(wo.z, q);
@@ -334,7 +334,7 @@ vec3 oren_nayar_albedo(OrenNayar params, vec3 wo) {
     }
     vec3 w = vec3(wo.x, wo.y, max(wo.z, HORIZON));
     vec3 total = vec3(0.0, 0.0, 0.0);
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         OrenNayarSample drawn = oren_nayar_sample(params, w, u);

@@ -70,8 +70,8 @@ constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
 // Smallest product of squared sines that is divided by. Directions nearer to the normal have no azimuth
 // that matters, and the reciprocal's derivative still fits into a float32.
 constexpr float SIN4_MIN = 1.0e-20f;
-// Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
-// taken.
+// Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
+// not taken.
 constexpr float P_MIN = 1.0e-6f;
 // Up to this roughness `cltc_matched` is cosine sampling. A lobe sheared by d leaves a wedge of height r
 // above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine sampling
@@ -82,7 +82,7 @@ constexpr float Z_MIN = 7.450581e-9f;
 // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
 // its reciprocal still fits into a float32.
 constexpr float SIN2_MIN = 1.0e-18f;
-// Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+// Steps of the rule in oren_nayar_albedo: a Fibonacci number, and the golden ratio.
 constexpr float ALBEDO_SAMPLES = 987.0f;
 constexpr float GOLDEN = 0.618034f;
 // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
@@ -351,7 +351,7 @@ inline Vec3 oren_nayar_albedo(const OrenNayar& params, Vec3 wo) {
     }
     Vec3 w = Vec3{wo.x, wo.y, fmaxf(wo.z, HORIZON)};
     Vec3 total = Vec3{0.0f, 0.0f, 0.0f};
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         Vec2 u = Vec2{(i + 0.5f) / ALBEDO_SAMPLES, fract((i + 0.5f) * GOLDEN)};
         OrenNayarSample drawn = oren_nayar_sample(params, w, u);

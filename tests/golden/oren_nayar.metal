@@ -247,8 +247,8 @@ inline float3 oren_nayar_sample_cltc(float3 wo, float r, float2 u) {
 
 // CLTC mixed with as much of the uniform hemisphere as the roughness asks for.
 inline float3 oren_nayar_sample_cltc_matched(float3 wo, float r, float2 u) {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
-    // taken.
+    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
+    // not taken.
     const float P_MIN = 1.0e-6;
     float q = oren_nayar_matched_roughness(r);
     float P_u = oren_nayar_matched_share(wo.z, q);
@@ -337,7 +337,7 @@ inline float3 oren_nayar_albedo(OrenNayar params, float3 wo) {
     }
     float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
     float3 total = float3(0.0, 0.0, 0.0);
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         float2 u = float2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         OrenNayarSample drawn = oren_nayar_sample(params, w, u);

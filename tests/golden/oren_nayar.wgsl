@@ -242,8 +242,8 @@ fn oren_nayar_sample_cltc(wo: vec3f, r: f32, u: vec2f) -> vec3f {
 
 // CLTC mixed with as much of the uniform hemisphere as the roughness asks for.
 fn oren_nayar_sample_cltc_matched(wo: vec3f, r: f32, u: vec2f) -> vec3f {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
-    // taken.
+    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
+    // not taken.
     const P_MIN = 1.0e-6;
     let q = oren_nayar_matched_roughness(r);
     let P_u = oren_nayar_matched_share(wo.z, q);
@@ -330,7 +330,7 @@ fn oren_nayar_albedo(params: OrenNayar, wo: vec3f) -> vec3f {
     }
     let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
     var total = vec3f(0.0, 0.0, 0.0);
-    for (var i_step = 0; i_step < 987; i_step++) {
+    for (var i_step = 0; i_step < i32(ALBEDO_SAMPLES); i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         let drawn = oren_nayar_sample(params, w, u);

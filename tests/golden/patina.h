@@ -161,7 +161,7 @@ constexpr float RANDOM_MARGIN = 5.9604645e-8f;
 // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
 // its reciprocal still fits into a float32.
 constexpr float SIN2_MIN = 1.0e-18f;
-// Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+// Steps of the rule in patina_albedo: a Fibonacci number, and the golden ratio.
 constexpr float ALBEDO_SAMPLES = 987.0f;
 constexpr float GOLDEN = 0.618034f;
 // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
@@ -745,7 +745,7 @@ inline Vec3 patina_albedo(const Patina& params, Vec3 wo) {
     }
     Vec3 w = Vec3{wo.x, wo.y, fmaxf(wo.z, HORIZON)};
     Vec3 total = Vec3{0.0f, 0.0f, 0.0f};
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         Vec2 u = Vec2{(i + 0.5f) / ALBEDO_SAMPLES, fract((i + 0.5f) * GOLDEN)};
         PatinaSample drawn = patina_sample(params, w, u);

@@ -69,8 +69,8 @@ float phong_lobe(vec3 wi, vec3 wo, float exponent) {
     const float LOG1P_SMALL = 0.25;
     // Smallest cosine whose logarithm is taken: its reciprocal, the derivative, still is a float32.
     const float COS_MIN = 1.0e-37;
-    // Inside, the digits of a sharp lobe are in 1 - cos(alpha): half the squared distance to the mirror
-    // direction.
+    // Inside, the digits of a sharp lobe are in 1 - cos(alpha): half the squared distance to the
+    // mirror direction.
     vec3 apart = vec3(wi.x + wo.x, wi.y + wo.y, wi.z - wo.z);
     float q = 0.5 * dot(apart, apart);
     float c = phong_cos_alpha(wi, wo);
@@ -253,7 +253,7 @@ vec3 phong_albedo(Phong params, vec3 wo) {
     }
     vec3 w = vec3(wo.x, wo.y, max(wo.z, HORIZON));
     vec3 total = vec3(0.0, 0.0, 0.0);
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         PhongSample drawn = phong_sample(params, w, u);

@@ -83,7 +83,7 @@ constexpr float RANDOM_MAX = 0.99999994f;
 // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
 // its reciprocal still fits into a float32.
 constexpr float SIN2_MIN = 1.0e-18f;
-// Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+// Steps of the rule in phong_albedo: a Fibonacci number, and the golden ratio.
 constexpr float ALBEDO_SAMPLES = 987.0f;
 constexpr float GOLDEN = 0.618034f;
 // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
@@ -142,8 +142,8 @@ inline float phong_log1p_small(float x) {
 
 // max(0, cos(alpha))^exponent; half of all directions have 0 for exponent 0 as well.
 inline float phong_lobe(Vec3 wi, Vec3 wo, float exponent) {
-    // Inside, the digits of a sharp lobe are in 1 - cos(alpha): half the squared distance to the mirror
-    // direction.
+    // Inside, the digits of a sharp lobe are in 1 - cos(alpha): half the squared distance to the
+    // mirror direction.
     Vec3 apart = Vec3{wi.x + wo.x, wi.y + wo.y, wi.z - wo.z};
     float q = 0.5f * dot(apart, apart);
     float c = phong_cos_alpha(wi, wo);
@@ -294,7 +294,7 @@ inline Vec3 phong_albedo(const Phong& params, Vec3 wo) {
     }
     Vec3 w = Vec3{wo.x, wo.y, fmaxf(wo.z, HORIZON)};
     Vec3 total = Vec3{0.0f, 0.0f, 0.0f};
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         Vec2 u = Vec2{(i + 0.5f) / ALBEDO_SAMPLES, fract((i + 0.5f) * GOLDEN)};
         PhongSample drawn = phong_sample(params, w, u);

@@ -72,8 +72,8 @@ inline float phong_lobe(float3 wi, float3 wo, float exponent) {
     const float LOG1P_SMALL = 0.25;
     // Smallest cosine whose logarithm is taken: its reciprocal, the derivative, still is a float32.
     const float COS_MIN = 1.0e-37;
-    // Inside, the digits of a sharp lobe are in 1 - cos(alpha): half the squared distance to the mirror
-    // direction.
+    // Inside, the digits of a sharp lobe are in 1 - cos(alpha): half the squared distance to the
+    // mirror direction.
     float3 apart = float3(wi.x + wo.x, wi.y + wo.y, wi.z - wo.z);
     float q = 0.5 * dot(apart, apart);
     float c = phong_cos_alpha(wi, wo);
@@ -256,7 +256,7 @@ inline float3 phong_albedo(Phong params, float3 wo) {
     }
     float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
     float3 total = float3(0.0, 0.0, 0.0);
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         float2 u = float2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         PhongSample drawn = phong_sample(params, w, u);

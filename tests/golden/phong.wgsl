@@ -69,8 +69,8 @@ fn phong_lobe(wi: vec3f, wo: vec3f, exponent: f32) -> f32 {
     const LOG1P_SMALL = 0.25;
     // Smallest cosine whose logarithm is taken: its reciprocal, the derivative, still is a float32.
     const COS_MIN = 1.0e-37;
-    // Inside, the digits of a sharp lobe are in 1 - cos(alpha): half the squared distance to the mirror
-    // direction.
+    // Inside, the digits of a sharp lobe are in 1 - cos(alpha): half the squared distance to the
+    // mirror direction.
     let apart = vec3f(wi.x + wo.x, wi.y + wo.y, wi.z - wo.z);
     let q = 0.5 * dot(apart, apart);
     let c = phong_cos_alpha(wi, wo);
@@ -251,7 +251,7 @@ fn phong_albedo(params: Phong, wo: vec3f) -> vec3f {
     }
     let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
     var total = vec3f(0.0, 0.0, 0.0);
-    for (var i_step = 0; i_step < 987; i_step++) {
+    for (var i_step = 0; i_step < i32(ALBEDO_SAMPLES); i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         let drawn = phong_sample(params, w, u);

@@ -184,8 +184,8 @@ float3 qon_sample_cltc(float3 wo, float r, float2 u) {
 
 // CLTC mixed with as much of the uniform hemisphere as the roughness asks for.
 float3 qon_sample_cltc_matched(float3 wo, float r, float2 u) {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
-    // taken.
+    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
+    // not taken.
     const float P_MIN = 1.0e-6;
     float q = qon_matched_roughness(r);
     float P_u = qon_matched_share(wo.z, q);

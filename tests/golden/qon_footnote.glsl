@@ -15,8 +15,8 @@ struct QonFootnoteSample {
     float pdf;  // its density in 1/sr; 0 marks a wasted sample
 };
 
-// qon_footnote: QON made brighter to stand in for interreflection. Reciprocal; gains energy at grazing
-// angles.
+// qon_footnote: QON made brighter to stand in for interreflection. Reciprocal; gains energy at
+// grazing angles.
 struct QonFootnote {
     vec3 rho;  // single-scattering albedo, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
     float sigma;  // standard deviation of the facet angle, radians; 0 to 1.570796, default 0.5
@@ -181,8 +181,8 @@ vec3 qon_footnote_sample_cltc(vec3 wo, float r, vec2 u) {
 
 // CLTC mixed with as much of the uniform hemisphere as the roughness asks for.
 vec3 qon_footnote_sample_cltc_matched(vec3 wo, float r, vec2 u) {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
-    // taken.
+    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
+    // not taken.
     const float P_MIN = 1.0e-6;
     float q = qon_footnote_matched_roughness(r);
     float P_u = qon_footnote_matched_share(wo.z, q);

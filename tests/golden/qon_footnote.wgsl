@@ -15,8 +15,8 @@ struct QonFootnoteSample {
     pdf: f32,  // its density in 1/sr; 0 marks a wasted sample
 }
 
-// qon_footnote: QON made brighter to stand in for interreflection. Reciprocal; gains energy at grazing
-// angles.
+// qon_footnote: QON made brighter to stand in for interreflection. Reciprocal; gains energy at
+// grazing angles.
 struct QonFootnote {
     rho: vec3f,  // single-scattering albedo, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
     sigma: f32,  // standard deviation of the facet angle, radians; 0 to 1.570796, default 0.5
@@ -179,8 +179,8 @@ fn qon_footnote_sample_cltc(wo: vec3f, r: f32, u: vec2f) -> vec3f {
 
 // CLTC mixed with as much of the uniform hemisphere as the roughness asks for.
 fn qon_footnote_sample_cltc_matched(wo: vec3f, r: f32, u: vec2f) -> vec3f {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
-    // taken.
+    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
+    // not taken.
     const P_MIN = 1.0e-6;
     let q = qon_footnote_matched_roughness(r);
     let P_u = qon_footnote_matched_share(wo.z, q);

@@ -40,13 +40,13 @@ struct RetroreflectiveBase {
     float anisotropy;
     // index of refraction; the default is gold's; 0.01 to 20, default (0.143037, 0.375306, 1.44204)
     vec3 eta;
-    // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299, 2.38556,
-    // 1.60336)
+    // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299,
+    // 2.38556, 1.60336)
     vec3 k;
 };
 
-// retroreflective: Road signs and safety tape: bright where the light comes from. Reciprocal if the base
-// is.
+// retroreflective: Road signs and safety tape: bright where the light comes from. Reciprocal if the
+// base is.
 struct Retroreflective {
     RetroreflectiveBase base;  // whose mirror direction becomes that of the light
 };
@@ -86,8 +86,8 @@ vec3 retroreflective_size(vec3 re, vec3 im) {
     return sqrt(x * x + y * y) / SIZE_SCALE;
 }
 
-// Exact reflectance of a conductor, eta + i k, at a facet, from both retroreflective_cos_half and
-// retroreflective_sin2_half.
+// Exact reflectance of a conductor, eta + i k, at a facet, from both retroreflective_cos_half
+// and retroreflective_sin2_half.
 vec3 retroreflective_F_conductor_half(float cos_h, float sin2_h, vec3 eta, vec3 k) {
     // A trace of absorption, which keeps a conductor's roots from 0. By itself it reflects where the index is
     // matched in the horizon, (ABSORPTION_MIN / (2 mu^2))^2.
@@ -324,7 +324,7 @@ vec3 retroreflective_base_albedo(RetroreflectiveBase params, vec3 wo) {
     }
     vec3 w = vec3(wo.x, wo.y, max(wo.z, HORIZON));
     vec3 total = vec3(0.0, 0.0, 0.0);
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         RetroreflectiveSample drawn = retroreflective_base_sample(params, w, u);

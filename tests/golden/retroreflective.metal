@@ -43,13 +43,13 @@ struct RetroreflectiveBase {
     float anisotropy;
     // index of refraction; the default is gold's; 0.01 to 20, default (0.143037, 0.375306, 1.44204)
     float3 eta;
-    // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299, 2.38556,
-    // 1.60336)
+    // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299,
+    // 2.38556, 1.60336)
     float3 k;
 };
 
-// retroreflective: Road signs and safety tape: bright where the light comes from. Reciprocal if the base
-// is.
+// retroreflective: Road signs and safety tape: bright where the light comes from. Reciprocal if the
+// base is.
 struct Retroreflective {
     RetroreflectiveBase base;  // whose mirror direction becomes that of the light
 };
@@ -89,8 +89,8 @@ inline float3 retroreflective_size(float3 re, float3 im) {
     return sqrt(x * x + y * y) / SIZE_SCALE;
 }
 
-// Exact reflectance of a conductor, eta + i k, at a facet, from both retroreflective_cos_half and
-// retroreflective_sin2_half.
+// Exact reflectance of a conductor, eta + i k, at a facet, from both retroreflective_cos_half
+// and retroreflective_sin2_half.
 inline float3 retroreflective_F_conductor_half(float cos_h, float sin2_h, float3 eta,
     float3 k) {
     // A trace of absorption, which keeps a conductor's roots from 0. By itself it reflects where the index is
@@ -335,7 +335,7 @@ inline float3 retroreflective_base_albedo(RetroreflectiveBase params, float3 wo)
     }
     float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
     float3 total = float3(0.0, 0.0, 0.0);
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         float2 u = float2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         RetroreflectiveSample drawn = retroreflective_base_sample(params, w, u);

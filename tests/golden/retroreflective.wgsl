@@ -39,13 +39,13 @@ struct RetroreflectiveBase {
     anisotropy: f32,
     // index of refraction; the default is gold's; 0.01 to 20, default (0.143037, 0.375306, 1.44204)
     eta: vec3f,
-    // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299, 2.38556,
-    // 1.60336)
+    // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299,
+    // 2.38556, 1.60336)
     k: vec3f,
 }
 
-// retroreflective: Road signs and safety tape: bright where the light comes from. Reciprocal if the base
-// is.
+// retroreflective: Road signs and safety tape: bright where the light comes from. Reciprocal if the
+// base is.
 struct Retroreflective {
     base: RetroreflectiveBase,  // whose mirror direction becomes that of the light
 }
@@ -85,8 +85,8 @@ fn retroreflective_size(re: vec3f, im: vec3f) -> vec3f {
     return sqrt(x * x + y * y) / SIZE_SCALE;
 }
 
-// Exact reflectance of a conductor, eta + i k, at a facet, from both retroreflective_cos_half and
-// retroreflective_sin2_half.
+// Exact reflectance of a conductor, eta + i k, at a facet, from both retroreflective_cos_half
+// and retroreflective_sin2_half.
 fn retroreflective_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3f) -> vec3f {
     // A trace of absorption, which keeps a conductor's roots from 0. By itself it reflects where the index is
     // matched in the horizon, (ABSORPTION_MIN / (2 mu^2))^2.
@@ -328,7 +328,7 @@ fn retroreflective_base_albedo(params: RetroreflectiveBase, wo: vec3f) -> vec3f 
     }
     let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
     var total = vec3f(0.0, 0.0, 0.0);
-    for (var i_step = 0; i_step < 987; i_step++) {
+    for (var i_step = 0; i_step < i32(ALBEDO_SAMPLES); i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         let drawn = retroreflective_base_sample(params, w, u);

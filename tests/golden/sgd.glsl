@@ -30,8 +30,8 @@ struct Sgd {
     vec3 f0;  // F's constant; 0 to 10, default (0, 0, 0.0024589)
     // F's slope: f0 - f1 at normal incidence; -2 to 10, default (-0.596835, -0.331147, -0.140729)
     vec3 f1;
-    // K: 1 / (alpha Gamma(1 - p, alpha)) where D is normalized; 0 to 100000, default (5.98176, 7.35539,
-    // 5.29722)
+    // K: 1 / (alpha Gamma(1 - p, alpha)) where D is normalized; 0 to 100000, default (5.98176,
+    // 7.35539, 5.29722)
     vec3 normalization;
     vec3 masking_strength;  // Lambda; 0 to 1e+08, default (2.64832, 3.04253, 2.3013)
     // theta_0 in radians: G is 1 up to there; -1 to 1.5, default (-0.284195, -0.277297, -0.245352)
@@ -359,7 +359,7 @@ vec3 sgd_albedo(Sgd params, vec3 wo) {
     }
     vec3 w = vec3(wo.x, wo.y, max(wo.z, HORIZON));
     vec3 total = vec3(0.0, 0.0, 0.0);
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         SgdSample drawn = sgd_sample(params, w, u);

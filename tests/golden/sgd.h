@@ -123,7 +123,7 @@ inline Vec3 log(Vec3 a) {
     return Vec3{logf(a.x), logf(a.y), logf(a.z)};
 }
 
-// Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+// Steps of the rule in sgd_albedo: a Fibonacci number, and the golden ratio.
 constexpr float ALBEDO_SAMPLES = 987.0f;
 constexpr float GOLDEN = 0.618034f;
 // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
@@ -187,8 +187,8 @@ struct Sgd {
     Vec3 f0;  // F's constant; 0 to 10, default (0, 0, 0.0024589)
     // F's slope: f0 - f1 at normal incidence; -2 to 10, default (-0.596835, -0.331147, -0.140729)
     Vec3 f1;
-    // K: 1 / (alpha Gamma(1 - p, alpha)) where D is normalized; 0 to 100000, default (5.98176, 7.35539,
-    // 5.29722)
+    // K: 1 / (alpha Gamma(1 - p, alpha)) where D is normalized; 0 to 100000, default (5.98176,
+    // 7.35539, 5.29722)
     Vec3 normalization;
     Vec3 masking_strength;  // Lambda; 0 to 1e+08, default (2.64832, 3.04253, 2.3013)
     // theta_0 in radians: G is 1 up to there; -1 to 1.5, default (-0.284195, -0.277297, -0.245352)
@@ -463,7 +463,7 @@ inline Vec3 sgd_albedo(const Sgd& params, Vec3 wo) {
     }
     Vec3 w = Vec3{wo.x, wo.y, fmaxf(wo.z, HORIZON)};
     Vec3 total = Vec3{0.0f, 0.0f, 0.0f};
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         Vec2 u = Vec2{(i + 0.5f) / ALBEDO_SAMPLES, fract((i + 0.5f) * GOLDEN)};
         SgdSample drawn = sgd_sample(params, w, u);

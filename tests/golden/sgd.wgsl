@@ -30,8 +30,8 @@ struct Sgd {
     f0: vec3f,  // F's constant; 0 to 10, default (0, 0, 0.0024589)
     // F's slope: f0 - f1 at normal incidence; -2 to 10, default (-0.596835, -0.331147, -0.140729)
     f1: vec3f,
-    // K: 1 / (alpha Gamma(1 - p, alpha)) where D is normalized; 0 to 100000, default (5.98176, 7.35539,
-    // 5.29722)
+    // K: 1 / (alpha Gamma(1 - p, alpha)) where D is normalized; 0 to 100000, default (5.98176,
+    // 7.35539, 5.29722)
     normalization: vec3f,
     masking_strength: vec3f,  // Lambda; 0 to 1e+08, default (2.64832, 3.04253, 2.3013)
     // theta_0 in radians: G is 1 up to there; -1 to 1.5, default (-0.284195, -0.277297, -0.245352)
@@ -357,7 +357,7 @@ fn sgd_albedo(params: Sgd, wo: vec3f) -> vec3f {
     }
     let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
     var total = vec3f(0.0, 0.0, 0.0);
-    for (var i_step = 0; i_step < 987; i_step++) {
+    for (var i_step = 0; i_step < i32(ALBEDO_SAMPLES); i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         let drawn = sgd_sample(params, w, u);

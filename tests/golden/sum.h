@@ -144,7 +144,7 @@ constexpr float SHARE_MIN = 1.0e-12f;
 constexpr float RANDOM_MAX = 0.99999994f;
 // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
 constexpr float RANDOM_MARGIN = 5.9604645e-8f;
-// Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+// Steps of the rule in sum_second_albedo: a Fibonacci number, and the golden ratio.
 constexpr float ALBEDO_SAMPLES = 987.0f;
 constexpr float GOLDEN = 0.618034f;
 // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
@@ -156,8 +156,8 @@ struct SumSample {
     float pdf;  // its density in 1/sr; 0 marks a wasted sample
 };
 
-// Parameters of lambert: Ideal diffuse: the same radiance in every direction. Reciprocal; the albedo is
-// rho.
+// Parameters of lambert: Ideal diffuse: the same radiance in every direction. Reciprocal; the albedo
+// is rho.
 struct SumFirst {
     Vec3 rho;  // albedo, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
 };
@@ -172,8 +172,8 @@ struct SumSecond {
     float anisotropy;
     // index of refraction; the default is gold's; 0.01 to 20, default (0.143037, 0.375306, 1.44204)
     Vec3 eta;
-    // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299, 2.38556,
-    // 1.60336)
+    // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299,
+    // 2.38556, 1.60336)
     Vec3 k;
 };
 
@@ -511,7 +511,7 @@ inline Vec3 sum_second_albedo(const SumSecond& params, Vec3 wo) {
     }
     Vec3 w = Vec3{wo.x, wo.y, fmaxf(wo.z, HORIZON)};
     Vec3 total = Vec3{0.0f, 0.0f, 0.0f};
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         Vec2 u = Vec2{(i + 0.5f) / ALBEDO_SAMPLES, fract((i + 0.5f) * GOLDEN)};
         SumSample drawn = sum_second_sample(params, w, u);

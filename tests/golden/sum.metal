@@ -36,8 +36,8 @@ struct SumSample {
     float pdf;  // its density in 1/sr; 0 marks a wasted sample
 };
 
-// Parameters of lambert: Ideal diffuse: the same radiance in every direction. Reciprocal; the albedo is
-// rho.
+// Parameters of lambert: Ideal diffuse: the same radiance in every direction. Reciprocal; the albedo
+// is rho.
 struct SumFirst {
     float3 rho;  // albedo, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
 };
@@ -52,8 +52,8 @@ struct SumSecond {
     float anisotropy;
     // index of refraction; the default is gold's; 0.01 to 20, default (0.143037, 0.375306, 1.44204)
     float3 eta;
-    // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299, 2.38556,
-    // 1.60336)
+    // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299,
+    // 2.38556, 1.60336)
     float3 k;
 };
 
@@ -431,7 +431,7 @@ inline float3 sum_second_albedo(SumSecond params, float3 wo) {
     }
     float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
     float3 total = float3(0.0, 0.0, 0.0);
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         float2 u = float2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         SumSample drawn = sum_second_sample(params, w, u);

@@ -34,8 +34,8 @@ struct SumSample {
     pdf: f32,  // its density in 1/sr; 0 marks a wasted sample
 }
 
-// Parameters of lambert: Ideal diffuse: the same radiance in every direction. Reciprocal; the albedo is
-// rho.
+// Parameters of lambert: Ideal diffuse: the same radiance in every direction. Reciprocal; the albedo
+// is rho.
 struct SumFirst {
     rho: vec3f,  // albedo, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
 }
@@ -49,8 +49,8 @@ struct SumSecond {
     anisotropy: f32,
     // index of refraction; the default is gold's; 0.01 to 20, default (0.143037, 0.375306, 1.44204)
     eta: vec3f,
-    // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299, 2.38556,
-    // 1.60336)
+    // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299,
+    // 2.38556, 1.60336)
     k: vec3f,
 }
 
@@ -427,7 +427,7 @@ fn sum_second_albedo(params: SumSecond, wo: vec3f) -> vec3f {
     }
     let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
     var total = vec3f(0.0, 0.0, 0.0);
-    for (var i_step = 0; i_step < 987; i_step++) {
+    for (var i_step = 0; i_step < i32(ALBEDO_SAMPLES); i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         let drawn = sum_second_sample(params, w, u);

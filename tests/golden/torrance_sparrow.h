@@ -124,7 +124,7 @@ constexpr float inv_pi = 0.31830987f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
 // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
 constexpr float RANDOM_MARGIN = 5.9604645e-8f;
-// Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+// Steps of the rule in torrance_sparrow_albedo: a Fibonacci number, and the golden ratio.
 constexpr float ALBEDO_SAMPLES = 987.0f;
 constexpr float GOLDEN = 0.618034f;
 // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
@@ -136,10 +136,10 @@ struct TorranceSparrowSample {
     float pdf;  // its density in 1/sr; 0 marks a wasted sample
 };
 
-// torrance_sparrow: Rough metal, or the reflection of a rough dielectric. Reciprocal; loses energy when
-// rough.
-// Exported with distribution='ggx', masking='smith_correlated', fresnel='conductor', compensation='none',
-// diffuse='none'.
+// torrance_sparrow: Rough metal, or the reflection of a rough dielectric. Reciprocal; loses energy
+// when rough.
+// Exported with distribution='ggx', masking='smith_correlated', fresnel='conductor',
+// compensation='none', diffuse='none'.
 struct TorranceSparrow {
     // width of the facets' slopes: GGX's alpha, Beckmann's m; 0.0001 to 1, default 0.3
     float alpha;
@@ -147,8 +147,8 @@ struct TorranceSparrow {
     float anisotropy;
     // index of refraction; the default is gold's; 0.01 to 20, default (0.143037, 0.375306, 1.44204)
     Vec3 eta;
-    // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299, 2.38556,
-    // 1.60336)
+    // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299,
+    // 2.38556, 1.60336)
     Vec3 k;
 };
 
@@ -180,8 +180,8 @@ inline Vec3 torrance_sparrow_size(Vec3 re, Vec3 im) {
     return sqrt(x * x + y * y) / SIZE_SCALE;
 }
 
-// Exact reflectance of a conductor, eta + i k, at a facet, from both torrance_sparrow_cos_half and
-// torrance_sparrow_sin2_half.
+// Exact reflectance of a conductor, eta + i k, at a facet, from both torrance_sparrow_cos_half
+// and torrance_sparrow_sin2_half.
 inline Vec3 torrance_sparrow_F_conductor_half(float cos_h, float sin2_h, Vec3 eta, Vec3 k) {
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     float c = cos_h;
@@ -366,7 +366,7 @@ inline Vec3 torrance_sparrow_albedo(const TorranceSparrow& params, Vec3 wo) {
     }
     Vec3 w = Vec3{wo.x, wo.y, fmaxf(wo.z, HORIZON)};
     Vec3 total = Vec3{0.0f, 0.0f, 0.0f};
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         Vec2 u = Vec2{(i + 0.5f) / ALBEDO_SAMPLES, fract((i + 0.5f) * GOLDEN)};
         TorranceSparrowSample drawn = torrance_sparrow_sample(params, w, u);

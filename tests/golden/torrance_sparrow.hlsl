@@ -28,10 +28,10 @@ struct TorranceSparrowSample {
     float pdf;  // its density in 1/sr; 0 marks a wasted sample
 };
 
-// torrance_sparrow: Rough metal, or the reflection of a rough dielectric. Reciprocal; loses energy when
-// rough.
-// Exported with distribution='ggx', masking='smith_correlated', fresnel='conductor', compensation='none',
-// diffuse='none'.
+// torrance_sparrow: Rough metal, or the reflection of a rough dielectric. Reciprocal; loses energy
+// when rough.
+// Exported with distribution='ggx', masking='smith_correlated', fresnel='conductor',
+// compensation='none', diffuse='none'.
 struct TorranceSparrow {
     // width of the facets' slopes: GGX's alpha, Beckmann's m; 0.0001 to 1, default 0.3
     float alpha;
@@ -39,8 +39,8 @@ struct TorranceSparrow {
     float anisotropy;
     // index of refraction; the default is gold's; 0.01 to 20, default (0.143037, 0.375306, 1.44204)
     float3 eta;
-    // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299, 2.38556,
-    // 1.60336)
+    // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299,
+    // 2.38556, 1.60336)
     float3 k;
 };
 
@@ -74,8 +74,8 @@ float3 torrance_sparrow_size(float3 re, float3 im) {
     return sqrt(x * x + y * y) / SIZE_SCALE;
 }
 
-// Exact reflectance of a conductor, eta + i k, at a facet, from both torrance_sparrow_cos_half and
-// torrance_sparrow_sin2_half.
+// Exact reflectance of a conductor, eta + i k, at a facet, from both torrance_sparrow_cos_half
+// and torrance_sparrow_sin2_half.
 float3 torrance_sparrow_F_conductor_half(float cos_h, float sin2_h, float3 eta, float3 k) {
     // A trace of absorption, which keeps a conductor's roots from 0. By itself it reflects where the index is
     // matched in the horizon, (ABSORPTION_MIN / (2 mu^2))^2.
@@ -287,7 +287,7 @@ float3 torrance_sparrow_albedo(TorranceSparrow params, float3 wo) {
     }
     float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
     float3 total = float3(0.0, 0.0, 0.0);
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         float2 u = float2((i + 0.5) / ALBEDO_SAMPLES, frac((i + 0.5) * GOLDEN));
         TorranceSparrowSample drawn = torrance_sparrow_sample(params, w, u);

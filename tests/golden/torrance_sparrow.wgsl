@@ -24,18 +24,18 @@ struct TorranceSparrowSample {
     pdf: f32,  // its density in 1/sr; 0 marks a wasted sample
 }
 
-// torrance_sparrow: Rough metal, or the reflection of a rough dielectric. Reciprocal; loses energy when
-// rough.
-// Exported with distribution='ggx', masking='smith_correlated', fresnel='conductor', compensation='none',
-// diffuse='none'.
+// torrance_sparrow: Rough metal, or the reflection of a rough dielectric. Reciprocal; loses energy
+// when rough.
+// Exported with distribution='ggx', masking='smith_correlated', fresnel='conductor',
+// compensation='none', diffuse='none'.
 struct TorranceSparrow {
     alpha: f32,  // width of the facets' slopes: GGX's alpha, Beckmann's m; 0.0001 to 1, default 0.3
     // 0 round, 1 smoothest along y; only ggx and beckmann have it; 0 to 1, default 0
     anisotropy: f32,
     // index of refraction; the default is gold's; 0.01 to 20, default (0.143037, 0.375306, 1.44204)
     eta: vec3f,
-    // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299, 2.38556,
-    // 1.60336)
+    // extinction, the imaginary part of the index; not for dielectric; 0 to 20, default (3.98299,
+    // 2.38556, 1.60336)
     k: vec3f,
 }
 
@@ -69,8 +69,8 @@ fn torrance_sparrow_size(re: vec3f, im: vec3f) -> vec3f {
     return sqrt(x * x + y * y) / SIZE_SCALE;
 }
 
-// Exact reflectance of a conductor, eta + i k, at a facet, from both torrance_sparrow_cos_half and
-// torrance_sparrow_sin2_half.
+// Exact reflectance of a conductor, eta + i k, at a facet, from both torrance_sparrow_cos_half
+// and torrance_sparrow_sin2_half.
 fn torrance_sparrow_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3f) -> vec3f {
     // A trace of absorption, which keeps a conductor's roots from 0. By itself it reflects where the index is
     // matched in the horizon, (ABSORPTION_MIN / (2 mu^2))^2.
@@ -275,7 +275,7 @@ fn torrance_sparrow_albedo(params: TorranceSparrow, wo: vec3f) -> vec3f {
     }
     let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
     var total = vec3f(0.0, 0.0, 0.0);
-    for (var i_step = 0; i_step < 987; i_step++) {
+    for (var i_step = 0; i_step < i32(ALBEDO_SAMPLES); i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         let drawn = torrance_sparrow_sample(params, w, u);

@@ -331,7 +331,7 @@ fn triace_blinn_phong_albedo(params: TriaceBlinnPhong, wo: vec3f) -> vec3f {
     }
     let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
     var total = vec3f(0.0, 0.0, 0.0);
-    for (var i_step = 0; i_step < 987; i_step++) {
+    for (var i_step = 0; i_step < i32(ALBEDO_SAMPLES); i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         let drawn = triace_blinn_phong_sample(params, w, u);

@@ -182,8 +182,8 @@ vec3 triace_oren_nayar_sample_cltc(vec3 wo, float r, vec2 u) {
 
 // CLTC mixed with as much of the uniform hemisphere as the roughness asks for.
 vec3 triace_oren_nayar_sample_cltc_matched(vec3 wo, float r, vec2 u) {
-    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are not
-    // taken.
+    // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
+    // not taken.
     const float P_MIN = 1.0e-6;
     float q = triace_oren_nayar_matched_roughness(r);
     float P_u = triace_oren_nayar_matched_share(wo.z, q);

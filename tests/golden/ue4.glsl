@@ -20,8 +20,8 @@ struct Ue4Sample {
     float pdf;  // its density in 1/sr; 0 marks a wasted sample
 };
 
-// ue4: Lambert plus a GGX highlight, simply added. Reciprocal; white dielectrics gain energy. Exported with
-// light='punctual'.
+// ue4: Lambert plus a GGX highlight, simply added. Reciprocal; white dielectrics gain energy. Exported
+// with light='punctual'.
 struct Ue4 {
     // diffuse colour, or F0 of metals, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
     vec3 base_color;
@@ -308,7 +308,7 @@ vec3 ue4_albedo(Ue4 params, vec3 wo) {
     }
     vec3 w = vec3(wo.x, wo.y, max(wo.z, HORIZON));
     vec3 total = vec3(0.0, 0.0, 0.0);
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         Ue4Sample drawn = ue4_sample(params, w, u);

@@ -97,7 +97,7 @@ constexpr float ESTIMATE_TRUST = 50.0f;
 constexpr float SHARE_MIN = 1.0e-12f;
 // The largest float32 below 1, up to which random numbers go.
 constexpr float RANDOM_MAX = 0.99999994f;
-// Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+// Steps of the rule in ue4_albedo: a Fibonacci number, and the golden ratio.
 constexpr float ALBEDO_SAMPLES = 987.0f;
 constexpr float GOLDEN = 0.618034f;
 // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
@@ -109,8 +109,8 @@ struct Ue4Sample {
     float pdf;  // its density in 1/sr; 0 marks a wasted sample
 };
 
-// ue4: Lambert plus a GGX highlight, simply added. Reciprocal; white dielectrics gain energy. Exported with
-// light='punctual'.
+// ue4: Lambert plus a GGX highlight, simply added. Reciprocal; white dielectrics gain energy. Exported
+// with light='punctual'.
 struct Ue4 {
     // diffuse colour, or F0 of metals, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
     Vec3 base_color;
@@ -364,7 +364,7 @@ inline Vec3 ue4_albedo(const Ue4& params, Vec3 wo) {
     }
     Vec3 w = Vec3{wo.x, wo.y, fmaxf(wo.z, HORIZON)};
     Vec3 total = Vec3{0.0f, 0.0f, 0.0f};
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         Vec2 u = Vec2{(i + 0.5f) / ALBEDO_SAMPLES, fract((i + 0.5f) * GOLDEN)};
         Ue4Sample drawn = ue4_sample(params, w, u);

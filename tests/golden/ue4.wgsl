@@ -20,8 +20,8 @@ struct Ue4Sample {
     pdf: f32,  // its density in 1/sr; 0 marks a wasted sample
 }
 
-// ue4: Lambert plus a GGX highlight, simply added. Reciprocal; white dielectrics gain energy. Exported with
-// light='punctual'.
+// ue4: Lambert plus a GGX highlight, simply added. Reciprocal; white dielectrics gain energy. Exported
+// with light='punctual'.
 struct Ue4 {
     // diffuse colour, or F0 of metals, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
     base_color: vec3f,
@@ -308,7 +308,7 @@ fn ue4_albedo(params: Ue4, wo: vec3f) -> vec3f {
     }
     let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
     var total = vec3f(0.0, 0.0, 0.0);
-    for (var i_step = 0; i_step < 987; i_step++) {
+    for (var i_step = 0; i_step < i32(ALBEDO_SAMPLES); i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         let drawn = ue4_sample(params, w, u);

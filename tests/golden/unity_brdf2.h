@@ -96,7 +96,7 @@ constexpr float SHARE_MIN = 1.0e-12f;
 constexpr float RANDOM_MAX = 0.99999994f;
 // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
 constexpr float RANDOM_MARGIN = 5.9604645e-8f;
-// Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+// Steps of the rule in unity_brdf2_albedo: a Fibonacci number, and the golden ratio.
 constexpr float ALBEDO_SAMPLES = 987.0f;
 constexpr float GOLDEN = 0.618034f;
 // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
@@ -348,7 +348,7 @@ inline Vec3 unity_brdf2_albedo(const UnityBrdf2& params, Vec3 wo) {
     }
     Vec3 w = Vec3{wo.x, wo.y, fmaxf(wo.z, HORIZON)};
     Vec3 total = Vec3{0.0f, 0.0f, 0.0f};
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         Vec2 u = Vec2{(i + 0.5f) / ALBEDO_SAMPLES, fract((i + 0.5f) * GOLDEN)};
         UnityBrdf2Sample drawn = unity_brdf2_sample(params, w, u);

@@ -26,8 +26,8 @@ struct WeidlichWilkieSample {
     float pdf;  // its density in 1/sr; 0 marks a wasted sample
 };
 
-// Parameters of lambert: Ideal diffuse: the same radiance in every direction. Reciprocal; the albedo is
-// rho.
+// Parameters of lambert: Ideal diffuse: the same radiance in every direction. Reciprocal; the albedo
+// is rho.
 struct WeidlichWilkieBase {
     vec3 rho;  // albedo, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
 };
@@ -223,8 +223,8 @@ float weidlich_wilkie_usual_cos_half(vec3 wo) {
     return 0.5 + 0.5 * wo.z;
 }
 
-// The most that weidlich_wilkie_attenuation leaves of light that goes out along wo: it came in along the
-// normal.
+// The most that weidlich_wilkie_attenuation leaves of light that goes out along wo: it came in along
+// the normal.
 vec3 weidlich_wilkie_attenuation_least(vec3 sigma_a, float thickness, vec3 wo) {
     return weidlich_wilkie_attenuation(sigma_a, thickness, vec3(0.0, 0.0, 1.0), wo);
 }
@@ -476,7 +476,7 @@ vec3 weidlich_wilkie_albedo(WeidlichWilkie params, vec3 wo) {
     }
     vec3 w = vec3(wo.x, wo.y, max(wo.z, HORIZON));
     vec3 total = vec3(0.0, 0.0, 0.0);
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         WeidlichWilkieSample drawn = weidlich_wilkie_sample(params, w, u);

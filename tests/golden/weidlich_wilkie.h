@@ -121,7 +121,7 @@ constexpr float LEAVE_MIN = 1.0e-12f;
 // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
 // its reciprocal still fits into a float32.
 constexpr float SIN2_MIN = 1.0e-18f;
-// Steps of the rule in `sampled_albedo`: a Fibonacci number, and the golden ratio.
+// Steps of the rule in weidlich_wilkie_albedo: a Fibonacci number, and the golden ratio.
 constexpr float ALBEDO_SAMPLES = 987.0f;
 constexpr float GOLDEN = 0.618034f;
 // Cosine that stands for wo in the horizon, where a sample has no density but the albedo a limit.
@@ -133,8 +133,8 @@ struct WeidlichWilkieSample {
     float pdf;  // its density in 1/sr; 0 marks a wasted sample
 };
 
-// Parameters of lambert: Ideal diffuse: the same radiance in every direction. Reciprocal; the albedo is
-// rho.
+// Parameters of lambert: Ideal diffuse: the same radiance in every direction. Reciprocal; the albedo
+// is rho.
 struct WeidlichWilkieBase {
     Vec3 rho;  // albedo, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
 };
@@ -321,8 +321,8 @@ inline float weidlich_wilkie_usual_cos_half(Vec3 wo) {
     return 0.5f + 0.5f * wo.z;
 }
 
-// The most that weidlich_wilkie_attenuation leaves of light that goes out along wo: it came in along the
-// normal.
+// The most that weidlich_wilkie_attenuation leaves of light that goes out along wo: it came in along
+// the normal.
 inline Vec3 weidlich_wilkie_attenuation_least(Vec3 sigma_a, float thickness, Vec3 wo) {
     return weidlich_wilkie_attenuation(sigma_a, thickness, Vec3{0.0f, 0.0f, 1.0f}, wo);
 }
@@ -540,7 +540,7 @@ inline Vec3 weidlich_wilkie_albedo(const WeidlichWilkie& params, Vec3 wo) {
     }
     Vec3 w = Vec3{wo.x, wo.y, fmaxf(wo.z, HORIZON)};
     Vec3 total = Vec3{0.0f, 0.0f, 0.0f};
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         Vec2 u = Vec2{(i + 0.5f) / ALBEDO_SAMPLES, fract((i + 0.5f) * GOLDEN)};
         WeidlichWilkieSample drawn = weidlich_wilkie_sample(params, w, u);

@@ -26,8 +26,8 @@ struct WeidlichWilkieSample {
     float pdf;  // its density in 1/sr; 0 marks a wasted sample
 };
 
-// Parameters of lambert: Ideal diffuse: the same radiance in every direction. Reciprocal; the albedo is
-// rho.
+// Parameters of lambert: Ideal diffuse: the same radiance in every direction. Reciprocal; the albedo
+// is rho.
 struct WeidlichWilkieBase {
     float3 rho;  // albedo, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
 };
@@ -225,8 +225,8 @@ float weidlich_wilkie_usual_cos_half(float3 wo) {
     return 0.5 + 0.5 * wo.z;
 }
 
-// The most that weidlich_wilkie_attenuation leaves of light that goes out along wo: it came in along the
-// normal.
+// The most that weidlich_wilkie_attenuation leaves of light that goes out along wo: it came in along
+// the normal.
 float3 weidlich_wilkie_attenuation_least(float3 sigma_a, float thickness, float3 wo) {
     return weidlich_wilkie_attenuation(sigma_a, thickness, float3(0.0, 0.0, 1.0), wo);
 }
@@ -496,7 +496,7 @@ float3 weidlich_wilkie_albedo(WeidlichWilkie params, float3 wo) {
     }
     float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
     float3 total = float3(0.0, 0.0, 0.0);
-    for (int i_step = 0; i_step < 987; ++i_step) {
+    for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         float2 u = float2((i + 0.5) / ALBEDO_SAMPLES, frac((i + 0.5) * GOLDEN));
         WeidlichWilkieSample drawn = weidlich_wilkie_sample(params, w, u);

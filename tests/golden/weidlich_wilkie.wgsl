@@ -26,8 +26,8 @@ struct WeidlichWilkieSample {
     pdf: f32,  // its density in 1/sr; 0 marks a wasted sample
 }
 
-// Parameters of lambert: Ideal diffuse: the same radiance in every direction. Reciprocal; the albedo is
-// rho.
+// Parameters of lambert: Ideal diffuse: the same radiance in every direction. Reciprocal; the albedo
+// is rho.
 struct WeidlichWilkieBase {
     rho: vec3f,  // albedo, linear RGB; 0 to 1, default (0.8, 0.8, 0.8)
 }
@@ -224,8 +224,8 @@ fn weidlich_wilkie_usual_cos_half(wo: vec3f) -> f32 {
     return 0.5 + 0.5 * wo.z;
 }
 
-// The most that weidlich_wilkie_attenuation leaves of light that goes out along wo: it came in along the
-// normal.
+// The most that weidlich_wilkie_attenuation leaves of light that goes out along wo: it came in along
+// the normal.
 fn weidlich_wilkie_attenuation_least(sigma_a: vec3f, thickness: f32, wo: vec3f) -> vec3f {
     return weidlich_wilkie_attenuation(sigma_a, thickness, vec3f(0.0, 0.0, 1.0), wo);
 }
@@ -477,7 +477,7 @@ fn weidlich_wilkie_albedo(params: WeidlichWilkie, wo: vec3f) -> vec3f {
     }
     let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
     var total = vec3f(0.0, 0.0, 0.0);
-    for (var i_step = 0; i_step < 987; i_step++) {
+    for (var i_step = 0; i_step < i32(ALBEDO_SAMPLES); i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
         let drawn = weidlich_wilkie_sample(params, w, u);
