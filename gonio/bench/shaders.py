@@ -59,7 +59,7 @@ def handwritten(name: str) -> Export:
 
 def plain(name: str) -> Export | None:
     """A hand-written shader of fewer digits, as engines have it, where there is one."""
-    file = FOLDER / f"{name}_plain.glsl"
+    file = FOLDER / "plain" / f"{name}.glsl"
     return _written(name, file) if file.exists() else None
 
 
