@@ -1,4 +1,4 @@
-"""Writing files so that nothing half-written stays behind."""
+"""Writing files so that nothing half-written stays behind, and seeing that they have changed."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import errno
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -107,3 +107,19 @@ def is_utf8(path: Path) -> bool:
     except UnicodeEncodeError:
         return False
     return True
+
+
+Stamps = dict[Path, tuple[int, int] | None]
+
+
+def stamps(paths: Iterable[Path]) -> Stamps:
+    """When files changed last, in ns, and their sizes in bytes; None while an editor has one removed."""
+    found: Stamps = {}
+    for path in paths:
+        try:
+            stat = path.stat()
+        except OSError:
+            found[path] = None
+        else:
+            found[path] = stat.st_mtime_ns, stat.st_size
+    return found

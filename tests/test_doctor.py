@@ -1,8 +1,10 @@
 """The doctor: finds what is there, says what to do about the rest, and never crashes."""
 
 import os
+import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -44,6 +46,19 @@ def test_everything_that_is_missing_comes_with_advice(here):
         assert finding.status in doctor.SYMBOLS
         assert "\n" not in finding.value + finding.advice
         assert finding.status != "broken" or finding.advice
+
+
+def test_what_is_optional_comes_with_the_extra_that_brings_it(monkeypatch):
+    """The package's own list of extras is the judge."""
+    project = Path(__file__).parents[1] / "pyproject.toml"
+    extras = tomllib.loads(project.read_text(encoding="utf-8"))["project"]["optional-dependencies"]
+    monkeypatch.setattr(doctor, "_version", lambda name: None)
+    for name, (distribution, extra, _) in doctor._OPTIONAL.items():
+        brought = {re.match(r"[\w.-]+", needed)[0] for needed in extras[extra]}
+        assert distribution in brought, name
+        found = doctor._optional(name)
+        assert found.status == "absent"
+        assert f"pip install 'gonio[{extra}]'" in found.advice
 
 
 def test_the_report_has_a_mark_and_a_name_for_each(here):

@@ -30,6 +30,10 @@ from gonio.view import page, server
 from gonio.view.variants import pool
 
 WEB = Path(page.__file__).parent / "web"
+DOCUMENTED = (Path(__file__).parents[1] / "docs" / "viewer.md").read_text(encoding="utf-8")
+
+# Bytes of the script that every page waits for and every saved page holds
+OPENING = 120_000
 
 
 @pytest.fixture(scope="module")
@@ -467,6 +471,11 @@ def test_the_built_script_is_current(tmp_path: Path) -> None:
     for name in page.FILES:
         built = (tmp_path / name).read_bytes()
         assert built == (WEB / name).read_bytes(), "run 'npm run build' there"
+        told = re.search(rf"^\| `{name}` \| (\d+) \|", DOCUMENTED, re.M)
+        assert told, f"docs/viewer.md does not list {name}"
+        # Rounded to whole kB
+        assert abs(len(built) / 1000 - int(told[1])) <= 0.5, f"docs/viewer.md: {name}"
+    assert (WEB / page.SCRIPT).stat().st_size <= OPENING, "move what is rarely wanted to more.js"
 
 
 def test_the_pages_source_is_formatted_and_has_nothing_that_a_linter_knows() -> None:

@@ -1,4 +1,5 @@
-"""Options that pictures share: the mesh, the view, the light's turn, and how bright a .png is."""
+"""Options that pictures share: the mesh, the view, the light's turn, the noise that is taken out, and how
+bright a .png is."""
 
 from __future__ import annotations
 
@@ -71,6 +72,20 @@ exposure_option = click.option(
     metavar="STOPS|auto",
     help="Brighten a .png. auto brings white to 0.9; default for your own --env file, else 0.",
 )
+
+denoise_option = click.option(
+    "--denoise",
+    is_flag=True,
+    help="Take the noise out of the finished picture (needs: pip install 'gonio[denoise]'). Flakes and "
+    "other fine texture go with it.",
+)
+
+
+def check_denoise(denoise: bool, cluster: str | None, run_dir: str | None) -> None:
+    """Raise a UsageError for --denoise of pictures whose samples are shared out."""
+    if denoise and (cluster is not None or run_dir is not None):
+        raise click.UsageError("--denoise is for pictures that are rendered here and at once.")
+
 
 _STAGE = (
     click.option(

@@ -67,8 +67,7 @@ def diagnose() -> list[Finding]:
         ("GPU", lambda: _gpu(answers["cuda"])),
         ("backend", lambda: _backend(answers)),
         ("kernel cache", _kernel_cache),
-        ("PyTorch", lambda: _optional("PyTorch", "torch", "for tensors in and out")),
-        ("JAX", lambda: _optional("JAX", "jax", "for JAX arrays in and out")),
+        *((name, functools.partial(_optional, name)) for name in _OPTIONAL),
         ("g++", _compiler),
         *((name, functools.partial(_prover, name)) for name in _PROVERS),
     ]
@@ -204,10 +203,21 @@ def _package(name: str, distribution: str, install: str) -> Finding:
     return Finding(name, "ok", version)
 
 
-def _optional(name: str, distribution: str, use: str) -> Finding:
+# The package of each extra of pyproject.toml that gonio itself uses, the extra, and what for.
+_OPTIONAL = {
+    "PyTorch": ("torch", "torch", "for tensors in and out"),
+    "JAX": ("jax", "jax", "for JAX arrays in and out"),
+    "denoiser": ("mitsuba-oidn", "denoise", "for pictures with --denoise"),
+    "notebooks": ("anywidget", "notebook", "for gonio.view.Viewer in a notebook"),
+    "Dask": ("distributed", "cluster", "for work with --cluster"),
+}
+
+
+def _optional(name: str) -> Finding:
+    distribution, extra, use = _OPTIONAL[name]
     version = _version(distribution)
     if version is None:
-        advice = f"optional, {use}: pip install 'gonio[{distribution}]'"
+        advice = f"optional, {use}: pip install 'gonio[{extra}]'"
         return Finding(name, "absent", "not installed", advice)
     return Finding(name, "ok", version)
 

@@ -122,8 +122,9 @@ def _make_writable(stream: Any) -> None:
         stream.reconfigure(errors="replace")
 
 
-# Noise that looks clean at arm's length, and the samples at which a picture ends, clean or not.
-NOISE, SPP_MOST = 0.02, 512
+# Noise that looks clean at arm's length, noise that a denoiser takes out whole, and the samples at which a
+# picture ends, clean or not.
+NOISE, NOISE_DENOISED, SPP_MOST = 0.02, 0.1, 512
 
 SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
@@ -248,7 +249,8 @@ noise_option = click.option(
     "--noise",
     type=FloatRange(0, min_open=True),
     metavar="PART",
-    help="Stop when the noise is below this part of a pixel's brightness (default: 0.02, without --spp).",
+    help="Stop when the noise is below this part of a pixel's brightness (default, without --spp: "
+    f"{NOISE}; with --denoise {NOISE_DENOISED}).",
 )
 time_option = click.option(
     "--time",
@@ -259,12 +261,16 @@ time_option = click.option(
 )
 
 
-def until(spp: int | None, noise: float | None, seconds: float | None) -> dict[str, Any]:
+def until(
+    spp: int | None, noise: float | None, seconds: float | None, denoise: bool
+) -> dict[str, Any]:
     """Arguments of `gonio.render`: a number of samples alone is exact, otherwise it is a limit."""
+    given: dict[str, Any] = {"denoise": denoise}
     if noise is None and seconds is None and spp is not None:
-        return {"spp": spp}
-    goal = NOISE if noise is None and seconds is None else noise
-    return {"spp": spp or SPP_MOST, "noise": goal, "seconds": seconds}
+        return given | {"spp": spp}
+    if noise is None and seconds is None:
+        noise = NOISE_DENOISED if denoise else NOISE
+    return given | {"spp": spp or SPP_MOST, "noise": noise, "seconds": seconds}
 
 
 seed_option = click.option(

@@ -9,7 +9,9 @@ import click
 
 from gonio.cli._cluster import cluster_options, exact_spp, pictures_of
 from gonio.cli._stage import (
+    check_denoise,
     check_look,
+    denoise_option,
     exposure_option,
     light_of,
     stage_options,
@@ -69,12 +71,7 @@ from gonio.cli.program import (
     help="Against bright dots (fireflies): cut samples of indirect light above so many times white, "
     "such as 1. The picture gets darker; a line says by how much.",
 )
-@click.option(
-    "--denoise",
-    is_flag=True,
-    help="Take the noise out of the finished picture (needs: pip install 'gonio[denoise]'). Flakes and "
-    "other fine texture go with it.",
-)
+@denoise_option
 @click.option("--size", type=Size(), metavar="N|WxH", default="512", help="Pixels (default: 512).")
 @seed_option
 @exposure_option
@@ -122,7 +119,7 @@ def command(
       gonio render lacquered_walnut --compare gold --env sunsky
       gonio render skin --diffusion 0.01
       gonio render clay.toml --size 1024x768 --spp 256 -o clay.exr
-      gonio render gold --env street.hdr --noise 0.1 --denoise
+      gonio render gold --env street.hdr --denoise
       gonio render skin --spp 4096 --cluster node1.json
     """
     from gonio.materials import load
@@ -146,10 +143,7 @@ def command(
         # An .exr has no exposure of its own, and the white that a .png would have
         linear = target.suffix.lower() == ".exr" and not furnace
         settings["clamp"] = clamp / 2 ** (auto_exposure(light) if linear else brighter)
-    if denoise:
-        if cluster is not None or run_dir is not None:
-            raise click.UsageError("--denoise is for pictures that are rendered here and at once.")
-        settings["denoise"] = True
+    check_denoise(denoise, cluster, run_dir)
     row = {
         "environment": light,
         "furnace": furnace,
@@ -165,7 +159,11 @@ def command(
     else:
         with progress("rendering") as step:
             pixels = sheets.compare(
-                [row], shown, progress=step, **until(spp, noise, seconds), **common
+                [row],
+                shown,
+                progress=step,
+                **until(spp, noise, seconds, denoise),
+                **common,
             )
     write_picture(target, pixels, exposure=brighter, tone=tone or "linear", labels=labels)
     click.echo(target)

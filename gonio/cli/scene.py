@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from gonio.cli._stage import check_look, scene_exposure_option, tone_option
+from gonio.cli._stage import check_look, denoise_option, scene_exposure_option, tone_option
 from gonio.cli.program import (
     Size,
     check_params,
@@ -37,6 +37,7 @@ from gonio.cli.program import (
     help="A parameter of the scene ($NAME), as Mitsuba has it; again for more.",
 )
 @spp_option(None)
+@denoise_option
 @click.option("--size", type=Size(), metavar="N|WxH", help="Pixels (default: the scene's).")
 @seed_option
 @scene_exposure_option
@@ -48,6 +49,7 @@ def command(
     params: tuple[str, ...],
     defined: tuple[str, ...],
     spp: int | None,
+    denoise: bool,
     size: tuple[int, int] | None,
     seed: int,
     exposure: float | None,
@@ -61,7 +63,7 @@ def command(
     \b
     Examples:
       gonio scene room.xml --assign wall=eon:roughness=0.8 -o room.png
-      gonio scene room.xml --size 320x240 --spp 16
+      gonio scene room.xml --size 320x240 --spp 16 --denoise
       gonio scene room.xml -D lamp=3.5 -o bright.png
     """
     from gonio.materials import load
@@ -96,7 +98,14 @@ def command(
     check_look(target, exposure, tone)
     with progress("rendering") as step:
         pixels = render_scene(
-            scene, assigned, define=define, size=size, spp=spp, seed=seed, progress=step
+            scene,
+            assigned,
+            define=define,
+            size=size,
+            spp=spp,
+            denoise=denoise,
+            seed=seed,
+            progress=step,
         )
     write_picture(target, pixels, exposure=exposure or 0.0, tone=tone or "linear")
     click.echo(target)

@@ -9,7 +9,9 @@ import click
 
 from gonio.cli._cluster import cluster_options, exact_spp, pictures_of
 from gonio.cli._stage import (
+    check_denoise,
     check_look,
+    denoise_option,
     exposure_option,
     light_of,
     stage_options,
@@ -37,6 +39,7 @@ from gonio.cli.program import (
 @spp_option(None)
 @noise_option
 @time_option
+@denoise_option
 @click.option(
     "--size", type=Size(), metavar="N|WxH", default="320", help="Pixels of a step (default: 320)."
 )
@@ -52,6 +55,7 @@ def command(
     spp: int | None,
     noise: float | None,
     seconds: float | None,
+    denoise: bool,
     size: tuple[int, int],
     seed: int,
     exposure: float | str | None,
@@ -73,6 +77,7 @@ def command(
     from gonio.render import sheets
     from gonio.render.picture import captions, check_format, write_picture
 
+    check_denoise(denoise, cluster, run_dir)
     shown = load_series(name)
     target = Path(f"{name}.png" if output is None else output)
     check_format(target)
@@ -90,7 +95,11 @@ def command(
     else:
         with progress("rendering") as step:
             pixels = sheets.compare(
-                [row], shown, progress=step, **until(spp, noise, seconds), **common
+                [row],
+                shown,
+                progress=step,
+                **until(spp, noise, seconds, denoise),
+                **common,
             )
     write_picture(target, pixels, exposure=brighter, tone=tone or "linear", labels=captions(shown))
     click.echo(target)

@@ -8,7 +8,14 @@ from typing import Any
 import click
 
 from gonio.cli._cluster import cluster_options, pictures_of
-from gonio.cli._stage import exposure_option, light_of, stops, tone_option
+from gonio.cli._stage import (
+    check_denoise,
+    denoise_option,
+    exposure_option,
+    light_of,
+    stops,
+    tone_option,
+)
 from gonio.cli.program import (
     environment_option,
     progress,
@@ -25,6 +32,7 @@ from gonio.files import check_place
     "--size", type=click.IntRange(16, 4096), default=256, show_default=True, help="Of one cell."
 )
 @spp_option(64)
+@denoise_option
 @seed_option
 @exposure_option
 @tone_option
@@ -35,6 +43,7 @@ def command(
     furnace: bool,
     size: int,
     spp: int,
+    denoise: bool,
     seed: int,
     exposure: float | str | None,
     tone: str | None,
@@ -48,6 +57,7 @@ def command(
     Examples:
       gonio sheet
       gonio sheet --env sunsky --size 320 -o materials.png
+      gonio sheet --denoise -o materials.png
       gonio sheet --size 512 --spp 1024 --cluster tcp://node1:8786
     """
     from gonio.materials import library, load_material
@@ -56,6 +66,7 @@ def command(
     target = Path(output)
     if target.suffix.lower() != ".png":
         raise click.UsageError(f"--output {output} is a contact sheet: its name ends in .png")
+    check_denoise(denoise, cluster, run_dir)
     check_place(target)
     light = light_of(environment, furnace, exposure)
     brighter = stops(light, furnace, exposure, target)
@@ -68,5 +79,7 @@ def command(
         write_cells(target, materials, cells, **look)
     else:
         with progress("rendering") as step:
-            write_sheet(target, materials, cell=size, progress=step, **look, **common)
+            write_sheet(
+                target, materials, cell=size, progress=step, denoise=denoise, **look, **common
+            )
     click.echo(target)

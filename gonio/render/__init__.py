@@ -106,16 +106,19 @@ def render(
         )
     if denoise:
         denoising.library()  # what is missing is said before the work
-        # It is trained on noise that differs from pixel to pixel; a wider filter would smear it to blots.
-        stage["rfilter"] = "box"
+        if stage.setdefault("rfilter", denoising.FILTER) != denoising.FILTER:
+            raise ValueError(
+                f"denoise needs pixels of their own samples alone: rfilter={denoising.FILTER!r}; leave "
+                f"rfilter={stage['rfilter']!r} out."
+            )
     loaded = built(material)
     until: dict[str, Any] = {"noise": noise, "seconds": seconds, "clamp": clamp}
     alpha = bool(stage.get("transparent"))
 
-    seen = built(denoising.stand_in(material)) if denoise else None
+    guides = denoising.first_seen(built(denoising.stand_in(material))) if denoise else None
 
     def finished(pixels: Pixels) -> Pixels:
-        return pixels if seen is None else denoising.denoised(pixels, seen)
+        return pixels if guides is None else denoising.denoised(pixels, *guides)
 
     if not diffusion:
         whole = integrate(loaded, spp, seed, progress, alpha=alpha, **until)

@@ -19,6 +19,9 @@ from gonio.model import Model, model
 from gonio.reference import Stack
 from gonio.render.passes import PATHS_PER_PASS, Pixels
 
+# The network is trained on noise that differs from pixel to pixel; a wider filter would smear it to blots.
+FILTER = "box"
+
 # Samples of a pixel that say what it sees: their noise is that of edges alone.
 SEEN = 8
 
@@ -51,25 +54,27 @@ def stand_in(shown: Model | Material | Stack) -> Model | Material:
     return model("lambert", rho=tuple(rho))
 
 
-def denoised(pixels: Pixels, loaded: Any) -> Pixels:
+def denoised(pixels: Pixels, colours: Pixels, normals: Pixels) -> Pixels:
     """A picture without its noise; a fourth channel, alpha, stays as it is.
 
     Args:
-        pixels: linear radiance, shape (height, width, 3 or 4).
-        loaded: a scene whose first sensor sees the same, with the material or its `stand_in`.
+        pixels: linear radiance, shape (height, width, 3 or 4), of a film with the filter `FILTER`.
+        colours, normals: of what each pixel sees, as `first_seen` has them.
 
     Raises:
         ValueError: mitsuba-oidn is not installed.
     """
     oidn = library()
-    colours, normals = first_seen(loaded)
     light = np.ascontiguousarray(pixels[..., :3], np.float32)
     calm = np.asarray(oidn.denoise(light, colours, normals, hdr=True))
     return np.concatenate([np.maximum(calm, 0), pixels[..., 3:]], axis=2, dtype=np.float32)
 
 
 def first_seen(loaded: Any) -> tuple[Pixels, Pixels]:
-    """Diffuse colour and shading normal of the first surface in each pixel, (height, width, 3) each."""
+    """Diffuse colour and shading normal of the first surface in each pixel, (height, width, 3) each.
+
+    loaded: a scene; its first sensor is asked. `stand_in` makes materials whose colours are quickly there.
+    """
     import mitsuba as mi
 
     width, height = (int(n) for n in loaded.sensors()[0].film().crop_size())

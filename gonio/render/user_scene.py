@@ -10,6 +10,7 @@ from typing import Any
 from gonio.materials import Material
 from gonio.messages import notice
 from gonio.model import Model
+from gonio.render import denoise as denoising
 from gonio.render.growth import add_to, has_triangles, textured
 from gonio.render.passes import Progress, integrate, ready_mitsuba
 from gonio.render.picture import Picture
@@ -23,6 +24,7 @@ def render_scene(
     define: Mapping[str, str] | None = None,
     size: tuple[int, int] | None = None,
     spp: int | None = None,
+    denoise: bool = False,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Picture:
@@ -36,6 +38,8 @@ def render_scene(
         define: values of the scene's parameters, which it writes as $name.
         size: width and height; the scene's own by default.
         spp: samples per pixel; the scene's own by default.
+        denoise: take the noise out of the finished picture, as `gonio.render.denoise` tells; its film gets
+            the filter that this needs.
         seed: of the random numbers.
         progress: called after each pass.
 
@@ -46,6 +50,8 @@ def render_scene(
         FileNotFoundError: no such file.
         ValueError: not a Mitsuba scene, or an id that is not in it (with those that are).
     """
+    if denoise:
+        denoising.library()  # what is missing is said before the work
     ready_mitsuba()
     from gonio.mitsuba.xml_files import files_from, in_utf8, reason
 
@@ -59,8 +65,12 @@ def render_scene(
     if root.tag != "scene":
         raise ValueError(f"{path} is not a Mitsuba scene: its root is <{root.tag}>, not <scene>.")
     with in_utf8(path) as opened, files_from(opened.parent):
+        rfilter = denoising.FILTER if denoise else None
         try:
-            loaded = _Scene(path, opened, define or {}).loaded(assign, size)
+            loaded = _Scene(path, opened, define or {}).loaded(assign, size, rfilter)
+            if denoise:
+                stand_ins = {name: denoising.stand_in(shown) for name, shown in assign.items()}
+                seen = _Scene(path, opened, define or {}).loaded(stand_ins, size, rfilter)
         except RuntimeError as error:
             said = reason(error).replace(str(opened), str(path))
             raise ValueError(f"{path} does not load: {said}.") from error
@@ -73,7 +83,10 @@ def render_scene(
         if spp is None:
             spp = int(loaded.sensors()[0].sampler().sample_count())
         try:
-            return integrate(loaded, spp, seed, progress).view(Picture)
+            pixels = integrate(loaded, spp, seed, progress)
+            if denoise:
+                pixels = denoising.denoised(pixels, *denoising.first_seen(seen))
+            return pixels.view(Picture)
         except RuntimeError as error:
             raise ValueError(f"{path} cannot be rendered: {reason(error)}.") from error
 
@@ -97,16 +110,20 @@ class _Scene:
         self.state = mi.parser.parse_file(self.config, str(opened), **define)
         mi.parser.transform_all(self.config, self.state)
 
-    def loaded(self, assign: Mapping[str, Model | Material], size: tuple[int, int] | None) -> Any:
-        """The scene with its materials and its size replaced."""
+    def loaded(
+        self,
+        assign: Mapping[str, Model | Material],
+        size: tuple[int, int] | None,
+        rfilter: str | None,
+    ) -> Any:
+        """The scene with its materials, its size and the filter of its film replaced."""
         self._find_files()
         named = self._named(assign)
         # Shapes first: what they wore before is no longer looked for in them.
         shape = self.mi.ObjectType.Shape
         order = sorted(assign, key=lambda name: named[name].type != shape)
         made = {name: self._assign(named[name], assign[name]) for name in order}
-        if size is not None:
-            self._resize(check_size(size))
+        self._set_films(None if size is None else check_size(size), rfilter)
         found = self.mi.parser.instantiate(self.config, self.state)
         scene = found[0] if isinstance(found, list) else found
         for name, bsdf in made.items():
@@ -209,23 +226,34 @@ class _Scene:
                     )
                 add_to(shape)
 
-    def _resize(self, size: tuple[int, int]) -> None:
+    def _set_films(self, size: tuple[int, int] | None, rfilter: str | None) -> None:
+        """Give the films a size and a filter, unless they are None."""
         for sensor in self._of("Sensor"):
             films = [
                 n for n in self._children(sensor).values() if n.type == self.mi.ObjectType.Film
             ]
             for film in films:
-                before = [film.props.get(key, default) for key, default in _FILM_SIZE.items()]
-                for corner in ("offset", "size"):
-                    for axis, (new, old) in enumerate(zip(size, before, strict=True)):
-                        key = f"crop_{corner}_{'xy'[axis]}" if corner == "offset" else _CROP[axis]
-                        if key in film.props:
-                            film.props[key] = int(film.props[key]) * new // int(old)
-                film.props["width"], film.props["height"] = size
-            if not films:
-                sensor.props["film"] = self.mi.load_dict(
-                    {"type": "hdrfilm", "width": size[0], "height": size[1]}
-                )
+                if size is not None:
+                    self._resize(film, size)
+                if rfilter is not None:
+                    for key, child in self._children(film).items():
+                        if child.type == self.mi.ObjectType.ReconstructionFilter:
+                            del film.props[key]
+                    film.props["rfilter"] = self.mi.load_dict({"type": rfilter})
+            if not films and (size or rfilter):
+                made: dict[str, Any] = {"type": "hdrfilm"}
+                made |= dict(zip(_FILM_SIZE, size, strict=True)) if size else {}
+                made |= {"rfilter": {"type": rfilter}} if rfilter else {}
+                sensor.props["film"] = self.mi.load_dict(made)
+
+    def _resize(self, film: Any, size: tuple[int, int]) -> None:
+        before = [film.props.get(key, default) for key, default in _FILM_SIZE.items()]
+        for corner in ("offset", "size"):
+            for axis, (new, old) in enumerate(zip(size, before, strict=True)):
+                key = f"crop_{corner}_{'xy'[axis]}" if corner == "offset" else _CROP[axis]
+                if key in film.props:
+                    film.props[key] = int(film.props[key]) * new // int(old)
+        film.props["width"], film.props["height"] = size
 
 
 _FILM_SIZE = {"width": 768, "height": 576}  # Mitsuba's own, where a film does not say

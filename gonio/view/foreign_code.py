@@ -14,8 +14,11 @@ from pathlib import Path
 from typing import Any
 
 from gonio.export.manifest import kind, scale, soft_range
+from gonio.export.print_expressions import number
 from gonio.fields import Parameter
+from gonio.files import Stamps, stamps
 from gonio.foreign import Foreign, ForeignError, as_model, load
+from gonio.foreign.expressions import CONSTANTS
 from gonio.foreign.function import split
 from gonio.foreign.harness import OWN, statements
 from gonio.foreign.model import ForeignModel
@@ -58,7 +61,7 @@ class Code:
 
     def __post_init__(self) -> None:
         """Nothing is read yet."""
-        self._known: dict[str, tuple[dict[Path, int], Model]] = {}
+        self._known: dict[str, tuple[Stamps, Model]] = {}
 
     def model(self, name: str) -> Model:
         """A function as a model.
@@ -66,8 +69,8 @@ class Code:
         Raises:
             ForeignError: anything that does not work, in one line.
         """
-        stamps, model = self._known.get(name, ({}, None))
-        if model is None or any(_stamp(path) != stamp for path, stamp in stamps.items()):
+        seen, model = self._known.get(name, ({}, None))
+        if model is None or stamps(seen) != seen:
             check_runs(name)
             foreign = self.read(name)
             if foreign.source.textures:
@@ -76,19 +79,12 @@ class Code:
                     "take --texture NAME=FILE."
                 )
             model = as_model(foreign)
-            self._known[name] = ({path: _stamp(path) for path in foreign.source.files}, model)
+            self._known[name] = (stamps(foreign.source.files), model)
         return model
 
     def files(self, name: str) -> tuple[Path, ...]:
         """The files that a function is read from, as far as they are known."""
         return tuple(self._known[name][0]) if name in self._known else (Path(split(name)[0]),)
-
-
-def _stamp(path: Path) -> int:
-    try:
-        return path.stat().st_mtime_ns
-    except OSError:
-        return 0
 
 
 def payload(
@@ -222,7 +218,7 @@ def code(foreign: Foreign, defines: Sequence[str] = ()) -> str:
         for line in statements(source, foreign.function, foreign.matched)
     ]
     returned = "gonio_found" + (
-        "" if foreign.returns.factor == 1 else f" / {_float(foreign.returns.factor)}"
+        "" if foreign.returns.factor == 1 else f" / {number(foreign.returns.factor, '')}"
     )
     if foreign.returns.cosine:
         returned += " / max(gonio_wi.z, 1.0e-12)"
@@ -282,11 +278,6 @@ def loader(foreign: Foreign) -> str:
 
 def _type(spell: _Spelling, width: int) -> str:
     return spell.vector if width == 3 else spell.number
-
-
-def _float(x: float) -> str:
-    text = f"{x:.9g}"
-    return text if any(c in text for c in ".en") else f"{text}.0"
 
 
 _AXES = {"normal": "0.0, 0.0, 1.0", "tangent": "1.0, 0.0, 0.0", "bitangent": "0.0, 1.0, 0.0"}
@@ -354,10 +345,10 @@ def _spelled(
 ) -> tuple[str, int]:
     """A formula of `gonio.foreign.expressions` in the language, and how many numbers it has."""
     if isinstance(node, ast.Constant):
-        return _float(float(node.value)), 1  # type: ignore[arg-type]
+        return number(float(node.value), ""), 1  # type: ignore[arg-type]
     if isinstance(node, ast.Name):
-        if node.id == "pi":
-            return "3.14159265", 1
+        if node.id in CONSTANTS:
+            return number(CONSTANTS[node.id], ""), 1
         return places.get(node.id, f"gonio_{node.id}"), widths.get(node.id, 1)
     parts = [
         _spelled(child, spell, places, widths)

@@ -18,7 +18,6 @@ from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from concurrent.futures import TimeoutError as Late
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from pathlib import Path
 from typing import Any, ClassVar
 from urllib.parse import quote
 
@@ -27,6 +26,7 @@ from gonio.export.targets import TARGETS
 from gonio.export.text import export
 from gonio.export.tree import ExportError
 from gonio.fields import ModelError
+from gonio.files import stamps
 from gonio.foreign import ForeignError
 from gonio.foreign.model import ForeignModel
 from gonio.materials import Material, MaterialError
@@ -286,7 +286,7 @@ class Handler(BaseHTTPRequestHandler):
     def _stream(self) -> None:
         """Server-sent events: a line whenever one of the user's files has changed."""
         names = self.server.names
-        seen = {name: _stamps(names.paths(name)) for name in names.files}
+        seen = {name: stamps(names.paths(name)) for name in names.files}
         self._head(200, "text/event-stream")
         self.send_header("Connection", "close")
         self.end_headers()
@@ -294,7 +294,7 @@ class Handler(BaseHTTPRequestHandler):
         beat = time.monotonic()
         while not self.server.closing.wait(POLL):
             for name, before in list(seen.items()):
-                now = _stamps(names.paths(name))
+                now = stamps(names.paths(name))
                 if now != before:
                     seen[name] = now
                     self.wfile.write(f"data: {json.dumps({'file': name})}\n\n".encode())
@@ -305,19 +305,6 @@ class Handler(BaseHTTPRequestHandler):
 
     def log_message(self, format: str, *arguments: Any) -> None:
         """Say nothing: the page shows what went wrong."""
-
-
-def _stamps(paths: Iterable[Path]) -> dict[Path, tuple[int, int] | None]:
-    """When files changed last, and their sizes; None while an editor has one removed."""
-    found: dict[Path, tuple[int, int] | None] = {}
-    for path in paths:
-        try:
-            stat = path.stat()
-        except OSError:
-            found[path] = None
-        else:
-            found[path] = stat.st_mtime_ns, stat.st_size
-    return found
 
 
 def serve(viewer: Viewer, *, open_browser: bool = True) -> None:
