@@ -33,6 +33,7 @@ from gonio import mitsuba as mitsuba
 from gonio import notebook as notebook
 from gonio import parts as parts
 from gonio import plot as plot
+from gonio import polynomials as polynomials
 from gonio import reference as reference
 from gonio import reproduce as reproduce
 from gonio import table as table

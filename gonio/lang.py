@@ -13,6 +13,8 @@ from typing import Annotated, Any, NamedTuple
 
 import drjit as dr
 
+from gonio.polynomials import terms_in_single
+
 # Types are names for the reader, the checker of parameters and the translator. Values are Dr.Jit
 # arrays of any backend and precision (or Python numbers), hence Any for type checkers.
 Float = Annotated[Any, "float"]
@@ -143,11 +145,8 @@ twice_atan_fit = (
 
 def twice_atan_over(v: Any) -> Any:
     """2 atan(v) / v for `v` in [−1, 1], the angle whose half has the tangent `v`; 2 at v = 0."""
-    if dr.is_array_v(v) and dr.type_v(v) == dr.VarType.Float32:
-        value = twice_atan_fit[-1]
-        for coefficient in twice_atan_fit[-2::-1]:
-            value = dr.fma(value, v * v, coefficient)
-        return value
+    if _is_single(v):
+        return polynomial(v * v, 1, *twice_atan_fit)
     zero = v == 0
     return dr.select(zero, 2, 2 * dr.atan(v) / dr.select(zero, 1, v))
 
@@ -194,6 +193,23 @@ def erfinv(x: Any) -> Any:
 def fma(a: Any, b: Any, c: Any) -> Any:
     """a b + c with a single rounding where the machine can."""
     return dr.fma(a, b, c)
+
+
+def polynomial(x: Any, bound: float, c0: float, c1: float, *further: float) -> Any:
+    """c0 + c1 x + c2 x² + … for `x` in [−bound, bound].
+
+    Single precision, which shaders have, leaves out the last terms where their sum is below its digits.
+    """
+    coefficients = (c0, c1, *further)
+    count = terms_in_single(bound, coefficients) if _is_single(x) else len(coefficients)
+    value: Any = coefficients[count - 1]
+    for coefficient in coefficients[count - 2 :: -1]:
+        value = dr.fma(value, x, coefficient)
+    return value
+
+
+def _is_single(x: Any) -> bool:
+    return bool(dr.is_array_v(x) and dr.type_v(x) == dr.VarType.Float32)
 
 
 def dot(a: Vec3, b: Vec3) -> Float:

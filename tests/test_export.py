@@ -360,7 +360,8 @@ def test_every_function_of_the_vocabulary_has_a_rule_and_a_spelling() -> None:
         "vec3",
         "safe_sqrt",
         "smooth_sqrt",
-    }  # the printer knows these by name
+        "polynomial",
+    }  # the exporter knows these by name
     for target in TARGETS.values():
         missing = functions - special - set(target.spellings) - target.library
         assert missing <= {"fma"}  # which is a product and a sum where it is missing
@@ -371,6 +372,15 @@ def test_the_page_on_the_language_names_all_of_the_vocabulary() -> None:
     page = (Path(__file__).parents[1] / "docs" / "language.md").read_text(encoding="utf-8")
     for name in [*RULES, *(n for n in vars(lang) if n.isupper() and len(n) > 1)]:
         assert f"`{name}" in page, name
+
+
+def test_a_polynomial_has_the_terms_that_single_precision_needs(tmp_path: Path) -> None:
+    """Of exp(x) - 1 over x, up to 1e-2: x^2 / 6 is 2e-5 at most, x^3 / 24 4e-8, x^4 / 120 8e-11."""
+    body = "        return self.rho * polynomial(wi.z, 0.01, 1, *LATER)\n"
+    head = "LATER = (1 / 2, 1 / 6, 1 / 24, 1 / 120, 1 / 720)"
+    found = text(written(tmp_path, body, head=head), "glsl")
+    wanted = "1.0 + wi.z * (0.5 + wi.z * (0.16666667 + wi.z * 0.041666668))"
+    assert wanted in found
 
 
 @pytest.mark.parametrize(
@@ -466,6 +476,16 @@ REFUSED = [
     ("        \u03b1 = 2\n        return self.rho * \u03b1", "English alphabet", "\u03b1 = 2", ""),
     ("        a__b = 2\n        return self.rho * a__b", "English alphabet", "a__b = 2", ""),
     ("        return self.rho * vec2(1, 2)", "a pair of numbers", "self.rho * vec2", ""),
+    (
+        "        return self.rho * polynomial(wi.z * wo.z, 1, 1, 2)",
+        "a name first",
+        "wi.z * wo.z",
+        "",
+    ),
+    ("        return self.rho * polynomial(wi.z, 1, 1)", "polynomial(x, bound", "polynomial(", ""),
+    ("        return self.rho * polynomial(wi.z, 1, wo.z, 2)", "not variables", "polynomial(", ""),
+    ("        return self.rho * polynomial(wi, 1, 1, 2)", "cannot take a vec3", "polynomial(", ""),
+    ("        return self.rho * polynomial(wi.z, 1, *wo, 2)", "a star is for", "*wo", ""),
     ("        return self.rho * dot(vec2(1, 2), vec2(1, 2))", "cannot take a vec2", "dot(", ""),
 ]
 

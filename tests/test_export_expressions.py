@@ -65,6 +65,7 @@ def floats(depth: int) -> st.SearchStrategy[str]:
         st.tuples(inner, inner, FLOATS).map(lambda t: f"lerp({t[0]}, {t[1]}, {t[2]})"),
         inner.map(lambda t: f"sin({t}) + cos({t})"),
         inner.map(lambda t: f"sqrt(1 + absolute({t})) - safe_sqrt({t}) * smooth_sqrt(fract({t}))"),
+        st.just("polynomial(wi.x, 1, 2, -0.5, *SERIES)"),
         inner.map(lambda t: f"twice_atan_over(fract({t}))"),
         inner.map(lambda t: f"exp(-absolute({t})) * log(2 + absolute({t}))"),
         inner.map(lambda t: f"power(1 + absolute({t}), 0.3)"),
@@ -116,6 +117,7 @@ from gonio.model import Model, param
 
 C1 = 0.75  # a number
 C2 = 1 + 2 / 3
+SERIES = (0.125, -0.03)
 
 
 def helper(x: Float) -> Float:

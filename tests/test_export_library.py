@@ -10,11 +10,15 @@ import drjit as dr
 import mpmath
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from support.tolerances import DOUBLE, SINGLE
 
 import gonio
 from gonio import lang
 from gonio.export import library
+from gonio.parts import special
+from gonio.polynomials import terms_in_single
 
 # What the fits of gonio.export.library are good to.
 FITTED = 2e-8
@@ -75,6 +79,51 @@ def test_its_derivative_is_that_of_the_quotient(Float: Any) -> None:
     slopes = [float(mpmath.diff(twice_atan_over, x)) if x else 0.0 for x in places]
     # Of a polynomial that is fitted to the value
     np.testing.assert_allclose(dr.grad(value).numpy(), slopes, rtol=2e-5, atol=1e-7)
+
+
+@given(
+    st.floats(0.01, 1),
+    st.lists(st.floats(-2, 2), min_size=1, max_size=14),
+    st.floats(-1, 1),
+)
+def test_polynomials_leave_out_what_single_precision_does_not_tell(
+    bound: float, further: list[float], part: float
+) -> None:
+    """Against the sum of all terms in many digits."""
+    coefficients = [1.0, *(c * 0.4 ** (k + 1) for k, c in enumerate(further))]
+    count = terms_in_single(bound, coefficients)
+    x = mpmath.mpf(part * bound)
+    wanted = mpmath.fsum(mpmath.mpf(c) * x**k for k, c in enumerate(coefficients))
+    left_out = mpmath.fsum(mpmath.mpf(c) * x**k for k, c in enumerate(coefficients[count:], count))
+    # A quarter of what single precision tells apart beside 1, and never more than of the value
+    assert abs(left_out) <= 2.0**-26 * abs(wanted)
+    found = lang.polynomial(dr.llvm.Float64(float(x)), bound, *coefficients)[0]
+    # A rounding for each term
+    assert found == pytest.approx(float(wanted), rel=1e-14)
+
+
+def test_a_series_is_as_long_as_the_precision_needs() -> None:
+    """Leibniz's series of atan at 1 / 7, whose terms are 7^-2k / (2k + 1)."""
+    odd = [(-1.0) ** k / (2 * k + 1) for k in range(12)]
+    # 49^-4 / 9 is 1.9e-8, 49^-5 / 11 is 3e-10; half a unit in the last place is 3e-8
+    assert terms_in_single(1 / 49, odd) == 5
+    # Where a value may be 0, every digit counts
+    assert terms_in_single(1, [1.0, -1.0, 1e-12]) == 3
+    assert terms_in_single(1e-9, [1.0, 1.0, 1.0]) == 2
+
+
+@pytest.mark.parametrize("Float", [dr.llvm.Float, dr.llvm.Float64])
+def test_small_logarithms_and_exponentials_keep_their_digits(Float: Any) -> None:
+    single = Float is dr.llvm.Float
+    places = [float(np.float32(x)) for x in np.linspace(-0.2499, 0.2499, 41) if x]
+    for ours, exact in (
+        (special.log1p_small, mpmath.log1p),
+        (special.log1p, mpmath.log1p),
+        (special.expm1, mpmath.expm1),
+    ):
+        for x, found in zip(places, ours(Float(places)).numpy(), strict=True):
+            # A few roundings of each precision
+            assert found == pytest.approx(float(exact(x)), rel=4e-7 if single else 2e-15)
 
 
 def test_the_smooth_root_of_a_negative_number_is_nan_as_in_shaders() -> None:

@@ -22,6 +22,7 @@ FLOORS = (
         "images",
         "notebook",
         "lang",
+        "polynomials",
         "backend",
         "claims",
     },

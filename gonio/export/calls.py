@@ -10,7 +10,7 @@ from typing import Any, cast
 
 from gonio import lang
 from gonio.export import library
-from gonio.export.expressions import OF_ALL, SIGNATURES, UNTESTED, Expressions
+from gonio.export.expressions import OF_ALL, SIGNATURES, UNTESTED, Expressions, simplified
 from gonio.export.source import source
 from gonio.export.tree import (
     SELF,
@@ -34,10 +34,14 @@ from gonio.export.vocabulary import RULES, widest
 from gonio.fields import Parameter
 from gonio.lights.lookups import Lookups
 from gonio.model import Model
+from gonio.polynomials import terms_in_single
 from gonio.table import Table, fetch
 
 # Whole powers up to this are products; beyond it, a power of the absolute value.
 PRODUCT_MAX = 16
+
+# polynomial(x, bound, c0, c1)
+POLYNOMIAL_MIN = 4
 
 # What annotations of a NamedTuple's members mean.
 ANNOTATED: dict[Any, Type] = {
@@ -386,6 +390,8 @@ class Calls(Expressions):
 
     def _builtin(self, node: ast.Call, name: str) -> Expr:
         rule = RULES[name]
+        if name == "polynomial":
+            return self._polynomial(node)
         arguments = self._arguments(node, getattr(lang, name), 0)
         values = [self._expr(n, v) for n, v in arguments]
         if name in ("vec2", "vec3"):
@@ -407,6 +413,36 @@ class Calls(Expressions):
         if rule.splat:
             values = [self._coerce(node, v, widest(kinds)) for v in values]
         return Builtin(name, tuple(values), rule.result(kinds))
+
+    def _polynomial(self, node: ast.Call) -> Expr:
+        """The first terms of a polynomial, those that single precision can tell, by Horner's rule."""
+        if node.keywords or len(node.args) < POLYNOMIAL_MIN:
+            self.refuse(node, "write polynomial(x, bound, c0, c1, ...).")
+        x = self.expr(node.args[0])
+        if x.type != "float":
+            self.refuse(node, f"polynomial cannot take a {spoken(x.type)}.")
+        if not isinstance(x, (Variable, Access)):
+            self.refuse(
+                node.args[0], "x stands in the text once for each term; give it a name first."
+            )
+        given = [e for argument in node.args[1:] for e in self._numbers(argument)]
+        values = [exact(e) for e in given]
+        if any(value is None for value in values):
+            self.refuse(node, "polynomial's bound and coefficients are numbers, not variables.")
+        count = terms_in_single(values[0], values[1:])
+        *below, found = given[1 : count + 1]
+        for coefficient in reversed(below):
+            found = simplified("+", coefficient, simplified("*", x, found, "float"), "float")
+        return found
+
+    def _numbers(self, node: ast.expr) -> list[Expr]:
+        """A number, or those of a tuple with a name: *COEFFICIENTS."""
+        if not isinstance(node, ast.Starred):
+            return [self.expr(node)]
+        value = self.value(node.value)
+        if not isinstance(value, Static) or not isinstance(value.value, tuple):
+            self.refuse(node, "a star is for numbers in a tuple that has a name.")
+        return [self._expr(node, Static(number)) for number in value.value]
 
     def _power(self, node: ast.Call, base: Expr, exponent: Expr) -> Expr:
         """Whole powers by products: for any base, as in Python; a shader's pow knows positive ones."""

@@ -62,6 +62,7 @@ RULES: dict[str, Rule] = {
     "dot": Rule(2, _float, splat=False, takes=("vec3",)),
     "length": Rule(1, _float, takes=("vec3",)),
     "normalize": Rule(1, takes=("vec3",)),
+    "polynomial": Rule(4, takes=("float",)),  # or more
     # Not per component; gonio.export.calls knows them by name.
     "select": Rule(3),
     "vec2": Rule(2),

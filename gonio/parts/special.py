@@ -1,12 +1,17 @@
 """What plain arithmetic loses digits of: logarithms near 1, exp(x) - 1 near x = 0, sums that cancel."""
 
-from gonio.lang import MU_MIN, Float, Vec3, exp, log, maximum, minimum, select
+import math
 
-# Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+from gonio.lang import MU_MIN, Float, Vec3, exp, log, maximum, minimum, polynomial, select
+
+# Below this the series needs few terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
 LOG1P_SMALL = 0.25
 
-# Below this the series needs eleven terms; above, the plain difference is exact to 2e-7 in float32.
+# Below this the series needs few terms; above, the plain difference is exact to 2e-7 in float32.
 EXPM1_SMALL = 0.3
+
+# 1 / 2!, 1 / 3!, ...; in double precision the series below are off by 2e-15 and 1e-16 at most.
+INVERSE_FACTORIALS = tuple(1 / math.factorial(n) for n in range(2, 12))
 
 
 def log1p_over(x: Float) -> Float:
@@ -25,10 +30,9 @@ def log1p_small(x: Float) -> Float:
 
 
 def _atanh_over(y: Float) -> Float:
-    """atanh(y) / y, error below 1e-16 for |y| < 1/7; with y = x / (2 + x) it is half of log(1 + x)."""
+    """atanh(y) / y for |y| < 1 / 7; with y = x / (2 + x) it is half of log(1 + x)."""
     y2 = y * y
-    series = 1 / 9 + y2 * (1 / 11 + y2 * (1 / 13 + y2 * (1 / 15 + y2 * (1 / 17))))
-    return 1 + y2 * (1 / 3 + y2 * (1 / 5 + y2 * (1 / 7 + y2 * series)))
+    return polynomial(y2, 1 / 49, 1, 1 / 3, 1 / 5, 1 / 7, 1 / 9, 1 / 11, 1 / 13, 1 / 15, 1 / 17)
 
 
 def log1p(x: Float) -> Float:
@@ -47,11 +51,9 @@ def log_cos(m: Vec3) -> Float:
 def expm1(x: Float) -> Float:
     """exp(x) - 1, exact where x is small."""
     near = maximum(minimum(x, EXPM1_SMALL), -EXPM1_SMALL)
-    # Taylor's series up to x^11 / 11!, error below 2e-15 for |x| < 0.3.
-    series = 1 + near / 8 * (1 + near / 9 * (1 + near / 10 * (1 + near / 11)))
-    series = 1 + near / 5 * (1 + near / 6 * (1 + near / 7 * series))
-    series = near * (1 + near / 2 * (1 + near / 3 * (1 + near / 4 * series)))
-    return select((x > -EXPM1_SMALL) & (x < EXPM1_SMALL), series, exp(x) - 1)
+    # Taylor's series
+    over = polynomial(near, EXPM1_SMALL, 1, *INVERSE_FACTORIALS)
+    return select((x > -EXPM1_SMALL) & (x < EXPM1_SMALL), near * over, exp(x) - 1)
 
 
 def sum3(a: Float, b: Float, c: Float) -> Float:

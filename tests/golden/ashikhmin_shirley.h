@@ -87,9 +87,9 @@ constexpr float two_pi = 6.2831855f;
 constexpr float inv_pi = 0.31830987f;
 constexpr float inv_two_pi = 0.15915494f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
-// Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+// Below this the series needs few terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
 constexpr float LOG1P_SMALL = 0.25f;
-// Below this the series needs eleven terms; above, the plain difference is exact to 2e-7 in float32.
+// Below this the series needs few terms; above, the plain difference is exact to 2e-7 in float32.
 constexpr float EXPM1_SMALL = 0.3f;
 // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
 // it still is a float32. It is reached at cosines of 5e-16.
@@ -175,12 +175,10 @@ inline Vec3 ashikhmin_shirley_half_vector(Vec3 wi, Vec3 wo) {
     return h / length(h);  // which ashikhmin_shirley_cos_half needs as well
 }
 
-// atanh(y) / y, error below 1e-16 for |y| < 1/7; with y = x / (2 + x) it is half of log(1 + x).
+// atanh(y) / y for |y| < 1 / 7; with y = x / (2 + x) it is half of log(1 + x).
 inline float ashikhmin_shirley_atanh_over(float y) {
     float y2 = y * y;
-    float series = 1.0f / 9.0f
-        + y2 * (1.0f / 11.0f + y2 * (1.0f / 13.0f + y2 * (1.0f / 15.0f + y2 * (1.0f / 17.0f))));
-    return 1.0f + y2 * (1.0f / 3.0f + y2 * (1.0f / 5.0f + y2 * (1.0f / 7.0f + y2 * series)));
+    return 1.0f + y2 * (1.0f / 3.0f + y2 * (1.0f / 5.0f + y2 * (1.0f / 7.0f + y2 * (1.0f / 9.0f))));
 }
 
 // log(1 + x) / x for x > -1; 1 at x = 0.
@@ -279,12 +277,12 @@ inline Vec3 ashikhmin_shirley_sample_cosine(Vec2 u) {
 // exp(x) - 1, exact where x is small.
 inline float ashikhmin_shirley_expm1(float x) {
     float near = fmaxf(fminf(x, EXPM1_SMALL), -EXPM1_SMALL);
-    // Taylor's series up to x^11 / 11!, error below 2e-15 for |x| < 0.3.
-    float series = 1.0f + near / 8.0f
-        * (1.0f + near / 9.0f * (1.0f + near / 10.0f * (1.0f + near / 11.0f)));
-    series = 1.0f + near / 5.0f * (1.0f + near / 6.0f * (1.0f + near / 7.0f * series));
-    series = near * (1.0f + near / 2.0f * (1.0f + near / 3.0f * (1.0f + near / 4.0f * series)));
-    return x > -EXPM1_SMALL && x < EXPM1_SMALL ? series : expf(x) - 1.0f;
+    // Taylor's series
+    float over = 1.0f + near
+        * (0.5f + near * (0.16666667f
+            + near * (0.041666668f
+                + near * (0.008333334f + near * (0.0013888889f + near * 0.0001984127f)))));
+    return x > -EXPM1_SMALL && x < EXPM1_SMALL ? near * over : expf(x) - 1.0f;
 }
 
 inline Vec3 ashikhmin_shirley_normal(const AshikhminShirley& params, Vec2 u) {

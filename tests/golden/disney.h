@@ -106,7 +106,7 @@ constexpr float ESTIMATE_TRUST = 50.0f;
 constexpr float SHARE_MIN = 1.0e-12f;
 // The largest float32 below 1, up to which random numbers go.
 constexpr float RANDOM_MAX = 0.99999994f;
-// Below this the series needs eleven terms; above, the plain difference is exact to 2e-7 in float32.
+// Below this the series needs few terms; above, the plain difference is exact to 2e-7 in float32.
 constexpr float EXPM1_SMALL = 0.3f;
 // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
 constexpr float RANDOM_MARGIN = 5.9604645e-8f;
@@ -362,12 +362,12 @@ inline Vec2 disney_specular_shares(const Disney& params, Vec3 wo) {
 // exp(x) - 1, exact where x is small.
 inline float disney_expm1(float x) {
     float near = fmaxf(fminf(x, EXPM1_SMALL), -EXPM1_SMALL);
-    // Taylor's series up to x^11 / 11!, error below 2e-15 for |x| < 0.3.
-    float series = 1.0f + near / 8.0f
-        * (1.0f + near / 9.0f * (1.0f + near / 10.0f * (1.0f + near / 11.0f)));
-    series = 1.0f + near / 5.0f * (1.0f + near / 6.0f * (1.0f + near / 7.0f * series));
-    series = near * (1.0f + near / 2.0f * (1.0f + near / 3.0f * (1.0f + near / 4.0f * series)));
-    return x > -EXPM1_SMALL && x < EXPM1_SMALL ? series : expf(x) - 1.0f;
+    // Taylor's series
+    float over = 1.0f + near
+        * (0.5f + near * (0.16666667f
+            + near * (0.041666668f
+                + near * (0.008333334f + near * (0.0013888889f + near * 0.0001984127f)))));
+    return x > -EXPM1_SMALL && x < EXPM1_SMALL ? near * over : expf(x) - 1.0f;
 }
 
 // A normal with a given slope and the azimuth 2 pi u.

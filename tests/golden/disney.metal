@@ -290,15 +290,14 @@ inline float2 disney_specular_shares(Disney params, float3 wo) {
 
 // exp(x) - 1, exact where x is small.
 inline float disney_expm1(float x) {
-    // Below this the series needs eleven terms; above, the plain difference is exact to 2e-7 in float32.
+    // Below this the series needs few terms; above, the plain difference is exact to 2e-7 in float32.
     const float EXPM1_SMALL = 0.3;
     float near = max(min(x, EXPM1_SMALL), -EXPM1_SMALL);
-    // Taylor's series up to x^11 / 11!, error below 2e-15 for |x| < 0.3.
-    float series = 1.0 + near / 8.0
-        * (1.0 + near / 9.0 * (1.0 + near / 10.0 * (1.0 + near / 11.0)));
-    series = 1.0 + near / 5.0 * (1.0 + near / 6.0 * (1.0 + near / 7.0 * series));
-    series = near * (1.0 + near / 2.0 * (1.0 + near / 3.0 * (1.0 + near / 4.0 * series)));
-    return x > -EXPM1_SMALL && x < EXPM1_SMALL ? series : exp(x) - 1.0;
+    // Taylor's series
+    float over = 1.0 + near
+        * (0.5 + near * (0.16666667
+            + near * (0.041666668 + near * (0.008333334 + near * (0.0013888889 + near * 0.0001984127)))));
+    return x > -EXPM1_SMALL && x < EXPM1_SMALL ? near * over : exp(x) - 1.0;
 }
 
 // A normal with a given slope and the azimuth 2 pi u.

@@ -285,14 +285,14 @@ fn disney_specular_shares(params: Disney, wo: vec3f) -> vec2f {
 
 // exp(x) - 1, exact where x is small.
 fn disney_expm1(x: f32) -> f32 {
-    // Below this the series needs eleven terms; above, the plain difference is exact to 2e-7 in float32.
+    // Below this the series needs few terms; above, the plain difference is exact to 2e-7 in float32.
     const EXPM1_SMALL = 0.3;
     let near = max(min(x, EXPM1_SMALL), -EXPM1_SMALL);
-    // Taylor's series up to x^11 / 11!, error below 2e-15 for |x| < 0.3.
-    var series = 1.0 + near / 8.0 * (1.0 + near / 9.0 * (1.0 + near / 10.0 * (1.0 + near / 11.0)));
-    series = 1.0 + near / 5.0 * (1.0 + near / 6.0 * (1.0 + near / 7.0 * series));
-    series = near * (1.0 + near / 2.0 * (1.0 + near / 3.0 * (1.0 + near / 4.0 * series)));
-    return select(exp(x) - 1.0, series, x > -EXPM1_SMALL && x < EXPM1_SMALL);
+    // Taylor's series
+    let over = 1.0 + near
+        * (0.5 + near * (0.16666667
+            + near * (0.041666668 + near * (0.008333334 + near * (0.0013888889 + near * 0.0001984127)))));
+    return select(exp(x) - 1.0, near * over, x > -EXPM1_SMALL && x < EXPM1_SMALL);
 }
 
 // A normal with a given slope and the azimuth 2 pi u.

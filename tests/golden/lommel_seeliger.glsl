@@ -68,17 +68,15 @@ LommelSeeligerSample lommel_seeliger_sample(LommelSeeliger params, vec3 wo, vec2
 
 // ---- albedo --------------------------------------------------------------------------------
 
-// atanh(y) / y, error below 1e-16 for |y| < 1/7; with y = x / (2 + x) it is half of log(1 + x).
+// atanh(y) / y for |y| < 1 / 7; with y = x / (2 + x) it is half of log(1 + x).
 float lommel_seeliger_atanh_over(float y) {
     float y2 = y * y;
-    float series = 1.0 / 9.0
-        + y2 * (1.0 / 11.0 + y2 * (1.0 / 13.0 + y2 * (1.0 / 15.0 + y2 * (1.0 / 17.0))));
-    return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * series)));
+    return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * (1.0 / 9.0))));
 }
 
 // log(1 + x) / x for x > -1; 1 at x = 0.
 float lommel_seeliger_log1p_over(float x) {
-    // Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+    // Below this the series needs few terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
     const float LOG1P_SMALL = 0.25;
     float near = max(min(x, LOG1P_SMALL), -LOG1P_SMALL);
     bool small = x > -LOG1P_SMALL && x < LOG1P_SMALL;

@@ -36,7 +36,7 @@ constexpr float two_pi = 6.2831855f;
 constexpr float inv_two_pi = 0.15915494f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
 constexpr float INV_FOUR_PI = 0.07957747f;
-// Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+// Below this the series needs few terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
 constexpr float LOG1P_SMALL = 0.25f;
 
 // A sampled direction and its density.
@@ -91,12 +91,10 @@ inline LommelSeeligerSample lommel_seeliger_sample(const LommelSeeliger& params,
 
 // ---- albedo --------------------------------------------------------------------------------
 
-// atanh(y) / y, error below 1e-16 for |y| < 1/7; with y = x / (2 + x) it is half of log(1 + x).
+// atanh(y) / y for |y| < 1 / 7; with y = x / (2 + x) it is half of log(1 + x).
 inline float lommel_seeliger_atanh_over(float y) {
     float y2 = y * y;
-    float series = 1.0f / 9.0f
-        + y2 * (1.0f / 11.0f + y2 * (1.0f / 13.0f + y2 * (1.0f / 15.0f + y2 * (1.0f / 17.0f))));
-    return 1.0f + y2 * (1.0f / 3.0f + y2 * (1.0f / 5.0f + y2 * (1.0f / 7.0f + y2 * series)));
+    return 1.0f + y2 * (1.0f / 3.0f + y2 * (1.0f / 5.0f + y2 * (1.0f / 7.0f + y2 * (1.0f / 9.0f))));
 }
 
 // log(1 + x) / x for x > -1; 1 at x = 0.

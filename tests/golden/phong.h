@@ -58,9 +58,9 @@ inline Vec3 operator/(Vec3 a, float b) {
     return Vec3{a.x / b, a.y / b, a.z / b};
 }
 
-// Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+// Below this the series needs few terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
 constexpr float LOG1P_SMALL = 0.25f;
-// Below this the series needs eleven terms; above, the plain difference is exact to 2e-7 in float32.
+// Below this the series needs few terms; above, the plain difference is exact to 2e-7 in float32.
 constexpr float EXPM1_SMALL = 0.3f;
 // Smallest cosine whose logarithm is taken: its reciprocal, the derivative, still is a float32.
 constexpr float COS_MIN = 1.0e-37f;
@@ -126,12 +126,10 @@ inline float phong_cos_alpha(Vec3 wi, Vec3 wo) {
     return fmaf(wi.z, wo.z, -s) - error;
 }
 
-// atanh(y) / y, error below 1e-16 for |y| < 1/7; with y = x / (2 + x) it is half of log(1 + x).
+// atanh(y) / y for |y| < 1 / 7; with y = x / (2 + x) it is half of log(1 + x).
 inline float phong_atanh_over(float y) {
     float y2 = y * y;
-    float series = 1.0f / 9.0f
-        + y2 * (1.0f / 11.0f + y2 * (1.0f / 13.0f + y2 * (1.0f / 15.0f + y2 * (1.0f / 17.0f))));
-    return 1.0f + y2 * (1.0f / 3.0f + y2 * (1.0f / 5.0f + y2 * (1.0f / 7.0f + y2 * series)));
+    return 1.0f + y2 * (1.0f / 3.0f + y2 * (1.0f / 5.0f + y2 * (1.0f / 7.0f + y2 * (1.0f / 9.0f))));
 }
 
 // log(1 + x) for x from -LOG1P_SMALL to LOG1P_SMALL.
@@ -215,12 +213,12 @@ inline Vec3 phong_sample_cosine(Vec2 u) {
 // exp(x) - 1, exact where x is small.
 inline float phong_expm1(float x) {
     float near = fmaxf(fminf(x, EXPM1_SMALL), -EXPM1_SMALL);
-    // Taylor's series up to x^11 / 11!, error below 2e-15 for |x| < 0.3.
-    float series = 1.0f + near / 8.0f
-        * (1.0f + near / 9.0f * (1.0f + near / 10.0f * (1.0f + near / 11.0f)));
-    series = 1.0f + near / 5.0f * (1.0f + near / 6.0f * (1.0f + near / 7.0f * series));
-    series = near * (1.0f + near / 2.0f * (1.0f + near / 3.0f * (1.0f + near / 4.0f * series)));
-    return x > -EXPM1_SMALL && x < EXPM1_SMALL ? series : expf(x) - 1.0f;
+    // Taylor's series
+    float over = 1.0f + near
+        * (0.5f + near * (0.16666667f
+            + near * (0.041666668f
+                + near * (0.008333334f + near * (0.0013888889f + near * 0.0001984127f)))));
+    return x > -EXPM1_SMALL && x < EXPM1_SMALL ? near * over : expf(x) - 1.0f;
 }
 
 // Cosine and sine of wo's azimuth; (1, 0) at normal incidence.

@@ -49,12 +49,10 @@ fn phong_cos_alpha(wi: vec3f, wo: vec3f) -> f32 {
     return fma(wi.z, wo.z, -s) - error;
 }
 
-// atanh(y) / y, error below 1e-16 for |y| < 1/7; with y = x / (2 + x) it is half of log(1 + x).
+// atanh(y) / y for |y| < 1 / 7; with y = x / (2 + x) it is half of log(1 + x).
 fn phong_atanh_over(y: f32) -> f32 {
     let y2 = y * y;
-    let series = 1.0 / 9.0
-        + y2 * (1.0 / 11.0 + y2 * (1.0 / 13.0 + y2 * (1.0 / 15.0 + y2 * (1.0 / 17.0))));
-    return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * series)));
+    return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * (1.0 / 9.0))));
 }
 
 // log(1 + x) for x from -LOG1P_SMALL to LOG1P_SMALL.
@@ -65,7 +63,7 @@ fn phong_log1p_small(x: f32) -> f32 {
 
 // max(0, cos(alpha))^exponent; half of all directions have 0 for exponent 0 as well.
 fn phong_lobe(wi: vec3f, wo: vec3f, exponent: f32) -> f32 {
-    // Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+    // Below this the series needs few terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
     const LOG1P_SMALL = 0.25;
     // Smallest cosine whose logarithm is taken: its reciprocal, the derivative, still is a float32.
     const COS_MIN = 1.0e-37;
@@ -156,14 +154,14 @@ fn phong_sample_cosine(u: vec2f) -> vec3f {
 
 // exp(x) - 1, exact where x is small.
 fn phong_expm1(x: f32) -> f32 {
-    // Below this the series needs eleven terms; above, the plain difference is exact to 2e-7 in float32.
+    // Below this the series needs few terms; above, the plain difference is exact to 2e-7 in float32.
     const EXPM1_SMALL = 0.3;
     let near = max(min(x, EXPM1_SMALL), -EXPM1_SMALL);
-    // Taylor's series up to x^11 / 11!, error below 2e-15 for |x| < 0.3.
-    var series = 1.0 + near / 8.0 * (1.0 + near / 9.0 * (1.0 + near / 10.0 * (1.0 + near / 11.0)));
-    series = 1.0 + near / 5.0 * (1.0 + near / 6.0 * (1.0 + near / 7.0 * series));
-    series = near * (1.0 + near / 2.0 * (1.0 + near / 3.0 * (1.0 + near / 4.0 * series)));
-    return select(exp(x) - 1.0, series, x > -EXPM1_SMALL && x < EXPM1_SMALL);
+    // Taylor's series
+    let over = 1.0 + near
+        * (0.5 + near * (0.16666667
+            + near * (0.041666668 + near * (0.008333334 + near * (0.0013888889 + near * 0.0001984127)))));
+    return select(exp(x) - 1.0, near * over, x > -EXPM1_SMALL && x < EXPM1_SMALL);
 }
 
 // Cosine and sine of wo's azimuth; (1, 0) at normal incidence.

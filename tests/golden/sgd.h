@@ -138,9 +138,9 @@ constexpr float ATAN_5 = -0.15008585f;
 constexpr float ATAN_6 = 0.085383f;
 constexpr float ATAN_7 = -0.03213723f;
 constexpr float ATAN_8 = 0.005699773f;
-// Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+// Below this the series needs few terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
 constexpr float LOG1P_SMALL = 0.25f;
-// Below this the series needs eleven terms; above, the plain difference is exact to 2e-7 in float32.
+// Below this the series needs few terms; above, the plain difference is exact to 2e-7 in float32.
 constexpr float EXPM1_SMALL = 0.3f;
 // Nearer to 1 than this, 1 - p is taken as this: what is divided by it differs by as little.
 constexpr float POWER_MIN = 1.0e-4f;
@@ -232,12 +232,12 @@ inline float sgd_twice_atan_over(float v) {
 // exp(x) - 1, exact where x is small.
 inline float sgd_expm1(float x) {
     float near = fmaxf(fminf(x, EXPM1_SMALL), -EXPM1_SMALL);
-    // Taylor's series up to x^11 / 11!, error below 2e-15 for |x| < 0.3.
-    float series = 1.0f + near / 8.0f
-        * (1.0f + near / 9.0f * (1.0f + near / 10.0f * (1.0f + near / 11.0f)));
-    series = 1.0f + near / 5.0f * (1.0f + near / 6.0f * (1.0f + near / 7.0f * series));
-    series = near * (1.0f + near / 2.0f * (1.0f + near / 3.0f * (1.0f + near / 4.0f * series)));
-    return x > -EXPM1_SMALL && x < EXPM1_SMALL ? series : expf(x) - 1.0f;
+    // Taylor's series
+    float over = 1.0f + near
+        * (0.5f + near * (0.16666667f
+            + near * (0.041666668f
+                + near * (0.008333334f + near * (0.0013888889f + near * 0.0001984127f)))));
+    return x > -EXPM1_SMALL && x < EXPM1_SMALL ? near * over : expf(x) - 1.0f;
 }
 
 // 1 + Lambda (1 - exp(((theta - theta_0) / width)^k)).
@@ -351,12 +351,10 @@ inline SgdChoice sgd_choose(float probability, Vec2 u) {
     return SgdChoice{first, Vec2{fminf(fmaxf(first ? below : above, 0.0f), RANDOM_MAX), u.y}};
 }
 
-// atanh(y) / y, error below 1e-16 for |y| < 1/7; with y = x / (2 + x) it is half of log(1 + x).
+// atanh(y) / y for |y| < 1 / 7; with y = x / (2 + x) it is half of log(1 + x).
 inline float sgd_atanh_over(float y) {
     float y2 = y * y;
-    float series = 1.0f / 9.0f
-        + y2 * (1.0f / 11.0f + y2 * (1.0f / 13.0f + y2 * (1.0f / 15.0f + y2 * (1.0f / 17.0f))));
-    return 1.0f + y2 * (1.0f / 3.0f + y2 * (1.0f / 5.0f + y2 * (1.0f / 7.0f + y2 * series)));
+    return 1.0f + y2 * (1.0f / 3.0f + y2 * (1.0f / 5.0f + y2 * (1.0f / 7.0f + y2 * (1.0f / 9.0f))));
 }
 
 // log(1 + x) / x for x > -1; 1 at x = 0.

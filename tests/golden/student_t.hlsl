@@ -55,17 +55,15 @@ float3 student_t_half_vector(float3 wi, float3 wo) {
     return h / length(h);  // which student_t_cos_half needs as well
 }
 
-// atanh(y) / y, error below 1e-16 for |y| < 1/7; with y = x / (2 + x) it is half of log(1 + x).
+// atanh(y) / y for |y| < 1 / 7; with y = x / (2 + x) it is half of log(1 + x).
 float student_t_atanh_over(float y) {
     float y2 = y * y;
-    float series = 1.0 / 9.0
-        + y2 * (1.0 / 11.0 + y2 * (1.0 / 13.0 + y2 * (1.0 / 15.0 + y2 * (1.0 / 17.0))));
-    return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * series)));
+    return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * (1.0 / 9.0))));
 }
 
 // log(1 + x) / x for x > -1; 1 at x = 0.
 float student_t_log1p_over(float x) {
-    // Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+    // Below this the series needs few terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
     const float LOG1P_SMALL = 0.25;
     float near = max(min(x, LOG1P_SMALL), -LOG1P_SMALL);
     bool small = x > -LOG1P_SMALL && x < LOG1P_SMALL;
@@ -131,15 +129,14 @@ float3 student_t_eval(StudentT params, float3 wi, float3 wo) {
 
 // exp(x) - 1, exact where x is small.
 float student_t_expm1(float x) {
-    // Below this the series needs eleven terms; above, the plain difference is exact to 2e-7 in float32.
+    // Below this the series needs few terms; above, the plain difference is exact to 2e-7 in float32.
     const float EXPM1_SMALL = 0.3;
     float near = max(min(x, EXPM1_SMALL), -EXPM1_SMALL);
-    // Taylor's series up to x^11 / 11!, error below 2e-15 for |x| < 0.3.
-    float series = 1.0 + near / 8.0
-        * (1.0 + near / 9.0 * (1.0 + near / 10.0 * (1.0 + near / 11.0)));
-    series = 1.0 + near / 5.0 * (1.0 + near / 6.0 * (1.0 + near / 7.0 * series));
-    series = near * (1.0 + near / 2.0 * (1.0 + near / 3.0 * (1.0 + near / 4.0 * series)));
-    return x > -EXPM1_SMALL && x < EXPM1_SMALL ? series : exp(x) - 1.0;
+    // Taylor's series
+    float over = 1.0 + near
+        * (0.5 + near * (0.16666667
+            + near * (0.041666668 + near * (0.008333334 + near * (0.0013888889 + near * 0.0001984127)))));
+    return x > -EXPM1_SMALL && x < EXPM1_SMALL ? near * over : exp(x) - 1.0;
 }
 
 // tan^2 = (g - 1) a^2 ((1 - u)^(1 / (1 - g)) - 1).

@@ -100,17 +100,15 @@ float3 triace_layered_half_vector(float3 wi, float3 wo) {
     return h / length(h);  // which triace_layered_cos_half needs as well
 }
 
-// atanh(y) / y, error below 1e-16 for |y| < 1/7; with y = x / (2 + x) it is half of log(1 + x).
+// atanh(y) / y for |y| < 1 / 7; with y = x / (2 + x) it is half of log(1 + x).
 float triace_layered_atanh_over(float y) {
     float y2 = y * y;
-    float series = 1.0 / 9.0
-        + y2 * (1.0 / 11.0 + y2 * (1.0 / 13.0 + y2 * (1.0 / 15.0 + y2 * (1.0 / 17.0))));
-    return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * series)));
+    return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * (1.0 / 9.0))));
 }
 
 // log(m.z) of a unit vector that is not below the horizon, exact where it is near the normal.
 float triace_layered_log_cos(float3 m) {
-    // Below this the series needs nine terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
+    // Below this the series needs few terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
     const float LOG1P_SMALL = 0.25;
     const float mu_min = 1.0e-18;  // cosine of the horizon
     // log(cos) = -atanh(sin^2 / (1 + cos^2)): a sharp lobe needs the digits of the sine, not of the cosine
