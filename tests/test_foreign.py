@@ -19,7 +19,7 @@ from gonio import fit, foreign
 from gonio.check.report import FAIL, UNSURE, Report
 from gonio.cli.program import main
 from gonio.export.prove import tools
-from gonio.foreign import registry, roles, source, terms
+from gonio.foreign import registry, roles, source, terms, textures
 from gonio.foreign.expressions import parse
 from gonio.foreign.function import parse_map, parse_ranges, probe
 from gonio.foreign.source import ForeignError
@@ -427,8 +427,17 @@ def test_textures_are_pictures_or_values_and_conditions_decide_what_is_read(tmp_
     found = code.brdf(*probe(3), {"s.rho": 0.5, "rho": 0.5})[0]
     assert code.parameters["gain"].default == 0.25
     assert found == pytest.approx([0.125 + 0.5, 0.125 * 0.2 + 0.25, 0.125], abs=SINGLE_LONG)
-    black = foreign.load(path, function="f", returns="f")
-    assert not black.brdf(*probe(3)).any()
+    white = foreign.load(path, function="f", returns="f")
+    assert white.brdf(*probe(3), {"s.rho": 0.5, "gain": 0.5})[0] == pytest.approx([1.25] * 3)
+    assert white.textures == {"lut": "white", "mask": "white"}
+    kinds = (
+        "_NormalMap",
+        "u_EmissiveSampler",
+        "prefilteredEnv",
+        "_MetallicGlossMap",
+        "baseColorTexture",
+    )
+    assert [textures.assumed(name)[0] for name in kinds] == ["0.5/0.5/1", "0", "0", "1", "1"]
     for wrong, words in ((["none=1"], "no texture 'none'"), (["lut=a/b"], "--texture a/b")):
         with pytest.raises(ForeignError, match=words):
             foreign.load(path, function="f", textures=wrong)

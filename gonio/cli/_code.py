@@ -149,7 +149,7 @@ OPTIONS = (
         "textures",
         multiple=True,
         metavar="NAME=FILE|VALUE",
-        help="What a texture has: 0.5, 0.8/0.3/0.1 or, in GLSL, a picture (default: black).",
+        help="What a texture has: 0.5, 0.8/0.3/0.1 or, in GLSL, a picture (default: white).",
     ),
     click.option(
         "--time-limit",

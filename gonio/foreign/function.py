@@ -125,6 +125,8 @@ class Foreign:
     """How it is called on the command line."""
     shipped: Foreign | None = None
     """The same with the half precision that it declares, if this one was made without."""
+    textures: Mapping[str, str] = field(default_factory=dict)
+    """Textures of its file that were not given, and a word for what they are taken for."""
     sampler: Foreign | None = None
     """What draws directions, with the densities that `density` has."""
     density: Foreign | None = None

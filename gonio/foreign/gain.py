@@ -22,8 +22,8 @@ from gonio.foreign.subject import ForeignSubject
 # the range inside of it.
 PROBED, INSIDE = 256, 0.05
 
-# An albedo of which roundings may be so much has no digits. That is looked for at such parts of a range from
-# its ends, and for a viewer at a middling angle: seen at grazing angles much more is lost.
+# An albedo of which roundings may be so much has no digits. That is looked for at such parts of a range
+# from its ends, and for a viewer at a middling angle: seen at grazing angles much more is lost.
 NO_DIGITS = 0.1
 OUTER = (0.0, INSIDE / 8, INSIDE / 4, INSIDE / 2)
 MIDDLING = np.array([0.6, 0.0, 0.8])

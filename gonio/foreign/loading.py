@@ -21,8 +21,8 @@ from gonio.foreign.process import MEMORY, SECONDS, Running
 from gonio.foreign.returned import measure
 from gonio.foreign.roles import match
 from gonio.foreign.source import ForeignError, Source, blank_comments, read
+from gonio.foreign.textures import assumed, filled
 from gonio.foreign.textures import check as check_textures
-from gonio.foreign.textures import filled
 from gonio.foreign.textures import parse as parse_textures
 
 
@@ -94,13 +94,15 @@ def load(
     else:
         source = read(file, include, defines)
     check_textures(source, start.textures)
-    source = filled(source, start.textures)
+    missing = {n: assumed(n)[1] for n in source.textures if n not in start.textures}
+    source = start.textured(source)
     shipped = None
     if (full := full_precision(source)) is not None:
         shipped = start(source, function or named, text, "value")
         source = full
     foreign = start(source, function or named, text, "value")
     foreign.returns = told or Returns()
+    foreign.textures = missing
     foreign.raw(*probe(8))
     if told is None:
         foreign.returns = measure(foreign)
@@ -168,6 +170,12 @@ class _Start:
         )
         return Foreign(source, found, matched, running, label=label)
 
+    def textured(self, source: Source) -> Source:
+        """The code with values for all of its textures."""
+        for name in source.textures:
+            self.textures.setdefault(name, assumed(name)[0])
+        return filled(source, self.textures)
+
     def beside(self, main: Foreign, text: str, kind: str) -> Foreign:
         """A function beside the main one, of its file if no other is named."""
         file, name = split(text)
@@ -181,5 +189,5 @@ class _Start:
                 f"calls them; give --{kind} FILE.cpp#FUNCTION."
             )
         else:
-            source = read(file, self.include, self.defines)
+            source = self.textured(read(file, self.include, self.defines))
         return self(source, name, text, kind, strict=False)

@@ -1,8 +1,8 @@
 """What foreign code returns, by measurement: f, f cos(theta_i), pi f, or pi f cos(theta_i).
 
 The cosine is told by reciprocity: of f and f cos(theta_i) at most one is the same with light and viewer
-exchanged. A factor of pi is told by energy: with the brightest parameters the albedo is above 1, and not above
-1 without the factor. Code that gains energy beside that is told by most of its white settings.
+exchanged. A factor of pi is told by energy: with the brightest parameters the albedo is above 1, and not
+above 1 without the factor. Code that gains energy beside that is told by most of its white settings.
 """
 
 from __future__ import annotations

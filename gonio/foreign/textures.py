@@ -1,8 +1,13 @@
-"""Textures of foreign code: pictures as they are stored, or one value everywhere."""
+"""Textures of foreign code: pictures as they are stored, or one value everywhere.
+
+One that is not given is white, as engines have it, so that it changes no colour that it is multiplied with;
+what adds light is black, and a normal map flat.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +23,18 @@ from gonio.messages import did_you_mean
 Texels = NDArray[np.float32]
 
 FILE = "textures.npz"
+
+# Textures that are not white if nothing is said: words in their names, the value, and what that is.
+ASSUMED = (
+    (r"normal|bump|nrm", "0.5/0.5/1", "flat (0.5, 0.5, 1)"),
+    (
+        r"emi(?:ss|t)|glow|env|irradi|radiance|reflection|cube|sky|ambient|probe|light|prefilter"
+        r"|height|displace|parallax|depth",
+        "0",
+        "black",
+    ),
+)
+WHITE = ("1", "white")
 
 
 def parse(texts: Iterable[str]) -> dict[str, str]:
@@ -35,6 +52,14 @@ def parse(texts: Iterable[str]) -> dict[str, str]:
             )
         found[name] = value
     return found
+
+
+def assumed(name: str) -> tuple[str, str]:
+    """The value of a texture that is not given, and a word for it."""
+    for pattern, value, word in ASSUMED:
+        if re.search(pattern, name, re.I):
+            return value, word
+    return WHITE
 
 
 def check(source: Source, given: dict[str, str]) -> None:
@@ -58,11 +83,11 @@ def check(source: Source, given: dict[str, str]) -> None:
             )
 
 
-def filled(source: Source, given: dict[str, str]) -> Source:
+def filled(source: Source, given: Mapping[str, str]) -> Source:
     """The source with the values of its textures, in languages where they are constants."""
     if source.language in SHADERS or NOTHING not in source.text:
         return source
-    values = {n: texels(given.get(n, "0"))[0, 0] for n in source.textures}
+    values = {n: texels(given[n])[0, 0] for n in source.textures}
     declared = head(source.language, values)
     if source.language == "wgsl":  # whose first lines may be directives, and whose order is free
         return replace(source, text=f"{source.text}\n{declared}\n")
@@ -101,8 +126,8 @@ def _filled(pixels: Texels) -> Texels:
     return np.concatenate([pixels, more], axis=2).astype(np.float32)
 
 
-def write(folder: Path, source: Source, given: dict[str, str]) -> None:
-    """Put all textures of the code where its process looks for them; those not given are black."""
+def write(folder: Path, source: Source, given: Mapping[str, str]) -> None:
+    """Put all textures of the code where its process looks for them."""
     if source.textures and source.language in SHADERS:
-        found: dict[str, Any] = {n: texels(given.get(n, "0")) for n in source.textures}
+        found: dict[str, Any] = {n: texels(given[n]) for n in source.textures}
         np.savez(folder / FILE, **found)

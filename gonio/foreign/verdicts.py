@@ -100,9 +100,11 @@ def _scope(foreign: Foreign, subject: ForeignSubject) -> Report:
         text = "it is declared, and computed in float32 here, so that what it loses is not judged"
         findings.append(Finding("half precision", 0.0, NOTE, text))
     words = foreign.source.reached(foreign.function)
-    for name in foreign.source.textures:
+    for name, word in foreign.textures.items():
         if {name, constant(name)} & words:
-            text = f"{name} is black unless --texture {name}=FILE.png or a value was given"
+            text = (
+                f"{name} is taken for {word}; --texture {name}=FILE.png or a value says otherwise"
+            )
             findings.append(Finding("texture", 0.0, NOTE, text))
     findings += [Finding("assumed", 0.0, NOTE, note) for note in foreign.matched.notes]
     points = np.random.default_rng(1).random((512, dimensions(subject)))
