@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from support.tolerances import SINGLE
 
+import gonio
 from gonio import foreign
 from gonio.check.report import PASS
 from gonio.export.prove import tools
-from gonio.foreign import roles, source
+from gonio.foreign import partly, registry, roles, source, sums
 from gonio.foreign.function import probe
 from gonio.foreign.harness import judged
 from gonio.foreign.returned import names_exchanged
@@ -168,6 +169,60 @@ class Diffuse {
     assert np.allclose(found, np.array([0.4, 0.2, 0.1]) / np.pi, rtol=SINGLE)
 
 
+MADE = {
+    "cpp": """
+struct V { float x, y, z; V(float a = 0, float b = 0, float c = 0) : x(a), y(b), z(c) {} };
+struct Base { float scale; Base(float s) : scale(s) {} };
+class Lobe : public Base {
+    float twice, gain = 1;
+  public:
+    Lobe(const V& tone, float k) : Base(tone.y), twice(2 * k) { twice += tone.x; }
+    Lobe(const Lobe& other) = default;
+    V f(const V& wi, const V& wo) const { return V(twice, scale, gain); }
+};
+""",
+    "slang": """
+struct Lobe {
+    float twice; float scale; float gain;
+    __init(float3 tone, float k) { scale = tone.y; twice = 2 * k + tone.x; gain = 1; }
+    float3 f(float3 wi, float3 wo) { return float3(twice, scale, gain) + 0 * wi.x; }
+}
+""",
+}
+
+
+@pytest.mark.parametrize("ending", MADE)
+def test_constructors_that_compute_are_called_with_their_arguments(
+    tmp_path: Path, ending: str
+) -> None:
+    if tools.locate("g++" if ending == "cpp" else "slangc") is None:
+        pytest.skip("needs a compiler")
+    path = tmp_path / f"a.{ending}"
+    path.write_text(MADE[ending], encoding="utf-8")
+    code = foreign.load(f"{path}#Lobe.f", returns="f")
+    # gain of the C++ class is no business of its constructor, and is set
+    assert set(code.parameters) == {"tone", "k"} | ({"gain"} if ending == "cpp" else set())
+    found = code.brdf(*probe(4), {"tone": (0.25, 0.5, 0.75), "k": 0.125, "gain": 1})
+    assert np.allclose(found, [0.5, 0.5, 1])
+
+
+def test_light_in_four_numbers_is_a_direction_or_how_bright_it_is(tmp_path: Path) -> None:
+    text = """
+struct Light { vec4 colorIntensity; vec4 direction; };
+vec3 lit(vec4 lightDirection, vec3 viewDir, vec4 baseColor) { return baseColor.rgb * lightDirection.w; }
+vec3 all(Light light, vec3 v, vec3 n) { return light.colorIntensity.rgb * light.direction.z; }
+"""
+    code = read(tmp_path, "a.glsl", text)
+    assert taken(code, "lit") == {
+        "lightDirection": "wi",
+        "viewDir": "wo",
+        "baseColor": "baseColor",
+    }
+    found = taken(code, "all")
+    assert found["light.colorIntensity"] == "(1, 1, 1, 1)"
+    assert found["light.direction"] == "wi"
+
+
 def test_roundings_of_parameters_count(tmp_path: Path) -> None:
     code = python(tmp_path, "def f(wi, wo, eta=1.5):\n    return (eta - 1) ** 2 + 0 * wi[:, 0]\n")
     wi, wo = probe(4)
@@ -203,10 +258,10 @@ def f(wi, wo, m=0.5, strength=1.0):
     return strength * np.where(m < 0.02, noise, 0.3 / np.pi)
 """
     found = foreign.check(python(tmp_path, text), only=["energy"])
-    energy = next(f for r in found for f in r.findings if f.what == "largest albedo")
-    assert energy.verdict == PASS
-    assert energy.measured == pytest.approx(0.3, rel=COARSE)
-    assert energy.text.endswith("; from m = 0.05 on, as values have no digits beyond")
+    by_name = {f.what: f for r in found for f in r.findings}
+    assert by_name["largest albedo"].verdict == PASS
+    assert by_name["largest albedo"].measured == pytest.approx(0.3, rel=COARSE)
+    assert "values have digits from m = 0.05 on;" in by_name["left out"].text
 
 
 def test_schlicks_term_with_another_end_at_grazing_angles_is_named(tmp_path: Path) -> None:
@@ -225,3 +280,94 @@ def f(wi, wo, f0=0.3, f90=0.8, roughness=0.5):
     found = "\n".join(foreign.identify(python(tmp_path, text)).lines())
     assert "GGX, alpha = roughness^2" in found
     assert "Schlick's Fresnel as a spherical Gaussian, F0 = f0, F90 = f90" in found
+
+
+# Standard surfaces of engines: F0 and F90 after Lagarde and de Rousiers 2014, and terms of a test's own.
+SURFACE = """
+def parts(wi, wo, a):
+    h = wi + wo
+    h = h / np.linalg.norm(h, axis=1, keepdims=True)
+    l, v, a2 = wi[:, 2], wo[:, 2], a * a
+    d = a2 / np.pi / (h[:, 2] ** 2 * (a2 - 1) + 1) ** 2
+    g = 2 * l * v / (l * np.sqrt(a2 + (1 - a2) * v * v) + v * np.sqrt(a2 + (1 - a2) * l * l))
+    return d, g / (4 * l * v), 1 - np.sum(h * wo, axis=1), h[:, 2]
+
+def filament(wi, wo, base=(0.5, 0.5, 0.5), reflectance=0.5, roughness=0.5):
+    d, g, x, _ = parts(wi, wo, roughness**2)
+    f0 = 0.16 * reflectance**2
+    f = f0 + (np.minimum(49.5 * f0, 1) - f0) * x**5
+    return base / np.pi + (d * g * f)[:, None]
+
+def unreal(wi, wo, diffuse=(0.5, 0.5, 0.5), f0=(0.5, 0.5, 0.5), roughness=0.5):
+    d, g, x, _ = parts(wi, wo, roughness**2)
+    f = (1 - x**5)[:, None] * f0 + (np.clip(50 * f0[:, 1], 0, 1) * x**5)[:, None]
+    return diffuse / np.pi + (d * g)[:, None] * f
+
+def fresnel(wi, wo, base=(0.5, 0.5, 0.5), specular=0.5, roughness=0.5):
+    d, g, x, _ = parts(wi, wo, roughness**2)
+    return base / np.pi + (d * g * (0.02 + specular * (1 - np.sqrt(1 - x))))[:, None]
+
+def distribution(wi, wo, f0=(0.5, 0.5, 0.5), roughness=0.5):
+    _, g, x, h = parts(wi, wo, roughness**2)
+    return (np.exp(-np.sqrt(1 - h) / roughness) * g)[:, None] * (f0 + (1 - f0) * (x**5)[:, None])
+
+def masking(wi, wo, f0=(0.5, 0.5, 0.5), roughness=0.5):
+    d, _, x, _ = parts(wi, wo, roughness**2)
+    l, v = wi[:, 2], wo[:, 2]
+    return (d / (0.1 + roughness * (l + v) + l * v))[:, None] * (f0 + (1 - f0) * (x**5)[:, None])
+
+def two(wi, wo, f0=(0.5, 0.5, 0.5), roughness=0.5):
+    _, g, x, h = parts(wi, wo, roughness**2)
+    return (np.exp(-np.sqrt(1 - h) / roughness) * g)[:, None] * (f0 + np.sqrt(x)[:, None])
+"""
+
+
+def surface(folder: Path, name: str) -> foreign.Foreign:
+    path = folder / "code.py"
+    path.write_text(f"import numpy as np\n{SURFACE}", encoding="utf-8")
+    return foreign.load(f"{path}#{name}", returns="f", ranges=["roughness=0.2..1"])
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("filament", "F0 = 0.16 reflectance^2, F90 = saturate(dot(F0, 50 * 0.33))"),
+        ("unreal", "with F90 = saturate(50 F0) below f0 = 0.02"),
+    ],
+)
+def test_an_f90_that_is_clamped_is_named_in_a_sum(tmp_path: Path, name: str, words: str) -> None:
+    found = "\n".join(foreign.identify(surface(tmp_path, name)).lines())
+    assert "a sum:" in found
+    assert "GGX, alpha = roughness^2; Smith's masking of GGX, height-correlated" in found
+    assert words in found
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "known"),
+    [
+        ("fresnel", "Fresnel term", ["GGX, alpha = roughness^2", "Smith's masking"]),
+        ("distribution", "distribution", ["F0 = f0", "Smith's masking of GGX, height-correlated"]),
+        ("masking", "masking", ["GGX, alpha = roughness^2", "F0 = f0"]),
+    ],
+)
+def test_one_term_that_nobody_has_named_leaves_the_others_their_names(
+    tmp_path: Path, name: str, kind: str, known: list[str]
+) -> None:
+    code = surface(tmp_path, name)
+    apart = sums.identify(code)
+    assert apart is None or not apart.exact
+    found = partly.identify(code if apart is None else apart.last)
+    assert found is not None
+    assert kind in found.kind
+    assert all(word in str(found) for word in known)
+    for x, y in found.values if name == "fresnel" else ():
+        assert y == pytest.approx(0.02 + 0.5 * (1 - np.sqrt(x)), rel=COARSE)
+    two = surface(tmp_path, "two")
+    assert partly.identify(two) is None
+
+
+def test_a_model_that_is_bent_to_code_at_every_setting_is_no_answer() -> None:
+    names = ("growth", "extent", "tarnish", "alpha")
+    bent = registry.Found(gonio.model("patina"), "f", 1e-5, dict.fromkeys(names, "a function of c"))
+    assert not bent.exact
+    assert registry.Found(bent.model, "f", 1e-5, {"alpha": "a function of c"}).exact

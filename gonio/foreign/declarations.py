@@ -7,7 +7,7 @@ blank.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 
@@ -58,6 +58,17 @@ class Function:
     def typed(self) -> str:
         """Its name with the types of its arguments, which tells overloads apart."""
         return f"{self.name}({', '.join(a.type for a in self.arguments)})"
+
+
+@dataclass(frozen=True)
+class Constructor:
+    """The constructor of a class that computes its members from arguments."""
+
+    arguments: tuple[Variable, ...]
+    words: frozenset[str]
+    """All words in it."""
+    computes: bool
+    """Whether it does more than to keep its arguments as members, which can be set as well."""
 
 
 def depth(bare: str, position: int) -> int:
@@ -220,6 +231,67 @@ def structs_in(bare: str, language: str) -> dict[str, tuple[Variable, ...]]:
             inside = inside[:start] + ";" + inside[end:]
         found[match[1]] = tuple(members_in(inside, language))
     return found
+
+
+_INITIAL = re.compile(r"\s*,?\s*(?P<name>[A-Za-z_][\w:]*(?:\s*<[^<>;{}()]*>)?)\s*(?P<open>[({])")
+
+
+def constructors_in(
+    bare: str, structs: Mapping[str, tuple[Variable, ...]], language: str
+) -> dict[str, Constructor]:
+    """Of each class the constructor with the most arguments that is defined here, if it has any."""
+    found: dict[str, Constructor] = {}
+    if language not in ("cpp", "cuda", "slang"):
+        return found
+    for name, members in structs.items():
+        head = rf"(?<![\w~.]){name}\s*\("
+        if language == "slang":
+            inside = re.search(rf"\bstruct\s+{name}\b[^{{;]*\{{", bare)
+            start = inside.end() - 1 if inside else 0
+            places = (start, closing(bare, start, "{", "}"))
+            head = r"\b__init\s*\("
+        else:
+            places = (0, len(bare))
+        for match in re.compile(head).finditer(bare, *places):
+            made = _constructor(bare, match.end() - 1, {m.name for m in members}, name, language)
+            best = found.get(name)
+            if made and (best is None or len(made.arguments) > len(best.arguments)):
+                found[name] = made
+    return found
+
+
+def _constructor(
+    bare: str, bracket: int, members: set[str], name: str, language: str
+) -> Constructor | None:
+    """What stands at a bracket behind a class's name, if it defines a constructor that can be called."""
+    end = closing(bare, bracket, "(", ")")
+    arguments = tuple(
+        _argument(piece, language)
+        for piece in pieces(bare[bracket + 1 : end - 1])
+        if piece.strip() not in ("", "void")
+    )
+    copies = len(arguments) == 1 and arguments[0].type == name
+    if not arguments or copies or not all(a.name for a in arguments):
+        return None
+    initial: dict[str, str] = {}
+    after = re.compile(r"\s*(?:noexcept\s*)?(:(?!:))?").match(bare, end)
+    place = after.end() if after else end
+    if after and after[1]:
+        while one := _INITIAL.match(bare, place):
+            open_ = one["open"]
+            place = closing(bare, one.end() - 1, open_, {"(": ")", "{": "}"}[open_])
+            initial[one["name"]] = bare[one.end() : place - 1].strip()
+    body = re.compile(r"\s*\{").match(bare, place)
+    if body is None:
+        return None
+    inside = bare[body.end() : closing(bare, body.end() - 1, "{", "}") - 1]
+    kept = {a.name for a in arguments}
+    plain = not inside.strip() and all(
+        member in members and re.sub(r"^(?:std::)?move\s*\(|\)$", "", value) in kept
+        for member, value in initial.items()
+    )
+    text = " ".join([inside, *initial, *initial.values()])
+    return Constructor(arguments, frozenset(re.findall(r"[A-Za-z_]\w*", text)), not plain)
 
 
 def members_in(inside: str, language: str) -> Iterable[Variable]:

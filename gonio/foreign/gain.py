@@ -25,7 +25,7 @@ PROBED, INSIDE = 256, 0.05
 # An albedo of which roundings may be so much has no digits. That is looked for at such parts of a range
 # from its ends, and for a viewer at a middling angle: seen at grazing angles much more is lost.
 NO_DIGITS = 0.1
-OUTER = (0.0, INSIDE / 8, INSIDE / 4, INSIDE / 2)
+OUTER = (0.0, 1e-4, 1e-3, INSIDE / 8, INSIDE / 4, INSIDE / 2)
 MIDDLING = np.array([0.6, 0.0, 0.8])
 
 
@@ -78,16 +78,10 @@ def _within(p: Parameter) -> Any:
 def check(subject: ForeignSubject, effort: Effort) -> list[Finding]:
     """The largest albedo by search; a gain of less than LIMIT may be roundings of a white surface.
 
-    Ends of ranges at which values have no digits are left out. Where values lose many digits, what is left
-    of each without its roundings has to gain as well.
+    Where values lose many digits, what is left of each without its roundings has to gain as well.
     """
-    ranges, said = _with_digits(subject)
-    if ranges:
-        subject = narrowed(subject, {**subject.foreign.parameters, **ranges})
     first, *others = energy.check(subject, effort.less()).findings
-    first = _beyond_rounding(subject, effort, first)
-    text = "; ".join([first.text, *said])
-    return [replace(first, text=text), *others]
+    return [_beyond_rounding(subject, effort, first), *others]
 
 
 def _beyond_rounding(subject: ForeignSubject, effort: Effort, first: Finding) -> Finding:
@@ -111,8 +105,8 @@ def _beyond_rounding(subject: ForeignSubject, effort: Effort, first: Finding) ->
     return replace(first, verdict=NOTE, text=text)
 
 
-def _with_digits(subject: ForeignSubject) -> tuple[dict[str, Parameter], list[str]]:
-    """Ranges without ends at which values have no digits, and words for them."""
+def with_digits(subject: ForeignSubject) -> tuple[ForeignSubject, list[Finding]]:
+    """The subject without ends of ranges at which values have no digits, and a note on them."""
     base = subject.default()
     base[[k for k, free in enumerate(subject.parameters) if free.declared.width == 3]] = 1
     found: dict[str, Parameter] = {}
@@ -133,8 +127,12 @@ def _with_digits(subject: ForeignSubject) -> tuple[dict[str, Parameter], list[st
             if part is not None:
                 p = found[free.path] = _inside(found.get(free.path, free.declared), end, part)
                 where = words.format(free.path, p.high if end else p.low)
-                said.append(f"{where}, as values have no digits beyond")
-    return found, said
+                said.append(where)
+    if not found:
+        return subject, []
+    text = f"values have digits {' and '.join(said)}; equalities and energy are judged there"
+    note = Finding("left out", float(len(said)), NOTE, text)
+    return narrowed(subject, {**subject.foreign.parameters, **found}), [note]
 
 
 def albedo_lost(subject: ForeignSubject, parameters: Array, wo: Array) -> float:

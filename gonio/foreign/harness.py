@@ -13,7 +13,16 @@ from dataclasses import dataclass
 from gonio.foreign.declarations import Function, Variable
 from gonio.foreign.loops import COUNTER, CUT, TURNS, counted
 from gonio.foreign.python_code import job
-from gonio.foreign.roles import Leaf, Matched, direction_of, is_role, leaves_of
+from gonio.foreign.roles import (
+    MADE_OF,
+    MEMBERS,
+    Leaf,
+    Matched,
+    constructor,
+    direction_of,
+    is_role,
+    leaves_of,
+)
 from gonio.foreign.sampled import NOTHING
 from gonio.foreign.source import FILE_LINES, SHADERS, ForeignError, Source
 
@@ -73,20 +82,34 @@ def statements(source: Source, function: Function, matched: Matched) -> list[str
         lines.append(_declare(source, argument, f"gonio_a{k}", spelling))
         if argument.written and not argument.array and not argument.pointer:
             lines += _zeroed(source, argument, f"gonio_a{k}", spelling)
-    if function.owner:
-        lines.append(
+    maker = constructor(source, function) if function.owner else None
+    parts = [f"gonio_made_{a.name}" for a in maker.arguments] if maker else []
+    for argument, part in zip(maker.arguments if maker else (), parts, strict=True):
+        lines.append(_declare(source, argument, part, spelling))
+    object_: list[str] = []
+    if maker:
+        form = (
+            "{0} gonio_self = {0}({1});" if source.language == "slang" else "{0} gonio_self({1});"
+        )
+        object_.append(form.format(function.owner, ", ".join(parts)))
+    elif function.owner:
+        object_.append(
             _declare(source, Variable("gonio_self", function.owner), "gonio_self", spelling)
         )
     column = 0
     for leaf, _ in matched.leaves:
         root, dot, rest = leaf.place.partition(".")
         place = f"{names[root]}{dot}{rest}" if root in names else leaf.place
+        if leaf.place.startswith(MADE_OF):
+            place = f"gonio_made_{rest}"
         numbers = [
             spelling.read.format(column=c, texel=c // 4, component="xyzw"[c % 4])
             for c in range(column, column + leaf.width)
         ]
-        lines += _set(leaf, place, numbers, language, spelling)
+        own_member = leaf.place.startswith(MEMBERS)
+        (object_ if own_member else lines).extend(_set(leaf, place, numbers, language, spelling))
         column += leaf.width
+    lines += object_
     given = ", ".join(
         f"&{names[a.name]}" if a.pointer and language == "wgsl" else names[a.name]
         for a in function.arguments

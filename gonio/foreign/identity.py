@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from gonio.check.report import NOTE, Finding, Report
-from gonio.foreign import registry, sums, terms
+from gonio.foreign import partly, registry, sums, terms
 from gonio.foreign.function import Foreign
 
 Progress = Callable[[int, int], None]
@@ -25,6 +25,8 @@ class Identity:
     models: tuple[registry.Found, ...]
     sum: sums.Sum | None = None
     """Products that the code is the sum of."""
+    partly: partly.Partly | None = None
+    """The code, or the last part of the sum, but for one unknown term."""
 
     @property
     def exact(self) -> bool:
@@ -32,7 +34,7 @@ class Identity:
         return (
             any(p.exact for p in self.products[:1])
             or any(m.exact for m in self.models[:1])
-            or self.sum is not None
+            or (self.sum is not None and self.sum.exact)
         )
 
     def lines(self) -> list[str]:
@@ -42,14 +44,11 @@ class Identity:
         if product is not None and product.exact:
             found.append(f"{self.code} is: {product} (equal to {product.worst:.1g})")
             found += _remarks(product)
-        elif self.sum is not None:
-            at = "".join(f"{name} = {value:g}, " for name, value in self.sum.pinned.items())
-            found.append(f"{self.code} is, {'at ' if at else ''}{at}a sum:")
-            for k, (name, part) in enumerate(self.sum.parts, 1):
-                by = f", by {name}" if name and name not in str(part) else ""
-                found.append(f"  {k}{by}. {part} (equal to {part.worst:.1g})")
-                found += [f"  {line}" for line in _remarks(part)]
         exact = any(m.exact for m in self.models[:1])
+        if not found and self.sum is not None and (self.sum.exact or not exact):
+            found += self._summed(self.sum)
+        if not found and self.partly is not None and not exact:
+            found.append(f"{self.code} is {self.partly}")
         near = [m for m in self.models if m.misfit < FAR]
         if self.models and not near and not found:
             found.append(
@@ -65,12 +64,38 @@ class Identity:
             found.append(f"{self.code} {state} {text} (misfit {model.misfit:.2g})")
             if model.exact:
                 break
-        if product is not None and not product.exact and product.misfit < FAR and self.sum is None:
+        if (
+            product is not None
+            and not product.exact
+            and product.misfit < FAR
+            and self.sum is None
+            and self.partly is None
+        ):
             found.append(
                 f"  as a product, nearest is: {product} (off by up to {product.worst:.2g})"
             )
             found += _remarks(product)
         return found or [f"{self.code} is like nothing that gonio knows"]
+
+    def _summed(self, parts: sums.Sum) -> list[str]:
+        """The parts of a sum, one line each."""
+        at = "".join(f"{name} = {value:g}, " for name, value in parts.pinned.items())
+        last = "" if parts.exact else ", one part of which is not known"
+        found = [f"{self.code} is, {'at ' if at else ''}{at}a sum{last}:"]
+        for k, (name, part) in enumerate(parts.parts, 1):
+            by = f", by {name}" if name and name not in str(part) else ""
+            if part.exact:
+                found.append(f"  {k}{by}. {part} (equal to {part.worst:.1g})")
+            elif self.partly is not None:
+                found.append(f"  {k}{by}. {self.partly}")
+                continue
+            elif part.misfit < FAR:
+                found.append(f"  {k}{by}. nearest is: {part} (off by up to {part.worst:.2g})")
+            else:
+                found.append(f"  {k}{by}. like no product that gonio knows")
+                continue
+            found += [f"  {line}" for line in _remarks(part)]
+        return found
 
     def data(self) -> dict[str, Any]:
         """As plain data that JSON can hold."""
@@ -87,9 +112,23 @@ class Identity:
                 for p in self.products
             ],
             "sum": [
-                {"by": name, "terms": list(p.terms), "constant": p.constant, "unusual": list(p.odd)}
+                {
+                    "by": name,
+                    "terms": list(p.terms),
+                    "constant": p.constant,
+                    "misfit": p.misfit,
+                    "unusual": list(p.odd),
+                }
                 for name, p in (self.sum.parts if self.sum is not None else ())
             ],
+            "partly": None
+            if self.partly is None
+            else {
+                "terms": list(self.partly.terms),
+                "unknown": self.partly.kind,
+                "of": self.partly.of,
+                "values": [list(v) for v in self.partly.values],
+            },
             "models": [
                 {
                     "model": m.model.name,
@@ -106,7 +145,7 @@ class Identity:
         """As a report of `gonio check`."""
         first = self.products[0] if self.products else None
         misfit = first.misfit if first is not None and first.exact else float("nan")
-        if self.sum is not None:
+        if self.sum is not None and self.sum.exact:
             misfit = max(p.misfit for _, p in self.sum.parts)
         elif self.models and not (first is not None and first.exact):
             misfit = self.models[0].misfit
@@ -144,7 +183,9 @@ def identify(
     if not (known or thorough) and (same := registry.by_names(foreign, names)):
         return Identity(label, tuple(products), (same,))
     apart = None if known else sums.identify(foreign)
+    exact = known or (apart is not None and apart.exact)
+    but_one = None if exact else partly.identify(foreign if apart is None else apart.last)
     found: list[registry.Found] = []
-    if thorough or not (known or apart):
+    if thorough or not exact:
         found = registry.identify(foreign, names, thorough=thorough, progress=progress)
-    return Identity(label, tuple(products), tuple(found), apart)
+    return Identity(label, tuple(products), tuple(found), apart, but_one)

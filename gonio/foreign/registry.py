@@ -6,6 +6,7 @@ parameters are moved, and the model's are fitted anew, which shows how they belo
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -50,6 +51,10 @@ SCALES: dict[str, Callable[[Array], Array]] = {
 STEPPED = 4
 RELATED = 2e-3
 
+# A relation that has no formula, and how many numbers of a model may follow one of the code's like that.
+UNKNOWN = "a function of"
+BENT = 2
+
 Progress = Callable[[int, int], None]
 
 
@@ -70,8 +75,12 @@ class Found:
 
     @property
     def exact(self) -> bool:
-        """Whether only roundings are left."""
-        return self.misfit < EXACT
+        """Whether only roundings are left, by numbers that have to do with those of the code.
+
+        A model with many numbers can be bent to the code at every setting, which says nothing.
+        """
+        bent = Counter(text for text in self.relations.values() if text.startswith(UNKNOWN))
+        return self.misfit < EXACT and max(bent.values(), default=0) <= BENT
 
     @property
     def named(self) -> str:
@@ -354,7 +363,7 @@ def _relations(
                     found[path] = text.format(name)
                     break
             else:
-                found[path] = f"a function of {name}"
+                found[path] = f"{UNKNOWN} {name}"
     for path, p, value in model.parameters():
         if path not in found and not p.is_default(value):
             numbers = np.atleast_1d(value)

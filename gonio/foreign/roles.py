@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gonio.fields import Parameter
-from gonio.foreign.declarations import Function, Variable
+from gonio.foreign.declarations import Constructor, Function, Variable
 from gonio.foreign.expressions import Array, Expression, parse
 from gonio.foreign.sampled import NOTHING
 from gonio.foreign.source import ForeignError, Source
@@ -57,6 +57,9 @@ ROLES = (*DIRECTIONS, *COSINES, *RANDOM)
 
 # What functions are asked for.
 KINDS = ("value", "sample", "pdf", "albedo")
+
+# Where the members of the object are whose method is called, and what it is made of.
+MEMBERS, MADE_OF = "gonio_self.", "gonio_made."
 
 # Kinds of numbers, by the ends of their types' names in all languages.
 _VECTOR = re.compile(
@@ -113,7 +116,23 @@ class Matched:
 
     def explained(self) -> str:
         """What each argument was taken for."""
-        return ", ".join(f"{leaf.place} = {expression.text}" for leaf, expression in self.leaves)
+        return ", ".join(
+            f"{leaf.place.removeprefix(MEMBERS).removeprefix(MADE_OF)} = {expression.text}"
+            for leaf, expression in self.leaves
+        )
+
+
+def constructor(source: Source, function: Function) -> Constructor | None:
+    """What makes the object whose method a function is, if its arguments can be set."""
+    maker = source.constructors.get(function.owner)
+    if maker is None or not maker.computes:
+        return None
+    try:
+        for argument in maker.arguments:
+            list(leaves_of(source, argument))
+    except ForeignError:
+        return None
+    return maker
 
 
 def width_of(kind: str) -> int:
@@ -200,9 +219,15 @@ def match(
     words = source.reached(function)
     leaves = [leaf for a in function.arguments if not a.written for leaf in leaves_of(source, a)]
     if function.owner:
+        maker = constructor(source, function)
+        for argument in maker.arguments if maker else ():
+            leaves += leaves_of(source, argument, MADE_OF)
+        # What a constructor has made stays as it is
+        made = maker.words if maker else ()
+        words = words | {*made}
         for member in source.structs.get(function.owner, ()):
-            if member.name in words:
-                leaves += leaves_of(source, member, "gonio_self.")
+            if member.name in words and member.name not in made:
+                leaves += leaves_of(source, member, MEMBERS)
     for uniform in source.uniforms:
         if uniform.name in words and not uniform.array:
             leaves += leaves_of(source, uniform)
@@ -247,9 +272,13 @@ def match(
                     f'{leaf.place} is -wo, where the viewer looks; --map "{last}=wi" if not'
                 )
             text = text or _guess(source, leaf, ranges, pair)
-            if text in ("1", "(1, 1, 1)") and _LIT.search(leaf.place):
+            if text in ("1", "(1, 1, 1)", "(1, 1, 1, 1)") and _LIT.search(leaf.place):
                 notes.append(f'{leaf.place} is 1, as it is the light; --map "{last}=..." if not')
-            if text in ("(0, 0, 0)", "wi", "wo") and leaf.width == 3 and _position(leaf):
+            if (
+                text in ("(0, 0, 0)", "(0, 0, 0, 1)", "wi", "wo")
+                and leaf.width >= 3
+                and _position(leaf)
+            ):
                 notes.append(
                     f'{leaf.place} is a position: {text}; --map "{last}=..." says otherwise'
                 )
@@ -265,7 +294,9 @@ def match(
             continue
         if not used & enough:
             if what == "the viewer" and all(
-                leaf.width != 3 or set(e.names) & set(ROLES) or _COLOURED.search(leaf.place)
+                leaf.width not in (3, 4)
+                or set(e.names) & set(ROLES)
+                or _COLOURED.search(leaf.place)
                 for leaf, e in matched
             ):
                 notes.append("it has no argument for the viewer: all directions see the same")
@@ -402,7 +433,7 @@ def _lone_direction(leaves: Iterable[Leaf], given: Container[str]) -> tuple[Leaf
     found, roles = [], set()
     for leaf in leaves:
         last = leaf.variable.shown or leaf.place.rpartition(".")[2]
-        if leaf.width != 3:
+        if leaf.width not in (3, 4):
             continue
         known = direction_of(leaf)
         if leaf.place in given or last in given:
@@ -452,15 +483,19 @@ def _guess(source: Source, leaf: Leaf, ranges: Container[str], pair: bool) -> st
         return last
     if leaf.whole:
         return f"{leaf.variable.default[0]:g}" if leaf.variable.default else "0"
-    if leaf.width in (1, 3) and _LIT.search(leaf.place) and _BRIGHT.search(last):
-        return "1" if leaf.width == 1 else "(1, 1, 1)"
-    if leaf.width == 3:
+    wide = leaf.width in (3, 4)  # the fourth number is 1
+    if leaf.width == 4 and (role := direction_of(leaf)):
+        return role
+    if (leaf.width == 1 or wide) and _LIT.search(leaf.place) and _BRIGHT.search(last):
+        return "1" if leaf.width == 1 else f"(1, 1, 1{', 1' * (leaf.width - 3)})"
+    if wide:
         if role := direction_of(leaf):
             return role
         if _position(leaf):
             # Of a surface in the origin, with the light and the viewer at a distance of 1
             light, viewer = (re.search(w, plain) for w in ("light|lamp|sun", "cam|eye|view"))
-            return "wi" if light else "wo" if viewer else "(0, 0, 0)"
+            origin = "(0, 0, 0)" if leaf.width == 3 else "(0, 0, 0, 1)"
+            return "wi" if light else "wo" if viewer else origin
         if re.search(r"dir(ection)?$|vec(tor)?$|normal(?!i[sz])|tangent", plain):
             raise ForeignError(
                 f"{source.path}: cannot tell what {leaf.place} ({leaf.type}) is; say it with "

@@ -8,14 +8,16 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from gonio.foreign.conditions import active
 from gonio.foreign.declarations import (
+    Constructor,
     Function,
     Variable,
     closing,
+    constructors_in,
     depth,
     functions_in,
     members_in,
@@ -92,6 +94,8 @@ class Source:
     """What it includes, where compilers do that themselves."""
     globals: tuple[Variable, ...] = ()
     """Variables outside of all functions without a value, which entry points fill."""
+    constructors: Mapping[str, Constructor] = field(default_factory=dict)
+    """By the classes that have one that wants arguments."""
     closures: tuple[str, ...] = ()
     """Names of OSL's shaders and functions that give back closures, and are left out."""
 
@@ -263,17 +267,19 @@ def read(
         bare, text, found = _wgsl_uniforms(bare, text)
         uniforms += found
     functions = tuple(functions_in(bare, language))
+    structs = structs_in(bare + headers, language)
     return Source(
         path,
         language,
         text,
         functions,
-        structs_in(bare + headers, language),
+        structs,
         tuple(uniforms),
         tuple(files),
         textures=_samplers(bare, language) or read_from,
         headers=headers,
         globals=tuple(_globals(bare, language, {u.name for u in uniforms})),
+        constructors=constructors_in(bare + headers, structs, language),
         closures=tuple(closures),
     )
 

@@ -1,5 +1,7 @@
 """Shaders that are a sum, of a diffuse and a specular part for instance: taken apart, and each part named.
 
+Of a part that is no known product the nearest is said.
+
 A colour or a weight on which values depend linearly separates them: what is left at 0 is one part, and what
 it adds the other. Metalness hides this, and is set to 0 first.
 """
@@ -38,6 +40,8 @@ class Sum:
     parts: tuple[tuple[str, terms.Product], ...]
     pinned: Mapping[str, float]
     """Parameters that were set, and to what."""
+    last: terms.Valued
+    """The last part by itself."""
 
     @property
     def exact(self) -> bool:
@@ -87,7 +91,7 @@ class _Scaled(_Part):
 
 
 def identify(foreign: terms.Valued) -> Sum | None:
-    """The parts of a function that is a sum of known products; None if it is none."""
+    """The parts of a function that is a sum of known products, but for one; None if it is none."""
     pinned: dict[str, float] = {}
     whole = foreign
     for name, p in foreign.parameters.items():
@@ -95,24 +99,46 @@ def identify(foreign: terms.Valued) -> Sum | None:
             pinned[name] = p.low
             whole = _Part(whole, name, p.low)
     parts = _apart(whole, DEPTH)
-    return Sum(tuple(parts), pinned) if parts and len(parts) > 1 else None
+    if len(parts) < 2:
+        return None
+    named = tuple((part.name, part.product) for part in parts)
+    return Sum(named, pinned, parts[-1].valued)
 
 
-def _apart(whole: terms.Valued, depth: int) -> list[tuple[str, terms.Product]]:
-    """Parts with the parameter that each is linear in; none if one is not known."""
+@dataclass(frozen=True)
+class _Named:
+    """One part, and by what it is scaled."""
+
+    name: str
+    product: terms.Product
+    valued: terms.Valued
+
+
+def _apart(whole: terms.Valued, depth: int) -> list[_Named]:
+    """Parts with the parameter that each is linear in; the last one may be unknown.
+
+    None at all if it is no product either, and nothing can be taken away from it.
+    """
+    known: list[_Named] = []
     if depth:
         for name, p in whole.parameters.items():
             if p.low != 0 or not 0 < p.high < np.inf or not _linear(whole, name, p.high):
                 continue
             # A colour scales its part, which is identified with it: it may be the F0 of another
-            added = terms.identify(_Scaled(whole, name, 0.0, p.high))
+            scaled = _Scaled(whole, name, 0.0, p.high)
+            added = terms.identify(scaled)
             if not (added and added[0].exact):
                 continue
             left = _apart(_Part(whole, name, 0.0), depth - 1)
-            if left:
-                return [(name, added[0]), *left]
+            parts = [_Named(name, added[0], scaled), *left]
+            if left and left[-1].product.exact:
+                return parts
+            if left and not known:
+                known = parts
     found = terms.identify(whole)
-    return [("", found[0])] if found and found[0].exact else []
+    if found and found[0].exact:
+        return [_Named("", found[0], whole)]
+    return known or [_Named("", p, whole) for p in found[:1]]
 
 
 def _linear(whole: terms.Valued, name: str, high: float) -> bool:

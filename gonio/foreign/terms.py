@@ -17,8 +17,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from gonio.fields import Parameter
-from gonio.foreign import anisotropic
+from gonio.foreign import anisotropic, fresnels
 from gonio.foreign.expressions import Array
+from gonio.foreign.fresnels import TINY, Cosines
 from gonio.foreign.function import Returns
 
 PAIRS = 300
@@ -29,16 +30,14 @@ FAINT = 1e-6
 # Spread of the logarithm, up to which code is the product: roundings of float32.
 EXACT = 2e-4
 
-TINY = 1e-30
-
 # Exponents up to here, so that tails have digits.
 EXPONENTS = 300.0
 
+# V.H where Schlick's term is mostly F90, and the fewest pairs of directions that tell it.
+GRAZING, FEW = 0.35, 20
+
 # Values that change more than this by a turn about the normal are anisotropic.
 STRETCHED = 1e-3
-
-# So many colours at most are tried in pairs, one times the other.
-PAIRED = 5
 
 
 class Valued(Protocol):
@@ -54,17 +53,6 @@ class Valued(Protocol):
     def raw(self, wi: Array, wo: Array, values: dict[str, Any] | None = None) -> Array:
         """What the code gives back, (n, 3)."""
         ...
-
-
-@dataclass(frozen=True)
-class Cosines:
-    """Of the directions that the code is called with, (n,) each."""
-
-    i: Array
-    o: Array
-    h: Array
-    d: Array
-    v: Array
 
 
 @dataclass(frozen=True)
@@ -161,7 +149,7 @@ def _schlick_g(c: Array, k: Array) -> Array:
     return c / (c * (1 - k) + k)
 
 
-def _maskings(c: Cosines, a: Array, r: Array) -> Iterator[tuple[str, Array, bool]]:
+def maskings(c: Cosines, a: Array, r: Array) -> Iterator[tuple[str, Array, bool]]:
     """Name, G, and whether it is usual."""
     yield "no masking", np.ones_like(a), True
     root_i = np.sqrt(a * a + (1 - a * a) * c.i * c.i)
@@ -198,68 +186,6 @@ def _maskings(c: Cosines, a: Array, r: Array) -> Iterator[tuple[str, Array, bool
     yield "Cook-Torrance's masking", groove, True
     yield "Kelemen's masking", c.i * c.o / np.maximum(c.d**2, TINY), True
     yield "Neumann's masking", c.i * c.o / np.maximum(c.i, c.o), True
-
-
-def _schlick(c: Array, f0: Array) -> Array:
-    return f0 + (1 - f0) * (1 - np.clip(c, 0, 1)) ** 5
-
-
-def srgb_decoded(c: Array) -> Array:
-    """Linear values of sRGB ones (IEC 61966-2-1)."""
-    return np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
-
-
-def srgb_encoded(c: Array) -> Array:
-    """sRGB values of linear ones."""
-    return np.where(c <= 0.0031308, 12.92 * c, 1.055 * np.maximum(c, TINY) ** (1 / 2.4) - 0.055)
-
-
-COLOURS: dict[str, tuple[Callable[[Array], Array], bool]] = {
-    "{}": (lambda c: c, True),
-    "{}, decoded from sRGB": (srgb_decoded, False),
-    "{}, encoded to sRGB": (srgb_encoded, False),
-    "{}^2.2": (lambda c: c**2.2, False),
-    "{}^(1/2.2)": (lambda c: c ** (1 / 2.2), False),
-    "{} squared": (lambda c: c * c, False),
-}
-
-
-def _fresnels(c: Cosines, colours: dict[str, Array]) -> Iterator[tuple[str, Array, bool]]:
-    """Name, F, and whether it is usual."""
-    yield "no Fresnel term", np.ones_like(c.d), True
-    gaussian = 2 ** ((-5.55473 * c.d - 6.98316) * c.d)  # Lagarde 2012
-    fixed = np.full_like(c.d, 0.04)
-    yield "Schlick's Fresnel, F0 = 0.04", _schlick(c.d, fixed), True
-    for where, cosine in (("N.V", c.o), ("N.L", c.i), ("N.H", c.h)):
-        yield (
-            f"Schlick's Fresnel of {where} instead of V.H, F0 = 0.04",
-            _schlick(cosine, fixed),
-            False,
-        )
-    for name, f0 in colours.items():
-        for text, (turn, usual) in COLOURS.items():
-            colour = turn(f0)
-            shown = text.format(name)
-            yield f"times {shown}", colour, usual
-            if usual or "sRGB" in text or "2.2" in text:
-                yield f"Schlick's Fresnel of V.H, F0 = {shown}", _schlick(c.d, colour), usual
-        gauss = f0 + (1 - f0) * gaussian
-        yield f"Schlick's Fresnel as a spherical Gaussian, F0 = {name}", gauss, True
-        for where, cosine in (("N.V", c.o), ("N.L", c.i), ("N.H", c.h)):
-            yield (
-                f"Schlick's Fresnel of {where} instead of V.H, F0 = {name}",
-                _schlick(cosine, f0),
-                False,
-            )
-    if len(colours) <= PAIRED:
-        for (a, x), (b, y) in itertools.permutations(colours.items(), 2):
-            yield f"times {a} (1 - {b})", x * (1 - y), True
-            for how, away in (("of V.H", (1 - c.d) ** 5), ("as a spherical Gaussian", gaussian)):
-                f90 = x + (y - x) * away
-                yield f"Schlick's Fresnel {how}, F0 = {a}, F90 = {b}", f90, True
-            yield f"times {a}; Schlick's Fresnel of V.H, F0 = {b}", x * _schlick(c.d, y), True
-            if a < b:
-                yield f"times {a} {b}", x * y, True
 
 
 def _plain_diffuse(c: Cosines) -> Iterator[tuple[str, Array, bool]]:
@@ -386,7 +312,7 @@ def identify(foreign: Valued, count: int = 6) -> list[Product]:
         for name in [*numbers, ""]:
             r = numbers.get(name, np.full(len(log_f), 0.5))
             others = {k: v for k, v in colours.items() if k != name}
-            fresnel = _choices(_fresnels(cut, others))
+            fresnel = _choices(fresnels.terms(cut, others))
             plain = _choices(_plain_diffuse(cut), "diffuse")
             found += _tried(log_f, cut, plain, fresnel, foreign.returns)
             if not name:
@@ -394,12 +320,38 @@ def identify(foreign: Valued, count: int = 6) -> list[Product]:
             rough = _choices(_diffuse(cut, r, name), "diffuse")
             found += _tried(log_f, cut, rough, fresnel, foreign.returns)
             for mistake, other in _halves(cut):
-                terms = _choices(_fresnels(other, others))
-                shapes = _speculars if foreign.parameters[name].high <= 1 else _powers
+                terms = _choices(fresnels.terms(other, others))
+                shapes = speculars if foreign.parameters[name].high <= 1 else _powers
                 made = list(shapes(other, r, name, mistake))
                 found += _tried(log_f, other, made, terms, foreign.returns)
     found.sort(key=lambda p: (max(p.misfit, 2 * EXACT / 3), len(p.odd), len(p.terms)))
+    if found and found[0].exact and (remark := _faded(foreign, found[0])):
+        found[0] = replace(found[0], remarks=(*found[0].remarks, remark))
     return found[:count]
+
+
+def _faded(foreign: Valued, product: Product) -> str:
+    """How F90 follows an F0 that is set too small for any material; empty if it does not."""
+    name = next((n for n in foreign.parameters if fresnels.of_half(n) in product.terms), "")
+    low, high = fresnels.DIM
+    if not name or foreign.parameters[name].low > low:
+        return ""
+    wi, wo, c = directions(2 * PAIRS, 13)
+    grazing = c.d < GRAZING
+    wi, wo, d = wi[grazing], wo[grazing], c.d[grazing]
+    f0 = np.linspace(low, high, len(d))
+    middle = {n: 0.5 * (max(p.low, -1) + min(p.high, 1)) for n, p in foreign.parameters.items()}
+
+    def values(f0: Array) -> Array:
+        shown = np.repeat(f0[:, None], 3, axis=1) if foreign.parameters[name].width == 3 else f0
+        return foreign.raw(wi, wo, {**middle, name: shown})[:, 0]
+
+    bright = np.full_like(d, 0.5)
+    with np.errstate(all="ignore"):
+        F = values(f0) / values(bright) * fresnels.schlick(d, bright)
+    seen = np.isfinite(F)
+    end = fresnels.faded(d[seen], f0[seen], F[seen]) if seen.sum() > FEW else ""
+    return f"with {end} below {name} = 0.02, where no material is" if end else ""
 
 
 def _turned(w: Array) -> Array:
@@ -425,7 +377,11 @@ def _stretched(
             Choice(s.text, s.log, not s.swapped, s.kind)
             for s in anisotropic.shapes(anisotropic.Vectors(wi, wo, h), numbers)
         ]
-        return _tried(log_f, c, shapes, _choices(_fresnels(c, colours)), returns) if shapes else []
+        return (
+            _tried(log_f, c, shapes, _choices(fresnels.terms(c, colours)), returns)
+            if shapes
+            else []
+        )
 
 
 def _choices(pairs: Iterator[tuple[str, Array, bool]], kind: str = "") -> list[Choice]:
@@ -441,13 +397,13 @@ def _halves(c: Cosines) -> Iterator[tuple[str, Cosines]]:
     yield "half vector (L + V) / 2, not normalised", replace(c, h=c.d * c.h, d=c.d * c.d)
 
 
-def _speculars(c: Cosines, r: Array, name: str, mistake: str) -> Iterator[Choice]:
+def speculars(c: Cosines, r: Array, name: str, mistake: str) -> Iterator[Choice]:
     """D times G, in all combinations."""
     for (d_name, D), (scale, turn) in itertools.product(DISTRIBUTIONS.items(), WIDTHS.items()):
         a = np.maximum(turn(r), 1e-4)
         usual = scale in ("{}", "{}^2") and not mistake
         log_d = np.log(np.maximum(D(c.h, a), TINY))
-        for g_name, G, common in _maskings(c, a, r):
+        for g_name, G, common in maskings(c, a, r):
             text = f"{d_name}, alpha = {scale.format(name)}; {g_name}"
             if mistake:
                 text += f"; {mistake}"
@@ -477,7 +433,7 @@ def _powers(c: Cosines, n: Array, name: str, mistake: str) -> Iterator[Choice]:
     for lobe, cosine in (("Blinn-Phong, (N.H)^n", c.h), ("Phong, (R.V)^n", mirror)):
         log_power = n * np.log(np.maximum(cosine, TINY))
         for how, factor in NORMALISED.items():
-            for g_name, G, usual in _maskings(c, a, n):
+            for g_name, G, usual in maskings(c, a, n):
                 text = "; ".join(
                     t for t in (f"{lobe} with n = {name}, {how}", g_name, mistake) if t
                 )
@@ -510,7 +466,7 @@ def _tried(
         off = ratio - shift
         terms = [
             t
-            for t in (shapes[s].text, fresnel[k].text, _power(a, b))
+            for t in (shapes[s].text, fresnel[k].text, power(a, b))
             if t and t != "no Fresnel term"
         ]
         odd = [t.text for t in (shapes[s], fresnel[k]) if not t.usual]
@@ -573,7 +529,8 @@ def _before(kind: str, a: int, b: int, constant: float) -> Iterator[str]:
         yield wrong[name]
 
 
-def _power(a: int, b: int) -> str:
+def power(a: int, b: int) -> str:
+    """What powers of N.L and N.V are called."""
     above = [n for n, p in (("N.L", a), ("N.V", b)) if p > 0]
     below = [n for n, p in (("N.L", a), ("N.V", b)) if p < 0]
     if not above and not below:

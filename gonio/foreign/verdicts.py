@@ -21,7 +21,7 @@ from gonio.check.search import maximise
 from gonio.check.subject import Array
 from gonio.foreign import gain
 from gonio.foreign.function import Foreign
-from gonio.foreign.gain import without_poles
+from gonio.foreign.gain import with_digits, without_poles
 from gonio.foreign.harness import judged
 from gonio.foreign.places import LIMIT, MU_HARD, places
 from gonio.foreign.returned import names_exchanged
@@ -67,11 +67,13 @@ def check(
     if any(f.verdict in (UNSURE, FAIL) for f in found[0].findings):
         return found
     inner, notes = without_poles(subject)
-    found = [replace(found[0], findings=(*found[0].findings, *notes))]
+    clear, more = with_digits(inner) if set(CLEAR) & set(chosen) else (inner, [])
+    found = [replace(found[0], findings=(*found[0].findings, *notes, *more))]
     for done, name in enumerate(chosen):
         if progress is not None:
             progress(done, len(chosen))
-        findings = VERDICTS[name](subject if name == "finite" else inner, level)
+        judged_on = subject if name == "finite" else clear if name in CLEAR else inner
+        findings = VERDICTS[name](judged_on, level)
         seconds = time.perf_counter() - start
         start = time.perf_counter()
         if findings:
@@ -423,6 +425,9 @@ def _albedo(subject: ForeignSubject, effort: Effort) -> list[Finding]:
         )
     ]
 
+
+# What is judged where values have digits.
+CLEAR = ("energy", "reciprocity", "isotropy", "frame")
 
 VERDICTS: dict[str, Callable[[ForeignSubject, Effort], list[Finding]]] = {
     "energy": gain.check,
