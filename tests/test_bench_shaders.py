@@ -119,11 +119,10 @@ def test_a_shader_that_does_not_compile_is_an_error_with_its_line():
 # --------------------------------------------------------------------------------------------- length
 
 
-# torrance_sparrow's hand-written one squares numbers whose derivatives would leave a float32;
-# weidlich_wilkie's keeps its half vectors unnormalised, and has their length from one product for all.
-# Series of a logarithm are long enough for double precision, by hand for a float32: four instructions. By
-# hand phong has x and y as one vector.
-LONGER = {"torrance_sparrow": 2, "weidlich_wilkie": 6, "phong": 12, "triace_blinn_phong": 4}
+# torrance_sparrow's hand-written one squares numbers that would leave a float32 for the shortest vectors;
+# weidlich_wilkie's takes F and 1 - F from one quotient. By hand phong has x and y as one vector, and disney
+# joins quotients whose common denominator is 0 for the shortest vectors.
+LONGER = {"torrance_sparrow": 1, "weidlich_wilkie": 2, "phong": 8, "disney": 9}
 
 
 @pytest.mark.parametrize("name", NAMES)

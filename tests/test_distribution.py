@@ -355,6 +355,44 @@ def test_half_vectors_are_exact_for_a_mirror_and_finite_for_opposite_directions(
     np.testing.assert_allclose(numbers(frame.cos_half(wi, wo)), low, rtol=SINGLE)
 
 
+# D, and what exports take in its place at a half vector.
+ALONG: dict[str, tuple[Density, Density]] = {
+    "ggx": (
+        lambda m, a: distribution.GGX(a, 4 * a).D(m),
+        lambda h, a: distribution.GGX(a, 4 * a).D_along(h),
+    ),
+    "round ggx": (
+        lambda m, a: distribution.RoundGGX(a).D(m),
+        lambda h, a: distribution.RoundGGX(a).D_along(h),
+    ),
+    "round beckmann": (
+        lambda m, a: distribution.RoundBeckmann(a).D(m),
+        lambda h, a: distribution.RoundBeckmann(a).D_along(h),
+    ),
+    "gtr1": (
+        lambda m, a: distribution.GTR1(a).D_narrow(m),
+        lambda h, a: distribution.GTR1(a).D_narrow_along(h),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ALONG)
+@pytest.mark.parametrize("alpha", [1e-4, 0.03, 0.25])
+def test_a_normals_length_does_not_matter_to_what_is_along_it(name: str, alpha: float) -> None:
+    """In both precisions; and at the half vector of the lowest opposite directions."""
+    of_unit, along = ALONG[name]
+    lobe = polar(np.concatenate([alpha * np.linspace(0, 4, 9), [0.5, 1.2]]), PHI)
+    for size, m in ((2 * MU_MIN, polar([0.0], PHI)), (1e-6, lobe), (1.0, lobe), (1.9, lobe)):
+        h = (size * m).astype(np.float32)
+        unit = h / np.linalg.norm(h.astype(float), axis=-1)[:, None]
+        exact = numbers(of_unit(vector(unit), Float64(alpha)))
+        double = numbers(along(vector(h), Float64(alpha)))
+        np.testing.assert_allclose(double, exact, rtol=DOUBLE_DIVIDED)
+        single = numbers(along(vector(h, Float), Float(alpha)))
+        tail = np.maximum(exact, 1e-6 * exact.max())
+        assert np.max(np.abs(single - exact) / tail) < SINGLE_PROMISED
+
+
 def test_exponent_and_width_of_blinn_phong_convert_both_ways() -> None:
     for alpha in (1e-3, 0.2, 1.0):
         n = distribution.blinn_phong_exponent(alpha)

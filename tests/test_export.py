@@ -550,6 +550,17 @@ def test_no_word_of_a_comment_stands_alone_in_its_last_line(words: list[str]) ->
     assert len(lines) == 1 or len(lines[-1].split()) > 1
 
 
+def test_a_half_vector_is_not_made_unit_for_what_is_along_it() -> None:
+    """But for languages that take derivatives, which short vectors have none of."""
+    model = gonio.model("torrance_sparrow")
+    found = export({"m": model}, "hlsl", only=["eval"])[0].source
+    assert "D_along(m_facets(params), wi + wo)" in found
+    assert "m_half_vector" not in found
+    slang = export({"m": model}, "slang", only=["eval"])[0].source
+    assert "D(this.facets(), m_half_vector(wi, wo))" in slang
+    assert "D_along" not in slang
+
+
 def test_a_model_without_a_mean_albedo_is_refused_where_it_is_needed() -> None:
     base = gonio.model("torrance_sparrow")
     coated = gonio.model("weidlich_wilkie", base=base, bounces="diffuse")

@@ -34,6 +34,7 @@ from gonio.export.vocabulary import RULES, widest
 from gonio.fields import Parameter
 from gonio.lights.lookups import Lookups
 from gonio.model import Model
+from gonio.parts.frame import half_vector
 from gonio.polynomials import terms_in_single
 from gonio.table import Table, fetch
 
@@ -42,6 +43,9 @@ PRODUCT_MAX = 16
 
 # polynomial(x, bound, c0, c1)
 POLYNOMIAL_MIN = 4
+
+# Ends the name of a method that takes a vector of any length in the place of a unit one.
+ALONG = "_along"
 
 # What annotations of a NamedTuple's members mean.
 ANNOTATED: dict[Any, Type] = {
@@ -169,10 +173,30 @@ class Calls(Expressions):
         if not self._is_ours(method.function) or hasattr(method.function, "__wrapped__"):
             self.refuse(node, f"{method.name!r} is no plain method; write one, or a function.")
         passed, kinds = self._typed(self._arguments(node, method.function, 1))
+        function = self._along(method)
+        if function is not None and len(passed) == 1 and self._is_half_vector(passed[0]):
+            wi, wo = cast(Call, passed[0]).arguments
+            passed = [Operation("+", wi, wo, "vec3")]
+        else:
+            function = method.function
         given = (method.model, *passed)
         kinds = [method.model.type, *kinds]
-        made = self._made(node, method.function, kinds, None, "", True, given)
+        made = self._made(node, function, kinds, None, "", True, given)
         return Call(made, given, made.result)
+
+    def _along(self, method: Method) -> types.FunctionType | None:
+        """The method of the same name that takes a vector of any length: D_along for D.
+
+        Not where derivatives are taken, which leave single precision on the way for the shortest vectors.
+        """
+        kind = method.model.type
+        assert isinstance(kind, Struct)
+        found = vars(kind.python).get(f"{method.name}{ALONG}") if kind.python else None
+        plain = isinstance(found, types.FunctionType) and not self.reader.differentiable
+        return found if plain else None
+
+    def _is_half_vector(self, expr: Expr) -> bool:
+        return isinstance(expr, Call) and self.reader.origin(expr.function) is half_vector
 
     def _check_signature(self, node: ast.Call, name: str, passed: Sequence[Expr]) -> None:
         expected = SIGNATURES[name][0]

@@ -93,15 +93,19 @@ class CodedTable:
         ]
 
     def look_up(self, place: Array, row: Array) -> Array:
-        """Linear between entries, as a shader reads it; of F `place` is the cosine, of D it is u."""
-        values = self.codes.astype(np.float64) / self.most
+        """Linear between entries, as a shader reads it; of F `place` is the cosine, of D it is u.
+
+        In the precision of the place, whose digits within the table count.
+        """
+        place = np.asarray(place)
+        values = self.codes.astype(place.dtype) / place.dtype.type(self.most)
         last = values.shape[1] - 1
-        at = np.clip(np.nan_to_num(np.asarray(place, np.float64)), 0, 1) * last
+        at = np.clip(np.nan_to_num(place), 0, 1) * place.dtype.type(last)
         left = np.minimum(at.astype(int), last - 1)
-        row = np.clip(np.nan_to_num(np.asarray(row, np.float64)), 0, len(values) - 1)
+        row = np.clip(np.nan_to_num(np.asarray(row, place.dtype)), 0, len(values) - 1)
         top = np.minimum(row.astype(int), max(len(values) - 2, 0))
         left, top, at, row = np.broadcast_arrays(left, top, at, row)
-        s, t = at - left, row - top
+        s, t = (at - left).astype(place.dtype), (row - top).astype(place.dtype)
         if values.ndim == 3:
             s, t = s[:, None], t[:, None]
         below = np.minimum(top + 1, len(values) - 1)

@@ -158,6 +158,12 @@ class Collector(Protocol):
     """Functions of the vocabulary that are taken from the library."""
     sample: Struct
     """The struct of a sampled direction."""
+    differentiable: bool
+    """Whether the language takes derivatives of the text."""
+
+    def origin(self, function: Function) -> types.FunctionType | None:
+        """The Python function that an exported one was read from."""
+        ...
 
     def function_for(
         self,

@@ -101,7 +101,7 @@ def export_lit(
     check_prefixes([name, *([prefix] if prefix else [])])
     name = legal(name).rstrip("_")
     shared = legal(prefix or name).rstrip("_")
-    reader = Reader(shared, target.library, [name])
+    reader = Reader(shared, target.library, [name], differentiable=bool(target.attribute))
     root = reader.model(model, name, title=name)
     wanted = [reader.method(root, f) for f in FUNCTIONS if f in only]
     shade = read_shade(reader, root, taken)

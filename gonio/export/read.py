@@ -54,16 +54,25 @@ def camel(name: str) -> str:
 class Reader:
     """Collects the functions and structs of one export, each once, callees before callers."""
 
-    def __init__(self, prefix: str, lacking: frozenset[str], roots: Iterable[str] = ()) -> None:
+    def __init__(
+        self,
+        prefix: str,
+        lacking: frozenset[str],
+        roots: Iterable[str] = (),
+        *,
+        differentiable: bool = False,
+    ) -> None:
         """Begin an export.
 
         Args:
             prefix: of shared functions and types.
             lacking: functions of the vocabulary that are taken from the library.
+            differentiable: whether the language takes derivatives of the text.
             roots: prefixes of the models that are exported, whose names are theirs.
         """
         self.prefix = prefix
         self.lacking = lacking
+        self.differentiable = differentiable
         self._roots = {camel(name) for name in roots}
         self.structs: list[Struct] = []
         self.functions: list[Function] = []

@@ -7,7 +7,7 @@ q = (sine / width)^2: every width has the same number of entries in its highligh
 in the width, and no power or logarithm is left. The table holds the root of pi alpha^2 D, for 8 bits.
 """
 
-from gonio.lang import INV_PI, Float, Vec3, dot, maximum, minimum, safe_sqrt
+from gonio.lang import INV_PI, Float, Vec3, dot, length, maximum, minimum, safe_sqrt
 from gonio.lights.lookups import Lookups
 
 # Stands for the squared sine of a facet that lies level, where any width along its azimuth will do.
@@ -19,10 +19,14 @@ def facet_sin2(m: Vec3) -> Float:
     return m.x * m.x + m.y * m.y
 
 
-def half_vector_sin2(wi: Vec3, wo: Vec3) -> Float:
-    """Squared sine of the facets that mirror wi into wo, without making their normal unit."""
-    h = wi + wo
+def sin2_along(h: Vec3) -> Float:
+    """Squared sine of the facet whose normal is along h, without making it unit."""
     return (h.x * h.x + h.y * h.y) / dot(h, h)
+
+
+def unit(h: Vec3) -> Vec3:
+    """The normal along h."""
+    return h / length(h)
 
 
 def tabled_D(

@@ -14,6 +14,7 @@ from typing import cast
 import numpy as np
 
 from gonio.export import table_facets
+from gonio.export.calls import ALONG
 from gonio.export.coded import COSINES, DISTRIBUTION, FRESNEL, Array, CodedTable, Request
 from gonio.export.evaluate import Known, Machine
 from gonio.export.read import Reader
@@ -30,6 +31,9 @@ SINE2 = ("sin2_h", "sin2")
 
 # The host, by which lookups are told from other calls.
 HOST = Static(Lookups())
+
+# Methods of facets that are their density, at a normal or along one.
+DENSITIES = ("D", "D_narrow", f"D{ALONG}", f"D_narrow{ALONG}")
 
 # Where errors are measured: so many places between two entries; and facets, for D.
 BETWEEN = 8
@@ -61,7 +65,7 @@ def angles_of(function: Function, reader: Reader | None = None) -> int:
 def widths_of(function: Function, reader: Reader) -> tuple[str, ...]:
     """The widths of the facets whose D a function is; none of other functions."""
     origin = reader.origin(function)
-    if origin is None or origin.__name__ not in ("D", "D_narrow") or len(function.parameters) != 2:
+    if origin is None or origin.__name__ not in DENSITIES or len(function.parameters) != 2:
         return ()
     kind = function.parameters[0][1]
     if not isinstance(kind, Struct) or kind.python is None or kind.fixed:
@@ -169,7 +173,11 @@ class Distributions:
         made = [np.sqrt(self._over_round_peak(b) / self._scale(b)) for b in self.blocks]
         table = CodedTable(DISTRIBUTION, codes_of(np.concatenate(made), self.request.bits), (), ())
         errors = [self._error(table, number) for number in range(len(self.blocks))]
-        return replace(table, rows=tuple(b.plain for b in self.blocks), errors=tuple(errors))
+        return replace(
+            table,
+            rows=tuple(b.plain.removesuffix(ALONG) for b in self.blocks),
+            errors=tuple(errors),
+        )
 
     def _error(self, table: CodedTable, number: int) -> float:
         """Largest error of D over its peak, at random facets and widths."""

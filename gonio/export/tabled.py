@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from gonio.export import table_facets
+from gonio.export.calls import ALONG
 from gonio.export.coded import DISTRIBUTION, FRESNEL, Request, Tables
 from gonio.export.evaluate import UNKNOWN, Known, Machine
 from gonio.export.read import Reader
@@ -38,6 +39,7 @@ from gonio.export.tree import (
     Expr,
     Function,
     Number,
+    Operation,
     Repeat,
     Return,
     ReturnIf,
@@ -285,19 +287,19 @@ class _Work:
         facets, m = call.arguments
         alphas = [Access(facets, name, "float") for name in widths]
         numbers = [Number(v) for v in self.facets.numbers(number)]
-        where = m if len(widths) > 1 else self._facet_sin2(m)
+        along = function.plain.endswith(ALONG)  # a vector that need not be unit
+        if isinstance(m, Call) and self.reader.origin(m.function) is half_vector:
+            wi, wo = m.arguments
+            m, along = Operation("+", wi, wo, "vec3"), True
+        if len(widths) == 1:
+            where = self._own(table_facets.sin2_along if along else table_facets.facet_sin2, m)
+        else:
+            where = self._own(table_facets.unit, m) if along else m
         return Call(made, (where, *alphas, *numbers), "float")
 
-    def _facet_sin2(self, m: Expr) -> Expr:
-        """Of a facet's normal; without making it unit where it is a half vector."""
-        if isinstance(m, Call) and self.reader.origin(m.function) is half_vector:
-            return self._own(table_facets.half_vector_sin2, m.arguments)
-        return self._own(table_facets.facet_sin2, (m,))
-
-    def _own(self, written: Any, vectors: Sequence[Expr]) -> Expr:
-        return Call(
-            self.reader.function_for(written, ["vec3"] * len(vectors)), tuple(vectors), "float"
-        )
+    def _own(self, written: Any, vector: Expr) -> Expr:
+        function = self.reader.function_for(written, ["vec3"])
+        return Call(function, (vector,), function.result)
 
 
 def _mark(value: Known) -> Any:

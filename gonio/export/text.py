@@ -99,7 +99,7 @@ def export(
     # Names that begin with gl_ belong to OpenGL
     models = {legal(name).rstrip("_"): model for name, model in models.items()}
     shared = legal(prefix or (next(iter(models)) if len(models) == 1 else SHARED)).rstrip("_")
-    reader = Reader(shared, target.library, models)
+    reader = Reader(shared, target.library, models, differentiable=bool(target.attribute))
     roots = [reader.model(model, name, title=name) for name, model in models.items()]
     wanted = [reader.method(root, name) for root in roots for name in FUNCTIONS if name in only]
     made = None

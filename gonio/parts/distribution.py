@@ -7,6 +7,9 @@ direction sees. What Smith's masking needs of a distribution is `area`: all of t
 they face, as large as w sees them, the integral of |w . m| D(m). It is mu (1 + 2 Lambda), and
 gonio.parts.masking makes Lambda, G1 and G of it.
 
+Some also have D_along, which exports call in the place of D at a half vector. It does not make the vector
+unit, and has no derivatives where light and viewer are opposite and at the horizon.
+
 alpha is the width of the distribution of slopes, from ALPHA_MIN to 1: Disney's and Unity's "roughness" r is
 perceptual, alpha = r^2. Anisotropic ones have a width along x and one along y; the round ones are the same
 with one width, by fewer operations.
@@ -131,6 +134,14 @@ class GGX(NamedTuple):
         s = dot(v, v)
         return INV_PI / (self.alpha_x * self.alpha_y * s * s)
 
+    def D_along(self, h: Vec3) -> Float:
+        """`D` at the normal along h, which need not be unit."""
+        x, y = 1 / self.alpha_x, 1 / self.alpha_y
+        # 1 / s from lengths, as their squares may leave a float32's range
+        r = length(h) / length(vec3(h.x * x, h.y * y, h.z))
+        r2 = r * r
+        return INV_PI * x * y * (r2 * r2)
+
     def area(self, w: Vec3) -> Float:
         """mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made."""
         return length(vec3(self.alpha_x * w.x, self.alpha_y * w.y, w.z))
@@ -173,9 +184,17 @@ class RoundGGX(NamedTuple):
 
     def D(self, m: Vec3) -> Float:
         """Density of facets, in 1/sr. Walter et al., Eq. 33."""
-        v = vec3(m.x, m.y, self.alpha * m.z)
-        s = dot(v, v)
-        return INV_PI * self.alpha * self.alpha / (s * s)
+        return self._at(m.x * m.x + m.y * m.y)
+
+    def D_along(self, h: Vec3) -> Float:
+        """`D` at the normal along h, which need not be unit."""
+        return self._at((h.x * h.x + h.y * h.y) / dot(h, h))
+
+    def _at(self, sin2: Float) -> Float:
+        """`D` of a squared sine."""
+        a2 = self.alpha * self.alpha
+        s = a2 + (1 - a2) * sin2
+        return INV_PI * a2 / (s * s)
 
     def area(self, w: Vec3) -> Float:
         """mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made."""
@@ -277,10 +296,18 @@ class RoundBeckmann(NamedTuple):
 
     def D(self, m: Vec3) -> Float:
         """Density of facets, in 1/sr. Walter et al., Eq. 25."""
-        inv_cos2 = 1 / maximum(m.z * m.z, COS2_MIN)
-        tan2 = (m.x * m.x + m.y * m.y) * inv_cos2
+        return self._at(m.x * m.x + m.y * m.y, m.z * m.z)
+
+    def D_along(self, h: Vec3) -> Float:
+        """`D` at the normal along h, which need not be unit."""
+        length2 = dot(h, h)
+        return self._at((h.x * h.x + h.y * h.y) / length2, h.z * h.z / length2)
+
+    def _at(self, sin2: Float, cos2: Float) -> Float:
+        """`D` of the squares of a sine and its cosine."""
+        inv_cos2 = 1 / maximum(cos2, COS2_MIN)
         a2 = self.alpha * self.alpha
-        return INV_PI / a2 * inv_cos2 * inv_cos2 * exp(-tan2 / a2)
+        return INV_PI / a2 * inv_cos2 * inv_cos2 * exp(-sin2 * inv_cos2 / a2)
 
     def sine(self, w: Vec3) -> Float:
         """alpha sin(theta); at least MU_MIN."""
@@ -423,9 +450,17 @@ class GTR1(NamedTuple):
 
     def D_narrow(self, m: Vec3) -> Float:
         """`D` for alpha up to 0.5, where nothing cancels in its norm."""
+        return self._narrow_at(m.x * m.x + m.y * m.y)
+
+    def D_narrow_along(self, h: Vec3) -> Float:
+        """`D_narrow` at the normal along h, which need not be unit."""
+        return self._narrow_at((h.x * h.x + h.y * h.y) / dot(h, h))
+
+    def _narrow_at(self, sin2: Float) -> Float:
+        """`D_narrow` of a squared sine."""
         a2 = self.alpha * self.alpha
-        v = vec3(m.x, m.y, self.alpha * m.z)
-        return INV_PI * (a2 - 1) / (log(a2) * dot(v, v))
+        below_one = 1 - a2
+        return INV_PI * below_one / (-log(a2) * (a2 + below_one * sin2))
 
     def sample(self, u: Vec2) -> Vec3:
         """A normal with density D m.z. Burley, Eq. 5."""

@@ -261,11 +261,16 @@ inline float blinn_pdf_cosine(Vec3 w) {
     return w.z * inv_pi;
 }
 
+// `D` of a squared sine.
+inline float blinn_round_ggx_at(BlinnRoundGGX round_ggx, float sin2) {
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0f - a2) * sin2;
+    return inv_pi * a2 / (s * s);
+}
+
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 inline float blinn_round_ggx_D(BlinnRoundGGX round_ggx, Vec3 m) {
-    Vec3 v = Vec3{m.x, m.y, round_ggx.alpha * m.z};
-    float s = dot(v, v);
-    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
+    return blinn_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

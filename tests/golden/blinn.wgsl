@@ -204,12 +204,17 @@ fn blinn_pdf_cosine(w: vec3f) -> f32 {
     return w.z * inv_pi;
 }
 
+// `D` of a squared sine.
+fn blinn_round_ggx_at(round_ggx: BlinnRoundGGX, sin2: f32) -> f32 {
+    const inv_pi = 0.31830987;
+    let a2 = round_ggx.alpha * round_ggx.alpha;
+    let s = a2 + (1.0 - a2) * sin2;
+    return inv_pi * a2 / (s * s);
+}
+
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 fn blinn_round_ggx_D(round_ggx: BlinnRoundGGX, m: vec3f) -> f32 {
-    const inv_pi = 0.31830987;
-    let v = vec3f(m.x, m.y, round_ggx.alpha * m.z);
-    let s = dot(v, v);
-    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
+    return blinn_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

@@ -114,12 +114,17 @@ inline float car_paint_F_dielectric_entering(float cos_theta, float eta) {
     return car_paint_F_dielectric(cos_theta, 1.0 - cos_theta * cos_theta, eta, g2);
 }
 
+// `D` of a squared sine.
+inline float car_paint_round_ggx_at(CarPaintRoundGGX round_ggx, float sin2) {
+    const float inv_pi = 0.31830987;
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0 - a2) * sin2;
+    return inv_pi * a2 / (s * s);
+}
+
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 inline float car_paint_round_ggx_D(CarPaintRoundGGX round_ggx, float3 m) {
-    const float inv_pi = 0.31830987;
-    float3 v = float3(m.x, m.y, round_ggx.alpha * m.z);
-    float s = dot(v, v);
-    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
+    return car_paint_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

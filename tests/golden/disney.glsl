@@ -123,18 +123,27 @@ DisneyGTR1 disney_coat(Disney params) {
     return DisneyGTR1(mix(COAT_ALPHA_SATIN, COAT_ALPHA_GLOSS, params.clearcoat_gloss));
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 disney_half_vector(vec3 wi, vec3 wo) {
     vec3 h = wi + wo;
     return h / length(h);  // which disney_cos_half needs as well
 }
 
-// `D` for alpha up to 0.5, where nothing cancels in its norm.
-float disney_gtr1_D_narrow(DisneyGTR1 gtr1, vec3 m) {
+// ---- evaluation ----------------------------------------------------------------------------
+
+// `D_narrow` of a squared sine.
+float disney_gtr1_narrow_at(DisneyGTR1 gtr1, float sin2) {
     const float inv_pi = 0.31830987;
     float a2 = gtr1.alpha * gtr1.alpha;
-    vec3 v = vec3(m.x, m.y, gtr1.alpha * m.z);
-    return inv_pi * (a2 - 1.0) / (log(a2) * dot(v, v));
+    float below_one = 1.0 - a2;
+    return inv_pi * below_one / (-log(a2) * (a2 + below_one * sin2));
+}
+
+// `D_narrow` at the normal along h, which need not be unit.
+float disney_gtr1_D_narrow_along(DisneyGTR1 gtr1, vec3 h) {
+    return disney_gtr1_narrow_at(gtr1, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
@@ -170,7 +179,7 @@ vec3 disney_eval_round(Disney params, vec3 wi, vec3 wo) {
     float F_H = disney_schlick_weight_half(wi, wo);
     vec3 base = (1.0 - params.metallic) * (diffuse + F_H * disney_sheen(params));
 
-    float D_c = disney_gtr1_D_narrow(disney_coat(params), disney_half_vector(wi, wo));
+    float D_c = disney_gtr1_D_narrow_along(disney_coat(params), wi + wo);
     float V_c = disney_V_smith(DisneyRoundGGX(COAT_ALPHA_MASKING), wi, wo);
     float F_c = params.clearcoat * mix(COAT_STRENGTH * COAT_F0, COAT_STRENGTH, F_H);
     return base + F_c * (D_c * V_c);
@@ -186,13 +195,15 @@ DisneyGGX disney_facets(Disney params) {
     return DisneyGGX(max(alpha / aspect, ALPHA_DISNEY), max(alpha * aspect, ALPHA_DISNEY));
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-float disney_ggx_D(DisneyGGX ggx, vec3 m) {
+// `D` at the normal along h, which need not be unit.
+float disney_ggx_D_along(DisneyGGX ggx, vec3 h) {
     const float inv_pi = 0.31830987;
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    vec3 v = vec3(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
-    float s = dot(v, v);
-    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
+    float x = 1.0 / ggx.alpha_x;
+    float y = 1.0 / ggx.alpha_y;
+    // 1 / s from lengths, as their squares may leave a float32's range
+    float r = length(h) / length(vec3(h.x * x, h.y * y, h.z));
+    float r2 = r * r;
+    return inv_pi * x * y * (r2 * r2);
 }
 
 // Masking of the highlight, G / (4 mu_i mu_o).
@@ -203,8 +214,7 @@ float disney_V(Disney params, vec3 wi, vec3 wo) {
 
 // The highlight without F.
 float disney_highlight(Disney params, vec3 wi, vec3 wo) {
-    return disney_ggx_D(disney_facets(params), disney_half_vector(wi, wo))
-        * disney_V(params, wi, wo);
+    return disney_ggx_D_along(disney_facets(params), wi + wo) * disney_V(params, wi, wo);
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -378,10 +388,24 @@ vec3 disney_sample_cosine(vec2 u) {
     return vec3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
+// `D` for alpha up to 0.5, where nothing cancels in its norm.
+float disney_gtr1_D_narrow(DisneyGTR1 gtr1, vec3 m) {
+    return disney_gtr1_narrow_at(gtr1, m.x * m.x + m.y * m.y);
+}
+
 // Density of disney_mirror in 1/sr, if m has the given density and cos_h = wo . m.
 float disney_pdf_mirror(float density, float cos_h) {
     // Walter et al., Eq. 14
     return 0.25 * density / cos_h;
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+float disney_ggx_D(DisneyGGX ggx, vec3 m) {
+    const float inv_pi = 0.31830987;
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    vec3 v = vec3(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
+    float s = dot(v, v);
+    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

@@ -222,17 +222,26 @@ inline DisneyGTR1 disney_coat(const Disney& params) {
     return DisneyGTR1{lerp(COAT_ALPHA_SATIN, COAT_ALPHA_GLOSS, params.clearcoat_gloss)};
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 disney_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
     return h / length(h);  // which disney_cos_half needs as well
 }
 
-// `D` for alpha up to 0.5, where nothing cancels in its norm.
-inline float disney_gtr1_D_narrow(DisneyGTR1 gtr1, Vec3 m) {
+// ---- evaluation ----------------------------------------------------------------------------
+
+// `D_narrow` of a squared sine.
+inline float disney_gtr1_narrow_at(DisneyGTR1 gtr1, float sin2) {
     float a2 = gtr1.alpha * gtr1.alpha;
-    Vec3 v = Vec3{m.x, m.y, gtr1.alpha * m.z};
-    return inv_pi * (a2 - 1.0f) / (logf(a2) * dot(v, v));
+    float below_one = 1.0f - a2;
+    return inv_pi * below_one / (-logf(a2) * (a2 + below_one * sin2));
+}
+
+// `D_narrow` at the normal along h, which need not be unit.
+inline float disney_gtr1_D_narrow_along(DisneyGTR1 gtr1, Vec3 h) {
+    return disney_gtr1_narrow_at(gtr1, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
@@ -264,7 +273,7 @@ inline Vec3 disney_eval_round(const Disney& params, Vec3 wi, Vec3 wo) {
     float F_H = disney_schlick_weight_half(wi, wo);
     Vec3 base = (1.0f - params.metallic) * (diffuse + F_H * disney_sheen(params));
 
-    float D_c = disney_gtr1_D_narrow(disney_coat(params), disney_half_vector(wi, wo));
+    float D_c = disney_gtr1_D_narrow_along(disney_coat(params), wi + wo);
     float V_c = disney_V_smith(DisneyRoundGGX{COAT_ALPHA_MASKING}, wi, wo);
     float F_c = params.clearcoat * lerp(COAT_STRENGTH * COAT_F0, COAT_STRENGTH, F_H);
     return base + F_c * (D_c * V_c);
@@ -277,12 +286,14 @@ inline DisneyGGX disney_facets(const Disney& params) {
     return DisneyGGX{fmaxf(alpha / aspect, ALPHA_DISNEY), fmaxf(alpha * aspect, ALPHA_DISNEY)};
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-inline float disney_ggx_D(DisneyGGX ggx, Vec3 m) {
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    Vec3 v = Vec3{m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z};
-    float s = dot(v, v);
-    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
+// `D` at the normal along h, which need not be unit.
+inline float disney_ggx_D_along(DisneyGGX ggx, Vec3 h) {
+    float x = 1.0f / ggx.alpha_x;
+    float y = 1.0f / ggx.alpha_y;
+    // 1 / s from lengths, as their squares may leave a float32's range
+    float r = length(h) / length(Vec3{h.x * x, h.y * y, h.z});
+    float r2 = r * r;
+    return inv_pi * x * y * (r2 * r2);
 }
 
 // Masking of the highlight, G / (4 mu_i mu_o).
@@ -293,8 +304,7 @@ inline float disney_V(const Disney& params, Vec3 wi, Vec3 wo) {
 
 // The highlight without F.
 inline float disney_highlight(const Disney& params, Vec3 wi, Vec3 wo) {
-    return disney_ggx_D(disney_facets(params), disney_half_vector(wi, wo))
-        * disney_V(params, wi, wo);
+    return disney_ggx_D_along(disney_facets(params), wi + wo) * disney_V(params, wi, wo);
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -444,10 +454,23 @@ inline Vec3 disney_sample_cosine(Vec2 u) {
     return Vec3{r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u.x, 0.0f))};
 }
 
+// `D` for alpha up to 0.5, where nothing cancels in its norm.
+inline float disney_gtr1_D_narrow(DisneyGTR1 gtr1, Vec3 m) {
+    return disney_gtr1_narrow_at(gtr1, m.x * m.x + m.y * m.y);
+}
+
 // Density of disney_mirror in 1/sr, if m has the given density and cos_h = wo . m.
 inline float disney_pdf_mirror(float density, float cos_h) {
     // Walter et al., Eq. 14
     return 0.25f * density / cos_h;
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+inline float disney_ggx_D(DisneyGGX ggx, Vec3 m) {
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    Vec3 v = Vec3{m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z};
+    float s = dot(v, v);
+    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

@@ -122,18 +122,27 @@ fn disney_coat(params: Disney) -> DisneyGTR1 {
     return DisneyGTR1(mix(COAT_ALPHA_SATIN, COAT_ALPHA_GLOSS, params.clearcoat_gloss));
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn disney_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
     return h / length(h);  // which disney_cos_half needs as well
 }
 
-// `D` for alpha up to 0.5, where nothing cancels in its norm.
-fn disney_gtr1_D_narrow(gtr1: DisneyGTR1, m: vec3f) -> f32 {
+// ---- evaluation ----------------------------------------------------------------------------
+
+// `D_narrow` of a squared sine.
+fn disney_gtr1_narrow_at(gtr1: DisneyGTR1, sin2: f32) -> f32 {
     const inv_pi = 0.31830987;
     let a2 = gtr1.alpha * gtr1.alpha;
-    let v = vec3f(m.x, m.y, gtr1.alpha * m.z);
-    return inv_pi * (a2 - 1.0) / (log(a2) * dot(v, v));
+    let below_one = 1.0 - a2;
+    return inv_pi * below_one / (-log(a2) * (a2 + below_one * sin2));
+}
+
+// `D_narrow` at the normal along h, which need not be unit.
+fn disney_gtr1_D_narrow_along(gtr1: DisneyGTR1, h: vec3f) -> f32 {
+    return disney_gtr1_narrow_at(gtr1, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
@@ -169,7 +178,7 @@ fn disney_eval_round(params: Disney, wi: vec3f, wo: vec3f) -> vec3f {
     let F_H = disney_schlick_weight_half(wi, wo);
     let base = (1.0 - params.metallic) * (diffuse + F_H * disney_sheen(params));
 
-    let D_c = disney_gtr1_D_narrow(disney_coat(params), disney_half_vector(wi, wo));
+    let D_c = disney_gtr1_D_narrow_along(disney_coat(params), wi + wo);
     let V_c = disney_V_smith(DisneyRoundGGX(COAT_ALPHA_MASKING), wi, wo);
     let F_c = params.clearcoat * mix(COAT_STRENGTH * COAT_F0, COAT_STRENGTH, F_H);
     return base + F_c * (D_c * V_c);
@@ -185,13 +194,15 @@ fn disney_facets(params: Disney) -> DisneyGGX {
     return DisneyGGX(max(alpha / aspect, ALPHA_DISNEY), max(alpha * aspect, ALPHA_DISNEY));
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-fn disney_ggx_D(ggx: DisneyGGX, m: vec3f) -> f32 {
+// `D` at the normal along h, which need not be unit.
+fn disney_ggx_D_along(ggx: DisneyGGX, h: vec3f) -> f32 {
     const inv_pi = 0.31830987;
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    let v = vec3f(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
-    let s = dot(v, v);
-    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
+    let x = 1.0 / ggx.alpha_x;
+    let y = 1.0 / ggx.alpha_y;
+    // 1 / s from lengths, as their squares may leave a float32's range
+    let r = length(h) / length(vec3f(h.x * x, h.y * y, h.z));
+    let r2 = r * r;
+    return inv_pi * x * y * (r2 * r2);
 }
 
 // Masking of the highlight, G / (4 mu_i mu_o).
@@ -202,8 +213,7 @@ fn disney_V(params: Disney, wi: vec3f, wo: vec3f) -> f32 {
 
 // The highlight without F.
 fn disney_highlight(params: Disney, wi: vec3f, wo: vec3f) -> f32 {
-    return disney_ggx_D(disney_facets(params), disney_half_vector(wi, wo))
-        * disney_V(params, wi, wo);
+    return disney_ggx_D_along(disney_facets(params), wi + wo) * disney_V(params, wi, wo);
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -376,10 +386,24 @@ fn disney_sample_cosine(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
+// `D` for alpha up to 0.5, where nothing cancels in its norm.
+fn disney_gtr1_D_narrow(gtr1: DisneyGTR1, m: vec3f) -> f32 {
+    return disney_gtr1_narrow_at(gtr1, m.x * m.x + m.y * m.y);
+}
+
 // Density of disney_mirror in 1/sr, if m has the given density and cos_h = wo . m.
 fn disney_pdf_mirror(density: f32, cos_h: f32) -> f32 {
     // Walter et al., Eq. 14
     return 0.25 * density / cos_h;
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+fn disney_ggx_D(ggx: DisneyGGX, m: vec3f) -> f32 {
+    const inv_pi = 0.31830987;
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    let v = vec3f(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
+    let s = dot(v, v);
+    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

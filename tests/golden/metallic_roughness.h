@@ -179,17 +179,26 @@ inline float metallic_roughness_alpha(const MetallicRoughness& params) {
     return fmaxf(params.roughness * params.roughness, ALPHA_MIN);
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 metallic_roughness_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
     return h / length(h);  // which metallic_roughness_cos_half needs as well
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33.
-inline float metallic_roughness_round_ggx_D(MetallicRoughnessRoundGGX round_ggx, Vec3 m) {
-    Vec3 v = Vec3{m.x, m.y, round_ggx.alpha * m.z};
-    float s = dot(v, v);
-    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
+// ---- evaluation ----------------------------------------------------------------------------
+
+// `D` of a squared sine.
+inline float metallic_roughness_round_ggx_at(MetallicRoughnessRoundGGX round_ggx, float sin2) {
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0f - a2) * sin2;
+    return inv_pi * a2 / (s * s);
+}
+
+// `D` at the normal along h, which need not be unit.
+inline float metallic_roughness_round_ggx_D_along(MetallicRoughnessRoundGGX round_ggx, Vec3 h) {
+    return metallic_roughness_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
@@ -208,7 +217,7 @@ inline float metallic_roughness_V_smith_correlated(MetallicRoughnessRoundGGX fac
 // D G / (4 mu_i mu_o): the highlight without F.
 inline float metallic_roughness_highlight(const MetallicRoughness& params, Vec3 wi, Vec3 wo) {
     MetallicRoughnessRoundGGX facets = MetallicRoughnessRoundGGX{metallic_roughness_alpha(params)};
-    float D = metallic_roughness_round_ggx_D(facets, metallic_roughness_half_vector(wi, wo));
+    float D = metallic_roughness_round_ggx_D_along(facets, wi + wo);
     return D * metallic_roughness_V_smith_correlated(facets, wi, wo);
 }
 
@@ -334,6 +343,11 @@ inline Vec3 metallic_roughness_sample_matte_gloss(Vec3 wo, float alpha, Vec2 sha
 // Density of metallic_roughness_sample_cosine in 1/sr, for w above the horizon.
 inline float metallic_roughness_pdf_cosine(Vec3 w) {
     return w.z * inv_pi;
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+inline float metallic_roughness_round_ggx_D(MetallicRoughnessRoundGGX round_ggx, Vec3 m) {
+    return metallic_roughness_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
 }
 
 // Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.

@@ -87,18 +87,27 @@ fn metallic_roughness_alpha(params: MetallicRoughness) -> f32 {
     return max(params.roughness * params.roughness, ALPHA_MIN);
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn metallic_roughness_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
     return h / length(h);  // which metallic_roughness_cos_half needs as well
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33.
-fn metallic_roughness_round_ggx_D(round_ggx: MetallicRoughnessRoundGGX, m: vec3f) -> f32 {
+// ---- evaluation ----------------------------------------------------------------------------
+
+// `D` of a squared sine.
+fn metallic_roughness_round_ggx_at(round_ggx: MetallicRoughnessRoundGGX, sin2: f32) -> f32 {
     const inv_pi = 0.31830987;
-    let v = vec3f(m.x, m.y, round_ggx.alpha * m.z);
-    let s = dot(v, v);
-    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
+    let a2 = round_ggx.alpha * round_ggx.alpha;
+    let s = a2 + (1.0 - a2) * sin2;
+    return inv_pi * a2 / (s * s);
+}
+
+// `D` at the normal along h, which need not be unit.
+fn metallic_roughness_round_ggx_D_along(round_ggx: MetallicRoughnessRoundGGX, h: vec3f) -> f32 {
+    return metallic_roughness_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
@@ -117,7 +126,7 @@ fn metallic_roughness_V_smith_correlated(facets: MetallicRoughnessRoundGGX, wi: 
 // D G / (4 mu_i mu_o): the highlight without F.
 fn metallic_roughness_highlight(params: MetallicRoughness, wi: vec3f, wo: vec3f) -> f32 {
     let facets = MetallicRoughnessRoundGGX(metallic_roughness_alpha(params));
-    let D = metallic_roughness_round_ggx_D(facets, metallic_roughness_half_vector(wi, wo));
+    let D = metallic_roughness_round_ggx_D_along(facets, wi + wo);
     return D * metallic_roughness_V_smith_correlated(facets, wi, wo);
 }
 
@@ -261,6 +270,11 @@ fn metallic_roughness_sample_matte_gloss(wo: vec3f, alpha: f32, shares: vec2f,
 fn metallic_roughness_pdf_cosine(w: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     return w.z * inv_pi;
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+fn metallic_roughness_round_ggx_D(round_ggx: MetallicRoughnessRoundGGX, m: vec3f) -> f32 {
+    return metallic_roughness_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
 }
 
 // Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.

@@ -320,11 +320,16 @@ inline PatinaRoundGGX patina_bare_facets(const Patina& params) {
     return patina_facets_of(patina_metal_alpha(params));
 }
 
+// `D` of a squared sine.
+inline float patina_round_ggx_at(PatinaRoundGGX round_ggx, float sin2) {
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0f - a2) * sin2;
+    return inv_pi * a2 / (s * s);
+}
+
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 inline float patina_round_ggx_D(PatinaRoundGGX round_ggx, Vec3 m) {
-    Vec3 v = Vec3{m.x, m.y, round_ggx.alpha * m.z};
-    float s = dot(v, v);
-    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
+    return patina_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

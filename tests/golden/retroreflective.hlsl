@@ -138,19 +138,25 @@ RetroreflectiveGGX retroreflective_base_facets(RetroreflectiveBase params) {
     return result;
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 float3 retroreflective_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
     return h / length(h);  // which retroreflective_cos_half needs as well
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-float retroreflective_ggx_D(RetroreflectiveGGX ggx, float3 m) {
+// ---- evaluation ----------------------------------------------------------------------------
+
+// `D` at the normal along h, which need not be unit.
+float retroreflective_ggx_D_along(RetroreflectiveGGX ggx, float3 h) {
     const float inv_pi = 0.31830987;
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    float3 v = float3(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
-    float s = dot(v, v);
-    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
+    float x = 1.0 / ggx.alpha_x;
+    float y = 1.0 / ggx.alpha_y;
+    // 1 / s from lengths, as their squares may leave a float32's range
+    float r = length(h) / length(float3(h.x * x, h.y * y, h.z));
+    float r2 = r * r;
+    return inv_pi * x * y * (r2 * r2);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
@@ -171,8 +177,8 @@ float retroreflective_base_V(RetroreflectiveBase params, float3 wi, float3 wo) {
 
 // D G / (4 mu_i mu_o): what facets reflect once, without F.
 float retroreflective_base_highlight(RetroreflectiveBase params, float3 wi, float3 wo) {
-    return retroreflective_ggx_D(retroreflective_base_facets(params),
-        retroreflective_half_vector(wi, wo)) * retroreflective_base_V(params, wi, wo);
+    return retroreflective_ggx_D_along(retroreflective_base_facets(params), wi + wo)
+        * retroreflective_base_V(params, wi, wo);
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -236,6 +242,15 @@ float3 retroreflective_sample_ggx_lobe(RetroreflectiveGGX facets, float3 wo, flo
 // grow like alpha / mu_o in the horizon, but those of all normals are at most 2.
 float3 retroreflective_base_sample_facets(RetroreflectiveBase params, float3 wo, float2 u) {
     return retroreflective_sample_ggx_lobe(retroreflective_base_facets(params), wo, u);
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+float retroreflective_ggx_D(RetroreflectiveGGX ggx, float3 m) {
+    const float inv_pi = 0.31830987;
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    float3 v = float3(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
+    float s = dot(v, v);
+    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
 }
 
 // Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.

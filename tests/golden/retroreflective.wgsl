@@ -130,19 +130,25 @@ fn retroreflective_base_facets(params: RetroreflectiveBase) -> RetroreflectiveGG
     return RetroreflectiveGGX(a.x, a.y);
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn retroreflective_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
     return h / length(h);  // which retroreflective_cos_half needs as well
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-fn retroreflective_ggx_D(ggx: RetroreflectiveGGX, m: vec3f) -> f32 {
+// ---- evaluation ----------------------------------------------------------------------------
+
+// `D` at the normal along h, which need not be unit.
+fn retroreflective_ggx_D_along(ggx: RetroreflectiveGGX, h: vec3f) -> f32 {
     const inv_pi = 0.31830987;
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    let v = vec3f(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
-    let s = dot(v, v);
-    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
+    let x = 1.0 / ggx.alpha_x;
+    let y = 1.0 / ggx.alpha_y;
+    // 1 / s from lengths, as their squares may leave a float32's range
+    let r = length(h) / length(vec3f(h.x * x, h.y * y, h.z));
+    let r2 = r * r;
+    return inv_pi * x * y * (r2 * r2);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
@@ -163,8 +169,8 @@ fn retroreflective_base_V(params: RetroreflectiveBase, wi: vec3f, wo: vec3f) -> 
 
 // D G / (4 mu_i mu_o): what facets reflect once, without F.
 fn retroreflective_base_highlight(params: RetroreflectiveBase, wi: vec3f, wo: vec3f) -> f32 {
-    return retroreflective_ggx_D(retroreflective_base_facets(params),
-        retroreflective_half_vector(wi, wo)) * retroreflective_base_V(params, wi, wo);
+    return retroreflective_ggx_D_along(retroreflective_base_facets(params), wi + wo)
+        * retroreflective_base_V(params, wi, wo);
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -229,6 +235,15 @@ fn retroreflective_sample_ggx_lobe(facets: RetroreflectiveGGX, wo: vec3f, u: vec
 fn retroreflective_base_sample_facets(params: RetroreflectiveBase, wo: vec3f,
     u: vec2f) -> vec3f {
     return retroreflective_sample_ggx_lobe(retroreflective_base_facets(params), wo, u);
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+fn retroreflective_ggx_D(ggx: RetroreflectiveGGX, m: vec3f) -> f32 {
+    const inv_pi = 0.31830987;
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    let v = vec3f(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
+    let s = dot(v, v);
+    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
 }
 
 // Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.

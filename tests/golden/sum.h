@@ -262,18 +262,24 @@ inline SumGGX sum_second_facets(const SumSecond& params) {
     return SumGGX{a.x, a.y};
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 sum_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
     return h / length(h);  // which sum_cos_half needs as well
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-inline float sum_ggx_D(SumGGX ggx, Vec3 m) {
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    Vec3 v = Vec3{m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z};
-    float s = dot(v, v);
-    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
+// ---- evaluation ----------------------------------------------------------------------------
+
+// `D` at the normal along h, which need not be unit.
+inline float sum_ggx_D_along(SumGGX ggx, Vec3 h) {
+    float x = 1.0f / ggx.alpha_x;
+    float y = 1.0f / ggx.alpha_y;
+    // 1 / s from lengths, as their squares may leave a float32's range
+    float r = length(h) / length(Vec3{h.x * x, h.y * y, h.z});
+    float r2 = r * r;
+    return inv_pi * x * y * (r2 * r2);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
@@ -293,8 +299,7 @@ inline float sum_second_V(const SumSecond& params, Vec3 wi, Vec3 wo) {
 
 // D G / (4 mu_i mu_o): what facets reflect once, without F.
 inline float sum_second_highlight(const SumSecond& params, Vec3 wi, Vec3 wo) {
-    return sum_ggx_D(sum_second_facets(params), sum_half_vector(wi, wo))
-        * sum_second_V(params, wi, wo);
+    return sum_ggx_D_along(sum_second_facets(params), wi + wo) * sum_second_V(params, wi, wo);
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -408,6 +413,14 @@ inline Vec3 sum_sample_ggx_lobe(SumGGX facets, Vec3 wo, Vec2 u) {
 // grow like alpha / mu_o in the horizon, but those of all normals are at most 2.
 inline Vec3 sum_second_sample_facets(const SumSecond& params, Vec3 wo, Vec2 u) {
     return sum_sample_ggx_lobe(sum_second_facets(params), wo, u);
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+inline float sum_ggx_D(SumGGX ggx, Vec3 m) {
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    Vec3 v = Vec3{m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z};
+    float s = dot(v, v);
+    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
 }
 
 // Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.

@@ -150,19 +150,25 @@ inline SumGGX sum_second_facets(SumSecond params) {
     return SumGGX{a.x, a.y};
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline float3 sum_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
     return h / length(h);  // which sum_cos_half needs as well
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-inline float sum_ggx_D(SumGGX ggx, float3 m) {
+// ---- evaluation ----------------------------------------------------------------------------
+
+// `D` at the normal along h, which need not be unit.
+inline float sum_ggx_D_along(SumGGX ggx, float3 h) {
     const float inv_pi = 0.31830987;
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    float3 v = float3(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
-    float s = dot(v, v);
-    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
+    float x = 1.0 / ggx.alpha_x;
+    float y = 1.0 / ggx.alpha_y;
+    // 1 / s from lengths, as their squares may leave a float32's range
+    float r = length(h) / length(float3(h.x * x, h.y * y, h.z));
+    float r2 = r * r;
+    return inv_pi * x * y * (r2 * r2);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
@@ -182,8 +188,7 @@ inline float sum_second_V(SumSecond params, float3 wi, float3 wo) {
 
 // D G / (4 mu_i mu_o): what facets reflect once, without F.
 inline float sum_second_highlight(SumSecond params, float3 wi, float3 wo) {
-    return sum_ggx_D(sum_second_facets(params), sum_half_vector(wi, wo))
-        * sum_second_V(params, wi, wo);
+    return sum_ggx_D_along(sum_second_facets(params), wi + wo) * sum_second_V(params, wi, wo);
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -315,6 +320,15 @@ inline float3 sum_sample_ggx_lobe(SumGGX facets, float3 wo, float2 u) {
 // grow like alpha / mu_o in the horizon, but those of all normals are at most 2.
 inline float3 sum_second_sample_facets(SumSecond params, float3 wo, float2 u) {
     return sum_sample_ggx_lobe(sum_second_facets(params), wo, u);
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+inline float sum_ggx_D(SumGGX ggx, float3 m) {
+    const float inv_pi = 0.31830987;
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    float3 v = float3(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
+    float s = dot(v, v);
+    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
 }
 
 // Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.

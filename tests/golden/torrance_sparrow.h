@@ -220,18 +220,24 @@ inline TorranceSparrowGGX torrance_sparrow_facets(const TorranceSparrow& params)
     return TorranceSparrowGGX{a.x, a.y};
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 torrance_sparrow_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
     return h / length(h);  // which torrance_sparrow_cos_half needs as well
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-inline float torrance_sparrow_ggx_D(TorranceSparrowGGX ggx, Vec3 m) {
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    Vec3 v = Vec3{m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z};
-    float s = dot(v, v);
-    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
+// ---- evaluation ----------------------------------------------------------------------------
+
+// `D` at the normal along h, which need not be unit.
+inline float torrance_sparrow_ggx_D_along(TorranceSparrowGGX ggx, Vec3 h) {
+    float x = 1.0f / ggx.alpha_x;
+    float y = 1.0f / ggx.alpha_y;
+    // 1 / s from lengths, as their squares may leave a float32's range
+    float r = length(h) / length(Vec3{h.x * x, h.y * y, h.z});
+    float r2 = r * r;
+    return inv_pi * x * y * (r2 * r2);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
@@ -252,8 +258,8 @@ inline float torrance_sparrow_V(const TorranceSparrow& params, Vec3 wi, Vec3 wo)
 
 // D G / (4 mu_i mu_o): what facets reflect once, without F.
 inline float torrance_sparrow_highlight(const TorranceSparrow& params, Vec3 wi, Vec3 wo) {
-    return torrance_sparrow_ggx_D(torrance_sparrow_facets(params),
-        torrance_sparrow_half_vector(wi, wo)) * torrance_sparrow_V(params, wi, wo);
+    return torrance_sparrow_ggx_D_along(torrance_sparrow_facets(params), wi + wo)
+        * torrance_sparrow_V(params, wi, wo);
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -308,6 +314,14 @@ inline Vec3 torrance_sparrow_sample_ggx_lobe(TorranceSparrowGGX facets, Vec3 wo,
 // grow like alpha / mu_o in the horizon, but those of all normals are at most 2.
 inline Vec3 torrance_sparrow_sample_facets(const TorranceSparrow& params, Vec3 wo, Vec2 u) {
     return torrance_sparrow_sample_ggx_lobe(torrance_sparrow_facets(params), wo, u);
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+inline float torrance_sparrow_ggx_D(TorranceSparrowGGX ggx, Vec3 m) {
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    Vec3 v = Vec3{m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z};
+    float s = dot(v, v);
+    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
 }
 
 // Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.

@@ -114,19 +114,25 @@ fn torrance_sparrow_facets(params: TorranceSparrow) -> TorranceSparrowGGX {
     return TorranceSparrowGGX(a.x, a.y);
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn torrance_sparrow_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
     return h / length(h);  // which torrance_sparrow_cos_half needs as well
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-fn torrance_sparrow_ggx_D(ggx: TorranceSparrowGGX, m: vec3f) -> f32 {
+// ---- evaluation ----------------------------------------------------------------------------
+
+// `D` at the normal along h, which need not be unit.
+fn torrance_sparrow_ggx_D_along(ggx: TorranceSparrowGGX, h: vec3f) -> f32 {
     const inv_pi = 0.31830987;
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    let v = vec3f(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
-    let s = dot(v, v);
-    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
+    let x = 1.0 / ggx.alpha_x;
+    let y = 1.0 / ggx.alpha_y;
+    // 1 / s from lengths, as their squares may leave a float32's range
+    let r = length(h) / length(vec3f(h.x * x, h.y * y, h.z));
+    let r2 = r * r;
+    return inv_pi * x * y * (r2 * r2);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
@@ -148,8 +154,8 @@ fn torrance_sparrow_V(params: TorranceSparrow, wi: vec3f, wo: vec3f) -> f32 {
 
 // D G / (4 mu_i mu_o): what facets reflect once, without F.
 fn torrance_sparrow_highlight(params: TorranceSparrow, wi: vec3f, wo: vec3f) -> f32 {
-    return torrance_sparrow_ggx_D(torrance_sparrow_facets(params),
-        torrance_sparrow_half_vector(wi, wo)) * torrance_sparrow_V(params, wi, wo);
+    return torrance_sparrow_ggx_D_along(torrance_sparrow_facets(params), wi + wo)
+        * torrance_sparrow_V(params, wi, wo);
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -208,6 +214,15 @@ fn torrance_sparrow_sample_ggx_lobe(facets: TorranceSparrowGGX, wo: vec3f, u: ve
 // grow like alpha / mu_o in the horizon, but those of all normals are at most 2.
 fn torrance_sparrow_sample_facets(params: TorranceSparrow, wo: vec3f, u: vec2f) -> vec3f {
     return torrance_sparrow_sample_ggx_lobe(torrance_sparrow_facets(params), wo, u);
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
+fn torrance_sparrow_ggx_D(ggx: TorranceSparrowGGX, m: vec3f) -> f32 {
+    const inv_pi = 0.31830987;
+    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
+    let v = vec3f(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
+    let s = dot(v, v);
+    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
 }
 
 // Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.

@@ -243,12 +243,17 @@ float triace_blinn_phong_pdf_cosine(vec3 w) {
     return w.z * inv_pi;
 }
 
+// `D` of a squared sine.
+float triace_blinn_phong_round_ggx_at(TriaceBlinnPhongRoundGGX round_ggx, float sin2) {
+    const float inv_pi = 0.31830987;
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0 - a2) * sin2;
+    return inv_pi * a2 / (s * s);
+}
+
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 float triace_blinn_phong_round_ggx_D(TriaceBlinnPhongRoundGGX round_ggx, vec3 m) {
-    const float inv_pi = 0.31830987;
-    vec3 v = vec3(m.x, m.y, round_ggx.alpha * m.z);
-    float s = dot(v, v);
-    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
+    return triace_blinn_phong_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

@@ -416,12 +416,17 @@ vec3 triace_layered_sample_cosine(vec2 u) {
     return vec3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
+// `D` of a squared sine.
+float triace_layered_round_ggx_at(TriaceLayeredRoundGGX round_ggx, float sin2) {
+    const float inv_pi = 0.31830987;
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0 - a2) * sin2;
+    return inv_pi * a2 / (s * s);
+}
+
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 float triace_layered_round_ggx_D(TriaceLayeredRoundGGX round_ggx, vec3 m) {
-    const float inv_pi = 0.31830987;
-    vec3 v = vec3(m.x, m.y, round_ggx.alpha * m.z);
-    float s = dot(v, v);
-    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
+    return triace_layered_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

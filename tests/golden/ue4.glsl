@@ -83,18 +83,27 @@ float ue4_alpha(Ue4 params) {
     return max(params.roughness * params.roughness, ALPHA_MIN);
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 ue4_half_vector(vec3 wi, vec3 wo) {
     vec3 h = wi + wo;
     return h / length(h);  // which ue4_cos_half needs as well
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33.
-float ue4_round_ggx_D(Ue4RoundGGX round_ggx, vec3 m) {
+// ---- evaluation ----------------------------------------------------------------------------
+
+// `D` of a squared sine.
+float ue4_round_ggx_at(Ue4RoundGGX round_ggx, float sin2) {
     const float inv_pi = 0.31830987;
-    vec3 v = vec3(m.x, m.y, round_ggx.alpha * m.z);
-    float s = dot(v, v);
-    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0 - a2) * sin2;
+    return inv_pi * a2 / (s * s);
+}
+
+// `D` at the normal along h, which need not be unit.
+float ue4_round_ggx_D_along(Ue4RoundGGX round_ggx, vec3 h) {
+    return ue4_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
 
 // k = (r + 1)^2 / 8 of Unreal Engine 4's punctual lights; r is the perceptual roughness.
@@ -110,7 +119,7 @@ float ue4_V_schlick(vec3 wi, vec3 wo, float k) {
 
 // D G / (4 mu_i mu_o): the highlight without F.
 float ue4_highlight(Ue4 params, vec3 wi, vec3 wo) {
-    float D = ue4_round_ggx_D(Ue4RoundGGX(ue4_alpha(params)), ue4_half_vector(wi, wo));
+    float D = ue4_round_ggx_D_along(Ue4RoundGGX(ue4_alpha(params)), wi + wo);
     return D * ue4_V_schlick(wi, wo, ue4_schlick_k_ue4(params.roughness));
 }
 
@@ -241,6 +250,11 @@ vec3 ue4_sample_matte_gloss(vec3 wo, float alpha, vec2 shares, vec2 u) {
 float ue4_pdf_cosine(vec3 w) {
     const float inv_pi = 0.31830987;
     return w.z * inv_pi;
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+float ue4_round_ggx_D(Ue4RoundGGX round_ggx, vec3 m) {
+    return ue4_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

@@ -167,17 +167,26 @@ inline float ue4_alpha(const Ue4& params) {
     return fmaxf(params.roughness * params.roughness, ALPHA_MIN);
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 ue4_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
     return h / length(h);  // which ue4_cos_half needs as well
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33.
-inline float ue4_round_ggx_D(Ue4RoundGGX round_ggx, Vec3 m) {
-    Vec3 v = Vec3{m.x, m.y, round_ggx.alpha * m.z};
-    float s = dot(v, v);
-    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
+// ---- evaluation ----------------------------------------------------------------------------
+
+// `D` of a squared sine.
+inline float ue4_round_ggx_at(Ue4RoundGGX round_ggx, float sin2) {
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0f - a2) * sin2;
+    return inv_pi * a2 / (s * s);
+}
+
+// `D` at the normal along h, which need not be unit.
+inline float ue4_round_ggx_D_along(Ue4RoundGGX round_ggx, Vec3 h) {
+    return ue4_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
 
 // k = (r + 1)^2 / 8 of Unreal Engine 4's punctual lights; r is the perceptual roughness.
@@ -193,7 +202,7 @@ inline float ue4_V_schlick(Vec3 wi, Vec3 wo, float k) {
 
 // D G / (4 mu_i mu_o): the highlight without F.
 inline float ue4_highlight(const Ue4& params, Vec3 wi, Vec3 wo) {
-    float D = ue4_round_ggx_D(Ue4RoundGGX{ue4_alpha(params)}, ue4_half_vector(wi, wo));
+    float D = ue4_round_ggx_D_along(Ue4RoundGGX{ue4_alpha(params)}, wi + wo);
     return D * ue4_V_schlick(wi, wo, ue4_schlick_k_ue4(params.roughness));
 }
 
@@ -306,6 +315,11 @@ inline Vec3 ue4_sample_matte_gloss(Vec3 wo, float alpha, Vec2 shares, Vec2 u) {
 // Density of ue4_sample_cosine in 1/sr, for w above the horizon.
 inline float ue4_pdf_cosine(Vec3 w) {
     return w.z * inv_pi;
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+inline float ue4_round_ggx_D(Ue4RoundGGX round_ggx, Vec3 m) {
+    return ue4_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

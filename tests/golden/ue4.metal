@@ -86,18 +86,27 @@ inline float ue4_alpha(Ue4 params) {
     return max(params.roughness * params.roughness, ALPHA_MIN);
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline float3 ue4_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
     return h / length(h);  // which ue4_cos_half needs as well
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33.
-inline float ue4_round_ggx_D(Ue4RoundGGX round_ggx, float3 m) {
+// ---- evaluation ----------------------------------------------------------------------------
+
+// `D` of a squared sine.
+inline float ue4_round_ggx_at(Ue4RoundGGX round_ggx, float sin2) {
     const float inv_pi = 0.31830987;
-    float3 v = float3(m.x, m.y, round_ggx.alpha * m.z);
-    float s = dot(v, v);
-    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0 - a2) * sin2;
+    return inv_pi * a2 / (s * s);
+}
+
+// `D` at the normal along h, which need not be unit.
+inline float ue4_round_ggx_D_along(Ue4RoundGGX round_ggx, float3 h) {
+    return ue4_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
 
 // k = (r + 1)^2 / 8 of Unreal Engine 4's punctual lights; r is the perceptual roughness.
@@ -113,7 +122,7 @@ inline float ue4_V_schlick(float3 wi, float3 wo, float k) {
 
 // D G / (4 mu_i mu_o): the highlight without F.
 inline float ue4_highlight(Ue4 params, float3 wi, float3 wo) {
-    float D = ue4_round_ggx_D(Ue4RoundGGX{ue4_alpha(params)}, ue4_half_vector(wi, wo));
+    float D = ue4_round_ggx_D_along(Ue4RoundGGX{ue4_alpha(params)}, wi + wo);
     return D * ue4_V_schlick(wi, wo, ue4_schlick_k_ue4(params.roughness));
 }
 
@@ -245,6 +254,11 @@ inline float3 ue4_sample_matte_gloss(float3 wo, float alpha, float2 shares, floa
 inline float ue4_pdf_cosine(float3 w) {
     const float inv_pi = 0.31830987;
     return w.z * inv_pi;
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+inline float ue4_round_ggx_D(Ue4RoundGGX round_ggx, float3 m) {
+    return ue4_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

@@ -83,18 +83,27 @@ fn ue4_alpha(params: Ue4) -> f32 {
     return max(params.roughness * params.roughness, ALPHA_MIN);
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn ue4_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
     return h / length(h);  // which ue4_cos_half needs as well
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33.
-fn ue4_round_ggx_D(round_ggx: Ue4RoundGGX, m: vec3f) -> f32 {
+// ---- evaluation ----------------------------------------------------------------------------
+
+// `D` of a squared sine.
+fn ue4_round_ggx_at(round_ggx: Ue4RoundGGX, sin2: f32) -> f32 {
     const inv_pi = 0.31830987;
-    let v = vec3f(m.x, m.y, round_ggx.alpha * m.z);
-    let s = dot(v, v);
-    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
+    let a2 = round_ggx.alpha * round_ggx.alpha;
+    let s = a2 + (1.0 - a2) * sin2;
+    return inv_pi * a2 / (s * s);
+}
+
+// `D` at the normal along h, which need not be unit.
+fn ue4_round_ggx_D_along(round_ggx: Ue4RoundGGX, h: vec3f) -> f32 {
+    return ue4_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
 
 // k = (r + 1)^2 / 8 of Unreal Engine 4's punctual lights; r is the perceptual roughness.
@@ -110,7 +119,7 @@ fn ue4_V_schlick(wi: vec3f, wo: vec3f, k: f32) -> f32 {
 
 // D G / (4 mu_i mu_o): the highlight without F.
 fn ue4_highlight(params: Ue4, wi: vec3f, wo: vec3f) -> f32 {
-    let D = ue4_round_ggx_D(Ue4RoundGGX(ue4_alpha(params)), ue4_half_vector(wi, wo));
+    let D = ue4_round_ggx_D_along(Ue4RoundGGX(ue4_alpha(params)), wi + wo);
     return D * ue4_V_schlick(wi, wo, ue4_schlick_k_ue4(params.roughness));
 }
 
@@ -241,6 +250,11 @@ fn ue4_sample_matte_gloss(wo: vec3f, alpha: f32, shares: vec2f, u: vec2f) -> vec
 fn ue4_pdf_cosine(w: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     return w.z * inv_pi;
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+fn ue4_round_ggx_D(round_ggx: Ue4RoundGGX, m: vec3f) -> f32 {
+    return ue4_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

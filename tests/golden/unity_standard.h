@@ -178,17 +178,26 @@ inline float unity_standard_alpha(const UnityStandard& params) {
     return fmaxf(params.roughness * params.roughness, ALPHA_UNITY);
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 unity_standard_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
     return h / length(h);  // which unity_standard_cos_half needs as well
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33.
-inline float unity_standard_round_ggx_D(UnityStandardRoundGGX round_ggx, Vec3 m) {
-    Vec3 v = Vec3{m.x, m.y, round_ggx.alpha * m.z};
-    float s = dot(v, v);
-    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
+// ---- evaluation ----------------------------------------------------------------------------
+
+// `D` of a squared sine.
+inline float unity_standard_round_ggx_at(UnityStandardRoundGGX round_ggx, float sin2) {
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0f - a2) * sin2;
+    return inv_pi * a2 / (s * s);
+}
+
+// `D` at the normal along h, which need not be unit.
+inline float unity_standard_round_ggx_D_along(UnityStandardRoundGGX round_ggx, Vec3 h) {
+    return unity_standard_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
 
 // D V: the highlight without F.
@@ -196,8 +205,7 @@ inline float unity_standard_highlight(const UnityStandard& params, Vec3 wi, Vec3
     float alpha = unity_standard_alpha(params);
     float lambda_v = wi.z * lerp(alpha, 1.0f, wo.z);
     float lambda_l = wo.z * lerp(alpha, 1.0f, wi.z);
-    float D = unity_standard_round_ggx_D(UnityStandardRoundGGX{alpha},
-        unity_standard_half_vector(wi, wo));
+    float D = unity_standard_round_ggx_D_along(UnityStandardRoundGGX{alpha}, wi + wo);
     return D * (0.5f / (lambda_v + lambda_l));
 }
 
@@ -316,6 +324,11 @@ inline Vec3 unity_standard_sample_matte_gloss(Vec3 wo, float alpha, Vec2 shares,
 // Density of unity_standard_sample_cosine in 1/sr, for w above the horizon.
 inline float unity_standard_pdf_cosine(Vec3 w) {
     return w.z * inv_pi;
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+inline float unity_standard_round_ggx_D(UnityStandardRoundGGX round_ggx, Vec3 m) {
+    return unity_standard_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

@@ -98,18 +98,27 @@ inline float unity_standard_alpha(UnityStandard params) {
     return max(params.roughness * params.roughness, ALPHA_UNITY);
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline float3 unity_standard_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
     return h / length(h);  // which unity_standard_cos_half needs as well
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33.
-inline float unity_standard_round_ggx_D(UnityStandardRoundGGX round_ggx, float3 m) {
+// ---- evaluation ----------------------------------------------------------------------------
+
+// `D` of a squared sine.
+inline float unity_standard_round_ggx_at(UnityStandardRoundGGX round_ggx, float sin2) {
     const float inv_pi = 0.31830987;
-    float3 v = float3(m.x, m.y, round_ggx.alpha * m.z);
-    float s = dot(v, v);
-    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0 - a2) * sin2;
+    return inv_pi * a2 / (s * s);
+}
+
+// `D` at the normal along h, which need not be unit.
+inline float unity_standard_round_ggx_D_along(UnityStandardRoundGGX round_ggx, float3 h) {
+    return unity_standard_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
 
 // D V: the highlight without F.
@@ -117,8 +126,7 @@ inline float unity_standard_highlight(UnityStandard params, float3 wi, float3 wo
     float alpha = unity_standard_alpha(params);
     float lambda_v = wi.z * mix(alpha, 1.0, wo.z);
     float lambda_l = wo.z * mix(alpha, 1.0, wi.z);
-    float D = unity_standard_round_ggx_D(UnityStandardRoundGGX{alpha},
-        unity_standard_half_vector(wi, wo));
+    float D = unity_standard_round_ggx_D_along(UnityStandardRoundGGX{alpha}, wi + wo);
     return D * (0.5 / (lambda_v + lambda_l));
 }
 
@@ -256,6 +264,11 @@ inline float3 unity_standard_sample_matte_gloss(float3 wo, float alpha, float2 s
 inline float unity_standard_pdf_cosine(float3 w) {
     const float inv_pi = 0.31830987;
     return w.z * inv_pi;
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+inline float unity_standard_round_ggx_D(UnityStandardRoundGGX round_ggx, float3 m) {
+    return unity_standard_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

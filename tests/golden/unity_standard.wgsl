@@ -95,18 +95,27 @@ fn unity_standard_alpha(params: UnityStandard) -> f32 {
     return max(params.roughness * params.roughness, ALPHA_UNITY);
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn unity_standard_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
     return h / length(h);  // which unity_standard_cos_half needs as well
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33.
-fn unity_standard_round_ggx_D(round_ggx: UnityStandardRoundGGX, m: vec3f) -> f32 {
+// ---- evaluation ----------------------------------------------------------------------------
+
+// `D` of a squared sine.
+fn unity_standard_round_ggx_at(round_ggx: UnityStandardRoundGGX, sin2: f32) -> f32 {
     const inv_pi = 0.31830987;
-    let v = vec3f(m.x, m.y, round_ggx.alpha * m.z);
-    let s = dot(v, v);
-    return inv_pi * round_ggx.alpha * round_ggx.alpha / (s * s);
+    let a2 = round_ggx.alpha * round_ggx.alpha;
+    let s = a2 + (1.0 - a2) * sin2;
+    return inv_pi * a2 / (s * s);
+}
+
+// `D` at the normal along h, which need not be unit.
+fn unity_standard_round_ggx_D_along(round_ggx: UnityStandardRoundGGX, h: vec3f) -> f32 {
+    return unity_standard_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
 
 // D V: the highlight without F.
@@ -114,8 +123,7 @@ fn unity_standard_highlight(params: UnityStandard, wi: vec3f, wo: vec3f) -> f32 
     let alpha = unity_standard_alpha(params);
     let lambda_v = wi.z * mix(alpha, 1.0, wo.z);
     let lambda_l = wo.z * mix(alpha, 1.0, wi.z);
-    let D = unity_standard_round_ggx_D(UnityStandardRoundGGX(alpha),
-        unity_standard_half_vector(wi, wo));
+    let D = unity_standard_round_ggx_D_along(UnityStandardRoundGGX(alpha), wi + wo);
     return D * (0.5 / (lambda_v + lambda_l));
 }
 
@@ -249,6 +257,11 @@ fn unity_standard_sample_matte_gloss(wo: vec3f, alpha: f32, shares: vec2f, u: ve
 fn unity_standard_pdf_cosine(w: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     return w.z * inv_pi;
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 33.
+fn unity_standard_round_ggx_D(round_ggx: UnityStandardRoundGGX, m: vec3f) -> f32 {
+    return unity_standard_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

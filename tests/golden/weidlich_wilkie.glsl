@@ -169,21 +169,33 @@ WeidlichWilkieRoundBeckmann weidlich_wilkie_facets(WeidlichWilkie params) {
     return WeidlichWilkieRoundBeckmann(params.alpha);
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 weidlich_wilkie_half_vector(vec3 wi, vec3 wo) {
     vec3 h = wi + wo;
     return h / length(h);  // which weidlich_wilkie_cos_half needs as well
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 25.
-float weidlich_wilkie_round_beckmann_D(WeidlichWilkieRoundBeckmann round_beckmann, vec3 m) {
+// ---- evaluation ----------------------------------------------------------------------------
+
+// `D` of the squares of a sine and its cosine.
+float weidlich_wilkie_round_beckmann_at(WeidlichWilkieRoundBeckmann round_beckmann, float sin2,
+    float cos2) {
     // Square of the cosine below which exp(-tan^2 / alpha^2) is 0 in any precision, for alpha up to 3.2.
     const float COS2_MIN = 1.0e-6;
     const float inv_pi = 0.31830987;
-    float inv_cos2 = 1.0 / max(m.z * m.z, COS2_MIN);
-    float tan2 = (m.x * m.x + m.y * m.y) * inv_cos2;
+    float inv_cos2 = 1.0 / max(cos2, COS2_MIN);
     float a2 = round_beckmann.alpha * round_beckmann.alpha;
-    return inv_pi / a2 * inv_cos2 * inv_cos2 * exp(-tan2 / a2);
+    return inv_pi / a2 * inv_cos2 * inv_cos2 * exp(-sin2 * inv_cos2 / a2);
+}
+
+// `D` at the normal along h, which need not be unit.
+float weidlich_wilkie_round_beckmann_D_along(WeidlichWilkieRoundBeckmann round_beckmann,
+    vec3 h) {
+    float length2 = dot(h, h);
+    return weidlich_wilkie_round_beckmann_at(round_beckmann, (h.x * h.x + h.y * h.y) / length2,
+        h.z * h.z / length2);
 }
 
 // G over 4 mu_i mu_o.
@@ -208,8 +220,8 @@ vec3 weidlich_wilkie_eval(WeidlichWilkie params, vec3 wi, vec3 wo) {
     vec3 below = weidlich_wilkie_base_eval_above(params.base) * (kept * through);
     float cos_h = weidlich_wilkie_cos_half(wi, wo);
     float coat = weidlich_wilkie_F_dielectric_entering(cos_h, params.eta)
-        * weidlich_wilkie_round_beckmann_D(weidlich_wilkie_facets(params),
-            weidlich_wilkie_half_vector(wi, wo)) * weidlich_wilkie_V_cook_torrance(wi, wo);
+        * weidlich_wilkie_round_beckmann_D_along(weidlich_wilkie_facets(params), wi + wo)
+            * weidlich_wilkie_V_cook_torrance(wi, wo);
     return below + coat;
 }
 
@@ -411,6 +423,11 @@ float weidlich_wilkie_base_pdf_leaving(vec3 wi, vec3 wo, float excess) {
     vec3 wi_t = weidlich_wilkie_refract(wi, excess);
     return weidlich_wilkie_pdf_leave(weidlich_wilkie_base_pdf(wi_t, wo),
         weidlich_wilkie_base_pdf(weidlich_wilkie_gather(wi, excess), wo), wi, wi_t, excess);
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 25.
+float weidlich_wilkie_round_beckmann_D(WeidlichWilkieRoundBeckmann round_beckmann, vec3 m) {
+    return weidlich_wilkie_round_beckmann_at(round_beckmann, m.x * m.x + m.y * m.y, m.z * m.z);
 }
 
 // Density of `sample` in 1/sr.

@@ -273,19 +273,30 @@ inline WeidlichWilkieRoundBeckmann weidlich_wilkie_facets(const WeidlichWilkie& 
     return WeidlichWilkieRoundBeckmann{params.alpha};
 }
 
+// ---- sampling ------------------------------------------------------------------------------
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 weidlich_wilkie_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
     return h / length(h);  // which weidlich_wilkie_cos_half needs as well
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 25.
-inline float weidlich_wilkie_round_beckmann_D(WeidlichWilkieRoundBeckmann round_beckmann,
-    Vec3 m) {
-    float inv_cos2 = 1.0f / fmaxf(m.z * m.z, COS2_MIN);
-    float tan2 = (m.x * m.x + m.y * m.y) * inv_cos2;
+// ---- evaluation ----------------------------------------------------------------------------
+
+// `D` of the squares of a sine and its cosine.
+inline float weidlich_wilkie_round_beckmann_at(WeidlichWilkieRoundBeckmann round_beckmann,
+    float sin2, float cos2) {
+    float inv_cos2 = 1.0f / fmaxf(cos2, COS2_MIN);
     float a2 = round_beckmann.alpha * round_beckmann.alpha;
-    return inv_pi / a2 * inv_cos2 * inv_cos2 * expf(-tan2 / a2);
+    return inv_pi / a2 * inv_cos2 * inv_cos2 * expf(-sin2 * inv_cos2 / a2);
+}
+
+// `D` at the normal along h, which need not be unit.
+inline float weidlich_wilkie_round_beckmann_D_along(WeidlichWilkieRoundBeckmann round_beckmann,
+    Vec3 h) {
+    float length2 = dot(h, h);
+    return weidlich_wilkie_round_beckmann_at(round_beckmann, (h.x * h.x + h.y * h.y) / length2,
+        h.z * h.z / length2);
 }
 
 // G over 4 mu_i mu_o.
@@ -306,8 +317,8 @@ inline Vec3 weidlich_wilkie_eval(const WeidlichWilkie& params, Vec3 wi, Vec3 wo)
     Vec3 below = weidlich_wilkie_base_eval_above(params.base) * (kept * through);
     float cos_h = weidlich_wilkie_cos_half(wi, wo);
     float coat = weidlich_wilkie_F_dielectric_entering(cos_h, params.eta)
-        * weidlich_wilkie_round_beckmann_D(weidlich_wilkie_facets(params),
-            weidlich_wilkie_half_vector(wi, wo)) * weidlich_wilkie_V_cook_torrance(wi, wo);
+        * weidlich_wilkie_round_beckmann_D_along(weidlich_wilkie_facets(params), wi + wo)
+            * weidlich_wilkie_V_cook_torrance(wi, wo);
     return below + coat;
 }
 
@@ -482,6 +493,12 @@ inline float weidlich_wilkie_base_pdf_leaving(Vec3 wi, Vec3 wo, float excess) {
     Vec3 wi_t = weidlich_wilkie_refract(wi, excess);
     return weidlich_wilkie_pdf_leave(weidlich_wilkie_base_pdf(wi_t, wo),
         weidlich_wilkie_base_pdf(weidlich_wilkie_gather(wi, excess), wo), wi, wi_t, excess);
+}
+
+// Density of facets, in 1/sr. Walter et al., Eq. 25.
+inline float weidlich_wilkie_round_beckmann_D(WeidlichWilkieRoundBeckmann round_beckmann,
+    Vec3 m) {
+    return weidlich_wilkie_round_beckmann_at(round_beckmann, m.x * m.x + m.y * m.y, m.z * m.z);
 }
 
 // Density of `sample` in 1/sr.
