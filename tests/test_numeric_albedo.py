@@ -168,10 +168,36 @@ def test_half_the_azimuths_give_the_albedo_of_all(name: str, parameters: dict[st
 def test_means_over_arrays_of_directions_are_those_of_the_kernels_loop(name: str) -> None:
     model = gonio.model(name)
     Float = backend.array_module().Float
-    bound = model.bind(Float, lambda path, p, value: opaque(Float, p.width, value))
-    looped = np.array(quadrature.mean_albedo(bound)).ravel()
+
+    def means(lanes: int) -> np.ndarray[Any, Any]:
+        """With parameters of so many lanes; of one, the kernel takes all directions at once."""
+        bound = model.bind(
+            Float,
+            lambda path, p, value: opaque(Float, p.width, value) + dr.zeros(Float, lanes),
+        )
+        found = dr.replace_shape_t(Float, (3, -1))(quadrature.mean_albedo(bound))
+        return np.array(found)
+
+    at_once, looped = means(1), means(2)
+    assert (at_once.shape, looped.shape) == ((3, 1), (3, 2))
+    mean = np.asarray(model.mean_albedo())[:, None]
     # Sums in single precision, in two orders
-    np.testing.assert_allclose(model.mean_albedo(), looped, rtol=2e-6)
+    np.testing.assert_allclose(np.concatenate([at_once, looped], -1), mean + np.zeros(3), rtol=2e-6)
+
+
+def test_a_mean_that_a_kernel_asks_for_is_found_once_for_all_its_lanes(monkeypatch: Any) -> None:
+    asked = []
+    albedo = gonio.TorranceSparrow.albedo
+
+    def counted(self: Any, wo: Any) -> Any:
+        asked.append(dr.width(wo))
+        return albedo(self, wo)
+
+    coat = gonio.WeidlichWilkie(bounces="diffuse", base="torrance_sparrow")
+    monkeypatch.setattr(coat.base.written, "albedo", counted)
+    wi, wo = polar(np.linspace(0.1, 1.2, 1000), 0.5), polar(0.3)
+    coat.eval(wi, wo)
+    assert asked == [len(quadrature.mean_nodes(True)[1])]
 
 
 def test_means_take_parameters_from_arrays_and_have_gradients() -> None:

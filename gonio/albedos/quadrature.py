@@ -18,7 +18,7 @@ spaced as above; each circle ends in the horizon, and one has its edge at a righ
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, Protocol, Self
 
@@ -112,6 +112,9 @@ class Reflecting(Protocol):
 
     def eval_round(self, wi: Vec3, wo: Vec3) -> Color:
         """The part of `eval` that is not stretched; asked for where there is a `round_part`."""
+
+    def parameters(self) -> Iterator[tuple[str, Any, Any]]:
+        """Path, declaration and value of every parameter."""
 
     def bind(self, Float: Any, convert: Callable[[str, Any, Any], Any]) -> Self:
         """A copy whose parameters are converted."""
@@ -369,12 +372,25 @@ def mean_albedo(model: Reflecting) -> Color:
     """(1/π) ∫ albedo(wo) μo dωo of a model that is already bound to Dr.Jit values."""
     Float = model.float_type
     wo, weights = mean_nodes(model.follows_tangents())
+    if _is_one(model):
+        x, y, z, weight = _columns(Float, *wo.T, weights)
+        # A kernel of its own with a direction in each lane: else every lane of the kernel that asks would sum
+        # over all of them
+        found = dr.replace_shape_t(Float, (3, -1))(model.albedo(vec3(x, y, z)) * weight)
+        return vec3(*(dr.sum(channel) for channel in found))
 
     def term(x: Any, y: Any, z: Any, weight: Any) -> Color:
         return model.albedo(vec3(x, y, z)) * weight
 
     up = vec3(Float(0), Float(0), Float(1))
     return _sum(_columns(Float, *wo.T, weights), term, 0 * model.eval(up, up), "mean_albedo")
+
+
+def _is_one(model: Reflecting) -> bool:
+    """Whether a bound model is the same in all lanes, and what is asked of it can be computed at once."""
+    if not dr.is_jit_v(model.float_type) or dr.flag(dr.JitFlag.SymbolicScope):
+        return False
+    return all(dr.width(value) == 1 for _, _, value in model.parameters())
 
 
 # How often each rule asks for a value at one of its nodes.
