@@ -6,6 +6,7 @@ import ctypes
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -38,6 +39,9 @@ CUDA = ("-D__host__=", "-D__device__=", "-D__forceinline__=inline")
 METAL = Path(__file__).with_name("metal")
 METAL_FLAGS = ("-fsingle-precision-constant", "-Wno-attributes", "-x", "c++", f"-I{METAL}")
 
+RUN = "run_{}"
+"""Name of the function that runs all rows of an export, of several in one library."""
+
 
 def run_cpp(exports: Sequence[Export], rows: Sequence[Rows]) -> Results:
     """Compile each header, without a warning, and call it for every row."""
@@ -53,26 +57,30 @@ def run_msl(exports: Sequence[Export], rows: Sequence[Rows]) -> Results:
 def _run(exports: Sequence[Export], rows: Sequence[Rows], purpose: str, device: str) -> Results:
     compiler = tools.program("g++", purpose)
 
-    def compile_and_run(export: Export, inputs: Rows) -> Rows:
+    def compile_and_run(batch: Sequence[Export], inputs: Sequence[Rows]) -> list[Rows]:
         with tempfile.TemporaryDirectory(prefix="gonio-") as name:
             folder = Path(name)
-            (folder / "export.h").write_text(export.source, encoding="utf-8")
-            (folder / "main.cpp").write_text(main_text(export), encoding="utf-8")
-            flags = {"cuda": CUDA, "msl": METAL_FLAGS}.get(export.language, ())
+            # An export whose functions run on different rows is there several times
+            headers = {e.source: f"export{k}.h" for k, e in enumerate(batch)}
+            for source, header in headers.items():
+                (folder / header).write_text(source, encoding="utf-8")
+            text = [f'#include "{header}"\n' for header in headers.values()]
+            text += [loop_text(export, RUN.format(k)) for k, export in enumerate(batch)]
+            (folder / "main.cpp").write_text("\n".join(text), encoding="utf-8")
+            flags = {"cuda": CUDA, "msl": METAL_FLAGS}.get(batch[0].language, ())
             command = [compiler, *FLAGS, *WARNINGS, *flags, "main.cpp", "-o", "library.so"]
-            tools.compile_with(command, folder, export, export.source, r"export\.h:(\d+):")
-            return call_library(folder / "library.so", export, inputs)
+            tools.compile_with(command, folder, batch[0], batch[0].source, r"export0\.h:(\d+):")
+            return call_library(folder / "library.so", batch, inputs)
 
-    return Results(tools.side_by_side(compile_and_run, exports, rows), device)
+    return Results(tools.in_batches(compile_and_run, exports, rows), device)
 
 
-def main_text(export: Export) -> str:
-    """The loop over all rows, around the source."""
+def loop_text(export: Export, name: str) -> str:
+    """A function of this name: the loop over all rows."""
     entry = export.entry
     dialect = METAL_DIALECT if export.language == "msl" else cpp_dialect(entry.namespace + "::")
     return (
-        '#include "export.h"\n\n'
-        f'extern "C" void run(const float* x, float* y, int rows'
+        f'extern "C" void {name}(const float* x, float* y, int rows'
         f"{given_rows(export, 'const float*')}) {{\n"
         f"    for (int row = 0; row < rows; ++row, x += {input_columns(entry)}, "
         f"y += {output_columns(entry)}) {{\n"
@@ -104,11 +112,16 @@ METAL_DIALECT = Dialect(
 )
 
 
-def call_library(library: Path, export: Export, inputs: Rows) -> Rows:
-    """Call the library's function `run` for all rows, in this process."""
+def call_library(library: Path, exports: Sequence[Export], rows: Sequence[Rows]) -> list[Rows]:
+    """Call the library's function of each export for all its rows, in this process."""
+    loaded = ctypes.CDLL(str(library))
+    functions = [loaded[RUN.format(k)] for k in range(len(exports))]
+    return [_called(*call) for call in zip(functions, exports, rows, strict=True)]
+
+
+def _called(function: Any, export: Export, inputs: Rows) -> Rows:
     inputs = np.ascontiguousarray(inputs, np.float32)
     outputs = np.full((len(inputs), output_columns(export.entry)), np.nan, np.float32)
-    function = ctypes.CDLL(str(library)).run
     pointer = ctypes.POINTER(ctypes.c_float)
     arguments = [inputs.ctypes.data_as(pointer), outputs.ctypes.data_as(pointer), len(inputs)]
     function.argtypes, function.restype = [pointer, pointer, ctypes.c_int], None

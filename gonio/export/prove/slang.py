@@ -23,7 +23,7 @@ from gonio.export.prove.harness import (
     reads_buffer,
     statements,
 )
-from gonio.export.prove.native import FLAGS, call_library
+from gonio.export.prove.native import FLAGS, RUN, call_library
 from gonio.export.prove.tools import Rows
 
 DEVICE = "processor, slangc and g++"
@@ -41,44 +41,53 @@ def run_slang(exports: Sequence[Export], rows: Sequence[Rows]) -> Results:
     hlsl = any(export.language == "hlsl" for export in exports)
     glslang = tools.program("glslangValidator", "compiles HLSL") if hlsl else ""
 
-    def compile_and_run(export: Export, inputs: Rows) -> Rows:
+    def compile_and_run(batch: Sequence[Export], inputs: Sequence[Rows]) -> list[Rows]:
         with tempfile.TemporaryDirectory(prefix="gonio-") as name:
             folder = Path(name)
-            if export.language == "hlsl":
+            for export in batch if hlsl else ():
                 text = compute_text(export)
                 (folder / "check.hlsl").write_text(text, encoding="utf-8")
                 command = [glslang, "-D", "-V", "-e", "main", "-S", "comp", "check.hlsl"]
                 line = r"check\.hlsl:(\d+):"
                 tools.compile_with([*command, "-o", "check.spv"], folder, export, text, line)
-            text = loop_text(export)
+            # An export whose functions run on different rows is there several times
+            parts = [*dict.fromkeys(_on_processor(export) for export in batch)]
+            parts += [loop_text(export, RUN.format(k)) for k, export in enumerate(batch)]
+            text = "\n".join(parts)
             (folder / "export.slang").write_text(text, encoding="utf-8")
             command = [slangc, "export.slang", "-target", "cpp", "-o", "export.cpp"]
             line = r"(?:export\.slang\(|export\.slang:)(\d+)"
-            tools.compile_with(command, folder, export, text, line)
+            tools.compile_with(command, folder, batch[0], text, line)
             text = (folder / "export.cpp").read_text(encoding="utf-8")
             command = [gxx, *FLAGS, "-w", "export.cpp", "-o", "library.so"]
-            tools.compile_with(command, folder, export, text, r"export\.cpp:(\d+):")
-            return call_library(folder / "library.so", export, inputs)
+            tools.compile_with(command, folder, batch[0], text, r"export\.cpp:(\d+):")
+            return call_library(folder / "library.so", batch, inputs)
 
-    return Results(tools.side_by_side(compile_and_run, exports, rows), DEVICE)
+    return Results(tools.in_batches(compile_and_run, exports, rows), DEVICE)
 
 
-def loop_text(export: Export) -> str:
-    """The source and a loop over all rows, in Slang.
+def _on_processor(export: Export) -> str:
+    """The source for a processor, on which there is no one who binds a buffer: a pointer has its name."""
+    if export.buffer is None:
+        return export.source
+    name = _table(export)
+    declared = resource(export.language, export.buffer.prefix, name)
+    return export.source.replace(declared, f"static float4* {name};")
 
-    On a processor there is no one who binds a buffer: a pointer has its name.
-    """
+
+def _table(export: Export) -> str:
+    assert export.buffer is not None
+    return f"{export.buffer.prefix}_tables"
+
+
+def loop_text(export: Export, name: str) -> str:
+    """A function of this name, in Slang: the loop over all rows."""
     dialect = HLSL if export.language == "hlsl" else SLANG
-    source, bound = export.source, ""
-    if export.buffer is not None:
-        name = f"{export.buffer.prefix}_tables"
-        declared = resource(export.language, export.buffer.prefix, name)
-        source = source.replace(declared, f"static float4* {name};")
-        if reads_buffer(export):
-            bound = f"    {name} = (float4*){BUFFER};\n"
+    bound = ""
+    if export.buffer is not None and reads_buffer(export):
+        bound = f"    {_table(export)} = (float4*){BUFFER};\n"
     return (
-        f"{source}\n"
-        f"export __extern_cpp void run(float* x, float* y, int rows{given_rows(export, 'float*')})\n"
+        f"export __extern_cpp void {name}(float* x, float* y, int rows{given_rows(export, 'float*')})\n"
         f"{{\n{bound}"
         "    for (int row = 0; row < rows; ++row)\n    {\n"
         f"        int i = row * {input_columns(export.entry)};\n"

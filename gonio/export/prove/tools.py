@@ -32,6 +32,10 @@ SECONDS_PER_JOB = 60
 # More processes at once than this make the rest of the machine unusable.
 PROCESSES = 2
 
+# Exports that are compiled as one text where that is possible: of so many, starting a compiler and reading
+# its own headers is a small part.
+BATCH = 16
+
 
 class ProofError(ExportError):
     """A tool is missing, or an export does not compile or run; the first line says which and why."""
@@ -175,6 +179,31 @@ def side_by_side(
 
     with ThreadPoolExecutor(PROCESSES) as pool:
         return list(pool.map(attempt, exports, rows))
+
+
+def in_batches(
+    work: Callable[[Sequence[Export], Sequence[Rows]], Sequence[Made]],
+    exports: Sequence[Export],
+    rows: Sequence[Rows],
+) -> list[Made | ProofError]:
+    """Apply `work`, which waits for processes, to several exports at once, two such batches at a time.
+
+    What is refused in company is tried alone, to know which export it is and what it says of that.
+    """
+
+    def attempt(numbers: Sequence[int]) -> list[Made | ProofError]:
+        try:
+            return list(work([exports[k] for k in numbers], [rows[k] for k in numbers]))
+        except ProofError as error:
+            if len(numbers) == 1:
+                return [error]
+            return [made for k in numbers for made in attempt([k])]
+
+    count = len(exports)
+    size = max(1, min(BATCH, -(-count // PROCESSES)))
+    batches = [range(k, min(k + size, count)) for k in range(0, count, size)]
+    with ThreadPoolExecutor(PROCESSES) as pool:
+        return [made for batch in pool.map(attempt, batches) for made in batch]
 
 
 @dataclass(frozen=True)
