@@ -374,8 +374,8 @@ def mean_albedo(model: Reflecting) -> Color:
     wo, weights = mean_nodes(model.follows_tangents())
     if _is_one(model):
         x, y, z, weight = _columns(Float, *wo.T, weights)
-        # A kernel of its own with a direction in each lane: else every lane of the kernel that asks would sum
-        # over all of them
+        # A kernel of its own with a direction in each lane: else every lane of the kernel that asks
+        # would sum over all of them
         found = dr.replace_shape_t(Float, (3, -1))(model.albedo(vec3(x, y, z)) * weight)
         return vec3(*(dr.sum(channel) for channel in found))
 
