@@ -127,6 +127,8 @@ class Claims:
     """Largest albedo in directions that the sampler never draws."""
     float32: Known | tuple[Known, ...] = ()
     """Relative error of float32 values, where it is more than 1e-5."""
+    float32_density: Known | tuple[Known, ...] = ()
+    """That of the densities of samples, where it is more than that of values."""
     numeric_albedo: Known | tuple[Known, ...] = ()
     """Error of albedos that are quadratures, where it is more than 3e-5."""
     kinks: Kink | tuple[Kink, ...] = ()
@@ -211,6 +213,11 @@ PROMISES = {
     "float32": (
         "float32 values within 1e-5 of float64",
         "float32 values differ from float64",
+        " by up to {}",
+    ),
+    "float32_density": (
+        "float32 densities as near to float64 as values",
+        "float32 densities differ from float64",
         " by up to {}",
     ),
     "numeric_albedo": ("albedos within 3e-5", "albedos", " within {}"),

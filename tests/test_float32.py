@@ -127,6 +127,20 @@ VALUES: list[tuple[str, dict[str, Any], Any, Any]] = [
         unit(0.65871799, 0.75238997, 1.2654796e-18),
         unit(1.0, 0.0, 1.2654796e-18),
     ),  # 1e12: the mean of the channels' indices rounded to 1
+    (
+        "torrance_sparrow",
+        {"fresnel": "dielectric", "diffuse": "lambert", "distribution": "beckmann"}
+        | {"eta": 0.01, "alpha": 0.98, "masking": "neumann"},
+        unit(0.012141088, 0.0072163185, 0.99990028),
+        (-0.012153477407991886, -0.00722387433052063, 0.9999000430107117),
+    ),  # pdf 0.05: total reflection near the normal
+    (
+        "weidlich_wilkie",
+        {"distribution": "gaussian", "masking": "smith", "fresnel": "lazanyi_conductor"}
+        | {"alpha": 1.0002e-4, "mirror_eta": 1.0, "mirror_k": 10.0},
+        unit(-1.0, 4.95e-6, 0.0002882170956581831),
+        unit(1.0, 0.0, 0.0002786507538985461),
+    ),  # 4e-3: 1 - G of Beckmann's facets
     ("ue4", {"base_color": 0.0, "metallic": 0.8, "specular": 0.0, "roughness": 0.0}, "N", "N"),
     ("unity_brdf2", {"base_color": 0.0, "roughness": 6.65e-7}, unit(-0.16, 0.987, 6e-17), "-"),
 ]
@@ -154,6 +168,54 @@ def test_float32_agrees_with_float64_where_it_once_did_not(
         assert np.isfinite(low).all()
         assert (low >= 0).all()
         np.testing.assert_allclose(low, high, rtol=limit)
+
+
+# Facets and layers that are black where wi meets wo: all of F is Schlick's (1 - c)^5.
+LAZANYI = {"fresnel": "lazanyi", "alpha": 0.9}
+BLACK_COAT = LAZANYI | {"distribution": "ggx", "eta": 1.0, "base.rho": 0.0}
+BLACK: list[tuple[str, dict[str, Any]]] = [
+    ("torrance_sparrow", LAZANYI | {"eta": 1.0, "k": 0.0}),
+    ("torrance_sparrow", {"fresnel": "schlick", "f0": 0.0, "f90": 0.5}),
+    (
+        "torrance_sparrow",
+        {"fresnel": "schlick", "f0": 1.0, "f90": 0.5, "diffuse": "lambert"}
+        | {"distribution": "gaussian", "alpha": 1e-3},
+    ),
+    ("car_paint", LAZANYI | {"eta": 1.0, "metal_eta": 1.0, "metal_k": 0.0}),
+    (
+        "patina",
+        LAZANYI
+        | {"coat_eta": 1.0, "coat_k": 0.0, "sigma_a": 1.0, "extent": 2.0, "growth": 0.0}
+        | {"metal_eta": 1.0, "metal_k": 0.0},
+    ),
+    ("weidlich_wilkie", BLACK_COAT),
+    ("weidlich_wilkie", BLACK_COAT | {"fresnel": "lazanyi_conductor", "mirror_eta": 1.0}),
+]
+
+
+def error_near_wo(name: str, given: dict[str, Any]) -> float:
+    """Of values in float32 where light comes nearly from the viewer."""
+    rng = np.random.default_rng(3)
+    wo = rng.normal(size=(200, 3)) * (1, 1, 0.1)
+    wi = wo + 10 ** rng.uniform(-2, -1, (200, 1)) * rng.normal(size=(200, 3))
+    i, o = (np.abs(w) / np.linalg.norm(w, axis=1, keepdims=True) for w in (wi, wo))
+    i, o = i.astype(np.float32), o.astype(np.float32)
+    model = gonio.model(name, **given)
+    low, high = model.eval(i, o), model.eval(i.astype(float), o.astype(float))
+    assert (high > 0).all()
+    return float((np.abs(low - high) / high).max())
+
+
+@pytest.mark.parametrize(("name", "given"), BLACK)
+def test_what_is_black_but_at_grazing_angles_keeps_its_digits(
+    name: str, given: dict[str, Any]
+) -> None:
+    assert error_near_wo(name, given) < SINGLE_PROMISED
+
+
+def test_a_weight_of_the_rounded_cosine_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(fresnel, "_weight", lambda c, _: fresnel.schlick_weight(c))
+    assert error_near_wo(*BLACK[0]) > 100 * SINGLE_PROMISED
 
 
 def lanes(model: Any, rng: np.random.Generator) -> tuple[Any, dict[str, Any]]:

@@ -22,7 +22,7 @@ from gonio.models.patina import Patina
 from gonio.models.triace_layered import TriAceLayered
 from gonio.models.weidlich_wilkie import WeidlichWilkie
 from gonio.parts import interface, tilt
-from gonio.parts.frame import cos_half
+from gonio.parts.frame import cos_half, sin2_half
 from gonio.parts.fresnel import split_conductor, transmittance
 
 ANGLES = [0, 30, 60, 80, 89]
@@ -733,7 +733,8 @@ def test_a_coat_keeps_the_digits_of_what_little_it_lets_in() -> None:
 
         def _transmitted(self, wi: Vec3, wo: Vec3) -> Float:
             cos_h = cos_half(wi, wo)
-            return self._T(cos_h) * (1 - self._G(wi, wo) * self._F(cos_h))
+            F = self._F(cos_h, sin2_half(wi, wo))
+            return self._T(cos_h) * (1 - self._G(wi, wo) * F)
 
     wrong = Cancelling(eta=1.75, alpha=1e-4, base=gonio.model("lambert"))
     np.testing.assert_allclose(wrong.eval(wi, wo), coat.eval(wi, wo), rtol=DOUBLE_DIVIDED)

@@ -9,6 +9,7 @@ from typing import Any
 import drjit as dr
 import numpy as np
 import pytest
+from mpmath import mp
 from support.directions import polar, random_directions
 from support.tolerances import DOUBLE, DOUBLE_DIVIDED
 
@@ -283,3 +284,31 @@ def test_what_grooves_hide_keeps_its_digits_where_it_is_little() -> None:
     # A difference of ones is off by their rounding, 6e-8 each
     assert difference > 5e-8
     assert found < 0.1 * difference
+
+
+@pytest.mark.parametrize("lost", ["lost_smith", "lost_smith_correlated"])
+def test_what_beckmann_facets_hide_is_that_of_60_digits(lost: str) -> None:
+    """1 - G from erfc, at slopes where a difference of ones has no digit left in float32."""
+    mp.dps = 60
+    alpha, mu = 1e-3, np.array([1e-5, 3e-4, 1e-3, 2e-3, 3.3e-3, 6e-3])
+    wi = np.stack([np.sqrt(1 - mu * mu), 0 * mu, mu], 1)
+    wo = np.stack([np.sqrt(1 - 4 * mu * mu), 0 * mu, 2 * mu], 1)
+
+    def Lambda(z: float) -> Any:
+        """Heitz 2014, Eq. 68."""
+        a = z / (alpha * mp.sqrt(1 - mp.mpf(z) ** 2))
+        return (mp.exp(-a * a) / (a * mp.sqrt(mp.pi)) - mp.erfc(a)) / 2
+
+    for T, allowed in ((Float64, 1e-11), (Float, 1e-5)):
+        facets = distribution.RoundBeckmann(T(alpha))
+        found = numbers(getattr(masking, lost)(facets, vector(wi, T), vector(wo, T)))
+        for value, a, b in zip(found, wi[:, 2], wo[:, 2], strict=True):
+            i, o = Lambda(a), Lambda(b)
+            G = 1 / (1 + i + o) if lost.endswith("correlated") else 1 / ((1 + i) * (1 + o))
+            assert value == pytest.approx(float(1 - G), rel=allowed)
+    plain = 1 - 4 * wi[:, 2] * wo[:, 2] * numbers(
+        masking.V_smith(
+            distribution.RoundBeckmann(Float(alpha)), vector(wi, Float), vector(wo, Float)
+        )
+    )
+    assert abs(plain[4] / float(Lambda(mu[4])) - 1) > 0.01

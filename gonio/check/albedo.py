@@ -45,7 +45,7 @@ def check(subject: Subject, effort: Effort) -> Report:
 
 def _directional(subject: Subject, effort: Effort) -> Finding:
     rng = np.random.default_rng(31)
-    closed = subject.albedos == "closed form"
+    closed = subject.albedos != "quadrature"
     # Closed forms cost nothing; the quadrature is not the model's
     count = 2 * effort.confirmed if closed else effort.confirmed
     points = np.concatenate(

@@ -34,6 +34,8 @@ from gonio.check.subject import (
     stored,
     vectors,
 )
+from gonio.lang import MU_MIN
+from gonio.parts.distribution import ALPHA_MIN
 
 # Far tails of a lobe are compared with this. Below 1e-38 a float32 has no digits left; divided by a cosine
 # of 1e-18 afterwards that is an error of 1e-20, which is FLOAT32 of this.
@@ -43,6 +45,10 @@ FAR_TAIL = 1e-15
 # reflection sets in suddenly: so many roundings of the parameters are allowed, each by what it changes in
 # float64. None of the directions: what depends on their length is a formula that has a better one.
 ROUNDINGS = 8
+
+# The narrowest distribution of facets, D, ends where its exponential leaves a float32; a value is D times
+# G / (4 mu_i mu_o), and G is at most the smaller cosine over the larger one.
+D_END = 2.0**-126 / (np.pi * ALPHA_MIN * ALPHA_MIN)
 
 # What float32 is allowed to be off by, where a model documents nothing else.
 FLOAT32 = 1e-5
@@ -61,10 +67,11 @@ ZERO_CROSSING = 0.03
 # From so many hard cases on the whole list of hard pairs is affordable.
 FULL = 1024
 
-# Mean albedos are integrals of their own: fewer are tried.
+# Mean albedos, and those composed of quadratures, are integrals of their own: fewer are tried.
 MEANS = 64
 
 NAMES = ("eval", "eval", "eval", "pdf", "albedo", "albedo", "albedo")
+DENSITY = NAMES.index("pdf")
 
 
 def check(subject: Subject, effort: Effort) -> Report:
@@ -72,7 +79,7 @@ def check(subject: Subject, effort: Effort) -> Report:
     start = time.perf_counter()
     findings = [_finite(subject, effort), _lowest(subject, effort)]
     if subject.claiming and not subject.float32:
-        findings.append(_precision(subject, effort))
+        findings += _precision(subject, effort)
     return Report("finite", subject.name, tuple(findings), time.perf_counter() - start)
 
 
@@ -128,7 +135,7 @@ def _finite(subject: Subject, effort: Effort) -> Finding:
         )
         found, count = not_finite(subject, hard_cases(subject, points[:64]), True)
     if not count:
-        albedo = ", albedo" if subject.albedos == "closed form" else ""
+        albedo = ", albedo" if subject.albedos in ("closed form", "composed") else ""
         text = f"eval, pdf, sample{albedo} finite at {len(cases)} hard cases and in a search"
         return Finding("not finite", 0.0, PASS, text, subject.tag())
     first = found[0]
@@ -172,14 +179,19 @@ def not_finite(subject: Subject, cases: Cases, single_precision: bool) -> tuple[
             ),
             np.concatenate([w, density[:, None]], axis=1),
         )
+        step = max(n // MEANS, 1)
         if subject.albedos == "closed form":
             E = kernels.albedo(subject, cases.parameters, cases.wo, single_precision)
             results["albedo"] = np.isfinite(E).all(axis=1), E
-        if subject.mean_closed:
-            E = kernels.mean_albedo(
-                subject, cases.parameters[:: max(n // MEANS, 1)], single_precision
+        elif subject.albedos == "composed":
+            E = kernels.albedo(
+                subject, cases.parameters[::step], cases.wo[::step], single_precision
             )
-            E = np.repeat(E, max(n // MEANS, 1), axis=0)[:n]
+            E = np.repeat(E, step, axis=0)[:n]
+            results["albedo"] = np.isfinite(E).all(axis=1), E
+        if subject.mean_closed:
+            E = kernels.mean_albedo(subject, cases.parameters[::step], single_precision)
+            E = np.repeat(E, step, axis=0)[:n]
             results["mean albedo"] = np.isfinite(E).all(axis=1), E
     precision = "float32" if single_precision else "float64"
     wrong = []
@@ -272,7 +284,7 @@ def _lowest(subject: Subject, effort: Effort) -> Finding:
 # --- float32 -------------------------------------------------------------------------------------
 
 
-def _precision(subject: Subject, effort: Effort) -> Finding:
+def _precision(subject: Subject, effort: Effort) -> list[Finding]:
     """The largest relative error of float32 against float64, on the same float32 inputs, by search."""
     points, _ = maximise(
         lambda p: float32_error(subject, hard_cases(subject, p)).max(axis=1),
@@ -285,12 +297,17 @@ def _precision(subject: Subject, effort: Effort) -> Finding:
     )
     # What is excused has been looked at only where it decides something; for the number, everywhere
     cases = hard_cases(subject, points[:FINALISTS])
-    errors = float32_error(subject, cases, told=0.0)
+    return [
+        _worst(subject, effort, cases, promise, float32_error(subject, cases, 0.0, promise))
+        for promise in ("float32", "float32_density")
+        if promise == "float32" or subject.size(promise) is not None
+    ]
+
+
+def _worst(subject: Subject, effort: Effort, cases: Cases, promise: str, errors: Array) -> Finding:
     row, column = np.unravel_index(int(errors.argmax()), errors.shape)
     measured = float(errors[row, column])
-    verdict, text = judge(
-        subject, "float32", measured, limit=FLOAT32, searched=False, effort=effort
-    )
+    verdict, text = judge(subject, promise, measured, limit=FLOAT32, searched=False, effort=effort)
     case = (cases.parameters[row], cases.wi[row], cases.wo[row])
     return Finding(
         "float32 error",
@@ -304,11 +321,14 @@ def _precision(subject: Subject, effort: Effort) -> Finding:
     )
 
 
-def float32_error(subject: Subject, cases: Cases, told: float = TOLD) -> Array:
+def float32_error(
+    subject: Subject, cases: Cases, told: float = TOLD, promise: str = "float32"
+) -> Array:
     """Relative errors (n, 4 or 7) of BRDF, density and closed-form albedo in float32.
 
     What a few roundings of the parameters change is left out of errors above `told`: no formula could do
-    better with such inputs. What is not finite counts as no error; another finding reports it.
+    better with such inputs. What is not finite counts as no error; another finding reports it. So does what
+    belongs to another promise: density alone is "float32_density" where a model documents that.
     """
     with np.errstate(invalid="ignore", over="ignore"):
         low = _values(subject, cases, single_precision=True)
@@ -319,8 +339,13 @@ def float32_error(subject: Subject, cases: Cases, told: float = TOLD) -> Array:
         if subject.size("negative") is not None:
             scale[:, :3] = np.maximum(scale[:, :3], ZERO_CROSSING)
         if subject.size("unreached") is not None:
-            scale[:, 3] = np.maximum(scale[:, 3], RIM)
+            scale[:, DENSITY] = np.maximum(scale[:, DENSITY], RIM)
+        higher = np.maximum(np.maximum(cases.wi[:, 2], cases.wo[:, 2]), MU_MIN)
+        error[:, :3] = np.maximum(error[:, :3] - 0.25 * D_END / higher[:, None], 0)
         error = np.where(np.isfinite(error), error, 0)
+        if subject.size("float32_density") is not None:
+            density = np.arange(error.shape[1]) == DENSITY
+            error[:, density == (promise == "float32")] = 0
         rows = np.flatnonzero((error > told * scale).any(axis=1))
         if len(rows):
             few = Cases(cases.parameters[rows], cases.wi[rows], cases.wo[rows], cases.u[rows])

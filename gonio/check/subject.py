@@ -74,7 +74,8 @@ class Subject(Protocol):
     differentiable: bool
     """Whether it has derivatives."""
     albedos: str
-    """Where its own albedos come from: "closed form", "quadrature", or "" if it has none."""
+    """Where its own albedos come from: "closed form", "quadrature", or "" if it has none; "composed" if it
+    makes them of inner models' quadratures, each of which takes as long as hundreds of values."""
     mean_closed: bool
     """Whether its mean albedo is a closed form."""
 
@@ -172,8 +173,7 @@ class ModelSubject:
         self.whole = not fixed
         self.float32 = False
         self.differentiable = True
-        closed = model.writes("albedo")
-        self.albedos = "closed form" if closed else "quadrature"
+        self.albedos = _origin(model)
         self.mean_closed = model.writes("mean_albedo")
 
     def prepare(self) -> None:
@@ -323,6 +323,14 @@ def _special(
     default = _channel(declared.default, channel)
     candidates = [_channel(value, channel), default, 0.0, 0.5, 1.0, 2.0, *numbers]
     return tuple(dict.fromkeys(v for v in candidates if declared.low <= v <= declared.high))
+
+
+def _origin(model: Model) -> str:
+    """Where a model's albedos come from."""
+    if not model.writes("albedo"):
+        return "quadrature"
+    inner = inner_models(model)
+    return "closed form" if all(m.writes("albedo") for m in inner) else "composed"
 
 
 def _channel(value: Any, channel: int) -> float:

@@ -43,11 +43,11 @@ from gonio.parts.coat import (
     usual_cos_half,
 )
 from gonio.parts.distribution import ALPHA_MIN
-from gonio.parts.frame import cos_half, half_vector, mirror
+from gonio.parts.frame import cos_half, half_vector, mirror, sin2_half
 from gonio.parts.fresnel import (
     F_conductor_half,
     F_dielectric_entering,
-    F_lazanyi,
+    F_lazanyi_half,
     transmittance_entering,
     transmittance_lazanyi,
 )
@@ -144,6 +144,9 @@ class CarPaint(Model):
         reciprocity=at_most(1, flake_cosine="light"),
         wasted=at_most(0.9),
         float32=at_most(UNBOUNDED, flake_cosine="light"),
+        # What the coat keeps inside is spread over all directions by its azimuth, which near an index of 1
+        # meets the narrowest flakes' mirror direction by the last bits of a float32
+        float32_density=at_most(UNBOUNDED),
         numeric_albedo=at_most(1e-3),
         kinks=(
             kink(Place.ELSEWHERE),
@@ -156,7 +159,7 @@ class CarPaint(Model):
         """Eq. 2 with a tilted base: BRDF value in 1/sr, without the cosine."""
         m, cos_h = half_vector(wi, wo), cos_half(wi, wo)
         facets = self._facets()
-        coat = self._F(cos_h) * reflected_by(facets, wi, wo, m, self.masking)
+        coat = self._F(cos_h, sin2_half(wi, wo)) * reflected_by(facets, wi, wo, m, self.masking)
 
         if self.transmission == "half_vector":
             T = self._T(cos_h)
@@ -170,11 +173,11 @@ class CarPaint(Model):
         both = refracted_sum(wi, wo, excess)
         cos_t = 0.5 * length(both) / self.eta
         metal_eta, metal_k = self.metal_eta / self.eta, self.metal_k / self.eta
+        sin2_t = refracted_sin2_half(wi, wo, excess)
         if self.fresnel == "exact":
-            sin2 = refracted_sin2_half(wi, wo, excess)
-            F = F_conductor_half(cos_t, sin2, metal_eta, metal_k)
+            F = F_conductor_half(cos_t, sin2_t, metal_eta, metal_k)
         else:
-            F = F_lazanyi(cos_t, metal_eta, metal_k)
+            F = F_lazanyi_half(cos_t, sin2_t, metal_eta, metal_k)
         flake = F * self._flake(wi_t, wo_t, both)
         return coat + flake * (self._kept(wi_t, wo_t) * through)
 
@@ -205,13 +208,13 @@ class CarPaint(Model):
 
     def image_surface(self, mu: Float) -> ImageSurface:
         """What the coat mirrors of a picture."""
-        return ImageSurface(self._F(mu), self.alpha)
+        return ImageSurface(self._F(mu, (1 - mu) * (1 + mu)), self.alpha)
 
-    def _F(self, cos_theta: Float) -> Float:
+    def _F(self, cos_h: Float, sin2_h: Float) -> Float:
         """Of the coat."""
         if self.fresnel == "exact":
-            return F_dielectric_entering(cos_theta, self.eta)
-        return F_lazanyi(cos_theta, self.eta, 0)
+            return F_dielectric_entering(cos_h, self.eta)
+        return F_lazanyi_half(cos_h, sin2_h, self.eta, 0)
 
     def _T(self, cos_theta: Float) -> Float:
         """1 - F of the coat."""
@@ -275,5 +278,6 @@ class CarPaint(Model):
             lit = select(tilted.z > 0, below, 0)
         else:
             lit = below * seen(tilted.z, wo_t.z)
-        coat = maximum(self._F(wo.z), COAT_SHARE_MIN * below + LOBE_MIN)
+        F = self._F(wo.z, (1 - wo.z) * (1 + wo.z))
+        coat = maximum(F, COAT_SHARE_MIN * below + LOBE_MIN)
         return shares(coat, lit)

@@ -38,6 +38,7 @@ from gonio.parts.coat import (
     sample_facets,
     through_facets,
     usual_cos_half,
+    usual_sin2_half,
 )
 from gonio.parts.distribution import ALPHA_MIN
 from gonio.parts.frame import cos_half, half_vector, mirror, sin2_half
@@ -45,6 +46,7 @@ from gonio.parts.fresnel import (
     F_conductor,
     F_conductor_half,
     F_lazanyi,
+    F_lazanyi_half,
     Split,
     split_conductor,
     transmittance_lazanyi_conductor,
@@ -206,22 +208,22 @@ class Patina(Model):
         """The metal's reflectance, as far as it has tarnished."""
         tint = lerp(1, self.tarnish_tint, self.tarnish)
         if self.fresnel == "lazanyi":
-            return F_lazanyi(cos_h, self.metal_eta, self.metal_k) * tint
+            return F_lazanyi_half(cos_h, sin2_h, self.metal_eta, self.metal_k) * tint
         return F_conductor_half(cos_h, sin2_h, self.metal_eta, self.metal_k) * tint
 
-    def _surface(self, cos_theta: Float) -> Split:
+    def _surface(self, cos_h: Float, sin2_h: Float) -> Split:
         """Of the patina."""
         if self.fresnel == "lazanyi":
             return Split(
-                F_lazanyi(cos_theta, self.coat_eta, self.coat_k),
-                transmittance_lazanyi_conductor(cos_theta, self.coat_eta, self.coat_k),
+                F_lazanyi_half(cos_h, sin2_h, self.coat_eta, self.coat_k),
+                transmittance_lazanyi_conductor(cos_h, self.coat_eta, self.coat_k),
             )
-        return split_conductor(cos_theta, self.coat_eta, self.coat_k)
+        return split_conductor(cos_h, self.coat_eta, self.coat_k)
 
     def _coated(self, wi: Vec3, wo: Vec3) -> Color:
         """Eq. 2 with a coat that scatters."""
         m, cos_h, excess = half_vector(wi, wo), cos_half(wi, wo), self._excess()
-        index, surface = 1 + excess, self._surface(cos_h)
+        index, surface = 1 + excess, self._surface(cos_h, sin2_half(wi, wo))
         facets = self._facets()
         glossy = reflected_by(facets, wi, wo, m, self.masking)
         coat = surface.F * glossy + (1 - self.sigma_a) * surface.T * INV_PI
@@ -242,8 +244,10 @@ class Patina(Model):
         """Probabilities: bare metal or patina; of that, surface or not; of the rest, diffuse or below."""
         grown = self._grown()
         wo_t = refract(wo, self._excess())
-        F, T = self._surface(wo.z).F, self._surface(usual_cos_half(wo)).T
-        F_metal = self._metal_F(wo.z, (1 - wo.z) * (1 + wo.z))
+        mu, sin2 = wo.z, (1 - wo.z) * (1 + wo.z)
+        F = self._surface(mu, sin2).F
+        T = self._surface(usual_cos_half(wo), usual_sin2_half(wo)).T
+        F_metal = self._metal_F(mu, sin2)
         bare = self._bare() * average(F_metal)
         coat = grown * average(F)
         diffuse = grown * average((1 - self.sigma_a) * T)

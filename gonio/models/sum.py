@@ -28,7 +28,6 @@ class Sum(Model):
     )
     claims = Claims(
         energy=at_most(2),
-        float32=at_most(5e-5),
         numeric_albedo=at_most(0.01),
     )
 

@@ -33,7 +33,7 @@ from gonio.lang import (
 )
 from gonio.model import Model, option, param
 from gonio.parts import distribution, frame, fresnel, ggx_loss, masking
-from gonio.parts.coat import usual_cos_half
+from gonio.parts.coat import usual_cos_half, usual_sin2_half
 from gonio.parts.distribution import (
     ALPHA_MIN,
     GGX,
@@ -345,9 +345,9 @@ class TorranceSparrow(Model):
         if self.fresnel == "dielectric":
             return fresnel.F_dielectric_half(cos_h, sin2_h, self.eta)
         if self.fresnel == "schlick":
-            return fresnel.F_schlick(cos_h, self.f0, self.f90)
+            return fresnel.F_schlick_half(cos_h, sin2_h, self.f0, self.f90)
         if self.fresnel == "lazanyi":
-            return fresnel.F_lazanyi(cos_h, self.eta, self.k)
+            return fresnel.F_lazanyi_half(cos_h, sin2_h, self.eta, self.k)
         return 1
 
     def _T(self, cos_h: Float, sin2_h: Float) -> Color:
@@ -357,7 +357,7 @@ class TorranceSparrow(Model):
         if self.fresnel == "dielectric":
             return fresnel.transmittance_half(cos_h, sin2_h, self.eta)
         if self.fresnel == "schlick":
-            return fresnel.transmittance_schlick(cos_h, self.f0, self.f90)
+            return fresnel.transmittance_schlick_half(cos_h, sin2_h, self.f0, self.f90)
         if self.fresnel == "lazanyi":
             return fresnel.transmittance_lazanyi_conductor(minimum(cos_h, 1), self.eta, self.k)
         return 0
@@ -375,8 +375,8 @@ class TorranceSparrow(Model):
 
     def _shares(self, wo: Vec3) -> Vec2:
         """Probabilities of the matte part and of the facets."""
-        mu, c = wo.z, usual_cos_half(wo)
-        through = average(self.rho * self._T(c, (1 - c) * (1 + c)))
+        mu = wo.z
+        through = average(self.rho * self._T(usual_cos_half(wo), usual_sin2_half(wo)))
         if self.fresnel == "white":
             return shares(through, 1)
         return shares(through, average(self._F(mu, (1 - mu) * (1 + mu))))

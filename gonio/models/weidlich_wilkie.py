@@ -15,13 +15,13 @@ from gonio.claims import Claims, Place, at_most, kink
 from gonio.fields import ModelError
 from gonio.lang import Color, Float, Sample, Vec2, Vec3, exp, maximum, safe_sqrt, select
 from gonio.model import Model, child, option, param
-from gonio.parts.coat import attenuation_least, optical_depth, usual_cos_half
+from gonio.parts.coat import attenuation_least, optical_depth, past_facets, usual_cos_half
 from gonio.parts.distribution import ALPHA_MIN, BlinnPhong, Gaussian, RoundBeckmann, RoundGGX
-from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
+from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror, sin2_half
 from gonio.parts.fresnel import (
     F_conductor,
     F_dielectric_entering,
-    F_lazanyi,
+    F_lazanyi_half,
     split_conductor,
     transmittance_entering,
     transmittance_lazanyi,
@@ -46,6 +46,8 @@ from gonio.parts.masking import (
     V_smith,
     V_smith_correlated,
     lost_cook_torrance,
+    lost_smith,
+    lost_smith_correlated,
 )
 from gonio.parts.roughness import at_least_alpha
 
@@ -129,8 +131,6 @@ class WeidlichWilkie(Model):
         "roughness_clamp='off' it does not reach those below that one.",
         "A coat under a denser one, which needs eta < 1, is not covered: past the critical angle its light "
         "ends at a jump that numeric albedos miss by up to 1.5 %.",
-        "What a grazing coat of the narrowest facets lets through has four digits in float32 where masking "
-        "is Smith's and transmission='half_vector': the share 1 - G is a difference of ones.",
         "Nothing scatters inside the coat, and refraction does not blur the base but for the roughness "
         "clamp.",
     )
@@ -148,12 +148,6 @@ class WeidlichWilkie(Model):
         wasted=(
             at_most(0.513, interface="rough", masking="cook_torrance", distribution="gaussian"),
             at_most(0.501, interface="rough", masking="cook_torrance"),
-        ),
-        float32=at_most(
-            3e-4,
-            interface="rough",
-            masking=("smith", "smith_correlated"),
-            transmission="half_vector",
         ),
         numeric_albedo=(
             at_most(0.007, masking="cook_torrance", interface="rough"),
@@ -184,8 +178,8 @@ class WeidlichWilkie(Model):
             below = below / (1 - self.base.mean_albedo() * back)
         if self.interface == "smooth":
             return below
-        cos_h = cos_half(wi, wo)
-        coat = self._F(cos_h) * self._facets().D(half_vector(wi, wo)) * self._V(wi, wo)
+        F = self._F(cos_half(wi, wo), sin2_half(wi, wo))
+        coat = F * self._facets().D(half_vector(wi, wo)) * self._V(wi, wo)
         return below + coat
 
     def image_coat(self, wo: Vec3) -> ImageCoat:
@@ -206,7 +200,7 @@ class WeidlichWilkie(Model):
         matte = through * compression * exp(-tau * (slant + 1 / wo_t.z))
         if self.bounces == "diffuse":
             matte = matte / (1 - self.base.mean_albedo() * diffuse_return(tau, self.eta))
-        reflected = self._F(wo.z) if self.interface == "rough" else 0
+        reflected = self._F_outside(wo.z) if self.interface == "rough" else 0
         least = self.alpha if self.interface == "rough" and self.roughness_clamp == "on" else 0
         c = critical_cosine(self.eta - 1)
         return ImageCoat(reflected, glossy, matte, wo_t, least, (1 - c) / (1 + c))
@@ -263,7 +257,7 @@ class WeidlichWilkie(Model):
     def reflectances(self, cos_theta: Float) -> dict[str, Color]:
         """F of the coat at a cosine outside, and what both crossings let through; for plots."""
         T = self._T(cos_theta)
-        return {"F, coat": self._F(cos_theta), "T, there and back": T * T}
+        return {"F, coat": self._F_outside(cos_theta), "T, there and back": T * T}
 
     def _sample_coat(self, wo: Vec3, u: Vec2) -> Vec3:
         """A direction that the coat mirrors.
@@ -291,14 +285,19 @@ class WeidlichWilkie(Model):
             return self.base
         return self.base.at_least_as_rough(self.alpha)
 
-    def _F(self, cos_h: Float) -> Color:
+    def _F_outside(self, mu: Float) -> Color:
+        """At the mean surface."""
+        return self._F(mu, (1 - mu) * (1 + mu))
+
+    def _F(self, cos_h: Float, sin2_h: Float) -> Color:
+        """At a facet."""
         if self.fresnel == "conductor":
             return F_conductor(cos_h, self.mirror_eta, self.mirror_k)
         if self.fresnel == "lazanyi_conductor":
-            return F_lazanyi(cos_h, self.mirror_eta, self.mirror_k)
+            return F_lazanyi_half(cos_h, sin2_h, self.mirror_eta, self.mirror_k)
         if self.fresnel == "exact":
             return F_dielectric_entering(cos_h, self.eta)
-        return F_lazanyi(cos_h, self.eta, 0)
+        return F_lazanyi_half(cos_h, sin2_h, self.eta, 0)
 
     def _T(self, cos_theta: Float) -> Color:
         """1 - F."""
@@ -351,10 +350,16 @@ class WeidlichWilkie(Model):
         T = self._T(cos_half(wi, wo))
         if self.interface == "smooth":
             return T * T
-        # Eq. 4; 1 - G F would lose the digits of a small T, and 1 - G those of a G near 1
-        G = self._G(wi, wo)
-        lost = lost_cook_torrance(wi, wo) if self.masking == "cook_torrance" else 1 - G
-        return T * (lost + T * G)
+        # Eq. 4
+        return past_facets(T, self._lost(wi, wo))
+
+    def _lost(self, wi: Vec3, wo: Vec3) -> Float:
+        """1 - G."""
+        if self.masking == "cook_torrance":
+            return lost_cook_torrance(wi, wo)
+        if self.masking == "smith_correlated":
+            return lost_smith_correlated(self._masked(), wi, wo)
+        return lost_smith(self._masked(), wi, wo)
 
     def _compression(self) -> Float:
         if self.solid_angle == "compressed":
@@ -369,5 +374,5 @@ class WeidlichWilkie(Model):
         through = self._gray(self._T(mu)) * average(
             attenuation_least(self.sigma_a, self.thickness, wo_t)
         )
-        reflected = maximum(self._gray(self._F(wo.z)), COAT_SHARE_MIN * through + LOBE_MIN)
+        reflected = maximum(self._gray(self._F_outside(wo.z)), COAT_SHARE_MIN * through + LOBE_MIN)
         return shares(reflected, through)

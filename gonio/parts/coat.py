@@ -9,10 +9,10 @@ from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
 from gonio.parts.interface import attenuation
 from gonio.parts.lobes import pdf_ggx_lobe, sample_ggx_lobe
 from gonio.parts.masking import (
-    G_cook_torrance,
     V_cook_torrance,
     V_smith_correlated,
     lost_cook_torrance,
+    lost_smith_correlated,
 )
 
 # --- facets ----------------------------------------------------------------------------------------
@@ -38,9 +38,14 @@ def reflected_by(facets: Round, wi: Vec3, wo: Vec3, m: Vec3, masking: str) -> Fl
 def through_facets(facets: Round, wi: Vec3, wo: Vec3, masking: str, T: Color) -> Color:
     """T12 t of Eq. 2 and 4 with t = (1 - G) + T21 G, T21 = T12 = T at the half vector."""
     if masking == "cook_torrance":
-        return T * (lost_cook_torrance(wi, wo) + T * G_cook_torrance(wi, wo))
-    G = 4 * wi.z * wo.z * V_smith_correlated(facets, wi, wo)
-    return T * ((1 - G) + T * G)
+        return past_facets(T, lost_cook_torrance(wi, wo))
+    return past_facets(T, lost_smith_correlated(facets, wi, wo))
+
+
+def past_facets(T: Color, lost: Float) -> Color:
+    """T12 t of Eq. 2 and 4 with lost = 1 - G."""
+    # 1 - G F would lose the digits of a small T
+    return T * (lost + T * (1 - lost))
 
 
 # Visible normals need a G that is no larger than Smith's G1: with V-cavities the weights would grow like
@@ -96,3 +101,9 @@ def usual_cos_half(wo: Vec3) -> Float:
     than the mean surface, whose transmittance is nearly 0 there.
     """
     return 0.5 + 0.5 * wo.z
+
+
+def usual_sin2_half(wo: Vec3) -> Float:
+    """1 - `usual_cos_half`^2, with its digits: near the normal total reflection may begin."""
+    below_one = 0.5 - 0.5 * wo.z
+    return below_one * (2 - below_one)

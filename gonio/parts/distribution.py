@@ -49,6 +49,7 @@ from gonio.lang import (
     maximum,
     minimum,
     normalize,
+    polynomial,
     safe_asin,
     safe_sqrt,
     select,
@@ -68,6 +69,27 @@ ALPHA_MIN = 1e-4
 COS2_MIN = 1e-6
 
 INV_SQRT_PI = 0.5641895835477563
+
+# 1 / sqrt(pi) - a exp(a^2) erfc(a) for a in [0, 7] as a quotient of polynomials, fitted to 60-digit values:
+# error 3e-13 of it, 4e-7 in float32.
+HIDDEN = (
+    0.69845668195865953,
+    0.45091098194948209,
+    0.18020567226429097,
+    0.046307835742194616,
+    0.0072355941096782704,
+    0.00054520946640526365,
+)
+OVER = (
+    3.0104360865050833,
+    4.1350779419232581,
+    3.400222721627325,
+    1.8411862936812916,
+    0.6773434834307543,
+    0.1670522584842057,
+    0.025649673226458815,
+    0.0019327141136208884,
+)
 
 # Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
 RANDOM_MARGIN = 2.0**-24
@@ -201,6 +223,11 @@ class RoundGGX(NamedTuple):
         a2 = self.alpha * self.alpha
         return sqrt(a2 + (1 - a2) * (w.z * w.z))
 
+    def hidden(self, w: Vec3) -> Float:
+        """2 mu Lambda, `area` without mu."""
+        # Where this difference has few digits, little is hidden, and the tail of D is larger
+        return self.area(w) - w.z
+
     def sample(self, u: Vec2) -> Vec3:
         """A normal with density D m.z."""
         return GGX(self.alpha, self.alpha).sample(u)
@@ -251,7 +278,7 @@ class Beckmann(NamedTuple):
 
     def area(self, w: Vec3) -> Float:
         """mu (1 + 2 Lambda) of Smith's masking. Heitz 2014, Eq. 66."""
-        return _beckmann_area(w.z, self.sine(w))
+        return w.z + _beckmann_hidden(w.z, self.sine(w))
 
     def sample(self, u: Vec2) -> Vec3:
         """A normal with density D m.z. Walter et al., Eq. 28 and 29."""
@@ -315,7 +342,11 @@ class RoundBeckmann(NamedTuple):
 
     def area(self, w: Vec3) -> Float:
         """mu (1 + 2 Lambda) of Smith's masking. Heitz 2014, Eq. 66."""
-        return _beckmann_area(w.z, self.sine(w))
+        return w.z + _beckmann_hidden(w.z, self.sine(w))
+
+    def hidden(self, w: Vec3) -> Float:
+        """2 mu Lambda, `area` without mu, exact where it is little: D has no tail there."""
+        return _beckmann_hidden(w.z, self.sine(w))
 
     def sample(self, u: Vec2) -> Vec3:
         """A normal with density D m.z."""
@@ -326,11 +357,12 @@ class RoundBeckmann(NamedTuple):
         return self.D(m) * m.z
 
 
-def _beckmann_area(mu: Float, sine: Float) -> Float:
-    """mu erf(a) + sine exp(-a^2) / sqrt(pi) with a = mu / sine = 1 / (alpha tan(theta))."""
+def _beckmann_hidden(mu: Float, sine: Float) -> Float:
+    """2 mu Lambda: sine exp(-a^2) / sqrt(pi) - mu erfc(a) with a = mu / sine = 1 / (alpha tan(theta))."""
     # Lambda is smaller than 1e-22 from there on, and the limit keeps a^2 in range
     a = minimum(mu / sine, 7)
-    return mu * erf(a) + INV_SQRT_PI * sine * exp(-a * a)
+    hidden = polynomial(a, 7, INV_SQRT_PI, *HIDDEN) / polynomial(a, 7, 1, *OVER)
+    return sine * exp(-a * a) * hidden
 
 
 def _newton(x: Float, target: Float, w: Vec3, sine: Float) -> Float:

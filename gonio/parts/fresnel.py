@@ -15,7 +15,6 @@ from gonio.lang import (
     absolute,
     fma,
     maximum,
-    minimum,
     select,
     sqrt,
 )
@@ -45,8 +44,12 @@ def schlick_weight(cos_theta: Float) -> Float:
 
 def F_schlick(cos_theta: Float, f0: Color, f90: Color) -> Color:
     """Schlick, "An inexpensive BRDF model for physically-based rendering", 1994, Eq. 15, with an F90."""
-    c = minimum(cos_theta, 1)  # a half vector's cosine may be rounded up
-    return f0 * schlick_complement(c) + f90 * schlick_weight(c)
+    return F_schlick_half(cos_theta, _sin2(cos_theta), f0, f90)
+
+
+def F_schlick_half(cos_h: Float, sin2_h: Float, f0: Color, f90: Color) -> Color:
+    """`F_schlick` at a facet, from both `cos_half` and `sin2_half`: f0 may be 0, and all is the weight."""
+    return f0 * schlick_complement(cos_h) + f90 * _weight(cos_h, sin2_h)
 
 
 def F_dielectric_entering(cos_theta: Float, eta: Color) -> Color:
@@ -126,10 +129,15 @@ def F_lazanyi(cos_theta: Float, eta: Color, k: Color) -> Color:
     copper; it has no dip before the horizon, and is up to 0.13 too bright there for aluminium, 0.27 for
     chromium.
     """
+    return F_lazanyi_half(cos_theta, _sin2(cos_theta), eta, k)
+
+
+def F_lazanyi_half(cos_h: Float, sin2_h: Float, eta: Color, k: Color) -> Color:
+    """`F_lazanyi` at a facet, from both `cos_half` and `sin2_half`: the weight alone if eta is 1."""
     below = eta - 1
     above = eta + 1
     k2 = k * k
-    weight = schlick_weight(minimum(cos_theta, 1))
+    weight = _weight(cos_h, sin2_h)
     return (below * below + 4 * eta * weight + k2) / (above * above + k2)
 
 
@@ -174,10 +182,9 @@ def transmittance(mu: Float, eta: Float) -> Float:
     return select(refracted_cos2(mu, eta) > ROOT_MIN, transmittance_entering(mu, eta), 0)
 
 
-def transmittance_schlick(cos_theta: Float, f0: Color, f90: Color) -> Color:
-    """1 - F_schlick, without its cancellation."""
-    c = minimum(cos_theta, 1)
-    return (1 - f0) * schlick_complement(c) + (1 - f90) * schlick_weight(c)
+def transmittance_schlick_half(cos_h: Float, sin2_h: Float, f0: Color, f90: Color) -> Color:
+    """1 - F_schlick_half, without its cancellation."""
+    return (1 - f0) * schlick_complement(cos_h) + (1 - f90) * _weight(cos_h, sin2_h)
 
 
 def transmittance_half(cos_h: Float, sin2_h: Float, eta: Color) -> Color:
@@ -290,9 +297,14 @@ def f0_between(n1: Float, n2: Float) -> Float:
 
 def schlick_weight_half(wi: Vec3, wo: Vec3) -> Float:
     """(1 - c)^5 at c = wo . m, the half vector's cosine."""
+    return _weight(cos_half(wi, wo), sin2_half(wi, wo))
+
+
+def _weight(cos_h: Float, sin2_h: Float) -> Float:
+    """(1 - c)^5 at a facet, from both `cos_half` and `sin2_half`."""
     # 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
     # weight keeps its digits where the two meet and it goes to 0.
-    k = sin2_half(wi, wo) / (1 + cos_half(wi, wo))
+    k = sin2_h / (1 + cos_h)
     k2 = k * k
     return k2 * k2 * k
 

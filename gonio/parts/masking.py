@@ -21,7 +21,7 @@ from gonio.lang import (
     minimum,
     select,
 )
-from gonio.parts.distribution import Beckmann, Facets, RoundBeckmann
+from gonio.parts.distribution import Beckmann, Facets, RoundBeckmann, RoundGGX
 
 SQRT_2_OVER_PI = 0.7978845608028654
 
@@ -88,6 +88,19 @@ def V_smith(facets: Facets, wi: Vec3, wo: Vec3) -> Float:
 def V_smith_correlated(facets: Facets, wi: Vec3, wo: Vec3) -> Float:
     """G = 1 / (1 + Lambda_i + Lambda_o): correlated by the facet's height. Heitz 2014, Eq. 99."""
     return 0.5 / (wo.z * facets.area(wi) + wi.z * facets.area(wo))
+
+
+def lost_smith(facets: RoundBeckmann | RoundGGX, wi: Vec3, wo: Vec3) -> Float:
+    """1 - G of `V_smith`, exact where G is nearly 1."""
+    # (s_i s_o - 4 mu_i mu_o) / (s_i s_o) with s = mu + area = 2 mu + hidden
+    rest = (wi.z + facets.area(wi)) * facets.hidden(wo) + 2 * wo.z * facets.hidden(wi)
+    return rest * V_smith(facets, wi, wo)
+
+
+def lost_smith_correlated(facets: RoundBeckmann | RoundGGX, wi: Vec3, wo: Vec3) -> Float:
+    """1 - G of `V_smith_correlated`, exact where G is nearly 1."""
+    rest = wo.z * facets.hidden(wi) + wi.z * facets.hidden(wo)
+    return 2 * rest * V_smith_correlated(facets, wi, wo)
 
 
 # Blinn-Phong uses Beckmann's: c = sqrt(n / 2 + 1) / tan(theta) is 1 / (alpha tan(theta)) with its width.

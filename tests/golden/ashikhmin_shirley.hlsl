@@ -34,6 +34,12 @@ struct AshikhminShirleyChoice {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+float ashikhmin_shirley_cos_half(float3 wi, float3 wo) {
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return 0.5 * length(wi + wo);
+}
+
 // 1 - ashikhmin_shirley_cos_half^2, the squared sine at which light meets the facet: of half the length of
 // wi - wo.
 float ashikhmin_shirley_sin2_half(float3 wi, float3 wo) {
@@ -41,19 +47,19 @@ float ashikhmin_shirley_sin2_half(float3 wi, float3 wo) {
     return 0.25 * dot(apart, apart);
 }
 
-// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
-float ashikhmin_shirley_cos_half(float3 wi, float3 wo) {
-    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+// (1 - c)^5 at a facet, from both ashikhmin_shirley_cos_half and ashikhmin_shirley_sin2_half.
+float ashikhmin_shirley_weight(float cos_h, float sin2_h) {
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
+    // keeps its digits where the two meet and it goes to 0.
+    float k = sin2_h / (1.0 + cos_h);
+    float k2 = k * k;
+    return k2 * k2 * k;
 }
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 float ashikhmin_shirley_schlick_weight_half(float3 wi, float3 wo) {
-    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
-    // keeps its digits where the two meet and it goes to 0.
-    float k = ashikhmin_shirley_sin2_half(wi, wo) / (1.0 + ashikhmin_shirley_cos_half(wi, wo));
-    float k2 = k * k;
-    return k2 * k2 * k;
+    return ashikhmin_shirley_weight(ashikhmin_shirley_cos_half(wi, wo),
+        ashikhmin_shirley_sin2_half(wi, wo));
 }
 
 // 1 - (1 - mu / 2)^5, with the factor mu taken out.

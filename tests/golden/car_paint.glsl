@@ -312,8 +312,8 @@ vec3 car_paint_eval(CarPaint params, vec3 wi, vec3 wo) {
     float cos_t = 0.5 * length(both) / params.eta;
     vec3 metal_eta = params.metal_eta / params.eta;
     vec3 metal_k = params.metal_k / params.eta;
-    float sin2 = car_paint_refracted_sin2_half(wi, wo, excess);
-    vec3 F = car_paint_F_conductor_half(cos_t, sin2, metal_eta, metal_k);
+    float sin2_t = car_paint_refracted_sin2_half(wi, wo, excess);
+    vec3 F = car_paint_F_conductor_half(cos_t, sin2_t, metal_eta, metal_k);
     vec3 flake = F * car_paint_flake(params, wi_t, wo_t, both);
     return coat + flake * (car_paint_attenuation(params.sigma_a, params.thickness, wi_t, wo_t)
         * through);
@@ -366,8 +366,8 @@ vec2 car_paint_shares(CarPaint params, vec3 wo, vec3 wo_t) {
     vec3 tilted = car_paint_to_tilted(wo_t,
         car_paint_flake_normal(params.flake_x, params.flake_y, params.distance));
     float lit = below * car_paint_seen(tilted.z, wo_t.z);
-    float coat = max(car_paint_F_dielectric_entering(wo.z, params.eta), COAT_SHARE_MIN * below
-        + LOBE_MIN);
+    float F = car_paint_F_dielectric_entering(wo.z, params.eta);
+    float coat = max(F, COAT_SHARE_MIN * below + LOBE_MIN);
     return car_paint_lobes_shares(coat, lit);
 }
 

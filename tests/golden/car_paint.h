@@ -441,8 +441,8 @@ inline Vec3 car_paint_eval(const CarPaint& params, Vec3 wi, Vec3 wo) {
     float cos_t = 0.5f * length(both) / params.eta;
     Vec3 metal_eta = params.metal_eta / params.eta;
     Vec3 metal_k = params.metal_k / params.eta;
-    float sin2 = car_paint_refracted_sin2_half(wi, wo, excess);
-    Vec3 F = car_paint_F_conductor_half(cos_t, sin2, metal_eta, metal_k);
+    float sin2_t = car_paint_refracted_sin2_half(wi, wo, excess);
+    Vec3 F = car_paint_F_conductor_half(cos_t, sin2_t, metal_eta, metal_k);
     Vec3 flake = F * car_paint_flake(params, wi_t, wo_t, both);
     return coat + flake * (car_paint_attenuation(params.sigma_a, params.thickness, wi_t, wo_t)
         * through);
@@ -483,8 +483,8 @@ inline Vec2 car_paint_shares(const CarPaint& params, Vec3 wo, Vec3 wo_t) {
     Vec3 tilted = car_paint_to_tilted(wo_t,
         car_paint_flake_normal(params.flake_x, params.flake_y, params.distance));
     float lit = below * car_paint_seen(tilted.z, wo_t.z);
-    float coat = fmaxf(car_paint_F_dielectric_entering(wo.z, params.eta), COAT_SHARE_MIN * below
-        + LOBE_MIN);
+    float F = car_paint_F_dielectric_entering(wo.z, params.eta);
+    float coat = fmaxf(F, COAT_SHARE_MIN * below + LOBE_MIN);
     return car_paint_lobes_shares(coat, lit);
 }
 

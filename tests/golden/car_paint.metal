@@ -315,8 +315,8 @@ inline float3 car_paint_eval(CarPaint params, float3 wi, float3 wo) {
     float cos_t = 0.5 * length(both) / params.eta;
     float3 metal_eta = params.metal_eta / params.eta;
     float3 metal_k = params.metal_k / params.eta;
-    float sin2 = car_paint_refracted_sin2_half(wi, wo, excess);
-    float3 F = car_paint_F_conductor_half(cos_t, sin2, metal_eta, metal_k);
+    float sin2_t = car_paint_refracted_sin2_half(wi, wo, excess);
+    float3 F = car_paint_F_conductor_half(cos_t, sin2_t, metal_eta, metal_k);
     float3 flake = F * car_paint_flake(params, wi_t, wo_t, both);
     return coat + flake * (car_paint_attenuation(params.sigma_a, params.thickness, wi_t, wo_t)
         * through);
@@ -369,8 +369,8 @@ inline float2 car_paint_shares(CarPaint params, float3 wo, float3 wo_t) {
     float3 tilted = car_paint_to_tilted(wo_t,
         car_paint_flake_normal(params.flake_x, params.flake_y, params.distance));
     float lit = below * car_paint_seen(tilted.z, wo_t.z);
-    float coat = max(car_paint_F_dielectric_entering(wo.z, params.eta), COAT_SHARE_MIN * below
-        + LOBE_MIN);
+    float F = car_paint_F_dielectric_entering(wo.z, params.eta);
+    float coat = max(F, COAT_SHARE_MIN * below + LOBE_MIN);
     return car_paint_lobes_shares(coat, lit);
 }
 

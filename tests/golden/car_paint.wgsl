@@ -312,8 +312,8 @@ fn car_paint_eval(params: CarPaint, wi: vec3f, wo: vec3f) -> vec3f {
     let cos_t = 0.5 * length(both) / params.eta;
     let metal_eta = params.metal_eta / params.eta;
     let metal_k = params.metal_k / params.eta;
-    let sin2 = car_paint_refracted_sin2_half(wi, wo, excess);
-    let F = car_paint_F_conductor_half(cos_t, sin2, metal_eta, metal_k);
+    let sin2_t = car_paint_refracted_sin2_half(wi, wo, excess);
+    let F = car_paint_F_conductor_half(cos_t, sin2_t, metal_eta, metal_k);
     let flake = F * car_paint_flake(params, wi_t, wo_t, both);
     return coat + flake * (car_paint_attenuation(params.sigma_a, params.thickness, wi_t, wo_t)
         * through);
@@ -366,8 +366,8 @@ fn car_paint_shares(params: CarPaint, wo: vec3f, wo_t: vec3f) -> vec2f {
     let tilted = car_paint_to_tilted(wo_t,
         car_paint_flake_normal(params.flake_x, params.flake_y, params.distance));
     let lit = below * car_paint_seen(tilted.z, wo_t.z);
-    let coat = max(car_paint_F_dielectric_entering(wo.z, params.eta), COAT_SHARE_MIN * below
-        + LOBE_MIN);
+    let F = car_paint_F_dielectric_entering(wo.z, params.eta);
+    let coat = max(F, COAT_SHARE_MIN * below + LOBE_MIN);
     return car_paint_lobes_shares(coat, lit);
 }
 

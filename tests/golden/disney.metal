@@ -80,25 +80,30 @@ inline float3 disney_f0(Disney params) {
     return mix(dielectric, params.base_color, float3(params.metallic));
 }
 
-// 1 - disney_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
-inline float disney_sin2_half(float3 wi, float3 wo) {
-    float3 apart = wi - wo;
-    return 0.25 * dot(apart, apart);
-}
-
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float disney_cos_half(float3 wi, float3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
     return 0.5 * length(wi + wo);
 }
 
-// (1 - c)^5 at c = wo . m, the half vector's cosine.
-inline float disney_schlick_weight_half(float3 wi, float3 wo) {
+// 1 - disney_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
+inline float disney_sin2_half(float3 wi, float3 wo) {
+    float3 apart = wi - wo;
+    return 0.25 * dot(apart, apart);
+}
+
+// (1 - c)^5 at a facet, from both disney_cos_half and disney_sin2_half.
+inline float disney_weight(float cos_h, float sin2_h) {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
-    float k = disney_sin2_half(wi, wo) / (1.0 + disney_cos_half(wi, wo));
+    float k = sin2_h / (1.0 + cos_h);
     float k2 = k * k;
     return k2 * k2 * k;
+}
+
+// (1 - c)^5 at c = wo . m, the half vector's cosine.
+inline float disney_schlick_weight_half(float3 wi, float3 wo) {
+    return disney_weight(disney_cos_half(wi, wo), disney_sin2_half(wi, wo));
 }
 
 // (1 - cos_theta)^5 of Schlick's approximation.

@@ -146,6 +146,12 @@ inline Vec3 metallic_roughness_f0(const MetallicRoughness& params) {
     return lerp(splat(F0_DIELECTRIC), params.base_color, splat(params.metallic));
 }
 
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+inline float metallic_roughness_cos_half(Vec3 wi, Vec3 wo) {
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return 0.5f * length(wi + wo);
+}
+
 // 1 - metallic_roughness_cos_half^2, the squared sine at which light meets the facet: of half the length of
 // wi - wo.
 inline float metallic_roughness_sin2_half(Vec3 wi, Vec3 wo) {
@@ -153,19 +159,19 @@ inline float metallic_roughness_sin2_half(Vec3 wi, Vec3 wo) {
     return 0.25f * dot(apart, apart);
 }
 
-// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
-inline float metallic_roughness_cos_half(Vec3 wi, Vec3 wo) {
-    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5f * length(wi + wo);
+// (1 - c)^5 at a facet, from both metallic_roughness_cos_half and metallic_roughness_sin2_half.
+inline float metallic_roughness_weight(float cos_h, float sin2_h) {
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
+    // keeps its digits where the two meet and it goes to 0.
+    float k = sin2_h / (1.0f + cos_h);
+    float k2 = k * k;
+    return k2 * k2 * k;
 }
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 inline float metallic_roughness_schlick_weight_half(Vec3 wi, Vec3 wo) {
-    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
-    // keeps its digits where the two meet and it goes to 0.
-    float k = metallic_roughness_sin2_half(wi, wo) / (1.0f + metallic_roughness_cos_half(wi, wo));
-    float k2 = k * k;
-    return k2 * k2 * k;
+    return metallic_roughness_weight(metallic_roughness_cos_half(wi, wo),
+        metallic_roughness_sin2_half(wi, wo));
 }
 
 // 1 - (1 - c)^5, with the factor c taken out so that it keeps its digits as c goes to 0.

@@ -54,6 +54,12 @@ inline float3 metallic_roughness_f0(MetallicRoughness params) {
     return mix(float3(F0_DIELECTRIC), params.base_color, float3(params.metallic));
 }
 
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+inline float metallic_roughness_cos_half(float3 wi, float3 wo) {
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return 0.5 * length(wi + wo);
+}
+
 // 1 - metallic_roughness_cos_half^2, the squared sine at which light meets the facet: of half the length of
 // wi - wo.
 inline float metallic_roughness_sin2_half(float3 wi, float3 wo) {
@@ -61,19 +67,19 @@ inline float metallic_roughness_sin2_half(float3 wi, float3 wo) {
     return 0.25 * dot(apart, apart);
 }
 
-// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
-inline float metallic_roughness_cos_half(float3 wi, float3 wo) {
-    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+// (1 - c)^5 at a facet, from both metallic_roughness_cos_half and metallic_roughness_sin2_half.
+inline float metallic_roughness_weight(float cos_h, float sin2_h) {
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
+    // keeps its digits where the two meet and it goes to 0.
+    float k = sin2_h / (1.0 + cos_h);
+    float k2 = k * k;
+    return k2 * k2 * k;
 }
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 inline float metallic_roughness_schlick_weight_half(float3 wi, float3 wo) {
-    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
-    // keeps its digits where the two meet and it goes to 0.
-    float k = metallic_roughness_sin2_half(wi, wo) / (1.0 + metallic_roughness_cos_half(wi, wo));
-    float k2 = k * k;
-    return k2 * k2 * k;
+    return metallic_roughness_weight(metallic_roughness_cos_half(wi, wo),
+        metallic_roughness_sin2_half(wi, wo));
 }
 
 // 1 - (1 - c)^5, with the factor c taken out so that it keeps its digits as c goes to 0.

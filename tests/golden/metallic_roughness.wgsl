@@ -51,6 +51,12 @@ fn metallic_roughness_f0(params: MetallicRoughness) -> vec3f {
     return mix(vec3f(F0_DIELECTRIC), params.base_color, vec3f(params.metallic));
 }
 
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+fn metallic_roughness_cos_half(wi: vec3f, wo: vec3f) -> f32 {
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return 0.5 * length(wi + wo);
+}
+
 // 1 - metallic_roughness_cos_half^2, the squared sine at which light meets the facet: of half the length of
 // wi - wo.
 fn metallic_roughness_sin2_half(wi: vec3f, wo: vec3f) -> f32 {
@@ -58,19 +64,19 @@ fn metallic_roughness_sin2_half(wi: vec3f, wo: vec3f) -> f32 {
     return 0.25 * dot(apart, apart);
 }
 
-// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
-fn metallic_roughness_cos_half(wi: vec3f, wo: vec3f) -> f32 {
-    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+// (1 - c)^5 at a facet, from both metallic_roughness_cos_half and metallic_roughness_sin2_half.
+fn metallic_roughness_weight(cos_h: f32, sin2_h: f32) -> f32 {
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
+    // keeps its digits where the two meet and it goes to 0.
+    let k = sin2_h / (1.0 + cos_h);
+    let k2 = k * k;
+    return k2 * k2 * k;
 }
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 fn metallic_roughness_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
-    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
-    // keeps its digits where the two meet and it goes to 0.
-    let k = metallic_roughness_sin2_half(wi, wo) / (1.0 + metallic_roughness_cos_half(wi, wo));
-    let k2 = k * k;
-    return k2 * k2 * k;
+    return metallic_roughness_weight(metallic_roughness_cos_half(wi, wo),
+        metallic_roughness_sin2_half(wi, wo));
 }
 
 // 1 - (1 - c)^5, with the factor c taken out so that it keeps its digits as c goes to 0.

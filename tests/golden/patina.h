@@ -392,10 +392,28 @@ inline PatinaSplit patina_split_conductor(float cos_theta, Vec3 eta, Vec3 k) {
         2.0f * c * (g_re / s_abs2 + T_p)};
 }
 
+// 2 mu Lambda, `area` without mu.
+inline float patina_round_ggx_hidden(PatinaRoundGGX round_ggx, Vec3 w) {
+    // Where this difference has few digits, little is hidden, and the tail of D is larger
+    return patina_round_ggx_area(round_ggx, w) - w.z;
+}
+
+// 1 - G of patina_V_smith_correlated, exact where G is nearly 1.
+inline float patina_lost_smith_correlated(PatinaRoundGGX facets, Vec3 wi, Vec3 wo) {
+    float rest = wo.z * patina_round_ggx_hidden(facets, wi)
+        + wi.z * patina_round_ggx_hidden(facets, wo);
+    return 2.0f * rest * patina_V_smith_correlated(facets, wi, wo);
+}
+
+// T12 t of Eq. 2 and 4 with lost = 1 - G.
+inline Vec3 patina_past_facets(Vec3 T, float lost) {
+    // 1 - G F would lose the digits of a small T
+    return T * (lost + T * (1.0f - lost));
+}
+
 // T12 t of Eq. 2 and 4 with t = (1 - G) + T21 G, T21 = T12 = T at the half vector.
 inline Vec3 patina_through_facets(PatinaRoundGGX facets, Vec3 wi, Vec3 wo, Vec3 T) {
-    float G = 4.0f * wi.z * wo.z * patina_V_smith_correlated(facets, wi, wo);
-    return T * (1.0f - G + T * G);
+    return patina_past_facets(T, patina_lost_smith_correlated(facets, wi, wo));
 }
 
 // eta^2 - 1.
@@ -516,9 +534,11 @@ inline Vec2 patina_lobes_shares(float first, float second) {
 inline PatinaShares patina_shares(const Patina& params, Vec3 wo) {
     float grown = patina_grown(params);
     Vec3 wo_t = patina_refract(wo, patina_excess(params));
-    Vec3 F = patina_split_conductor(wo.z, params.coat_eta, params.coat_k).F;
+    float mu = wo.z;
+    float sin2 = (1.0f - wo.z) * (1.0f + wo.z);
+    Vec3 F = patina_split_conductor(mu, params.coat_eta, params.coat_k).F;
     Vec3 T = patina_split_conductor(patina_usual_cos_half(wo), params.coat_eta, params.coat_k).T;
-    Vec3 F_metal = patina_metal_F(params, wo.z, (1.0f - wo.z) * (1.0f + wo.z));
+    Vec3 F_metal = patina_metal_F(params, mu, sin2);
     float bare = patina_bare(params) * patina_average(F_metal);
     float coat = grown * patina_average(F);
     float diffuse = grown * patina_average((1.0f - params.sigma_a) * T);

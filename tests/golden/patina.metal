@@ -254,10 +254,28 @@ inline PatinaSplit patina_split_conductor(float cos_theta, float3 eta, float3 k)
         2.0 * c * (g_re / s_abs2 + T_p)};
 }
 
+// 2 mu Lambda, `area` without mu.
+inline float patina_round_ggx_hidden(PatinaRoundGGX round_ggx, float3 w) {
+    // Where this difference has few digits, little is hidden, and the tail of D is larger
+    return patina_round_ggx_area(round_ggx, w) - w.z;
+}
+
+// 1 - G of patina_V_smith_correlated, exact where G is nearly 1.
+inline float patina_lost_smith_correlated(PatinaRoundGGX facets, float3 wi, float3 wo) {
+    float rest = wo.z * patina_round_ggx_hidden(facets, wi)
+        + wi.z * patina_round_ggx_hidden(facets, wo);
+    return 2.0 * rest * patina_V_smith_correlated(facets, wi, wo);
+}
+
+// T12 t of Eq. 2 and 4 with lost = 1 - G.
+inline float3 patina_past_facets(float3 T, float lost) {
+    // 1 - G F would lose the digits of a small T
+    return T * (lost + T * (1.0 - lost));
+}
+
 // T12 t of Eq. 2 and 4 with t = (1 - G) + T21 G, T21 = T12 = T at the half vector.
 inline float3 patina_through_facets(PatinaRoundGGX facets, float3 wi, float3 wo, float3 T) {
-    float G = 4.0 * wi.z * wo.z * patina_V_smith_correlated(facets, wi, wo);
-    return T * (1.0 - G + T * G);
+    return patina_past_facets(T, patina_lost_smith_correlated(facets, wi, wo));
 }
 
 // eta^2 - 1.
@@ -389,9 +407,11 @@ inline PatinaShares patina_shares(Patina params, float3 wo) {
     const float LOBE_MIN = 1.0e-12;
     float grown = patina_grown(params);
     float3 wo_t = patina_refract(wo, patina_excess(params));
-    float3 F = patina_split_conductor(wo.z, params.coat_eta, params.coat_k).F;
+    float mu = wo.z;
+    float sin2 = (1.0 - wo.z) * (1.0 + wo.z);
+    float3 F = patina_split_conductor(mu, params.coat_eta, params.coat_k).F;
     float3 T = patina_split_conductor(patina_usual_cos_half(wo), params.coat_eta, params.coat_k).T;
-    float3 F_metal = patina_metal_F(params, wo.z, (1.0 - wo.z) * (1.0 + wo.z));
+    float3 F_metal = patina_metal_F(params, mu, sin2);
     float bare = patina_bare(params) * patina_average(F_metal);
     float coat = grown * patina_average(F);
     float diffuse = grown * patina_average((1.0 - params.sigma_a) * T);

@@ -251,10 +251,28 @@ fn patina_split_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> PatinaSplit {
         2.0 * c * (g_re / s_abs2 + T_p));
 }
 
+// 2 mu Lambda, `area` without mu.
+fn patina_round_ggx_hidden(round_ggx: PatinaRoundGGX, w: vec3f) -> f32 {
+    // Where this difference has few digits, little is hidden, and the tail of D is larger
+    return patina_round_ggx_area(round_ggx, w) - w.z;
+}
+
+// 1 - G of patina_V_smith_correlated, exact where G is nearly 1.
+fn patina_lost_smith_correlated(facets: PatinaRoundGGX, wi: vec3f, wo: vec3f) -> f32 {
+    let rest = wo.z * patina_round_ggx_hidden(facets, wi)
+        + wi.z * patina_round_ggx_hidden(facets, wo);
+    return 2.0 * rest * patina_V_smith_correlated(facets, wi, wo);
+}
+
+// T12 t of Eq. 2 and 4 with lost = 1 - G.
+fn patina_past_facets(T: vec3f, lost: f32) -> vec3f {
+    // 1 - G F would lose the digits of a small T
+    return T * (lost + T * (1.0 - lost));
+}
+
 // T12 t of Eq. 2 and 4 with t = (1 - G) + T21 G, T21 = T12 = T at the half vector.
 fn patina_through_facets(facets: PatinaRoundGGX, wi: vec3f, wo: vec3f, T: vec3f) -> vec3f {
-    let G = 4.0 * wi.z * wo.z * patina_V_smith_correlated(facets, wi, wo);
-    return T * (1.0 - G + T * G);
+    return patina_past_facets(T, patina_lost_smith_correlated(facets, wi, wo));
 }
 
 // eta^2 - 1.
@@ -386,9 +404,11 @@ fn patina_shares(params: Patina, wo: vec3f) -> PatinaShares {
     const LOBE_MIN = 1.0e-12;
     let grown = patina_grown(params);
     let wo_t = patina_refract(wo, patina_excess(params));
-    let F = patina_split_conductor(wo.z, params.coat_eta, params.coat_k).F;
+    let mu = wo.z;
+    let sin2 = (1.0 - wo.z) * (1.0 + wo.z);
+    let F = patina_split_conductor(mu, params.coat_eta, params.coat_k).F;
     let T = patina_split_conductor(patina_usual_cos_half(wo), params.coat_eta, params.coat_k).T;
-    let F_metal = patina_metal_F(params, wo.z, (1.0 - wo.z) * (1.0 + wo.z));
+    let F_metal = patina_metal_F(params, mu, sin2);
     let bare = patina_bare(params) * patina_average(F_metal);
     let coat = grown * patina_average(F);
     let diffuse = grown * patina_average((1.0 - params.sigma_a) * T);

@@ -28,25 +28,30 @@ struct StudentT {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
-// 1 - student_t_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
-float student_t_sin2_half(vec3 wi, vec3 wo) {
-    vec3 apart = wi - wo;
-    return 0.25 * dot(apart, apart);
-}
-
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float student_t_cos_half(vec3 wi, vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
     return 0.5 * length(wi + wo);
 }
 
-// (1 - c)^5 at c = wo . m, the half vector's cosine.
-float student_t_schlick_weight_half(vec3 wi, vec3 wo) {
+// 1 - student_t_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
+float student_t_sin2_half(vec3 wi, vec3 wo) {
+    vec3 apart = wi - wo;
+    return 0.25 * dot(apart, apart);
+}
+
+// (1 - c)^5 at a facet, from both student_t_cos_half and student_t_sin2_half.
+float student_t_weight(float cos_h, float sin2_h) {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
-    float k = student_t_sin2_half(wi, wo) / (1.0 + student_t_cos_half(wi, wo));
+    float k = sin2_h / (1.0 + cos_h);
     float k2 = k * k;
     return k2 * k2 * k;
+}
+
+// (1 - c)^5 at c = wo . m, the half vector's cosine.
+float student_t_schlick_weight_half(vec3 wi, vec3 wo) {
+    return student_t_weight(student_t_cos_half(wi, wo), student_t_sin2_half(wi, wo));
 }
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.

@@ -46,6 +46,12 @@ struct TriaceBlinnPhongGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+float triace_blinn_phong_cos_half(vec3 wi, vec3 wo) {
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return 0.5 * length(wi + wo);
+}
+
 // 1 - triace_blinn_phong_cos_half^2, the squared sine at which light meets the facet: of half the length of
 // wi - wo.
 float triace_blinn_phong_sin2_half(vec3 wi, vec3 wo) {
@@ -53,19 +59,19 @@ float triace_blinn_phong_sin2_half(vec3 wi, vec3 wo) {
     return 0.25 * dot(apart, apart);
 }
 
-// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
-float triace_blinn_phong_cos_half(vec3 wi, vec3 wo) {
-    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+// (1 - c)^5 at a facet, from both triace_blinn_phong_cos_half and triace_blinn_phong_sin2_half.
+float triace_blinn_phong_weight(float cos_h, float sin2_h) {
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
+    // keeps its digits where the two meet and it goes to 0.
+    float k = sin2_h / (1.0 + cos_h);
+    float k2 = k * k;
+    return k2 * k2 * k;
 }
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 float triace_blinn_phong_schlick_weight_half(vec3 wi, vec3 wo) {
-    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
-    // keeps its digits where the two meet and it goes to 0.
-    float k = triace_blinn_phong_sin2_half(wi, wo) / (1.0 + triace_blinn_phong_cos_half(wi, wo));
-    float k2 = k * k;
-    return k2 * k2 * k;
+    return triace_blinn_phong_weight(triace_blinn_phong_cos_half(wi, wo),
+        triace_blinn_phong_sin2_half(wi, wo));
 }
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.

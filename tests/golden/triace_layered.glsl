@@ -84,13 +84,18 @@ float triace_layered_sin2_half(vec3 wi, vec3 wo) {
     return 0.25 * dot(apart, apart);
 }
 
-// (1 - c)^5 at c = wo . m, the half vector's cosine.
-float triace_layered_schlick_weight_half(vec3 wi, vec3 wo) {
+// (1 - c)^5 at a facet, from both triace_layered_cos_half and triace_layered_sin2_half.
+float triace_layered_weight(float cos_h, float sin2_h) {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
-    float k = triace_layered_sin2_half(wi, wo) / (1.0 + triace_layered_cos_half(wi, wo));
+    float k = sin2_h / (1.0 + cos_h);
     float k2 = k * k;
     return k2 * k2 * k;
+}
+
+// (1 - c)^5 at c = wo . m, the half vector's cosine.
+float triace_layered_schlick_weight_half(vec3 wi, vec3 wo) {
+    return triace_layered_weight(triace_layered_cos_half(wi, wo), triace_layered_sin2_half(wi, wo));
 }
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.

@@ -85,13 +85,18 @@ fn triace_layered_sin2_half(wi: vec3f, wo: vec3f) -> f32 {
     return 0.25 * dot(apart, apart);
 }
 
-// (1 - c)^5 at c = wo . m, the half vector's cosine.
-fn triace_layered_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
+// (1 - c)^5 at a facet, from both triace_layered_cos_half and triace_layered_sin2_half.
+fn triace_layered_weight(cos_h: f32, sin2_h: f32) -> f32 {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
-    let k = triace_layered_sin2_half(wi, wo) / (1.0 + triace_layered_cos_half(wi, wo));
+    let k = sin2_h / (1.0 + cos_h);
     let k2 = k * k;
     return k2 * k2 * k;
+}
+
+// (1 - c)^5 at c = wo . m, the half vector's cosine.
+fn triace_layered_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
+    return triace_layered_weight(triace_layered_cos_half(wi, wo), triace_layered_sin2_half(wi, wo));
 }
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.

@@ -142,25 +142,30 @@ inline Vec3 ue4_f0(const Ue4& params) {
     return lerp(splat(F0_SPECULAR * params.specular), params.base_color, splat(params.metallic));
 }
 
-// 1 - ue4_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
-inline float ue4_sin2_half(Vec3 wi, Vec3 wo) {
-    Vec3 apart = wi - wo;
-    return 0.25f * dot(apart, apart);
-}
-
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float ue4_cos_half(Vec3 wi, Vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
     return 0.5f * length(wi + wo);
 }
 
-// (1 - c)^5 at c = wo . m, the half vector's cosine.
-inline float ue4_schlick_weight_half(Vec3 wi, Vec3 wo) {
+// 1 - ue4_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
+inline float ue4_sin2_half(Vec3 wi, Vec3 wo) {
+    Vec3 apart = wi - wo;
+    return 0.25f * dot(apart, apart);
+}
+
+// (1 - c)^5 at a facet, from both ue4_cos_half and ue4_sin2_half.
+inline float ue4_weight(float cos_h, float sin2_h) {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
-    float k = ue4_sin2_half(wi, wo) / (1.0f + ue4_cos_half(wi, wo));
+    float k = sin2_h / (1.0f + cos_h);
     float k2 = k * k;
     return k2 * k2 * k;
+}
+
+// (1 - c)^5 at c = wo . m, the half vector's cosine.
+inline float ue4_schlick_weight_half(Vec3 wi, Vec3 wo) {
+    return ue4_weight(ue4_cos_half(wi, wo), ue4_sin2_half(wi, wo));
 }
 
 inline float ue4_alpha(const Ue4& params) {

@@ -55,25 +55,30 @@ fn ue4_f0(params: Ue4) -> vec3f {
     return mix(vec3f(F0_SPECULAR * params.specular), params.base_color, vec3f(params.metallic));
 }
 
-// 1 - ue4_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
-fn ue4_sin2_half(wi: vec3f, wo: vec3f) -> f32 {
-    let apart = wi - wo;
-    return 0.25 * dot(apart, apart);
-}
-
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn ue4_cos_half(wi: vec3f, wo: vec3f) -> f32 {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
     return 0.5 * length(wi + wo);
 }
 
-// (1 - c)^5 at c = wo . m, the half vector's cosine.
-fn ue4_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
+// 1 - ue4_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
+fn ue4_sin2_half(wi: vec3f, wo: vec3f) -> f32 {
+    let apart = wi - wo;
+    return 0.25 * dot(apart, apart);
+}
+
+// (1 - c)^5 at a facet, from both ue4_cos_half and ue4_sin2_half.
+fn ue4_weight(cos_h: f32, sin2_h: f32) -> f32 {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
-    let k = ue4_sin2_half(wi, wo) / (1.0 + ue4_cos_half(wi, wo));
+    let k = sin2_h / (1.0 + cos_h);
     let k2 = k * k;
     return k2 * k2 * k;
+}
+
+// (1 - c)^5 at c = wo . m, the half vector's cosine.
+fn ue4_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
+    return ue4_weight(ue4_cos_half(wi, wo), ue4_sin2_half(wi, wo));
 }
 
 fn ue4_alpha(params: Ue4) -> f32 {

@@ -148,6 +148,12 @@ inline Vec3 unity_standard_f0(const UnityStandard& params) {
     return lerp(splat(F0_DIELECTRIC), params.base_color, splat(params.metallic));
 }
 
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+inline float unity_standard_cos_half(Vec3 wi, Vec3 wo) {
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return 0.5f * length(wi + wo);
+}
+
 // 1 - unity_standard_cos_half^2, the squared sine at which light meets the facet: of half the length of wi
 // - wo.
 inline float unity_standard_sin2_half(Vec3 wi, Vec3 wo) {
@@ -155,19 +161,18 @@ inline float unity_standard_sin2_half(Vec3 wi, Vec3 wo) {
     return 0.25f * dot(apart, apart);
 }
 
-// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
-inline float unity_standard_cos_half(Vec3 wi, Vec3 wo) {
-    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5f * length(wi + wo);
+// (1 - c)^5 at a facet, from both unity_standard_cos_half and unity_standard_sin2_half.
+inline float unity_standard_weight(float cos_h, float sin2_h) {
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
+    // keeps its digits where the two meet and it goes to 0.
+    float k = sin2_h / (1.0f + cos_h);
+    float k2 = k * k;
+    return k2 * k2 * k;
 }
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 inline float unity_standard_schlick_weight_half(Vec3 wi, Vec3 wo) {
-    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
-    // keeps its digits where the two meet and it goes to 0.
-    float k = unity_standard_sin2_half(wi, wo) / (1.0f + unity_standard_cos_half(wi, wo));
-    float k2 = k * k;
-    return k2 * k2 * k;
+    return unity_standard_weight(unity_standard_cos_half(wi, wo), unity_standard_sin2_half(wi, wo));
 }
 
 inline Vec3 unity_standard_diffuse(const UnityStandard& params) {

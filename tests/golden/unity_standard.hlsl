@@ -64,6 +64,12 @@ float3 unity_standard_f0(UnityStandard params) {
         float3(params.metallic, params.metallic, params.metallic));
 }
 
+// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
+float unity_standard_cos_half(float3 wi, float3 wo) {
+    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return 0.5 * length(wi + wo);
+}
+
 // 1 - unity_standard_cos_half^2, the squared sine at which light meets the facet: of half the length of wi
 // - wo.
 float unity_standard_sin2_half(float3 wi, float3 wo) {
@@ -71,19 +77,18 @@ float unity_standard_sin2_half(float3 wi, float3 wo) {
     return 0.25 * dot(apart, apart);
 }
 
-// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
-float unity_standard_cos_half(float3 wi, float3 wo) {
-    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+// (1 - c)^5 at a facet, from both unity_standard_cos_half and unity_standard_sin2_half.
+float unity_standard_weight(float cos_h, float sin2_h) {
+    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
+    // keeps its digits where the two meet and it goes to 0.
+    float k = sin2_h / (1.0 + cos_h);
+    float k2 = k * k;
+    return k2 * k2 * k;
 }
 
 // (1 - c)^5 at c = wo . m, the half vector's cosine.
 float unity_standard_schlick_weight_half(float3 wi, float3 wo) {
-    // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
-    // keeps its digits where the two meet and it goes to 0.
-    float k = unity_standard_sin2_half(wi, wo) / (1.0 + unity_standard_cos_half(wi, wo));
-    float k2 = k * k;
-    return k2 * k2 * k;
+    return unity_standard_weight(unity_standard_cos_half(wi, wo), unity_standard_sin2_half(wi, wo));
 }
 
 float3 unity_standard_diffuse(UnityStandard params) {

@@ -114,14 +114,6 @@ inline float weidlich_wilkie_transmittance_entering(float mu, float eta) {
     return 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
 }
 
-// Of V-grooves: min(1, 2 m.z mu_o / wo.m, 2 m.z mu_i / wo.m).
-inline float weidlich_wilkie_G_cook_torrance(float3 wi, float3 wo) {
-    // 2 m.z / wo.m = 4 h.z / |h|^2, without a root
-    float3 h = wi + wo;
-    // The 4 comes last: V takes a quarter of it, and a compiler both away
-    return 4.0 * min(h.z * min(wi.z, wo.z) / dot(h, h), 0.25);
-}
-
 // 1 - G of V-grooves, 1 - 4 h.z min(mu_i, mu_o) / |h|^2 with h = wi + wo, exact where G is nearly 1.
 inline float weidlich_wilkie_lost_cook_torrance(float3 wi, float3 wo) {
     float3 h = wi + wo;
@@ -132,13 +124,17 @@ inline float weidlich_wilkie_lost_cook_torrance(float3 wi, float3 wo) {
     return max((h.x * h.x + h.y * h.y + h.z * rest) / dot(h, h), 0.0);
 }
 
+// T12 t of Eq. 2 and 4 with lost = 1 - G.
+inline float weidlich_wilkie_past_facets(float T, float lost) {
+    // 1 - G F would lose the digits of a small T
+    return T * (lost + T * (1.0 - lost));
+}
+
 // T12 t: what the surface lets in and out again.
 inline float weidlich_wilkie_transmitted(WeidlichWilkie params, float3 wi, float3 wo) {
     float T = weidlich_wilkie_transmittance_entering(weidlich_wilkie_cos_half(wi, wo), params.eta);
-    // Eq. 4; 1 - G F would lose the digits of a small T, and 1 - G those of a G near 1
-    float G = weidlich_wilkie_G_cook_torrance(wi, wo);
-    float lost = weidlich_wilkie_lost_cook_torrance(wi, wo);
-    return T * (lost + T * G);
+    // Eq. 4
+    return weidlich_wilkie_past_facets(T, weidlich_wilkie_lost_cook_torrance(wi, wo));
 }
 
 // rho / pi.
@@ -202,6 +198,14 @@ inline float weidlich_wilkie_round_beckmann_D_along(WeidlichWilkieRoundBeckmann 
         h.z * h.z / length2);
 }
 
+// Of V-grooves: min(1, 2 m.z mu_o / wo.m, 2 m.z mu_i / wo.m).
+inline float weidlich_wilkie_G_cook_torrance(float3 wi, float3 wo) {
+    // 2 m.z / wo.m = 4 h.z / |h|^2, without a root
+    float3 h = wi + wo;
+    // The 4 comes last: V takes a quarter of it, and a compiler both away
+    return 4.0 * min(h.z * min(wi.z, wo.z) / dot(h, h), 0.25);
+}
+
 // G over 4 mu_i mu_o.
 inline float weidlich_wilkie_V_cook_torrance(float3 wi, float3 wo) {
     // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
@@ -222,10 +226,9 @@ inline float3 weidlich_wilkie_eval(WeidlichWilkie params, float3 wi, float3 wo) 
     float3 kept = weidlich_wilkie_attenuation(params.sigma_a, params.thickness, wi_t, wo_t);
     float through = weidlich_wilkie_transmitted(params, wi, wo);
     float3 below = weidlich_wilkie_base_eval_above(params.base) * (kept * through);
-    float cos_h = weidlich_wilkie_cos_half(wi, wo);
-    float coat = weidlich_wilkie_F_dielectric_entering(cos_h, params.eta)
-        * weidlich_wilkie_round_beckmann_D_along(weidlich_wilkie_facets(params), wi + wo)
-            * weidlich_wilkie_V_cook_torrance(wi, wo);
+    float F = weidlich_wilkie_F_dielectric_entering(weidlich_wilkie_cos_half(wi, wo), params.eta);
+    float coat = F * weidlich_wilkie_round_beckmann_D_along(weidlich_wilkie_facets(params), wi + wo)
+        * weidlich_wilkie_V_cook_torrance(wi, wo);
     return below + coat;
 }
 
