@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from playwright.sync_api import Browser, ConsoleMessage, Page, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, sync_playwright
 from support.tolerances import SINGLE_LONG
 
 import gonio
@@ -120,8 +120,11 @@ class Looked(Model):
 class Shown:
     """A page, and what a test asks of it."""
 
-    def __init__(self, browser: Browser, url: str, size: tuple[int, int] = (900, 700)) -> None:
-        self.page: Page = browser.new_page(viewport={"width": size[0], "height": size[1]})
+    def __init__(
+        self, browser: Browser | BrowserContext, url: str, size: tuple[int, int] = (900, 700)
+    ) -> None:
+        self.page: Page = browser.new_page()
+        self.page.set_viewport_size({"width": size[0], "height": size[1]})
         self.complaints: list[str] = []
         self.requests: list[str] = []
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
@@ -570,12 +573,19 @@ def test_a_saved_file_is_read_again_and_an_error_leaves_the_picture(
     thread = threading.Thread(target=viewer.serve_forever, kwargs={"poll_interval": 0.05})
     thread.start()
     try:
-        found = Shown(browser, viewer.url)
+        tabs = browser.new_context()
+        found = Shown(tabs, viewer.url)
         found.run("gonio.setParameter('rho', [0.5, 0.5, 0.5])")
+        second = Shown(tabs, viewer.url)
         mine.write_text(
             BROKEN.replace("TooBright", "Mine").replace("1.25", "1.5"), encoding="utf-8"
         )
-        found.until("gonio.sides[0].payload.code.wgsl.includes('1.5')")
+        for tab in (found, second):
+            tab.until("gonio.sides[0].payload.code.wgsl.includes('1.5')")
+        # Browsers keep six connections to a server: a seventh tab would wait for ever if each held one
+        streams = [url for tab in (found, second) for url in tab.requests if "changes" in url]
+        assert len(streams) == 1
+        second.page.close()
         assert found.value("gonio.sides[0].values.get('rho')[0]") == 0.5  # the slider stays
         mine.write_text(BROKEN.replace("wi = sample_cosine(u)", "wi = ="), encoding="utf-8")
         found.until("gonio.sides[0].error")
@@ -583,7 +593,7 @@ def test_a_saved_file_is_read_again_and_an_error_leaves_the_picture(
         assert "mine.py, line 16" in error
         assert "the last model that worked" in error
         assert found.value("gonio.sides[0].program != null")
-        found.page.close()
+        tabs.close()
     finally:
         viewer.shutdown()
         viewer.server_close()

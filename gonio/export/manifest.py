@@ -84,6 +84,7 @@ def manifest(
     only: Sequence[str] = FUNCTIONS,
     prefix: str | None = None,
     refusals: bool = True,
+    reasons: bool = True,
     lit: Sequence[str] | None = None,
     tables: Request | None = None,
     atlas: Tables | None = None,
@@ -96,6 +97,7 @@ def manifest(
         only: the functions that are exported.
         prefix: of what several models of one export share.
         refusals: find out which values of options are refused; takes a second for three layers of models.
+        reasons: say which options would use the parameters that nothing reads; takes as long.
         lit: names of lights, for a lit export (`gonio.export.lit`); none of them: the usual ones.
         tables: for an export that looks up F and D (`gonio.export.tabled`).
         atlas: the tables that this model shares with others of its text; its own by default.
@@ -132,7 +134,7 @@ def manifest(
         "functions": {f: f"{entry.prefix}_{f}" for f in entry.functions},
         "isotropic": not model.follows_tangents(),
         "stride": STRIDE,
-        "parameters": list(_parameters(model, entry, made.tables)),
+        "parameters": list(_parameters(model, entry, made.tables, reasons)),
         "options": list(options(model, only, refusals=refusals)),
         "models": list(_models(model)),
         "hooks": _hooks(what) if isinstance(what, Material) else [],
@@ -197,7 +199,9 @@ def manifest_text(manifest: Mapping[str, Any]) -> str:
 # --- parameters ----------------------------------------------------------------------------------------
 
 
-def _parameters(model: Model, entry: Entry, tables: Tables | None) -> Iterator[dict[str, Any]]:
+def _parameters(
+    model: Model, entry: Entry, tables: Tables | None, reasons: bool
+) -> Iterator[dict[str, Any]]:
     places = {member.path: index for index, member in enumerate(entry.members)}
     functions = tuple(f for f in entry.functions if f in FUNCTIONS)
     plain = functions == entry.functions and tables is None
@@ -224,12 +228,10 @@ def _parameters(model: Model, entry: Entry, tables: Tables | None) -> Iterator[d
         }
         if path in fixed:
             row["tabled"] = True
-        if path not in read:
-            row["unused_because"] = (
-                "its value is in the table of F"
-                if path in fixed
-                else _unused_because(model, path, functions)
-            )
+        if path in fixed and path not in read:
+            row["unused_because"] = "its value is in the table of F"
+        elif reasons and path not in read:
+            row["unused_because"] = _unused_because(model, path, functions)
         yield row
 
 
@@ -349,15 +351,31 @@ def _paths(struct: Struct, read: set[tuple[Struct, str]], prefix: str) -> Iterat
             yield prefix + member.name
 
 
+def unused(model: Model, functions: Sequence[str] = FUNCTIONS) -> dict[str, str]:
+    """Paths of the parameters that nothing reads, each with the options that would use it."""
+    read = used(model, functions)
+    paths = (path for path, _, _ in model.parameters())
+    return {path: _unused_because(model, path, functions) for path in paths if path not in read}
+
+
 def _unused_because(model: Model, path: str, functions: Sequence[str]) -> str:
     """The options that would use a parameter, in words."""
-    wanted = [
-        f"{name}={value}"
-        for name, option, chosen in _option_paths(model)
-        for value in option.values
-        if value != chosen and path in _used_with(model, {name: value}, functions)
-    ]
-    return f"only with {' or '.join(wanted)}" if wanted else "no function reads it here"
+    around: list[tuple[str, Option, str]] = []
+    others: list[tuple[str, Option, str]] = []
+    for name, option, chosen in _option_paths(model):
+        of_owner = path.startswith(name[: name.rfind(".") + 1])
+        (around if of_owner else others).append((name, option, chosen))
+    # What lies around a parameter decides in most cases, and there may be many options elsewhere
+    for several in (around, others):
+        wanted = [
+            f"{name}={value}"
+            for name, option, chosen in several
+            for value in option.values
+            if value != chosen and path in _used_with(model, {name: value}, functions)
+        ]
+        if wanted:
+            return f"only with {' or '.join(wanted)}"
+    return "no function reads it here"
 
 
 def _used_with(

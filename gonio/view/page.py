@@ -14,7 +14,7 @@ import numpy as np
 
 from gonio.description.about import describe, summary
 from gonio.export.buffer import WIDTH, Buffer
-from gonio.export.manifest import loader, manifest
+from gonio.export.manifest import loader, manifest, options, unused
 from gonio.export.text import export
 from gonio.fields import ModelError
 from gonio.foreign import is_foreign
@@ -116,21 +116,36 @@ class Names:
         return assign(self.start(name), pieces, self._known)
 
 
-def payload(names: Names, text: str) -> dict[str, Any]:
+def payload(names: Names, text: str, *, reasons: bool = False) -> dict[str, Any]:
     """All that the page needs to show a model.
+
+    Args:
+        names: what may be shown.
+        text: the model.
+        reasons: also why parameters are unused, which `choices` tells later.
 
     Raises:
         ModelError, ExportError: what cannot be shown; the message is for the page.
     """
-    return payload_of(names, text, names.find(text))
+    return payload_of(names, text, names.find(text), reasons=reasons)
 
 
-def payload_of(names: Names, text: str, what: Model | Material) -> dict[str, Any]:
+def choices(names: Names, text: str) -> dict[str, Any]:
+    """What takes the exporter a moment: options with what is refused and why, and unused parameters."""
+    what = names.find(text)
+    model = what.model if isinstance(what, Material) else what
+    return {"options": list(options(model)), "unused": unused(model)}
+
+
+def payload_of(
+    names: Names, text: str, what: Model | Material, *, reasons: bool = True
+) -> dict[str, Any]:
     """The same for what a text means."""
     if isinstance(what, ForeignModel):
         return foreign_code.payload(text, split(text)[0], what, names.code.defines)
     model = what.model if isinstance(what, Material) else what
-    about = manifest(what, NAME, refusals=False)
+    reasons = reasons or not list(options(model, refusals=False))  # then they cost nothing
+    about = manifest(what, NAME, refusals=False, reasons=reasons)
     made = {language: export({NAME: model}, language)[0] for language in SHADERS}
     start = names.start(text)
     return about | {
@@ -325,7 +340,7 @@ def start(names: Names, texts: Iterable[str]) -> dict[str, Any]:
         "fade": fade(),
         "metals": {word: metal(symbol) for symbol, word in metals().items()},
         "show": list(texts),
-        "models": {text: payload(names, text) for text in texts},
+        "models": {text: payload(names, text, reasons=True) for text in texts},
     }
 
 

@@ -21,7 +21,6 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any, ClassVar
 from urllib.parse import quote
 
-from gonio.export.manifest import options
 from gonio.export.targets import TARGETS
 from gonio.export.text import export
 from gonio.export.tree import ExportError
@@ -103,9 +102,8 @@ class Viewer(ThreadingHTTPServer):
         return page.payload(self.names, _text(body, "text"))
 
     def options(self, body: Mapping[str, Any]) -> Any:
-        """A model's options with what is refused and why."""
-        what = self.names.find(_text(body, "text"))
-        return list(options(what.model if isinstance(what, Material) else what))
+        """A model's options with what is refused and why, and what is unused."""
+        return page.choices(self.names, _text(body, "text"))
 
     def albedo(self, body: Mapping[str, Any]) -> Any:
         """A directional albedo."""

@@ -17,7 +17,6 @@ from typing import Any
 import anywidget
 import traitlets
 
-from gonio.export.manifest import options
 from gonio.export.tree import ExportError
 from gonio.fields import ModelError
 from gonio.foreign import ForeignError, is_foreign
@@ -90,8 +89,7 @@ class Viewer(anywidget.AnyWidget):  # type: ignore[misc]
         if question == "model":
             return page.payload(self.names, text)
         if question == "options":
-            what = self.names.find(text)
-            return list(options(what.model if isinstance(what, Material) else what))
+            return page.choices(self.names, text)
         if question == "albedo":
             return {"albedo": page.albedo(self.names, text, body.get("wo"))}
         if question == "code":

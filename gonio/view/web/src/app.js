@@ -275,9 +275,10 @@ export class App {
         const { payload } = side;
         if (!this.source.live || !payload.options.length) return;
         try {
-            const options = await this.source.options(side.text());
+            const { options, unused } = await this.source.options(side.text());
             if (side.payload === payload) {
                 payload.options = options.map((o) => ({ ...o, value: side.options.get(o.path) }));
+                for (const p of payload.parameters) p.unused_because ??= unused[p.path];
                 this.update();
             }
         } catch {

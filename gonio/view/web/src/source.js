@@ -77,7 +77,20 @@ export class Server {
     }
 
     /** Calls back when a file that a model comes from has changed. */
-    async watch(changed) {
+    watch(changed) {
+        // Browsers keep six connections to a server: one of all its tabs listens, and tells the others
+        const tabs = new BroadcastChannel("gonio changes");
+        tabs.onmessage = ({ data }) => changed(data);
+        const listen = () =>
+            this.#listen((change) => {
+                tabs.postMessage(change);
+                changed(change);
+            });
+        if (navigator.locks) navigator.locks.request("gonio changes", listen);
+        else listen();
+    }
+
+    async #listen(changed) {
         for (;;) {
             try {
                 const answer = await fetch("/api/changes", {
@@ -156,10 +169,6 @@ export class Saved {
         if (!variant) throw new Error("This saved page has no shader for that choice; 'gonio view' has them all.");
         const block = (language) => variant[language].map((i) => this.data.pool[language][i]).join("\n\n");
         return { ...base, ...variant.about, code: { wgsl: block("wgsl"), essl: block("essl") } };
-    }
-
-    async options(text) {
-        return (await this.model(text)).options;
     }
 
     async code(text, language) {

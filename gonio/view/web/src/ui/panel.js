@@ -83,7 +83,7 @@ function parameterRow(app, side, layer, p, hook) {
         app.fieldError?.path === p.path
             ? html`<span></span><div class="wide err" role="alert">${app.fieldError.text} The picture still shows ${value.map((v) => `${shown(toUnit(p, v))}${unitOf(p)}`).join(", ")}.</div><span></span>`
             : "";
-    const because = p.used ? "" : wide(sentence(p.unused_because));
+    const because = p.unused_because ? wide(sentence(p.unused_because)) : "";
     if (p.width === 1) {
         const v = value[0],
             sigma = side.values.get(`${layer.prefix}sigma_a`),
