@@ -341,6 +341,18 @@ def test_labels_tell_what_differs_and_the_head_what_is_common():
     assert shared == "rho = 0.5"
 
 
+def test_long_labels_stay_inside_the_picture():
+    models = [gonio.load(name).model for name in ("gold", "ceramic", "skin")]
+    figure = albedo(models).figure()
+    figure.draw_without_rendering()
+    box = figure.legends[0].get_window_extent()
+    assert box.x0 >= 0
+    assert box.x1 <= figure.bbox.x1
+    assert box.y0 >= 0
+    below = min(panel.get_tightbbox().y0 for panel in figure.axes)
+    assert box.y1 <= below, "the legend covers a panel"
+
+
 def test_an_interrupted_write_leaves_what_was_there(tmp_path, monkeypatch):
     path = tmp_path / "x.csv"
     path.write_text("before")

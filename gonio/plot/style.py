@@ -130,12 +130,21 @@ def _legend_columns(width: float, labels: Sequence[str]) -> int:
     return -(-len(labels) // rows)  # as few columns as these rows need, so that they are even
 
 
+def _legend_lines(width: float, labels: Sequence[str]) -> list[list[str]]:
+    """Each label in lines that fit a figure's width: one that needs several has a column's whole width."""
+    room = int((width - 0.75) / 0.078)
+    return [textwrap.wrap(x, room, max_lines=FACT_LINES, placeholder=REST) for x in labels]
+
+
 def legend_height(width: float, labels: Sequence[str]) -> float:
     """In inches."""
-    return 0.2 + 0.21 * -(-len(labels) // _legend_columns(width, labels))
+    lines = sum(map(len, _legend_lines(width, labels)))
+    return 0.2 + 0.21 * -(-lines // _legend_columns(width, labels))
 
 
 def draw_legend(figure: Any, handles: Sequence[Any], labels: Sequence[str]) -> None:
     """A legend below the panels."""
-    columns = _legend_columns(figure.get_size_inches()[0], labels)
-    figure.legend(handles, labels, loc="outside lower center", ncols=columns, handlelength=3)
+    width = figure.get_size_inches()[0]
+    shown = ["\n".join(lines) for lines in _legend_lines(width, labels)]
+    columns = _legend_columns(width, labels)
+    figure.legend(handles, shown, loc="outside lower center", ncols=columns, handlelength=3)
