@@ -1186,6 +1186,47 @@ def test_a_baseline_lets_old_faults_pass_and_tells_new_ones(tmp_path: Path) -> N
     assert "--json >" in done.output
 
 
+def test_a_baseline_tells_better_black_and_unknown_code(tmp_path: Path) -> None:
+    runner, base = CliRunner(), tmp_path / "base.json"
+    text = "def f(wi, wo):\n    return {} + 0 * wi[:, 0]\n\ndef g(wi, wo):\n    return 0.3 + 0 * wi[:, 0]\n"
+    path = write(tmp_path, "a.py", text.format("-0.1 + wo[:, 2]"))
+    judge = [path + "#f", "--only", "reciprocity", "--returns", "f"]
+    assert runner.invoke(main, ["check", *judge, "--junit", str(tmp_path / "a.xml")]).exit_code == 1
+    base.write_text(runner.invoke(main, ["check", *judge, "--json"]).stdout, encoding="utf-8")
+    since = ["--baseline", str(base)]
+    write(tmp_path, "a.py", text.format("0.3"))
+    done = runner.invoke(main, ["check", *judge, *since])
+    assert (done.exit_code, "better: a.py#f, reciprocity" in done.output) == (0, True), done.output
+    done = runner.invoke(main, ["check", path + "#g", *judge[1:], *since])
+    assert (done.exit_code, "has nothing of a.py#g" in done.output) == (0, True), done.output
+    write(tmp_path, "a.py", text.format("0.0"))
+    done = runner.invoke(main, ["check", *judge, *since])
+    assert (done.exit_code, "cannot be judged any more" in done.output) == (1, True), done.output
+    junit = str(tmp_path / "b.xml")
+    assert runner.invoke(main, ["check", *judge, "--junit", junit]).exit_code == 1
+    assert 'skipped="1"' in Path(junit).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("text", ["[1, 2]", '[{"model": "a"}]', "{}", '{"comparisons": [3]}', "["])
+def test_damaged_baselines_are_one_sentence(tmp_path: Path, text: str) -> None:
+    path = write(tmp_path, "a.py", "def f(wi, wo):\n    return 0.3 + 0 * wi[:, 0]\n") + "#f"
+    base = write(tmp_path, "base.json", text)
+    for command in (["check", path, "--only", "frame"], ["compare", path, "lambert:rho=1"]):
+        done = CliRunner().invoke(main, [*command, "--returns", "f", "--baseline", base])
+        assert done.exit_code == 1
+        assert "is not what the same command with --json writes" in done.output
+
+
+def test_methods_and_files_of_one_name_keep_their_own_reports(tmp_path: Path) -> None:
+    text = "def f(wi, wo):\n    return 0.3 + 0 * wi[:, 0]\n"
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "x.py").write_text(text, encoding="utf-8")
+    paths = [f"{tmp_path}/{folder}/x.py#f" for folder in ("a", "b")]
+    done = CliRunner().invoke(main, ["check", *paths, "--only", "reciprocity", "--returns", "f"])
+    assert all(f"{path}: pass" in done.output for path in paths), done.output
+
+
 def test_options_of_code_are_not_ignored_in_silence() -> None:
     runner = CliRunner()
     for arguments in (["check", "eon", "--map", "L=wi"], ["compare", "eon", "fon", "--identify"]):

@@ -281,7 +281,10 @@ def data(reports: Sequence[Report]) -> list[dict[str, Any]]:
 
 
 def junit(reports: Sequence[Report]) -> bytes:
-    """JUnit's XML, as continuous integration shows it: a suite for each model, a case for each check."""
+    """JUnit's XML, as continuous integration shows it: a suite for each model, a case for each check.
+
+    What could not be judged is skipped.
+    """
     root = ElementTree.Element("testsuites", name="gonio check")
     for model in dict.fromkeys(r.model for r in reports):
         own = [r for r in reports if r.model == model]
@@ -292,7 +295,7 @@ def junit(reports: Sequence[Report]) -> bytes:
             tests=str(len(own)),
             failures=str(sum(r.failed for r in own)),
             errors="0",
-            skipped="0",
+            skipped=str(sum(r.verdict == UNSURE for r in own)),
             time=f"{sum(r.seconds for r in own):.3f}",
         )
         for report in own:
@@ -307,6 +310,9 @@ def junit(reports: Sequence[Report]) -> bytes:
             if bad:
                 failure = ElementTree.SubElement(case, "failure", message=_sentence(bad[0]))
                 failure.text = "\n".join(f"{_sentence(f)}\n{f.replay or ''}".rstrip() for f in bad)
+            if report.verdict == UNSURE:
+                unsure = next(f for f in report.findings if f.verdict == UNSURE)
+                ElementTree.SubElement(case, "skipped", message=_sentence(unsure))
             notes = [f for f in report.findings if f.verdict in (KNOWN, NOTE, UNSURE)]
             if notes:
                 out = ElementTree.SubElement(case, "system-out")

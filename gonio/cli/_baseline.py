@@ -1,9 +1,10 @@
-"""What got worse since an earlier run, whose `--json` is the baseline."""
+"""What got worse or better since an earlier run, whose `--json` is the baseline."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -34,35 +35,72 @@ def load(path: str, kind: type) -> Any:
         ) from None
     except ValueError:
         found = None
-    if not isinstance(found, kind):
+    if not isinstance(found, kind) or not _whole(found):
         raise BaselineError(f"{path} is not what the same command with --json writes.")
     return found
 
 
-def worse_checks(
-    before: Sequence[Mapping[str, Any]], now: Sequence[Mapping[str, Any]]
-) -> list[str]:
-    """Findings that fail now and did not before, or whose measure grew; one line each."""
+def _whole(found: Any) -> bool:
+    """Whether a file has all that is compared."""
+    try:
+        if isinstance(found, list):
+            return all(
+                isinstance(f["verdict"], str) and {"measured", "text"} <= f.keys()
+                for _, f in _findings(found)
+            )
+        return all(_number(c["largest"]) >= 0 for c in _compared(found).values())
+    except (TypeError, KeyError, AttributeError):
+        return False
+
+
+@dataclass(frozen=True)
+class Change:
+    """What has changed since a baseline, one line each."""
+
+    worse: list[str]
+    better: list[str]
+    unknown: list[str]
+    """What the baseline says nothing about."""
+
+    def lines(self, path: str) -> list[str]:
+        """For people."""
+        found = [*self.worse, *self.better]
+        found += [f"{path} has nothing of {name}: all of it counts as new" for name in self.unknown]
+        return found if self.worse else [*found, f"nothing is worse than in {path}"]
+
+
+def checks(before: Sequence[Mapping[str, Any]], now: Sequence[Mapping[str, Any]]) -> Change:
+    """Findings that fail now and did not before, or whose measure changed, or that are judged no more."""
     known = dict(_findings(before))
-    found = []
+    worse, better = [], []
     for key, finding in _findings(now):
-        if finding["verdict"] != "fail":
-            continue
         model, check, what, _ = key
         size, old = finding["measured"], known.get(key)
-        if old is None or old["verdict"] != "fail":
-            was = "new" if old is None else f"passed with {_shown(old['measured'])}"
+        text = f"{model}, {check}, {what} = {_shown(size)}"
+        failed = old is not None and old["verdict"] == "fail"
+        was = "new" if old is None else f"was {_shown(old['measured'])}"
+        if finding["verdict"] == "unsure":
+            if old is None or old["verdict"] != "unsure":
+                worse.append(f"worse: {text} (cannot be judged any more): {finding['text']}")
+        elif finding["verdict"] != "fail":
+            if failed:
+                better.append(f"better: {text} ({was})")
+        elif old is None or not failed:
+            was = was if old is None else f"passed with {_shown(old['measured'])}"
+            worse.append(f"worse: {text} ({was}): {finding['text']}")
         elif _number(size) > _number(old["measured"]) * (1 + GROWN):
-            was = f"was {_shown(old['measured'])}"
-        else:
-            continue
-        found.append(f"worse: {model}, {check}, {what} = {_shown(size)} ({was}): {finding['text']}")
-    return found
+            worse.append(f"worse: {text} ({was}): {finding['text']}")
+        elif _number(size) * (1 + GROWN) < _number(old["measured"]):
+            better.append(f"better: {text} ({was}), and fails still")
+    had = {r["model"] for r in before}
+    unknown = [m for m in dict.fromkeys(r["model"] for r in now) if m not in had]
+    return Change(worse, better, unknown)
 
 
-def _findings(
-    reports: Sequence[Mapping[str, Any]],
-) -> list[tuple[tuple[str, ...], Mapping[str, Any]]]:
+_Key = tuple[str, str, str, str]
+
+
+def _findings(reports: Sequence[Mapping[str, Any]]) -> list[tuple[_Key, Mapping[str, Any]]]:
     return [
         ((r["model"], r["check"], f["what"], str(f["options"])), f)
         for r in reports
@@ -70,19 +108,26 @@ def _findings(
     ]
 
 
-def worse_comparisons(before: Mapping[str, Any], now: Mapping[str, Any], equal: float) -> list[str]:
-    """Differences that grew beyond what counts as equal; one line each."""
-    known = {(c["code"], c["model"]): c for c in before.get("comparisons", ())}
-    found = []
-    for c in now["comparisons"]:
-        old = known.get((c["code"], c["model"]))
-        limit = equal if old is None else max(equal, old["largest"] * (1 + GROWN))
+def _compared(found: Mapping[str, Any]) -> dict[tuple[str, str], Mapping[str, Any]]:
+    return {(c["code"], c["model"]): c for c in found["comparisons"]}
+
+
+def comparisons(before: Mapping[str, Any], now: Mapping[str, Any], equal: float) -> Change:
+    """Differences that grew beyond what counts as equal, or became less."""
+    known = _compared(before)
+    worse, better, unknown = [], [], []
+    for key, c in _compared(now).items():
+        old = known.get(key)
+        limit = equal if old is None else max(equal, _number(old["largest"]) * (1 + GROWN))
+        was = "new" if old is None else f"was {_shown(old['largest'])}"
+        text = f"{c['code']} differs from {c['model']} by {c['largest']:.4g} ({was})"
         if not c["largest"] <= limit:
-            was = "new" if old is None else f"was {old['largest']:.4g}"
-            found.append(
-                f"worse: {c['code']} differs from {c['model']} by {c['largest']:.4g} ({was})"
-            )
-    return found
+            worse.append(f"worse: {text}")
+        elif old is None:
+            unknown.append(f"{c['code']} and {c['model']}")
+        elif max(c["largest"], equal) * (1 + GROWN) < _number(old["largest"]):
+            better.append(f"better: {text}")
+    return Change(worse, better, unknown)
 
 
 def _number(value: Any) -> float:

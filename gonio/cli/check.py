@@ -75,6 +75,12 @@ class Result:
     reports: list[Report]
     written: list[Path]
 
+    @property
+    def unjudged(self) -> bool:
+        """Whether of something nothing at all could be judged, as of code that is black."""
+        names = {r.model for r in self.reports}
+        return any(_state([r for r in self.reports if r.model == n]) == UNSURE for n in names)
+
 
 @dataclass(frozen=True)
 class Plan:
@@ -208,6 +214,9 @@ def plan(
         raise ForeignError(f"code has values only; its checks are {', '.join(VERDICTS)}.")
     groups = [subjects_of(text, given) for text in plain]
     loaded = [code.load(text) for text in foreign] if code is not None else []
+    names = [each.name for each in loaded]
+    for each in loaded:  # two files of one name, in two folders
+        each.alias = each.label if names.count(each.name) > 1 else ""
     notes: list[Report] = []
     if plugins:
         from gonio.check.mitsuba_bsdf import MitsubaSubject
@@ -222,14 +231,21 @@ def plan(
     return Plan(groups, notes, chosen, junit_file, picture_file, files, loaded, identify)
 
 
+def _state(own: Sequence[Report]) -> str:
+    """The verdict on one model; UNSURE where nothing could be judged, NOTE where nothing was."""
+    verdicts = {f.verdict for r in own for f in r.findings}
+    if failed(own):
+        return FAIL
+    return PASS if verdicts - {NOTE, UNSURE} else UNSURE if UNSURE in verdicts else NOTE
+
+
 def lines(reports: Sequence[Report]) -> list[str]:
     """The tables of all models, each with a line of counts below."""
     found: list[str] = []
     for name in dict.fromkeys(r.model for r in reports):
         own = [r for r in reports if r.model == name]
         seconds = sum(r.seconds for r in own)
-        verdicts = {f.verdict for r in own for f in r.findings}
-        state = FAIL if failed(own) else "not judged" if verdicts <= {NOTE, UNSURE} else PASS
+        state = {UNSURE: "not judged", NOTE: "not judged"}.get(_state(own), _state(own))
         found += [f"{name}: {state}", *table(own), f"  {summary(own)} in {seconds:.1f} s", ""]
     return found[:-1]
 
@@ -378,16 +394,13 @@ def command(
     else:
         with progress("checking") as step:
             result = planned.run(effort or "normal", step)
-    worse = [] if before is None else baselines.worse_checks(before, data(result.reports))
+    change = None if before is None else baselines.checks(before, data(result.reports))
+    since = change.lines(str(baseline)) if change is not None else []
     if as_json:
         echo_json(data(result.reports))
-        for line in worse:
+        for line in since:
             click.echo(line, err=True)
     else:
-        click.echo("\n".join([*lines(result.reports), *worse]))
-        if before is not None and not worse:
-            click.echo(f"nothing is worse than in {baseline}")
-        for path in result.written:
-            click.echo(path)
-    bad = bool(worse) if before is not None else failed(result.reports)
+        click.echo("\n".join([*lines(result.reports), *since, *map(str, result.written)]))
+    bad = bool(change.worse) if change is not None else failed(result.reports) or result.unjudged
     return 0 if whole and not bad else 1

@@ -171,18 +171,19 @@ def _code(
     if identity is not None:
         data["identity"] = identity.data()
     equal = EQUAL if wanted.tolerance is None else wanted.tolerance
-    worse = [] if before is None else baselines.worse_comparisons(before, data, equal)
+    change = None if before is None else baselines.comparisons(before, data, equal)
+    since = change.lines(str(wanted.baseline)) if change is not None else []
     if wanted.as_json:
         echo_json(data)
-        for line in worse:
+        for line in since:
             click.echo(line, err=True)
     else:
         lines = [line for c in found for line in c.lines()]
         lines += [] if identity is None else identity.lines()
-        lines += worse
+        lines += since
         lines += [wanted.picture] if wanted.picture is not None else []
         click.echo("\n".join(lines))
-    if before is not None:
-        return int(bool(worse))
+    if change is not None:
+        return int(bool(change.worse))
     limit = wanted.tolerance
     return int(limit is not None and any(not c.largest <= limit for c in found))

@@ -123,6 +123,8 @@ class Foreign:
     returns: Returns = field(default_factory=Returns)
     label: str = ""
     """How it is called on the command line."""
+    alias: str = ""
+    """A name in place of its own, where that would be another's as well."""
     shipped: Foreign | None = None
     """The same with the half precision that it declares, if this one was made without."""
     textures: Mapping[str, str] = field(default_factory=dict)
@@ -135,10 +137,13 @@ class Foreign:
 
     @property
     def name(self) -> str:
-        """File and function, such as "ggx.glsl#D"."""
+        """File and function, such as "ggx.glsl#D" or "lobes.cpp#Ggx.eval"."""
+        if self.alias:
+            return self.alias
         if self.source.entry:
             return self.source.path.name
-        return f"{self.source.path.name}#{self.function.name}"
+        owner = f"{self.function.owner}." if self.function.owner else ""
+        return f"{self.source.path.name}#{owner}{self.function.name}"
 
     @property
     def parameters(self) -> dict[str, Parameter]:
