@@ -23,6 +23,7 @@ from gonio.foreign import registry, roles, source, terms, textures
 from gonio.foreign.expressions import parse
 from gonio.foreign.function import parse_map, parse_ranges, probe
 from gonio.foreign.source import ForeignError
+from gonio.measured import is_data_file
 
 # The rule by which foreign code gets its albedos has some thousand directions.
 COARSE = 1e-3
@@ -934,6 +935,19 @@ def test_nodes_and_materials_of_materialx_are_code_in_each_target(tmp_path: Path
             continue
         other = foreign.load(f"{path}#clay@{target}")
         np.testing.assert_allclose(other.brdf(wi, wo), code.brdf(wi, wo), rtol=SINGLE_LONG)
+
+
+@needs_materialx
+@needs_gl
+@pytest.mark.parametrize("name", ["float", "Matériau#2", "2 sided"])
+def test_nodes_of_materialx_may_be_called_anything(tmp_path: Path, name: str) -> None:
+    path = tmp_path / "a.mtlx"
+    text = DOCUMENT.replace('"clay"', f'"{name}"')
+    assert text != DOCUMENT
+    path.write_text(text, encoding="utf-8")
+    code = foreign.load(f"{path}#{name}", uniforms=["roughness=0"])
+    np.testing.assert_allclose(code.brdf(*probe(4))[:, 0], 0.5 / np.pi, rtol=SINGLE_LONG)
+    assert not is_data_file(str(path))  # XML, which files of measurements are as well
 
 
 @needs_materialx

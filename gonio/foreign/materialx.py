@@ -41,6 +41,16 @@ _WIDTHS = {
     "color4": 4, "vector4": 4,
 }  # fmt: skip
 
+# Words of the languages that nodes may be called.
+_RESERVED = (
+    "auto bool break case centroid class color const continue default discard do double else enum "
+    "extern false fixed flat float float2 float3 float4 for fragment half if in inline inout input int "
+    "interface layout main mat2 mat3 mat4 matrix namespace new noise operator out output precise "
+    "private protected public register return sample sampler smooth static struct subroutine switch "
+    "template texture this true typedef uint uniform union using var varying vec2 vec3 vec4 vector "
+    "vertex void while"
+)
+
 # Words for vectors in GLSL, and in Slang.
 _VECTORS = {2: ("vec2", "float2"), 3: ("vec3", "float3"), 4: ("vec4", "float4")}
 
@@ -92,18 +102,21 @@ def read(text: str) -> Source:
     library, document, own = _documents(file)
     try:
         node = _named(file, document, library, name, own)
+        own_name = name or node.getName()
+        _rename(document)
         shader, context = _generated(document, node, target)
     except MaterialX.Exception as error:
         raise ForeignError(f"{text}: MaterialX refuses it: {str(error).strip()}") from None
     del context
     stage = shader.getStage("pixel")
     uniforms = list(_uniforms(document, stage, target))
-    made = re.sub(r"\W", "_", name or node.getName())
+    plain = re.sub(r"[^0-9A-Za-z]+", "_", own_name)
+    made = f"node_{plain}".rstrip("_")
     text = shader.getSourceCode("pixel")
     made_callable = _callable_msl if target == "msl" else _callable
     code = made_callable(text, uniforms, made, target)
     language = TARGETS[target][2]
-    title = f"{Path(file).name}#{name or node.getName()}@{target}"
+    title = f"{Path(file).name}#{own_name}@{target}"
     return of_text(Path(title), language, code, uniforms, entry=made)
 
 
@@ -162,6 +175,23 @@ def _named(file: str, document: Any, library: Any, name: str, own: list[str]) ->
         surface.setConnectedNode("bsdf", node)
         return surface
     return node
+
+
+def _rename(document: Any) -> None:
+    """Give nodes names that are words of no language; MaterialX loses the inputs of others."""
+    for node in list(_nodes(document)):
+        old = node.getName()
+        if re.fullmatch(r"[A-Za-z][0-9A-Za-z_]*", old) and old not in _RESERVED.split():
+            continue
+        parent = node.getParent()
+        new = parent.createValidChildName("node_" + re.sub(r"[^0-9A-Za-z]+", "_", old).strip("_"))
+        for element in parent.traverseTree():
+            if (
+                element.getAttribute("nodename") == old
+                and element.getParent().getParent() == parent
+            ):
+                element.setAttribute("nodename", new)
+        node.setName(new)
 
 
 def _nodes(document: Any) -> Iterable[Any]:

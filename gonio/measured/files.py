@@ -146,7 +146,7 @@ def is_data_file(text: str) -> bool:
     """Whether a text on a command line names an existing file of a known format."""
     try:
         path = Path(text)
-        if not path.is_file() or path.suffix.lower() in {".py", ".toml"}:
+        if not path.is_file() or path.suffix.lower() in {".py", ".toml", ".mtlx"}:
             return False
         recognise(Source(path))
     except (DataError, OSError, ValueError):
