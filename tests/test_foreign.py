@@ -937,6 +937,15 @@ def test_nodes_and_materials_of_materialx_are_code_in_each_target(tmp_path: Path
         np.testing.assert_allclose(other.brdf(wi, wo), code.brdf(wi, wo), rtol=SINGLE_LONG)
 
 
+def test_a_shader_that_is_all_main_is_told_what_to_do(tmp_path: Path) -> None:
+    text = "in vec3 n; out vec4 o; uniform vec3 l;\nvoid main() { o = vec4(dot(n, l)); }\n"
+    code = source.read(write(tmp_path, "a.glsl", text))
+    with pytest.raises(
+        ForeignError, match="move its shading into a function that gives a colour back"
+    ):
+        code.find("main")
+
+
 @needs_materialx
 @needs_gl
 @pytest.mark.parametrize("name", ["float", "Matériau#2", "2 sided"])

@@ -360,7 +360,7 @@ def lines(found: list[Fit], costs: list[int | None]) -> Iterator[str]:
             yield f"  {'at an end':<13} {', '.join(_whole(f.at_bounds))}"
         for number, region in enumerate(f.regions):
             yield f"  {'fails at' if number == 0 else '':<13} {region.sentence()}"
-        if len(found) == 1:
+        if len(found) == 1 and not isinstance(f.model, ForeignModel):  # code is no export
             yield f"  {'cost':<13} {_cost(cost)}"
         # Below EXACT of the data all is rounding
         size = f.misfit[f.metric] / f.relative if f.relative else 0.0

@@ -152,7 +152,14 @@ class Identity:
         return Report(
             "identity",
             name,
-            (Finding("nearest", misfit, NOTE, "; ".join(x.strip() for x in self.lines())),),
+            (
+                Finding(
+                    "nearest",
+                    misfit,
+                    NOTE,
+                    "; ".join(x.strip() for x in self.lines()).replace(":; ", ": "),
+                ),
+            ),
         )
 
 

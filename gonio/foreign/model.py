@@ -278,7 +278,7 @@ def as_model(foreign: Foreign) -> Model:
     Args:
         foreign: a function that is running; it runs as long as the model lives.
     """
-    name = re.sub(r"\W+", "_", foreign.name).strip("_").lower()
+    plain = re.sub(r"\W+", "_", foreign.name).strip("_").lower()
     members: dict[str, Any] = {
         "__doc__": f"{foreign.name}, code that others wrote.",
         "__module__": __name__,
@@ -296,12 +296,12 @@ def as_model(foreign: Foreign) -> Model:
             )
         members[n] = param(p.default, p.low, p.high, p.doc)
     made: type[Model] = types.new_class(
-        "".join(word.title() for word in name.split("_")) or "Code",
+        "".join(word.title() for word in plain.split("_")) or "Code",
         (ForeignModel,),
         {"register": False},
         lambda namespace: namespace.update(members),
     )
-    made.name = name
+    made.name = foreign.name  # as commands take it
     return made()
 
 

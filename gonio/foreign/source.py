@@ -166,6 +166,11 @@ class Source:
                 f"{self.path}: {name} is a method, and objects are not made here; write a function of the "
                 "directions and parameters that makes one and calls it."
             )
+        if parts[-1] == "main" and self.language in SHADERS:
+            raise ForeignError(
+                f"{self.path}: main writes a pixel and is left out; move its shading into a function that "
+                f"gives a colour back, and name that: {self.path}#NAME."
+            )
         written = rf"\b{re.escape(parts[-1])}\s*\([^;{{]*\)\s*\{{"
         if parts[-1] not in names and re.search(written, self.text):
             raise ForeignError(
