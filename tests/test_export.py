@@ -550,6 +550,19 @@ def test_no_word_of_a_comment_stands_alone_in_its_last_line(words: list[str]) ->
     assert len(lines) == 1 or len(lines[-1].split()) > 1
 
 
+@pytest.mark.parametrize("name", ["vec3", "Vec2", "Buffer", "texture2D", "i", "half"])
+def test_a_type_is_called_what_no_language_has_a_type_for(name: str) -> None:
+    """The same in all of them, as the manifest has one name for it."""
+    model = {name: gonio.model("lambert")}
+    made = {t: export(model, t, only=["eval"])[0] for t in ("cpp", "hlsl", "slang", "wgsl")}
+    (struct,) = {e.entry.struct for e in made.values()}
+    assert struct not in {"Vec3", "Vec2", "Buffer", "Texture2D", "I"}
+    for found in made.values():
+        declared = re.findall(r"(?m)^ *struct (\w+)", found.source)
+        assert declared.count(struct) == 1
+        assert len(declared) == len(set(declared))
+
+
 def test_a_half_vector_is_not_made_unit_for_what_is_along_it() -> None:
     """But for languages that take derivatives, which short vectors have none of."""
     model = gonio.model("torrance_sparrow")

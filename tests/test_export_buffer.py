@@ -188,6 +188,28 @@ def test_the_command_writes_texts_with_the_file_that_they_read(paint: Path, tmp_
         assert "gonio fit" in done.stderr
 
 
+@pytest.mark.parametrize("language", ["glsl", "wgsl", "slang", "hlsl"])
+def test_a_text_of_several_models_is_not_lost_to_another_of_the_same_name(
+    language: str, tmp_path: Path
+) -> None:
+    def export_as(*arguments: str) -> Any:
+        return run("export", *arguments, "--to", language, "-o", f"{tmp_path}/")
+
+    assert export_as("lambert", "minnaert").exit_code == 0
+    (text,) = tmp_path.iterdir()
+    before = text.read_text()
+    refused = export_as("lambert", "ward")
+    assert refused.exit_code != 0
+    assert f"{text} holds {'Minnaert' if language == 'slang' else 'minnaert'}" in refused.output
+    assert "--prefix" in refused.output
+    assert text.read_text() == before
+    # The same again, with more, under another name, and alone
+    assert export_as("lambert", "minnaert").exit_code == 0
+    assert export_as("lambert", "minnaert", "ward").exit_code == 0
+    assert export_as("lambert", "ward", "--prefix", "two").exit_code == 0
+    assert export_as("ward").exit_code == 0
+
+
 def test_tables_that_another_text_reads_are_not_replaced(
     paint: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -152,16 +152,21 @@ def write(files: Mapping[str, str | bytes], output: str | None) -> list[Path]:
     Bytes keep their own names, beside the text that reads them.
 
     Raises:
-        ExportError: several texts for one file, or bytes that another text in the folder reads.
+        ExportError: several texts for one file, bytes that another text in the folder reads, or a text of
+            several models whose usual name another one of other models has.
         FileNotFoundError: the file's folder does not exist.
     """
     if output is None:
         raise ExportError(f"{len(files)} files; give a folder for them: -o FOLDER/")
+    if not output:
+        raise ExportError("the output has no name; give -o FILE or -o FOLDER/.")
     folder = output.endswith("/") or Path(output).is_dir()
     if not folder and sum(isinstance(content, str) for content in files.values()) > 1:
         raise ExportError(f"{len(files)} files for one name, {output}; give a folder.")
     root = Path(output)
     if folder:
+        if root.is_file():
+            raise ExportError(f"{root} is a file, no folder; give another name.")
         root.mkdir(parents=True, exist_ok=True)
     inside = root if folder else root.parent
     placed = {
@@ -169,6 +174,8 @@ def write(files: Mapping[str, str | bytes], output: str | None) -> list[Path]:
         for name, content in files.items()
     }
     _check_readers(placed)
+    if folder:
+        _check_shared(placed)
     for path, content in placed.items():
         with replacing(path) as temporary:
             if isinstance(content, bytes):
@@ -176,6 +183,36 @@ def write(files: Mapping[str, str | bytes], output: str | None) -> list[Path]:
             else:
                 temporary.write_text(content, encoding="utf-8")
     return list(placed)
+
+
+# The functions of a model, and in languages with methods its struct.
+ENTRIES = re.compile(
+    r"\b(\w+)_(?:eval|sample|pdf|albedo)\(|^struct (\w+) : I\w+Brdf\b", re.MULTILINE
+)
+
+
+def _check_shared(placed: Mapping[Path, str | bytes]) -> None:
+    """Refuse to lose models: texts of several, without a name of their own, are all called the same.
+
+    Raises:
+        ExportError: which models of an older text are not in the new one.
+    """
+    for path, content in placed.items():
+        if path.stem != SHARED or not isinstance(content, str) or not path.is_file():
+            continue
+        older = _models_of(path.read_text(encoding="utf-8", errors="replace"))
+        if lost := sorted(older - _models_of(content)):
+            raise ExportError(
+                f"{path} holds {', '.join(lost)}, which this export would lose; export all models "
+                "together, or give another folder, or --prefix NAME for a name of its own, or remove "
+                f"{path.name}."
+            )
+
+
+def _models_of(text: str) -> set[str]:
+    """What the models of a text are called, without those inside others."""
+    names = {function or struct for function, struct in ENTRIES.findall(text)}
+    return {n for n in names if not any(n.startswith(f"{other}_") for other in names)}
 
 
 # What gonio writes that says which tables it reads.

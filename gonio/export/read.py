@@ -18,9 +18,10 @@ from gonio import lang
 from gonio.export import library
 from gonio.export.calls import ANNOTATED, PRODUCT_MAX, method_of, written
 from gonio.export.expressions import SIGNATURES, UNTESTED
-from gonio.export.names import snake
+from gonio.export.names import legal, snake
 from gonio.export.source import source
 from gonio.export.statements import Body, record_of
+from gonio.export.targets import TARGETS
 from gonio.export.tree import (
     Assign,
     Builtin,
@@ -44,6 +45,10 @@ from gonio.table import Table
 
 # What the annotations of a declaration mean, which has no arguments to take its types from.
 OF_ANNOTATIONS: dict[Any, Type] = {**ANNOTATED, lang.Float: "float"}
+
+
+# What any language calls otherwise: types have the same name in all of them, and in the manifest.
+TAKEN = frozenset().union(*(t.reserved | set(t.types.values()) for t in TARGETS.values()))
 
 
 def camel(name: str) -> str:
@@ -267,7 +272,7 @@ class Reader:
 
     def _struct_name(self, name: str, prefix: str | None = None) -> str:
         """A type's name that no other has, made of the prefix and a function's or class's name."""
-        wanted = camel(self.prefix if prefix is None else prefix) + camel(name)
+        wanted = legal(camel(self.prefix if prefix is None else prefix) + camel(name), TAKEN)
         taken = {s.name for s in self.structs} | (self._roots - {wanted if not name else ""})
         return next(
             n for n in (wanted, *(f"{wanted}{i}" for i in range(2, 1000))) if n not in taken
