@@ -220,8 +220,8 @@ _PEER = (
     "threads; gonio/bench/exported_loop.py shows how), the strongest peer of the arrays. -Ofast lets g++ "
     "make quotients and roots of estimates with 14 bits and a step of Newton's (vrcp14ps, vrsqrt14ps), and "
     "take exp and log of vectors that are off by up to four roundings (libmvec). Dr.Jit has exact "
-    "quotients and roots alone, as many as the column before says, which take several times as long. Made "
-    "of integers and Newton's steps in Dr.Jit's own operations, such estimates take as long as the exact ones."
+    "quotients and roots alone, as many as the column before says, which take several times as long. "
+    "Made of integers and Newton's steps in Dr.Jit's own operations, estimates take as long as these."
 )
 
 _HOW = (
