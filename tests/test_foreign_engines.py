@@ -172,10 +172,12 @@ class Diffuse {
 MADE = {
     "cpp": """
 struct V { float x, y, z; V(float a = 0, float b = 0, float c = 0) : x(a), y(b), z(c) {} };
-struct Base { float scale; Base(float s) : scale(s) {} };
-class Lobe : public Base {
+struct Base { float scale; explicit Base(float s = 1.0f) noexcept : scale{s} {} };
+template <class T> struct Other { T twice; Other(T t) { twice = 2 * t; } };
+class Lobe final : public Base {
     float twice, gain = 1;
   public:
+    explicit Lobe(V tone = {0.5f, 0.5f, 0.5f}) : Lobe{tone, 1} {}
     Lobe(const V& tone, float k) : Base(tone.y), twice(2 * k) { twice += tone.x; }
     Lobe(const Lobe& other) = default;
     V f(const V& wi, const V& wo) const { return V(twice, scale, gain); }

@@ -107,6 +107,10 @@ def functions_in(bare: str, language: str) -> Iterable[Function]:
         found = head.search(code, position)
         if found is not None and (brace is None or found.start() < brace.start()):
             end = closing(code, found.end() - 1, "(", ")")
+            if scopes and scopes[-1] == ("struct", found["name"]):  # a constructor
+                _, brace_at = _initials(code, end)
+                position = closing(code, brace_at, "{", "}") if brace_at else end
+                continue
             after = re.compile(
                 r"\s*(?:->\s*(?P<to>[\w:<>, ]+?)"
                 r"|(?:const|noexcept|override|:\s*\w+|\[\[[^\]]*\]\])\s*)*\s*\{"
@@ -141,6 +145,7 @@ def functions_in(bare: str, language: str) -> Iterable[Function]:
             position = brace.end()
         else:
             before = re.split(r"[;{}]", code[: brace.start()])[-1]
+            before = re.sub(r"\btemplate\s*<[^<>]*>", " ", before)
             scope = re.search(r"\b(namespace|struct|class)\s+([\w:]*)", before)
             if scope or "extern" in before or re.search(r"\bnamespace\s*$", before):
                 kind = "" if scope is None else "struct" if scope[1] != "namespace" else "namespace"
@@ -221,10 +226,10 @@ def structs_in(bare: str, language: str) -> dict[str, tuple[Variable, ...]]:
     bare = re.sub(r"^[ \t]*#[^\n]*", lambda m: " " * len(m[0]), bare, flags=re.M)
     found: dict[str, tuple[Variable, ...]] = {}
     for match in re.finditer(
-        r"\b(?:struct|class)\s+(?:alignas\s*\([^)]*\)\s*)?(\w+)\s*(?::[^{;]*)?\{", bare
+        r"\b(?:struct|class)\s+(?:alignas\s*\([^)]*\)\s*)?(\w+)\s*(?:final\s*)?(?::[^{;]*)?\{", bare
     ):
         close = closing(bare, match.end() - 1, "{", "}")
-        inside = bare[match.end() : close - 1]
+        inside = _without_constructors(bare[match.end() : close - 1], match[1])
         while "{" in inside:  # methods, and constructors
             start = inside.index("{")
             end = closing(inside, start, "{", "}")
@@ -260,6 +265,30 @@ def constructors_in(
     return found
 
 
+def _initials(bare: str, end: int) -> tuple[dict[str, str], int]:
+    """What a constructor makes of members behind its arguments, and its body's bracket; 0 if none."""
+    initial: dict[str, str] = {}
+    after = re.compile(r"\s*(?:noexcept\s*)?(:(?!:))?").match(bare, end)
+    place = after.end() if after else end
+    if after and after[1]:
+        while one := _INITIAL.match(bare, place):
+            open_ = one["open"]
+            place = closing(bare, one.end() - 1, open_, {"(": ")", "{": "}"}[open_])
+            initial[one["name"]] = bare[one.end() : place - 1].strip()
+    body = re.compile(r"\s*\{").match(bare, place)
+    return initial, body.end() - 1 if body else 0
+
+
+def _without_constructors(inside: str, name: str) -> str:
+    """The inside of a class without constructors that are defined there."""
+    while match := re.search(rf"(?<![\w~.]){name}\s*\((?=.*\{{)", inside, re.S):
+        end = closing(inside, match.end() - 1, "(", ")")
+        _, brace = _initials(inside, end)
+        end = closing(inside, brace, "{", "}") if brace else end
+        inside = f"{inside[: match.start()]};{inside[end:]}"
+    return inside
+
+
 def _constructor(
     bare: str, bracket: int, members: set[str], name: str, language: str
 ) -> Constructor | None:
@@ -273,18 +302,10 @@ def _constructor(
     copies = len(arguments) == 1 and arguments[0].type == name
     if not arguments or copies or not all(a.name for a in arguments):
         return None
-    initial: dict[str, str] = {}
-    after = re.compile(r"\s*(?:noexcept\s*)?(:(?!:))?").match(bare, end)
-    place = after.end() if after else end
-    if after and after[1]:
-        while one := _INITIAL.match(bare, place):
-            open_ = one["open"]
-            place = closing(bare, one.end() - 1, open_, {"(": ")", "{": "}"}[open_])
-            initial[one["name"]] = bare[one.end() : place - 1].strip()
-    body = re.compile(r"\s*\{").match(bare, place)
-    if body is None:
+    initial, brace = _initials(bare, end)
+    if not brace:
         return None
-    inside = bare[body.end() : closing(bare, body.end() - 1, "{", "}") - 1]
+    inside = bare[brace + 1 : closing(bare, brace, "{", "}") - 1]
     kept = {a.name for a in arguments}
     plain = not inside.strip() and all(
         member in members and re.sub(r"^(?:std::)?move\s*\(|\)$", "", value) in kept

@@ -187,7 +187,7 @@ def leaves_of(
         return
     if not (width := width_of(variable.type)):
         raise ForeignError(
-            f"{source.path}: {place} is a {variable.type}, which is no number, vector or struct of them "
+            f"{source.path}: {place.removeprefix(MEMBERS)} is a {variable.type}, which is no number, vector or struct of them "
             "in this file; give a function without it, or write one that calls it."
         )
     yield Leaf(place, variable.type, width, bool(_WHOLE.search(variable.type)), variable)
