@@ -187,8 +187,8 @@ def leaves_of(
         return
     if not (width := width_of(variable.type)):
         raise ForeignError(
-            f"{source.path}: {place.removeprefix(MEMBERS)} is a {variable.type}, which is no number, vector or struct of them "
-            "in this file; give a function without it, or write one that calls it."
+            f"{source.path}: {place.removeprefix(MEMBERS)} is a {variable.type}, which is no number, "
+            "vector or struct of them in this file; give a function without it, or write one that calls it."
         )
     yield Leaf(place, variable.type, width, bool(_WHOLE.search(variable.type)), variable)
 
