@@ -308,6 +308,7 @@ def test_text_manifest_and_folder_agree_on_the_names_of_pictures(tmp_path: Path)
         (["gold", "--table", "fresnel", "--lookups", "array", "--to", "wgsl"], "no arrays"),
         (["gold", "--table", "distribution", "--lookups", "array", "--to", "glsl"], "too many"),
         (["gold", "--table", "fresnel", "--only", "pdf", "--to", "cpp"], "that eval calls"),
+        (["gold", "--table", "fresnel", "--lookups", "textures", "--to", "cpp"], "as arrays"),
     ],
 )
 def test_what_cannot_be_looked_up_is_refused_in_a_sentence(

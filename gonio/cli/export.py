@@ -374,6 +374,12 @@ def command(
         raise click.UsageError("--lookups is for lights and tables; give --lit or --table as well.")
     if lookups == "array" and not tables:
         raise click.UsageError("--lookups array is for tables; give --table as well.")
+    arrays = [name for name in to if name in OBJECTS]
+    asked = ctx.get_parameter_source("lookups") is ParameterSource.COMMANDLINE
+    if asked and tables and lookups == "textures" and arrays:
+        raise click.UsageError(
+            f"{TARGETS[arrays[0]].title} has its tables as arrays in the text; leave out --lookups textures."
+        )
     if not tables and ctx.get_parameter_source("bits") is ParameterSource.COMMANDLINE:
         raise click.UsageError("--bits is for tables; give --table as well.")
     request = _request(tables, int(bits), selection.found) if tables else None

@@ -22,6 +22,10 @@ from gonio.messages import Notice, did_you_mean
 from gonio.model import Model
 
 
+# Options that name what is written: without a name, a file would land in the folder one is in.
+WRITTEN = ("-o", "--output", "--save")
+
+
 class Program(click.Group):
     """A click group whose errors are one line on stderr, with a traceback only for --debug."""
 
@@ -72,6 +76,9 @@ class Program(click.Group):
         if args and self.get_command(ctx, args[0]) is None and not args[0].startswith("-"):
             did = did_you_mean(args[0], self.list_commands(ctx))
             raise click.UsageError(f"no command {args[0]!r}; {did}'gonio --help' shows all.")
+        for flag, value in zip(args, args[1:], strict=False):
+            if (flag in WRITTEN and not value) or value in {f"{name}=" for name in WRITTEN}:
+                raise click.UsageError("the output has no name; is a variable of the shell empty?")
         return super().resolve_command(ctx, args)
 
 
