@@ -208,7 +208,7 @@ def test_a_file_of_light_is_exposed_and_said(tmp_path: Path) -> None:
         ),
         (["--furnace", "--env", "studio"], "--furnace is radiance 1 from everywhere"),
         (["--furnace", "--exposure", "auto"], "--furnace has nothing to find an exposure for"),
-        (["-o", ""], "the suffix must be"),
+        (["-o", ""], "the output has no name"),
         (["--uv", "box"], "--uv is for your own mesh"),
         (["--exposure", "nan"], "'nan' is not a finite number of stops or auto"),
         (["--exposure", "1", "-o", "a.exr"], "--exposure is for a .png"),

@@ -378,7 +378,7 @@ def command(
     asked = ctx.get_parameter_source("lookups") is ParameterSource.COMMANDLINE
     if asked and tables and lookups == "textures" and arrays:
         raise click.UsageError(
-            f"{TARGETS[arrays[0]].title} has its tables as arrays in the text; leave out --lookups textures."
+            f"{TARGETS[arrays[0]].title} has its tables as arrays in the text; leave out --lookups."
         )
     if not tables and ctx.get_parameter_source("bits") is ParameterSource.COMMANDLINE:
         raise click.UsageError("--bits is for tables; give --table as well.")

@@ -21,7 +21,6 @@ from gonio.files import remove_unfinished
 from gonio.messages import Notice, did_you_mean
 from gonio.model import Model
 
-
 # Options that name what is written: without a name, a file would land in the folder one is in.
 WRITTEN = ("-o", "--output", "--save")
 
