@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import io
+import itertools
 import json
 import pkgutil
 import sys
@@ -75,7 +76,7 @@ class Program(click.Group):
         if args and self.get_command(ctx, args[0]) is None and not args[0].startswith("-"):
             did = did_you_mean(args[0], self.list_commands(ctx))
             raise click.UsageError(f"no command {args[0]!r}; {did}'gonio --help' shows all.")
-        for flag, value in zip(args, args[1:], strict=False):
+        for flag, value in itertools.pairwise(args):
             if (flag in WRITTEN and not value) or value in {f"{name}=" for name in WRITTEN}:
                 raise click.UsageError("the output has no name; is a variable of the shell empty?")
         return super().resolve_command(ctx, args)
