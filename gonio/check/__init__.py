@@ -207,7 +207,8 @@ def _efforts(these: list[Subject], level: Effort) -> list[tuple[Subject, Effort]
             found.append((subject, level.less()))
         elif left > 0:
             left -= 1
-            found.append((subject, level.less()))
+            # Each of these options has been looked at by itself; left is what they do to each other
+            found.append((subject, replace(level.less().less(), derivatives=False)))
     return found
 
 

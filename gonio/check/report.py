@@ -65,7 +65,7 @@ class Effort:
             rounds=max(self.rounds // 3, 4),
             albedos=max(self.albedos // 4, 128),
             confirmed=max(self.confirmed // 2, 4),
-            integrals=self.integrals // 8,
+            integrals=max(self.integrals // 8, 32),
             pairs=max(self.pairs // 4, 256),
             cases=max(self.cases // 4, 256),
             screened=max(self.screened // 4, 16),

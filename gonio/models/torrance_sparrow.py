@@ -166,6 +166,7 @@ class TorranceSparrow(Model):
         ),
         reciprocity=at_most(0.7, compensation="turquin"),
         wasted=(
+            at_most(0.705, distribution="beckmann", masking=GROOVES),
             at_most(0.664, distribution="beckmann"),
             at_most(0.5, distribution="blinn_phong", masking=GROOVES),
             # By the integral over all normals: most at a cosine of 0.3
