@@ -12,6 +12,7 @@ from click.testing import CliRunner
 
 import gonio
 from gonio.cli import main
+from gonio.materials import load
 from gonio.render import denoise, sheets
 from gonio.render.passes import ready_mitsuba
 from gonio.render.user_scene import render_scene
@@ -60,6 +61,11 @@ def test_colours_and_normals_are_of_what_each_pixel_sees_first() -> None:
     assert np.linalg.norm(seen[1]) == pytest.approx(1, abs=0.02)
     assert seen[1][0] > 0.5  # it faces right
     assert colours[0, 0] == pytest.approx(0), "nothing is seen in the corner"
+
+
+def test_what_grows_is_not_integrated_at_every_point() -> None:
+    """The albedo of patina is an integral: at each sample of a small picture it took minutes."""
+    assert denoise.stand_in(load("patina_3")).name == "lambert"
 
 
 SCENE = """<scene version="3.0.0"><integrator type="path"/>
