@@ -42,6 +42,8 @@ html_copy_source = False
 html_show_sourcelink = False
 pygments_style = "friendly"
 pygments_dark_style = "monokai"
+smartquotes_action = "qe"  # quotes and dots; two dashes begin an option
+
 copybutton_exclude = ".linenos, .gp, .go"
 
 # Signatures name types such as float32, which are fields of some class as well.
