@@ -63,9 +63,10 @@ def test_colours_and_normals_are_of_what_each_pixel_sees_first() -> None:
     assert colours[0, 0] == pytest.approx(0), "nothing is seen in the corner"
 
 
-def test_what_grows_is_not_integrated_at_every_point() -> None:
-    """The albedo of patina is an integral: at each sample of a small picture it took minutes."""
-    assert denoise.stand_in(load("patina_3")).name == "lambert"
+@pytest.mark.parametrize("name", ["patina_3", "car_paint_red_strong"])
+def test_growth_and_flakes_are_not_integrated_at_every_point(name: str) -> None:
+    """Their albedos are integrals: at each sample of a small picture they took minutes."""
+    assert denoise.stand_in(load(name)).name == "lambert"
 
 
 SCENE = """<scene version="3.0.0"><integrator type="path"/>

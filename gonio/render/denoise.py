@@ -45,13 +45,13 @@ def library() -> Any:
 def stand_in(shown: Model | Material | Stack) -> Model | Material:
     """The colours of a material, seen at once: its albedo may be an integral at every point.
 
-    What grows is one colour as well: the albedo of patina at every point takes minutes, and its soft edges
-    are seen in the picture itself.
+    What grows or has flakes is one colour as well: albedos of patina and car paint at every point take
+    minutes. The growth's soft edges are seen in the picture itself, and flakes go with the noise.
     """
     if isinstance(shown, Stack):
         return model("lambert", rho=0.5)
     if isinstance(shown, Material):
-        if shown.textures or shown.flakes:
+        if shown.textures:
             return shown
         shown = shown.model
     rho = np.clip(shown.mean_albedo(), 0, 1).tolist()
