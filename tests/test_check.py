@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ from gonio import check
 from gonio.check import continuity, energy, fuzz, hemisphere, sampling, statistics
 from gonio.check.continuity import find, find_in_parameters
 from gonio.check.kernels import evaluate
-from gonio.check.report import EFFORTS, FAIL, Finding, Report, judge, junit, table
+from gonio.check.report import EFFORTS, FAIL, KNOWN, Finding, Report, judge, junit, table
 from gonio.check.search import maximise
 from gonio.check.subject import ModelSubject, cosine_at, directions
 from gonio.check.variants import part_of, value_at
@@ -152,6 +153,18 @@ def test_sound_but_unusual_model_passes(name: str) -> None:
     cls = model_file.load(Path(__file__).parent / "sound" / f"{name}.py")
     reports = check.check_model(cls, "quick")
     assert not check.failed(reports), "\n".join(table(reports))
+
+
+def test_no_documented_gain_is_called_too_large_after_a_small_search() -> None:
+    """Options other than the default ones get one; a hundredth of a range is easily missed by it."""
+    cls = model_file.load(Path(__file__).parent / "sound" / "narrow_gain.py")
+    (subject,) = check.subjects(cls)
+    full = replace(QUICK, generous=1.5)
+    small = replace(full.less(), generous=1.5, albedos=8, rounds=1, confirmed=4, integrals=4)
+    assert energy.largest(subject, small).verdict == KNOWN
+    missed = energy.largest(subject, replace(small, full=None))
+    assert missed.verdict == FAIL
+    assert "it declares 1.8" in missed.text
 
 
 def test_every_check_catches_something_and_every_broken_model_is_listed() -> None:
@@ -565,6 +578,7 @@ def test_evaluation_in_batches_is_that_of_the_model() -> None:
 
 MODEL = """
 import math
+from dataclasses import replace
 
 import numpy as np
 

@@ -53,6 +53,8 @@ class Effort:
     """Combinations of two options are checked while there are at most so many variants of the model."""
     small: bool = False
     """Whether batches are so small that one thread is enough."""
+    full: Effort | None = None
+    """What this is less of."""
 
     def less(self) -> Effort:
         """For options other than the default ones: the same checks, with smaller searches.
@@ -61,6 +63,7 @@ class Effort:
         """
         return replace(
             self,
+            full=self.full or self,
             population=max(self.population // 4, 512),
             rounds=max(self.rounds // 3, 4),
             albedos=max(self.albedos // 4, 128),
