@@ -104,6 +104,6 @@ def usual_cos_half(wo: Vec3) -> Float:
 
 
 def usual_sin2_half(wo: Vec3) -> Float:
-    """1 - `usual_cos_half`^2, with its digits: near the normal total reflection may begin."""
+    """1 minus the square of `usual_cos_half`, with its digits: near the normal, total reflection begins."""
     below_one = 0.5 - 0.5 * wo.z
     return below_one * (2 - below_one)
