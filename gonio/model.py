@@ -29,7 +29,7 @@ import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from types import new_class
-from typing import Any, ClassVar, Self, get_type_hints
+from typing import Any, ClassVar, Self
 
 from gonio import arrays, notebook
 from gonio.albedos import quadrature
@@ -516,7 +516,8 @@ def _check_written(cls: type[Model]) -> None:
 def _width(cls: type[Model], name: str) -> int:
     """How many numbers a parameter has, by its annotation."""
     try:
-        hint = get_type_hints(cls, include_extras=True).get(name)
+        declared = (inspect.get_annotations(base, eval_str=True) for base in cls.__mro__)
+        hint = next((hints[name] for hints in declared if name in hints), None)
     except NameError as error:
         raise ModelError(
             f"{cls.name}: the annotation {error.name} is not known; import it at the top of the file."
