@@ -16,6 +16,9 @@ IMPORT_GOAL, LIST_GOAL, RENDER_GOAL = 0.25, 0.5, 6.0  # seconds
 
 COMMAND = ("-c", "from gonio.cli import main; main()")
 
+# With a number of samples: without one, a picture is rendered until its noise is below a goal.
+RENDER = ("render", "eon", "--spp", "36")
+
 
 def startup_section(repeat: int, progress: Callable[[str], None]) -> Section:
     """Median wall times of fresh processes, after one that fills the caches of disk and kernels."""
@@ -33,7 +36,7 @@ def startup_section(repeat: int, progress: Callable[[str], None]) -> Section:
         rows = [
             _import_row(repeat, progress),
             timed("gonio list", [*COMMAND, "list"], LIST_GOAL, repeat),
-            timed("gonio render eon", [*COMMAND, "render", "eon", "-o", picture], RENDER_GOAL, 1),
+            timed(" ".join(("gonio", *RENDER)), [*COMMAND, *RENDER, "-o", picture], RENDER_GOAL, 1),
         ]
     columns = (
         Column("row", "what"),
