@@ -3,7 +3,7 @@
 //
 // From Burley, "Physically-based shading at Disney", SIGGRAPH 2012 course notes, and its code disney.brdf,
 // with linear colours and the masking of the notes, by an engine programmer who wants all digits of a float32.
-// `gonio bench shaders` compares the two; nothing else uses this file.
+// `gonio bench shaders` and `gonio cost --by-hand` compare the two.
 
 struct Disney {
     vec3 base_color;

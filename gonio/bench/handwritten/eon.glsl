@@ -1,8 +1,8 @@
 // EON with the exact E_F, written by hand: the yardstick for the GLSL that `gonio export eon` makes.
 //
 // From Portsmouth, Kutz, Hill, "EON: A practical energy-preserving rough diffuse BRDF", arXiv:2410.18026, as
-// an engine programmer would tune it who wants all digits of a float32. `gonio bench shaders` compares the two;
-// nothing else uses this file.
+// an engine programmer would tune it who wants all digits of a float32. `gonio bench shaders` and
+// `gonio cost --by-hand` compare the two.
 
 struct Eon {
     vec3 rho;

@@ -3,7 +3,7 @@
 //
 // From Phong 1975 and Lafortune and Willems 1994, by an engine programmer who wants all digits of a float32:
 // those of sharp lobes are in 1 - cos(alpha), and those of broad ones where the cosine fades out.
-// `gonio bench shaders` compares the two; nothing else uses this file.
+// `gonio bench shaders` and `gonio cost --by-hand` compare the two.
 
 struct Phong {
     vec3 rho;

@@ -4,7 +4,7 @@
 // From Walter et al. 2007, Burley 2012 (anisotropy), Heitz 2014 (masking) and the complex Fresnel equations as
 // engines have them (Lagarde, "Memo on Fresnel equations", 2013), by an engine programmer who wants all digits
 // of a float32 and none of the roots and divisions that the products of the terms do not need. `gonio bench
-// shaders` compares the two; nothing else uses this file.
+// shaders` and `gonio cost --by-hand` compare the two.
 
 struct TorranceSparrow {
     float alpha;

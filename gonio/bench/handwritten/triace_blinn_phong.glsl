@@ -2,7 +2,7 @@
 // GLSL that `gonio export triace_blinn_phong` makes.
 //
 // From Gotanda 2012, Eq. 1, by an engine programmer who wants all digits of a float32 and normalises no vector.
-// `gonio bench shaders` compares the two; nothing else uses this file.
+// `gonio bench shaders` and `gonio cost --by-hand` compare the two.
 
 struct TriaceBlinnPhong {
     vec3 rho;

@@ -3,8 +3,8 @@
 //
 // From Weidlich, Wilkie, "Arbitrarily layered micro-facet surfaces", GRAPHITE 2007, as Elek, "Layered materials
 // in real-time rendering", CESCG 2010, has it (Eq. 2 to 4; Beckmann, Cook and Torrance's masking, exact Fresnel),
-// by an engine programmer who wants all digits of a float32. `gonio bench shaders` compares the two; nothing
-// else uses this file.
+// by an engine programmer who wants all digits of a float32. `gonio bench shaders` and
+// `gonio cost --by-hand` compare the two.
 
 struct WeidlichWilkieBaseBase {
     vec3 rho;
