@@ -578,7 +578,6 @@ def test_evaluation_in_batches_is_that_of_the_model() -> None:
 
 MODEL = """
 import math
-from dataclasses import replace
 
 import numpy as np
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -266,6 +267,20 @@ def test_a_users_file_is_a_model_named_like_the_file(tmp_path: Path) -> None:
     assert model_file.load(path) is cls
     path.write_text(MINE.replace("INV_PI\n", "INV_PI * 0.5\n", 2))
     assert model_file.load(path) is not cls
+
+
+def test_a_file_saved_twice_in_one_second_is_read_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Python takes its bytecode for a file's when the second and the size are the same
+    monkeypatch.setattr(sys, "dont_write_bytecode", False)
+    path = tmp_path / "mine.py"
+    values = []
+    for rho in ("0.5", "0.6"):
+        path.write_text(MINE.replace("(0.5, 0.5, 0.5)", f"({rho}, {rho}, {rho})"))
+        os.utime(path, (1e9, 1e9))
+        values.append(model_file.load(path)().eval([0, 0, 1], [0, 0, 1])[0] * np.pi)
+    assert values == pytest.approx([0.5, 0.6])
 
 
 def test_a_users_file_may_be_called_like_a_model_and_leaves_the_registry_alone(

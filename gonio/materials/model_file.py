@@ -15,6 +15,7 @@ import importlib.util
 import inspect
 import sys
 import traceback
+from importlib.abc import SourceLoader
 from pathlib import Path
 
 from gonio.fields import ModelError
@@ -64,22 +65,23 @@ def load(path: str | Path) -> type[Model]:
         raise ModelFileError(f"{path}: not a text file in UTF-8.") from None
     key = (path.resolve(), hashlib.sha256(source.encode()).hexdigest())
     if key not in _loaded:
-        _loaded[key] = _run(path)
+        _loaded[key] = _run(path, source)
     return _loaded[key]
 
 
-def _run(path: Path) -> type[Model]:
+def _run(path: Path, source: str) -> type[Model]:
     # The name of the module is the model's name
     name = PACKAGE + path.stem
     spec = importlib.util.spec_from_file_location(name, path)
-    if spec is None or spec.loader is None:
+    if spec is None or not isinstance(spec.loader, SourceLoader):
         raise ModelFileError(f"{path}: Python cannot load a file of this name.")
     module = importlib.util.module_from_spec(spec)
     before, registered = sys.modules.get(name), dict(_registry)
     sys.modules[name] = module
     _registry.pop(path.stem, None)  # a file may be named like a model of gonio's
     try:
-        spec.loader.exec_module(module)
+        # Not by the loader's bytecode, which it takes for a file's if second and size are the same
+        exec(spec.loader.source_to_code(source.encode(), spec.origin or str(path)), vars(module))
     except Exception as error:
         if before is None:
             del sys.modules[name]
