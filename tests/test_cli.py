@@ -15,8 +15,7 @@ from click.testing import CliRunner
 from support.tolerances import DOUBLE_SHORT, NINE_DIGITS, SINGLE, decimals
 
 import gonio
-from gonio import cli
-from gonio.cli import doctor
+from gonio import cli, doctor
 from gonio.cli.eval import directions, evaluate
 from gonio.description.about import describe
 from gonio.materials import load

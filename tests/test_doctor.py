@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from gonio.cli import doctor
+from gonio import doctor
+from gonio.doctor import findings, probes
 
 
 def by_name(findings):
@@ -52,11 +53,11 @@ def test_what_is_optional_comes_with_the_extra_that_brings_it(monkeypatch):
     """The package's own list of extras is the judge."""
     project = Path(__file__).parents[1] / "pyproject.toml"
     extras = tomllib.loads(project.read_text(encoding="utf-8"))["project"]["optional-dependencies"]
-    monkeypatch.setattr(doctor, "_version", lambda name: None)
-    for name, (distribution, extra, _) in doctor._OPTIONAL.items():
+    monkeypatch.setattr(findings, "_version", lambda name: None)
+    for name, (distribution, extra, _) in findings.OPTIONAL.items():
         brought = {re.match(r"[\w.-]+", needed)[0] for needed in extras[extra]}
         assert distribution in brought, name
-        found = doctor._optional(name)
+        found = findings.optional(name)
         assert found.status == "absent"
         assert f"pip install 'gonio[{extra}]'" in found.advice
 
@@ -104,15 +105,15 @@ def test_a_probe_that_dies_is_a_finding_and_not_a_crash(monkeypatch):
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
         return subprocess.Popen([sys.executable, "-c", code], text=True, **pipes)
 
-    monkeypatch.setattr(doctor, "_start", start)
+    monkeypatch.setattr(probes, "start", start)
     found = doctor.diagnose()
     assert by_name(found)["LLVM"].value == "the process was ended by signal 9"
     assert not doctor.can_compute(found)
 
 
 def test_a_check_that_raises_is_a_finding_and_not_a_crash(monkeypatch):
-    monkeypatch.setattr(doctor, "_start", lambda name: OSError("no more processes"))
-    monkeypatch.setattr(doctor, "_kernel_cache", lambda: 1 / 0)
+    monkeypatch.setattr(probes, "start", lambda name: OSError("no more processes"))
+    monkeypatch.setattr(findings, "kernel_cache", lambda: 1 / 0)
     found = by_name(doctor.diagnose())
     assert found["kernel cache"].status == "broken"
     assert "ZeroDivisionError" in found["kernel cache"].value
@@ -122,19 +123,19 @@ def test_a_check_that_raises_is_a_finding_and_not_a_crash(monkeypatch):
 def test_the_kernel_cache_is_where_dr_jit_puts_it(monkeypatch, tmp_path):
     monkeypatch.delenv("DRJIT_CACHE_DIR", raising=False)
     monkeypatch.setenv("HOME", str(tmp_path))
-    assert doctor._kernel_cache().value.startswith(str(tmp_path / ".drjit"))
+    assert findings.kernel_cache().value.startswith(str(tmp_path / ".drjit"))
     folder = tmp_path / "kernels"
     folder.mkdir()
     (folder / "one.bin").write_bytes(bytes(1024))
     monkeypatch.setenv("DRJIT_CACHE_DIR", str(folder))
-    assert doctor._kernel_cache().value == f"{folder}, 1 files, 0.0 MiB"
+    assert findings.kernel_cache().value == f"{folder}, 1 files, 0.0 MiB"
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no HOME on Windows")
 def test_without_a_home_there_is_no_kernel_cache(monkeypatch):
     monkeypatch.delenv("DRJIT_CACHE_DIR", raising=False)
     monkeypatch.delenv("HOME")
-    finding = doctor._kernel_cache()
+    finding = findings.kernel_cache()
     assert finding.status == "absent"
     assert "DRJIT_CACHE_DIR" in finding.advice
 

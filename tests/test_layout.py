@@ -32,7 +32,7 @@ FLOORS = (
     {"model"},
     {"models", "materials", "description", "lights", "reference", "plot", "measured"},
     {"export", "fit"},
-    {"mitsuba"},
+    {"mitsuba", "doctor"},
     {"render", "check"},
     {"bake", "compare", "view", "foreign"},
     {"bench", "cluster"},
