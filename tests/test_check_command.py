@@ -17,8 +17,8 @@ from PIL import Image
 from support.tolerances import SINGLE, SINGLE_LONG, decimals
 
 import gonio
+from gonio.check.named import subjects_of
 from gonio.cli import main
-from gonio.cli.check import subjects_of
 from gonio.materials import model_file
 from gonio.materials.model_file import ModelFileError
 

@@ -18,13 +18,13 @@ from hypothesis import strategies as st
 import gonio
 from gonio import lang
 from gonio.cli import main
-from gonio.cli.export import choose
 from gonio.export import ExportError, export
 from gonio.export import targets as target_tables
 from gonio.export.comments import WIDTH as COMMENT_WIDTH
 from gonio.export.comments import comment
 from gonio.export.files import texts
 from gonio.export.print_expressions import number
+from gonio.export.selection import choose
 from gonio.export.source import source
 from gonio.export.targets import TARGETS
 from gonio.export.vocabulary import RULES

@@ -52,7 +52,7 @@ def test_a_place_that_cannot_be_written_is_found_before_the_work(
         "gonio.fit.fit",
         "gonio.view.variants.pool",
         "gonio.bake.environment.load",
-        "gonio.cli.check.check_subjects",
+        "gonio.cli._check_plan.check_subjects",
     ):
         monkeypatch.setattr(name, too_late)
     suffix = {"view": ".html", "bake": ".exr", "fit": ".toml"}.get(command[0], ".png")

@@ -19,13 +19,13 @@ import gonio
 from gonio.arrays.elementwise import elementwise
 from gonio.bake.tables import fresnel_table
 from gonio.cli import main
-from gonio.cli.export import run_proof
 from gonio.export import export
 from gonio.export.coded import BITS, Request, Tables
 from gonio.export.evaluate import UNKNOWN, Machine
 from gonio.export.files import manifests
 from gonio.export.manifest import manifest
 from gonio.export.prove import prove
+from gonio.export.prove.models import prove_models
 from gonio.export.prove.tabled import tabled
 from gonio.export.read import Reader
 from gonio.export.targets import SHADER_LIBRARY
@@ -147,7 +147,7 @@ def test_a_dielectric_has_rows_for_what_it_reflects_and_lets_in() -> None:
 
 def test_texts_read_the_tables_as_NumPy_does_and_samplers_keep_the_functions() -> None:
     """As arrays, from a buffer, and as a whole material function."""
-    proven = run_proof(
+    proven = prove_models(
         {"coat": coat()}, ["cpp", "glsl"], 300, ("eval", "pdf"), lit=["coat"], tables=Request(BOTH)
     )
     assert not proven.failed, "\n".join(proven.lines)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from gonio.cli.program import complete, json_option, param_option, say
+from gonio.cli.program import check_params, complete, json_option, param_option, say
 from gonio.cost.gpus import GPUS, USUAL
 from gonio.cost.program import LANGUAGES
 
@@ -97,51 +97,50 @@ def command(
       gonio cost --all --against phong --by-hand --texts -o docs/cost.md
     """
     from gonio.bench.report import Report
-    from gonio.cli.export import choose
     from gonio.cost import compilers
     from gonio.cost.by_hand import by_hand
     from gonio.cost.gpus import CostError, chosen
     from gonio.cost.table import FUNCTIONS, cost
     from gonio.cost.texts import tables
-    from gonio.export.text import FUNCTIONS as ALL
+    from gonio.export.selection import choose, named
     from gonio.files import check_place
     from gonio.foreign import is_foreign
     from gonio.materials import load_model
 
     wanted = chosen(gpus)
     functions = list(FUNCTIONS) if only is None else [part.strip() for part in only.split(",")]
-    for name in functions:
-        if name not in ALL:
-            raise CostError(f"--only {name!r}: there are {', '.join(ALL)}.")
     files = [text for text in texts if is_foreign(text)]
-    named = [text for text in texts if not is_foreign(text)]
+    models = [text for text in texts if not is_foreign(text)]
+    _check_functions(functions, files, timed)
     of_models = {"--param": params, "--to": language, "--time": timed}
     if (of_texts or beside) and not files:  # whole shaders, compared with each other
         of_models |= {"--only": only, "--against": against}
     given = [name for name, value in of_models.items() if value]
-    if given and not named and not everything and (params or not (files and against)):
+    if given and not models and not everything and (params or not (files and against)):
         raise CostError(f"{given[0]} is for models; name one, or drop it.")
-    if language is not None and all(gpu.vendor != "amd" for gpu in wanted):
-        raise CostError("--to is for AMD's GPUs, and none is named; NVIDIA's compiler gets CUDA.")
     if mapping and not files:
         raise CostError("--map says what arguments of FILE#FUNCTION are; none is given.")
-    if files and "eval" not in functions:
-        raise CostError(f"{files[0]} is compared with eval, which --only leaves out.")
-    if files and all(gpu.vendor != "amd" for gpu in wanted):
-        raise CostError(f"{files[0]} is GLSL, which only AMD's compiler takes; add --gpu navi21.")
-    if timed and "eval" not in functions:
-        raise CostError("--time runs eval, which --only leaves out.")
-    if output is not None and Path(output).suffix not in (".md", ".json"):
-        raise CostError(f"-o {output}: the file's name ends in .md or .json.")
+    if all(gpu.vendor != "amd" for gpu in wanted):
+        if language is not None:
+            raise CostError(
+                "--to is for AMD's GPUs, and none is named; NVIDIA's compiler gets CUDA."
+            )
+        if files:
+            raise CostError(
+                f"{files[0]} is GLSL, which only AMD's compiler takes; add --gpu navi21."
+            )
     if output is not None:
+        if Path(output).suffix not in (".md", ".json"):
+            raise CostError(f"-o {output}: the file's name ends in .md or .json.")
         check_place(output)
     sections = []
-    if named or everything or files or not (of_texts or beside):
-        models = choose(named, params, everything).models if named or everything else {}
-        if not models and not files:
+    if models or everything or files or not (of_texts or beside):
+        check_params([named(text)[1] for text in models], params)
+        chosen_models = choose(models, params, everything).models if models or everything else {}
+        if not chosen_models and not files:
             raise CostError("nothing to measure; name a model, such as eon, or give --all.")
         found = cost(
-            models,
+            chosen_models,
             files,
             functions=functions,
             language=language or LANGUAGES[0],
@@ -162,3 +161,18 @@ def command(
     if output is not None:
         report.write(Path(output))
     click.echo(report.json() if as_json else report.text(), nl=False)
+
+
+def _check_functions(functions: list[str], files: list[str], timed: bool) -> None:
+    """Raise a CostError for a function that there is not, or that what is asked for needs."""
+    from gonio.cost.gpus import CostError
+    from gonio.export import FUNCTIONS
+
+    for name in functions:
+        if name not in FUNCTIONS:
+            raise CostError(f"--only {name!r}: there are {', '.join(FUNCTIONS)}.")
+    if "eval" not in functions:
+        if files:
+            raise CostError(f"{files[0]} is compared with eval, which --only leaves out.")
+        if timed:
+            raise CostError("--time runs eval, which --only leaves out.")

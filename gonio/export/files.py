@@ -35,6 +35,15 @@ class Texts:
         pictures = {name: t for its in self.tables.values() for name, t in its.files().items()}
         return {name: png_of_codes(table.codes) for name, table in pictures.items()}
 
+    def notes(self) -> list[str]:
+        """What the tables cost, and of what there are none."""
+        found = []
+        for its in self.tables.values():
+            found += [line for table in its.all for line in table.said()]
+            if its.left:
+                found.append(f"no table for {', '.join(its.left)}, whose index varies.")
+        return found
+
 
 def texts(
     models: Mapping[str, Model], to: Sequence[str], *, together: bool = True
