@@ -17,6 +17,7 @@ from gonio import compare as compare
 from gonio import conversions as conversions
 from gonio import cost as cost
 from gonio import description as description
+from gonio import doctor as doctor
 from gonio import export as export
 from gonio import fields as fields
 from gonio import files as files
