@@ -17,7 +17,7 @@ from support.tolerances import DOUBLE, DOUBLE_DIVIDED, DOUBLE_SHORT, SINGLE, dec
 
 import gonio
 from gonio import check
-from gonio.check import continuity, energy, fuzz, hemisphere, sampling, statistics
+from gonio.check import continuity, energy, hemisphere, sampling, statistics
 from gonio.check.continuity import find, find_in_parameters
 from gonio.check.kernels import evaluate
 from gonio.check.report import EFFORTS, FAIL, KNOWN, Finding, Report, judge, junit, table
@@ -637,29 +637,3 @@ def test_a_mistake_gets_its_line_and_what_to_write(
     assert message.startswith(f"{path}, line {line}: ")
     assert advice in message
     assert "\n" not in message
-
-
-# --- the long search -----------------------------------------------------------------------------
-
-
-def test_a_search_goes_on_where_it_stopped_and_finds_what_is_broken(tmp_path: Path) -> None:
-    """Stopped after half of the cases, it ends with the state of one that was not."""
-    subject = ModelSubject(model_file.load(BROKEN / "overflow_near_normal.py")())
-    half, count = tmp_path / "half.json", 3 * fuzz.BATCH
-    fuzz.run([subject], 2 * fuzz.BATCH, half)
-    (resumed,) = fuzz.run([subject], count, half)
-    (whole,) = fuzz.run([subject], count)
-    assert (resumed.cases, resumed.counts) == (whole.cases, whole.counts)
-    assert resumed.cases == count
-    assert resumed.counts["not finite"] > 0
-    assert "--double" not in resumed.replays["not finite"][0]
-    (report,) = fuzz.reports([resumed])
-    assert report.failed
-    assert f"| overflow_near_normal | – | {count:.2g} |" in fuzz.table([resumed])
-
-
-def test_a_search_leaves_other_files_alone(tmp_path: Path) -> None:
-    other = tmp_path / "other.json"
-    other.write_text("{}")
-    with pytest.raises(ValueError, match="is no state"):
-        fuzz.load(other)

@@ -4,13 +4,24 @@ from __future__ import annotations
 
 import functools
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
+import drjit as dr
 import numpy as np
 from numpy.typing import NDArray
 
 from gonio.check.search import specialised
-from gonio.check.subject import Array, Subject, directions
+from gonio.check.subject import (
+    Array,
+    Subject,
+    columns_of,
+    compute,
+    directions,
+    number_type,
+    stored,
+)
 from gonio.lang import MU_MIN
 
 # Cosines at which published listings divide by zero, cancel or leave their range: both sides of where the
@@ -118,31 +129,38 @@ def hard_cases(subject: Subject, points: Array, lowest: float = MU_MIN) -> Cases
     Cosines between 0 and `lowest` are lifted to that.
     """
     count = len(subject.parameters)
-    t = points[:, count:]
-    wo = directions(_cosine(t[:, 0]), 2 * np.pi * _angle(t[:, 2]))
-    free = directions(_cosine(t[:, 1]), 2 * np.pi * (_angle(t[:, 2]) + _angle(t[:, 3])))
-    mirror = wo * np.array([-1.0, -1.0, 1.0])
+    Float = number_type()
+    wi, wo, u = placed([stored(Float, t) for t in points[:, count:].T], lowest)
+    dr.eval(wi, wo, u)
+    return Cases(points[:, :count], columns_of(wi), columns_of(wo), columns_of(u))
+
+
+def placed(t: Sequence[Any], lowest: float = MU_MIN) -> tuple[Any, Any, Any]:
+    """The same as Dr.Jit vectors (wi, wo, u) of numbers that float32 can hold, from EXTRA coordinates."""
+    turn = 2 * np.pi * _angle(t[2])
+    wo = _direction(_cosine(t[0]), turn)
+    free = _direction(_cosine(t[1]), turn + 2 * np.pi * _angle(t[3]))
+    Vector = type(wo)
     # wi anywhere, as high as wo, near the mirror direction, or near wo
-    kind = np.minimum((4 * t[:, 4]).astype(int), 3)
-    level = free.copy()
-    flat = np.hypot(free[:, 0], free[:, 1])[:, None]
-    sine = np.hypot(wo[:, 0], wo[:, 1])[:, None]
-    level[:, :2] *= sine / np.maximum(flat, 1e-300)
-    level[:, 2] = wo[:, 2]
-    level = np.where(flat > 0, level, wo)
-    offset = 10.0 ** (NEAREST * t[:, 1, None]) * free
-    near = np.where((kind == 2)[:, None], mirror, wo) + offset
-    # Half of those are the mirror direction itself, whatever the offset
-    near = np.where((t[:, 1] > 0.95)[:, None], near - offset, near)
-    wi = np.where((kind == 0)[:, None], free, np.where((kind == 1)[:, None], level, near))
-    wi /= np.linalg.norm(wi, axis=1, keepdims=True)
-    u = _number(t[:, 5:7])
-    return Cases(
-        points[:, :count],
-        _single(wi, lowest),
-        _single(wo, lowest),
-        u.astype(np.float32).astype(float),
-    )
+    kind = 4 * t[4]
+    flat = dr.sqrt(dr.square(free.x) + dr.square(free.y))
+    sine = dr.sqrt(dr.square(wo.x) + dr.square(wo.y))
+    scale = sine / dr.maximum(flat, 1e-300)
+    level = dr.select(flat > 0, Vector(free.x * scale, free.y * scale, wo.z), wo)
+    near = dr.select(kind < 3, Vector(-wo.x, -wo.y, wo.z), wo)
+    # Some of those are the mirror direction itself, or wo
+    offset = dr.select(t[1] > 0.95, 0, dr.power(10.0, NEAREST * t[1]))
+    wi = dr.select(kind < 1, free, dr.select(kind < 2, level, near + offset * free))
+    u = dr.replace_shape_t(type(t[0]), (2, -1))(_number(t[5]), _number(t[6]))
+    return _single(dr.normalize(wi), lowest), _single(wo, lowest), rounded(u)
+
+
+def rounded(value: Any) -> Any:
+    """The nearest numbers that float32 can hold, in double precision."""
+    Float = compute().Float
+    shape = (dr.size_v(value), -1) if dr.depth_v(value) > 1 else ()
+    single = dr.replace_shape_t(Float, shape)(value) if shape else Float(value)
+    return type(value)(single)
 
 
 def random_points(subject: Subject, count: int, seed: int) -> Array:
@@ -153,33 +171,40 @@ def random_points(subject: Subject, count: int, seed: int) -> Array:
     )
 
 
-def _cosine(t: Array) -> Array:
+def _direction(cosine: Any, azimuth: Any) -> Any:
+    sin, cos = dr.sincos(azimuth)
+    sine = dr.sqrt((1 - cosine) * (1 + cosine))
+    return dr.replace_shape_t(type(cosine), (3, -1))(sine * cos, sine * sin, cosine)
+
+
+def _cosine(t: Any) -> Any:
     """A third each: grazing by powers of ten, even, and near the normal by powers of ten."""
-    grazing = 10.0 ** (LOWEST + (0 - LOWEST) * 3 * np.minimum(t, 1 / 3))
-    normal = 1 - 0.5 * 10.0 ** (2 * NEAREST * np.maximum(3 * t - 2, 0))
-    found = np.where(t < 1 / 3, grazing, np.where(t < 2 / 3, 3 * t - 1, normal))
-    return np.where(t == 1, 1.0, np.clip(found, 0, 1))
+    grazing = dr.power(10.0, LOWEST * (1 - 3 * dr.minimum(t, 1 / 3)))
+    normal = 1 - 0.5 * dr.power(10.0, 2 * NEAREST * dr.maximum(3 * t - 2, 0))
+    found = dr.select(t < 1 / 3, grazing, dr.select(t < 2 / 3, 3 * t - 1, normal))
+    return dr.select(t == 1, 1, dr.clip(found, 0, 1))
 
 
-def _angle(t: Array) -> Array:
+def _angle(t: Any) -> Any:
     """A part of a full turn: half of them even, the others near multiples of a quarter."""
-    quarter = np.floor(8 * (t % 0.5)) / 4
-    within = 8 * (t % 0.5) - np.floor(8 * (t % 0.5))
-    near = quarter + np.where(within < 0.1, 0, 0.1 * 10.0 ** (-8 * within))
-    return np.where(t < 0.5, 2 * t, near)
+    eighths = 8 * dr.select(t < 0.5, t, t - 0.5)
+    quarter = dr.floor(eighths)
+    within = eighths - quarter
+    near = 0.25 * quarter + dr.select(within < 0.1, 0, 0.1 * dr.power(10.0, -8 * within))
+    return dr.select(t < 0.5, 2 * t, near)
 
 
-def _number(t: Array) -> Array:
+def _number(t: Any) -> Any:
     """A random number: half of them even, the others near 0 and 1 by powers of two."""
-    low = 2.0 ** (-24 * np.minimum(4 * t, 1))
-    high = 1 - 2.0 ** (-24 * np.clip(4 * t - 3, 0, 1))
-    found = np.where(t < 0.25, low, np.where(t > 0.75, high, 2 * t - 0.5))
-    return np.minimum(np.where(t == 0, 0.0, found), 1 - 2.0**-24)
+    low = dr.exp2(-24 * dr.minimum(4 * t, 1))
+    high = 1 - dr.exp2(-24 * dr.clip(4 * t - 3, 0, 1))
+    found = dr.select(t < 0.25, low, dr.select(t > 0.75, high, 2 * t - 0.5))
+    return dr.minimum(dr.select(t == 0, 0, found), 1 - 2.0**-24)
 
 
-def _single(w: Array, lowest: float) -> Array:
+def _single(w: Any, lowest: float) -> Any:
     """Directions that float32 can hold; cosines between 0 and where the horizon begins are lifted."""
-    low = (w[:, 2] > 0) & (w[:, 2] <= lowest)
-    w = w.astype(np.float32).astype(np.float64)
-    w[low, 2] = float(np.float32(1.01 * lowest))
+    low = (w.z > 0) & (w.z <= lowest)
+    w = rounded(w)
+    w.z = dr.select(low, float(np.float32(1.01 * lowest)), w.z)
     return w

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,9 +28,11 @@ from gonio.check.report import FAIL, PASS, Effort, Finding, Report, judge
 from gonio.check.search import maximise
 from gonio.check.subject import (
     Array,
+    FreeNumber,
     Subject,
     columns_of,
     gathered,
+    number_of,
     number_type,
     stored,
     vectors,
@@ -52,6 +55,9 @@ D_END = 2.0**-126 / (np.pi * ALPHA_MIN * ALPHA_MIN)
 
 # What float32 is allowed to be off by, where a model documents nothing else.
 FLOAT32 = 1e-5
+
+# Sampled directions may be so much longer or shorter than one.
+LENGTH = 1e-5
 
 # Of errors below this searches do not ask what is excused, which takes most of their time; of so many of
 # the worst it is asked at the end.
@@ -173,7 +179,7 @@ def not_finite(subject: Subject, cases: Cases, single_precision: bool) -> tuple[
         results["sample"] = (
             (
                 np.isfinite(w).all(axis=1)
-                & (np.abs(length - 1) < 1e-5)
+                & (np.abs(length - 1) < LENGTH)
                 & np.isfinite(density)
                 & (density >= 0)
             ),
@@ -333,77 +339,141 @@ def float32_error(
     with np.errstate(invalid="ignore", over="ignore"):
         low = _values(subject, cases, single_precision=True)
         high = _values(subject, cases, single_precision=False)
-        error = np.abs(low - high)
-        # A float32 ends at 1e-38
-        scale = np.where(np.abs(high) > 0, np.maximum(np.abs(high), FAR_TAIL), 1)
-        if subject.size("negative") is not None:
-            scale[:, :3] = np.maximum(scale[:, :3], ZERO_CROSSING)
-        if subject.size("unreached") is not None:
-            scale[:, DENSITY] = np.maximum(scale[:, DENSITY], RIM)
-        higher = np.maximum(np.maximum(cases.wi[:, 2], cases.wo[:, 2]), MU_MIN)
-        error[:, :3] = np.maximum(error[:, :3] - 0.25 * D_END / higher[:, None], 0)
-        error = np.where(np.isfinite(error), error, 0)
-        if subject.size("float32_density") is not None:
-            density = np.arange(error.shape[1]) == DENSITY
-            error[:, density == (promise == "float32")] = 0
-        rows = np.flatnonzero((error > told * scale).any(axis=1))
-        if len(rows):
-            few = Cases(cases.parameters[rows], cases.wi[rows], cases.wo[rows], cases.u[rows])
-            effect = _rounding_effect(subject, few, high[rows])
-            error[rows] = np.maximum(error[rows] - ROUNDINGS * effect, 0)
+        higher = stored(number_type(), np.maximum(cases.wi[:, 2], cases.wo[:, 2]))
+        found = departures(subject, _columns(low), _columns(high), higher, promise)
+        dr.eval(found)
+        raw, scale = (columns_of(parts) for parts in zip(*found, strict=True))
+        error = raw.copy()
+        # Most of what roundings explain is explained by a lower bound of their effect as well
+        for effect_of in (_rounding_effect_at_least, _rounding_effect):
+            rows = np.flatnonzero((error > told * scale).any(axis=1))
+            if len(rows):
+                few = Cases(cases.parameters[rows], cases.wi[rows], cases.wo[rows], cases.u[rows])
+                left = np.maximum(raw[rows] - ROUNDINGS * effect_of(subject, few, high[rows]), 0)
+                error[rows] = left
         relative = error / scale
     return np.where(np.isfinite(relative), relative, 0)
 
 
+def departures(
+    subject: Subject,
+    low: Sequence[Any],
+    high: Sequence[Any],
+    higher: Any,
+    promise: str = "float32",
+) -> list[tuple[Any, Any]]:
+    """How far float32 is off float64 in each column, and what that is compared with: Dr.Jit arrays.
+
+    Args:
+        subject: whose columns (`NAMES`) they are.
+        low: what float32 gives, in double precision.
+        high: what float64 gives.
+        higher: the higher one of the two directions' cosines.
+        promise: "float32", or "float32_density" for the density where a model documents that.
+    """
+    crossing = subject.size("negative") is not None
+    clipped = subject.size("unreached") is not None
+    apart = subject.size("float32_density") is not None
+    found = []
+    for column, (one, exact) in enumerate(zip(low, high, strict=True)):
+        error, size = dr.abs(one - exact), dr.abs(exact)
+        least = FAR_TAIL  # a float32 ends at 1e-38
+        if NAMES[column] == "eval":
+            least = ZERO_CROSSING if crossing else least
+            error = dr.maximum(error - 0.25 * D_END / dr.maximum(higher, MU_MIN), 0)
+        elif column == DENSITY and clipped:
+            least = RIM
+        scale = dr.select(size > 0, dr.maximum(size, least), 1)
+        error = dr.select(dr.isfinite(error), error, 0)
+        if apart and (column == DENSITY) == (promise == "float32"):
+            error = dr.zeros(type(error), dr.width(error))
+        found.append((error, scale))
+    return found
+
+
+def _columns(values: NDArray[np.float64]) -> list[Any]:
+    return [stored(number_type(), column) for column in values.T]
+
+
 def _values(
-    subject: Subject, cases: Cases, *, single_precision: bool, disturbed: bool = False
+    subject: Subject,
+    cases: Cases,
+    *,
+    single_precision: bool,
+    disturb: Callable[[Subject, dict[str, Array]], dict[str, Array]] | None = None,
 ) -> NDArray[np.float64]:
     """BRDF, density and closed-form albedo, one column each; for parameters that float32 can hold.
 
-    With `disturbed` one block of rows after the other: with each number of the parameters in turn changed
-    by half a float32 epsilon, inside its range.
+    `disturb` gives other values of the parameters, or several blocks of them for the same directions.
     """
     Float = number_type(single_precision)
     values = subject.values(cases.parameters, rounded=True)
     wi, wo = cases.wi, cases.wo
-    if disturbed:
-        values, wi, wo = _disturbed(subject, values, wi, wo)
+    if disturb is not None and values:
+        values = disturb(subject, values)
+        blocks = len(next(iter(values.values()))) // len(wi)
+        wi, wo = np.tile(wi, (blocks, 1)), np.tile(wo, (blocks, 1))
     n = len(wi)
     if n == 1:  # one row alone would be compiled for itself
         values = {path: np.repeat(v, 2, axis=0) for path, v in values.items()}
         wi, wo = np.repeat(wi, 2, axis=0), np.repeat(wo, 2, axis=0)
     rows = stored(dr.uint32_array_t(Float), np.arange(len(wi), dtype=np.uint32))
     model = subject.bound(gathered(values, rows, Float), Float)
-    viewer = vectors(Float, wo)
-    f, pdf = kernels.reflect(model, vectors(Float, wi), viewer)
-    columns = [columns_of(f).astype(np.float64), pdf.numpy().astype(np.float64)[:, None]]
+    pair = vectors(Float, wi), vectors(Float, wo)
+    dr.make_opaque(pair)
+    found = columns(subject, model, *pair)
+    dr.eval(found)
+    return columns_of(found)[:n].astype(np.float64)
+
+
+def columns(subject: Subject, model: Any, wi: Any, wo: Any) -> list[Any]:
+    """BRDF, density and closed-form albedo of a bound model, one column each (`NAMES`): Dr.Jit arrays."""
+    Float = type(wi.x)
+    f, pdf = model.eval(wi, wo), Float(model.pdf(wi, wo))
+    found = [*dr.replace_shape_t(Float, (3, -1))(f), pdf]
     if subject.albedos == "closed form":
-        columns.append(kernels.reflected(model, viewer))
-    return np.concatenate(columns, axis=1)[:n]
+        found += [*dr.replace_shape_t(Float, (3, -1))(model.albedo(wo))]
+    zero = dr.zeros(Float, max(dr.width(wi), dr.width(wo)))
+    return [value + zero for value in found]
 
 
-def _disturbed(
-    subject: Subject, values: dict[str, Array], wi: Array, wo: Array
-) -> tuple[dict[str, Array], Array, Array]:
-    """Blocks of the same values and directions, each with one of the numbers a bit off."""
-    n, numbers = len(wi), len(subject.parameters)
+def _beside(free: FreeNumber, value: Array, up: Any) -> Array:
+    """A number that is half a float32 epsilon larger or smaller, inside its range."""
+    higher, lower = value * (1 + 2.0**-24), value * (1 - 2.0**-24)
+    low, high = free.declared.lowest, free.declared.highest
+    possible = np.where(up, (higher >= low) & (higher <= high), (lower < low) | (lower > high))
+    return np.where(possible, higher, lower)
+
+
+def _one_by_one(subject: Subject, values: dict[str, Array]) -> dict[str, Array]:
+    """Blocks of the same values, each with one of the numbers a bit off."""
+    numbers, n = len(subject.parameters), len(next(iter(values.values())))
     found = {
         path: np.tile(v, (numbers, 1) if v.ndim == 2 else numbers) for path, v in values.items()
     }
     for number, free in enumerate(subject.parameters):
-        block = slice(number * n, (number + 1) * n)
-        where = (block, free.channel) if values[free.path].ndim == 2 else block
-        one = found[free.path][where]
-        up = one * (1 + 2.0**-24)
-        inside = (up >= free.declared.lowest) & (up <= free.declared.highest)
-        found[free.path][where] = np.where(inside, up, one * (1 - 2.0**-24))
-    return found, np.tile(wi, (numbers, 1)), np.tile(wo, (numbers, 1))
+        part = number_of(found, free)[number * n : (number + 1) * n]
+        part[:] = _beside(free, part, True)
+    return found
+
+
+def _together(subject: Subject, values: dict[str, Array]) -> dict[str, Array]:
+    """Two blocks of the same values: with all numbers a bit larger, and with every second one smaller."""
+    found = {path: np.concatenate([v, v]) for path, v in values.items()}
+    up = np.arange(2 * len(next(iter(values.values())))) < len(next(iter(values.values())))
+    for number, free in enumerate(subject.parameters):
+        part = number_of(found, free)
+        part[:] = _beside(free, part, up | (number % 2 == 0))
+    return found
 
 
 def _rounding_effect(subject: Subject, cases: Cases, value: Array) -> Array:
     """Change of the values in float64 by half a float32 epsilon in each parameter."""
-    if not subject.parameters:
-        return np.zeros_like(value)
-    changed = _values(subject, cases, single_precision=False, disturbed=True)
-    blocks = changed.reshape(len(subject.parameters), *value.shape)
-    return np.asarray(np.abs(blocks - value).sum(axis=0))
+    changed = _values(subject, cases, single_precision=False, disturb=_one_by_one)
+    return np.asarray(np.abs(changed.reshape(-1, *value.shape) - value).sum(axis=0))
+
+
+def _rounding_effect_at_least(subject: Subject, cases: Cases, value: Array) -> Array:
+    """The same by two evaluations: what all parameters change together is not more."""
+    changed = _values(subject, cases, single_precision=False, disturb=_together)
+    return np.asarray(np.abs(changed.reshape(-1, *value.shape) - value).max(axis=0))

@@ -19,17 +19,22 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from gonio.check.adversarial import Cases, hard_cases, random_points
-from gonio.check.finite import FLOAT32, NAMES, float32_error, not_finite
+from gonio.check.adversarial import EXTRA, Cases, hard_parameters
+from gonio.check.finite import FLOAT32, MEANS, NAMES, float32_error, not_finite
 from gonio.check.gradient import METHODS, gradients
 from gonio.check.kernels import evaluate
 from gonio.check.report import FAIL, PASS, Finding, Report
+from gonio.check.screen import LANES, MOVED, STEPS, Rows, cases, places, screen
 from gonio.check.subject import Array, Subject
 from gonio.files import replacing
 
 # Cases of a batch, and how many of the worst ones are kept to look near them.
-BATCH, ELITE = 1 << 15, 32
+BATCH, ELITE = 1 << 17, 32
+
+# Suspects are judged so many at a time.
+JUDGED = 1 << 15
 
 # A state is written so often, in seconds.
 SAVED = 10.0
@@ -136,74 +141,105 @@ def advance(
 def batch(subject: Subject, state: State, count: int) -> None:
     """Try one batch of cases, and add what it has found to the state."""
     start = time.perf_counter()
-    seed = 1_000_003 + 7 * state.batches
-    points = random_points(subject, count, seed)
-    rng = np.random.default_rng(seed)
-    if state.elite:
-        elite = np.array(state.elite)
-        rows = rng.integers(0, len(elite), count // 4)
-        steps = 10.0 ** rng.uniform(-8, -1, (len(rows), 1)) * rng.normal(
-            size=(len(rows), elite.shape[1])
-        )
-        moved = rng.random(steps.shape) < 0.4
-        points[: len(rows)] = np.clip(elite[rows] + np.where(moved, steps, 0), 0, 1)
-    cases = hard_cases(subject, points)
-    wrong, number = not_finite(subject, cases, True)
-    _count(state, "not finite", number)
-    for found in wrong:
-        u = found.u if found.what == "sample" else None
-        replay = subject.replay(found.parameters, found.wi, found.wo, double=False, u=u)
-        _show(state, "not finite", f"{found.what} = {found.value}: {replay}")
-    _negative(subject, state, cases)
-    badness = _derivatives(subject, state, cases)
-    error = float32_error(subject, cases, told=0.5 * FLOAT32)
-    worst = int(error.max(axis=1).argmax())
-    if not error[worst].max() <= state.error:
-        state.error = float(error[worst].max())
-        what = NAMES[int(error[worst].argmax())]
-        case = (cases.parameters[worst], cases.wi[worst], cases.wo[worst])
-        state.error_replay = f"{what}: {subject.replay(*case, double=False)}"
-    badness = np.maximum(badness, np.log10(np.maximum(error.max(axis=1), 1e-12)) + 12)
-    _keep(state, points, badness)
+    rows = _rows(subject, state, -(-count // LANES))
+    found = screen(subject, rows, count)
+    error = found.error
+    told = 0.5 * state.claimed
+    for some in _portions(found.wrong):
+        suspects = cases(subject, rows, some)
+        _values(subject, state, suspects)
+        _negative(subject, state, suspects)
+    for some in _portions(~np.isfinite(found.steep)):
+        _derivatives(subject, state, cases(subject, rows, some))
+    for some in _portions(~(error <= told)):
+        error[some] = float32_error(subject, cases(subject, rows, some), told).max(axis=1)
+    if subject.albedos == "composed" or subject.mean_closed:
+        # Integrals and sums, of a few
+        few = np.linspace(0, count - 1, min(MEANS, count)).astype(np.intp)
+        _values(subject, state, cases(subject, rows, few))
+    worst = int(error.argmax())
+    if not error[worst] <= state.error:
+        state.error = float(error[worst])
+        one = cases(subject, rows, np.array([worst, worst]))
+        columns = float32_error(subject, one, told)[0]
+        case = (one.parameters[0], one.wi[0], one.wo[0])
+        replay = subject.replay(*case, double=False)
+        state.error_replay = f"{NAMES[int(columns.argmax())]}: {replay}"
+    steep = np.where(np.isfinite(found.steep), found.steep, 0)
+    badness = np.maximum(
+        0.2 * np.log10(np.maximum(steep, 1)), np.log10(np.maximum(error, 1e-12)) + 12
+    )
+    _keep(state, rows, badness)
     state.cases += count
     state.batches += 1
     state.seconds += time.perf_counter() - start
 
 
-def _negative(subject: Subject, state: State, cases: Cases) -> None:
+def _rows(subject: Subject, state: State, count: int) -> Rows:
+    """Parameters of a batch; a quarter near those of the worst cases, and so are their directions."""
+    seed = 1_000_003 + 7 * state.batches
+    parameters = hard_parameters(subject, count, seed)
+    near = np.full((count, EXTRA), np.nan)
+    if state.elite:
+        rng = np.random.default_rng(seed)
+        elite = np.array(state.elite)
+        chosen = elite[rng.integers(0, len(elite), count // 4)]
+        old, near[: len(chosen)] = np.split(chosen, [parameters.shape[1]], axis=1)
+        steps = 10.0 ** rng.uniform(*STEPS, (len(chosen), 1)) * rng.normal(size=old.shape)
+        moved = rng.random(old.shape) < MOVED
+        parameters[: len(chosen)] = np.clip(old + np.where(moved, steps, 0), 0, 1)
+    return Rows(parameters, near, seed)
+
+
+def _portions(suspicious: NDArray[np.bool_]) -> list[NDArray[np.intp]]:
+    """Numbers of the suspicious cases, so many at a time as are judged together."""
+    numbers = np.flatnonzero(suspicious)
+    return [numbers[first : first + JUDGED] for first in range(0, len(numbers), JUDGED)]
+
+
+def _values(subject: Subject, state: State, suspects: Cases) -> None:
+    wrong, number = not_finite(subject, suspects, True)
+    _count(state, "not finite", number)
+    for found in wrong:
+        u = found.u if found.what == "sample" else None
+        replay = subject.replay(found.parameters, found.wi, found.wo, double=False, u=u)
+        _show(state, "not finite", f"{found.what} = {found.value}: {replay}")
+
+
+def _negative(subject: Subject, state: State, suspects: Cases) -> None:
     if subject.size("negative") is not None:
         return
-    index = np.arange(len(cases), dtype=np.uint32)
+    index = np.arange(len(suspects), dtype=np.uint32)
     f, _ = evaluate(
-        subject, cases.parameters, index, cases.wi, cases.wo, single_precision=True, rounded=True
+        subject,
+        suspects.parameters,
+        index,
+        suspects.wi,
+        suspects.wo,
+        single_precision=True,
+        rounded=True,
     )
     rows = np.flatnonzero((f < 0).any(axis=1))
     _count(state, "negative", len(rows))
     for row in rows[:1]:
-        case = (cases.parameters[row], cases.wi[row], cases.wo[row])
+        case = (suspects.parameters[row], suspects.wi[row], suspects.wo[row])
         _show(
             state, "negative", f"eval = {f[row].min():.6g}: {subject.replay(*case, double=False)}"
         )
 
 
-def _derivatives(subject: Subject, state: State, cases: Cases) -> Array:
-    """How steep each case is, as a power of ten of its largest derivative; failures are counted."""
-    steep = np.zeros(len(cases))
+def _derivatives(subject: Subject, state: State, suspects: Cases) -> None:
     if not subject.differentiable:
-        return steep
+        return
     for method in METHODS:
-        for name, gradient in gradients(subject, cases, method).items():
-            size = np.abs(gradient.astype(np.float64)).max(axis=0)
-            bad = np.flatnonzero(~np.isfinite(size))
+        for name, gradient in gradients(subject, suspects, method).items():
+            bad = np.flatnonzero(~np.isfinite(gradient).all(axis=0))
             _count(state, "derivatives", len(bad))
             for row in bad[:1]:
-                case = (cases.parameters[row], cases.wi[row], cases.wo[row])
-                u = cases.u[row] if method == "sample" else None
+                case = (suspects.parameters[row], suspects.wi[row], suspects.wo[row])
+                u = suspects.u[row] if method == "sample" else None
                 replay = subject.replay(*case, double=False, u=u)
                 _show(state, "derivatives", f"d {method} / d {name}: {replay}")
-            finite = np.where(np.isfinite(size), size, 0)
-            steep = np.maximum(steep, 0.2 * np.log10(np.maximum(finite, 1)))
-    return steep
 
 
 def _count(state: State, kind: str, number: int) -> None:
@@ -217,10 +253,16 @@ def _show(state: State, kind: str, text: str) -> None:
         shown.append(text)
 
 
-def _keep(state: State, points: Array, badness: Array) -> None:
-    order = np.argsort(-badness)[: ELITE // 4]
+def _keep(state: State, rows: Rows, badness: Array) -> None:
+    """The worst case of each row of parameters, if it is among the worst of all."""
+    count = len(badness)
+    padded = np.full(len(rows.parameters) * LANES, -np.inf)
+    padded[:count] = badness
+    best = padded.reshape(-1, LANES).argmax(axis=1) + LANES * np.arange(len(rows.parameters))
+    chosen = best[np.argsort(-padded[best])[: ELITE // 4]]
+    points = np.concatenate([rows.parameters[chosen // LANES], places(rows, chosen)], axis=1)
     everything = [*zip(state.values, state.elite, strict=True)]
-    everything += [(float(badness[k]), points[k].tolist()) for k in order]
+    everything += zip(padded[chosen].tolist(), points.tolist(), strict=True)
     everything.sort(key=lambda pair: -pair[0])
     state.values = [value for value, _ in everything[:ELITE]]
     state.elite = [point for _, point in everything[:ELITE]]

@@ -32,6 +32,7 @@ from gonio.check.subject import (
     columns_of,
     directions,
     gathered,
+    number_of,
     number_type,
     stored,
     vectors,
@@ -185,13 +186,13 @@ def _differences(subject: Subject) -> Finding:
 
     plain = subject.values(where)
     steps = [
-        STEP * np.maximum(np.abs(_number(plain, free)), 0.1 * _span(free))
+        STEP * np.maximum(np.abs(number_of(plain, free)), 0.1 * _span(free))
         for free in subject.parameters
     ]
     moved = _moved(subject, plain, steps, wi, wo)
     worst, worst_row, worst_name, told = 0.0, 0, "", 1.0
     for free, step, shifted in zip(subject.parameters, steps, moved, strict=True):
-        x, span = _number(plain, free), _span(free)
+        x, span = number_of(plain, free), _span(free)
         near, far = (
             (shifted[SHIFTS.index(k)] - shifted[SHIFTS.index(-k)]) / (2 * k * step)
             for k in (1.0, 2.0)
@@ -235,12 +236,6 @@ def _cosines(rng: np.random.Generator) -> Array:
 SHIFTS = (1.0, -1.0, 2.0, -2.0)
 
 
-def _number(values: dict[str, Array], free: FreeNumber) -> Array:
-    """One number of the parameters, (rows,): a view."""
-    value = values[free.path]
-    return value if value.ndim == 1 else value[:, free.channel]
-
-
 def _span(free: FreeNumber) -> float:
     return min(free.declared.high - free.declared.low, 1.0)
 
@@ -254,7 +249,7 @@ def _moved(
     values = {path: np.tile(v, (blocks, 1) if v.ndim == 2 else blocks) for path, v in plain.items()}
     for number, (free, step) in enumerate(zip(subject.parameters, steps, strict=True)):
         rows = slice(number * len(SHIFTS) * n, (number + 1) * len(SHIFTS) * n)
-        _number(values, free)[rows] += np.outer(SHIFTS, step).ravel()
+        number_of(values, free)[rows] += np.outer(SHIFTS, step).ravel()
     index = stored(dr.uint32_array_t(Float), np.arange(n * blocks, dtype=np.uint32))
     model = subject.bound(gathered(values, index, Float), Float)
     both = (vectors(Float, np.tile(w, (blocks, 1))) for w in (wi, wo))

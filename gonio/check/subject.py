@@ -419,6 +419,12 @@ def gathered(values: Mapping[str, Array], index: Any, Float: Any) -> dict[str, A
     return found
 
 
+def number_of(values: dict[str, Array], free: FreeNumber) -> Array:
+    """One number of the parameters' values by path, (rows,): a view."""
+    value = values[free.path]
+    return value if value.ndim == 1 else value[:, free.channel]
+
+
 def repeated(rows: int, each: int) -> NDArray[np.uint32]:
     """0 0 0 1 1 1 2 2 2 ...: the index of `rows` rows with `each` directions."""
     return np.repeat(np.arange(rows, dtype=np.uint32), each)
