@@ -446,9 +446,7 @@ class OnArrays(Model, written=False):
         """Directional albedo ∫ f μi dωi, shape (..., 3): closed form if known, else by quadrature."""
         model: OnArrays = self
         if not self.writes("albedo") and framework(wo) != "drjit":
-            if "numeric" not in self._bound or not self.numeric.rule:
-                self._bound["numeric"] = for_quadrature(self, wo)
-            model = self._bound["numeric"]
+            model = for_quadrature(self, wo, self._bound)
         return arrays.call(model, "albedo", (wo,))
 
     def mean_albedo(self) -> Any:

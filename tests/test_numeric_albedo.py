@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import replace
 from typing import Any
 
 import drjit as dr
@@ -13,8 +12,9 @@ from support.directions import polar
 from support.tolerances import NUMERIC_ALBEDO, SINGLE, SINGLE_LONG
 
 import gonio
-from gonio import backend
+from gonio import arrays, backend
 from gonio.albedos import quadrature
+from gonio.albedos.numeric import SMOOTHNESS, for_quadrature
 from gonio.albedos.quadrature import NumericAlbedo
 from gonio.arrays.kernel import opaque
 from gonio.fields import ModelError
@@ -153,6 +153,11 @@ def test_what_is_no_mirror_image_of_itself_is_not_halved() -> None:
     )
 
 
+def by_all_nodes(model: Model, wo: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+    """By both sides of the plane of wo, and by all slopes and azimuths."""
+    return np.asarray(arrays.call(model, "albedo", (wo,)))
+
+
 @pytest.mark.parametrize(
     ("name", "parameters"),
     [("torrance_sparrow", {}), ("disney", {"anisotropic": 0.5}), ("patina", {}), ("phong", {})],
@@ -160,8 +165,31 @@ def test_what_is_no_mirror_image_of_itself_is_not_halved() -> None:
 def test_half_the_azimuths_give_the_albedo_of_all(name: str, parameters: dict[str, Any]) -> None:
     model = gonio.model(name, **parameters)
     wo = np.stack([polar(t, p) for t, p in ((0, 0), (0.7, 1.0), (1.5, 4.0))])
-    full = model.with_numeric(replace(model.numeric, symmetric=False))
-    np.testing.assert_allclose(model.albedo(wo), full.albedo(wo), rtol=SINGLE)
+    np.testing.assert_allclose(model.albedo(wo), by_all_nodes(model, wo), rtol=SINGLE)
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters", "smooth"),
+    [
+        ("patina", {}, True),
+        ("torrance_sparrow", {"alpha": 1e-4}, True),
+        ("torrance_sparrow", {"masking": "cook_torrance"}, False),
+    ],
+)
+def test_many_albedos_take_fewer_nodes_where_the_lobe_has_no_kink(
+    name: str, parameters: dict[str, Any], smooth: bool
+) -> None:
+    model = gonio.model(name, **parameters)
+    # Down to the horizon, where few would be 1e-4 off
+    wo = polar(np.pi / 2 - np.geomspace(1e-6, np.pi / 2, 100), 0.7).astype(np.float32)
+    known: dict[Any, Any] = {}
+    numeric = for_quadrature(model, wo, known).numeric
+    assert numeric.smooth == smooth
+    few = quadrature.evaluations(numeric)
+    assert few == (64 * 12 if smooth else 112 * 16) * 2 * 2
+    np.testing.assert_allclose(model.albedo(wo), by_all_nodes(model, wo), atol=SMOOTHNESS)
+    # One direction alone is not worth the question
+    assert not for_quadrature(model, wo[0], {}).numeric.smooth
 
 
 @pytest.mark.parametrize("name", ["torrance_sparrow", "weidlich_wilkie", "oren_nayar"])
@@ -233,10 +261,11 @@ def test_drjit_arrays_pass_straight_through() -> None:
         NumericAlbedo("angles"),
         NumericAlbedo("half_vectors", symmetric=True),
         NumericAlbedo("half_vectors"),
+        NumericAlbedo("half_vectors", symmetric=True, smooth=True),
         NumericAlbedo("mirror"),
         NumericAlbedo("half_vectors", stretched=True, round_part=True, symmetric=True),
     ],
-    ids=["angles", "symmetric", "half_vectors", "mirror", "round_part"],
+    ids=["angles", "symmetric", "half_vectors", "smooth", "mirror", "round_part"],
 )
 def test_evaluations_are_as_many_as_a_rule_makes(numeric: NumericAlbedo) -> None:
     calls = []

@@ -17,7 +17,7 @@ from typing import Any, ClassVar, Protocol, Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from gonio.albedos.quadrature import RULES, NumericAlbedo, mean_nodes
+from gonio.albedos.quadrature import RULES, SMOOTH_FROM, NumericAlbedo, mean_nodes
 from gonio.fields import Parameter, framework, is_array
 from gonio.messages import notice
 
@@ -33,6 +33,12 @@ SAMPLES = 4096
 # cost some rules 1e-3, and more would be seen.
 SPREAD = 5.0
 AGREEMENT = 4e-3
+
+# Directions by which it is judged whether few half vectors do, by how much these may change the albedo, and
+# how many directions are worth the trial.
+SMOOTH_PROBES = 13
+SMOOTHNESS = 2e-6
+WORTH = 64
 
 # Pairs of directions by which mirror symmetry is judged, and by how much double precision may break it for
 # a lobe of width 1e-4.
@@ -108,15 +114,36 @@ def _batch(declared: Parameter, value: Any) -> tuple[int, ...]:
 M = TypeVar("M", bound=Asked)
 
 
-def for_quadrature(model: M, wo: Any) -> M:
+def for_quadrature(model: M, wo: Any, known: dict[Any, Any]) -> M:
     """The model with the rule that fits its lobes at some of the directions, which are (..., 3).
 
-    Gives a `Notice` where no rule agrees with the model's own sampler.
+    Gives a `Notice` where no rule agrees with the model's own sampler. known: what was found out for the
+    same model before; what holds for all directions is added.
     """
-    symmetric = not any(is_array(value) for _, _, value in model.parameters()) and _symmetric(model)
-    if model.numeric.rule:
-        return model.with_numeric(replace(model.numeric, symmetric=symmetric))
-    return _with_fitting_rule(model, wo, symmetric)
+    constant = not any(is_array(value) for _, _, value in model.parameters())
+    if not model.numeric.rule:
+        return _with_fitting_rule(model, wo, constant and _symmetric(model))
+    if "symmetric" not in known:
+        numeric = replace(model.numeric, symmetric=constant and _symmetric(model))
+        known["symmetric"] = model.with_numeric(numeric)
+    found: M = known["symmetric"]
+    if not constant or found.numeric.rule != "half_vectors" or math.prod(np.shape(wo)) < 3 * WORTH:
+        return found
+    if "smooth" not in known:
+        smooth = found.with_numeric(replace(found.numeric, smooth=True))
+        known["smooth"] = smooth if _same_albedos(found, smooth) else found
+    few: M = known["smooth"]
+    return few
+
+
+def _same_albedos(model: Asked, other: Asked) -> bool:
+    """Whether the albedos of two are the same, at directions of all elevations and azimuths."""
+    mu = np.linspace(SMOOTH_FROM, 1, SMOOTH_PROBES)
+    phi = 2 * np.pi * _random_numbers()[:SMOOTH_PROBES, 0]
+    s = np.sqrt(1 - mu * mu)
+    wo = np.stack([s * np.cos(phi), s * np.sin(phi), mu], -1).astype(np.float32)
+    one, two = (np.asarray(m.albedo(wo)) for m in (model, other))
+    return bool((np.abs(one - two) <= SMOOTHNESS).all())
 
 
 def _symmetric(model: Asked) -> bool:

@@ -50,6 +50,8 @@ class NumericAlbedo:
     """Whether some of a stretched model is round; its method `eval_round` gives that part."""
     symmetric: bool = False
     """Whether the plane of wo is a mirror for the values; `gonio.albedos.numeric` finds it out."""
+    smooth: bool = False
+    """Whether half the half vectors do, because values have no kink inside the lobe; as well."""
 
     def __post_init__(self) -> None:
         """Refuse what no rule can use."""
@@ -120,7 +122,7 @@ class Reflecting(Protocol):
         """A copy whose parameters are converted."""
 
 
-# Nodes on each smooth piece; tests/test_albedo.py holds the result against closed forms at 1e-5.
+# Nodes on each smooth piece; tests/test_models.py holds the result against closed forms at 1e-5.
 # Fewer leave more than float32 rounding.
 THETA_NODES = 16
 PHI_NODES = 8
@@ -131,6 +133,12 @@ CROWDING = 3
 # Torrance's G, and 1e-2 for the edge of total reflection.
 SLOPE_NODES = 112
 AZIMUTH_NODES = 16
+
+# What does without kinks: the error is below 1e-6 there, where wo is SMOOTH_FROM above the horizon. Below,
+# slopes range so far that it would be 1e-4.
+SMOOTH_SLOPE_NODES = 64
+SMOOTH_AZIMUTH_NODES = 12
+SMOOTH_FROM = 0.01
 
 # The same around the mirror direction. The scale of angles is a third of the sharpest Phong lobe's,
 # 1 / sqrt(1e5); the error is below 2e-6.
@@ -170,8 +178,17 @@ def _columns(Float: Any, *columns: Any) -> tuple[Any, ...]:
     return tuple(c.tolist() if Float is float else Float(c) for c in columns)
 
 
-def _sum(table: tuple[Any, ...], term: Callable[..., Color], zero: Color, label: str) -> Color:
-    """The sum of a term over the rows of a table: one loop in a kernel, instead of a copy for each row."""
+def _sum(
+    table: tuple[Any, ...],
+    term: Callable[..., Color],
+    zero: Color,
+    label: str,
+    rows: tuple[Any, Any] | None = None,
+) -> Color:
+    """The sum of a term over the rows of a table: one loop in a kernel, instead of a copy for each row.
+
+    rows: the first, and the one behind the last; all if none are given.
+    """
 
     def take(column: Any, index: Any) -> Any:
         return column[index] if isinstance(column, list) else dr.gather(type(column), column, index)
@@ -179,12 +196,13 @@ def _sum(table: tuple[Any, ...], term: Callable[..., Color], zero: Color, label:
     def step(index: Any, total: Any) -> tuple[Any, Any]:
         return index + 1, total + term(*(take(column, index) for column in table))
 
-    count = len(table[0])
-    start = 0 if isinstance(table[0], list) else dr.uint32_array_t(table[0])(0)
+    start, end = rows or (0, len(table[0]))
+    if not isinstance(table[0], list):
+        start = dr.uint32_array_t(table[0])(start)
     # Only the sum is carried along, so max_iterations=-1 lets derivatives run the loop again instead of
     # storing every step.
     _, total = dr.while_loop(
-        (start, zero), lambda i, _: i < count, step, max_iterations=-1, label=label
+        (start, zero), lambda i, _: i < end, step, max_iterations=-1, label=label
     )
     return total
 
@@ -218,12 +236,19 @@ def _by_angles(model: Reflecting, wo: Vec3) -> Color:
 
 
 @functools.cache
-def _half_vector_table(Float: Any, symmetric: bool) -> tuple[Any, ...]:
-    """Azimuth (cos, sin) of m, place in the range of slopes, and weight of every node.
+def _half_vector_table(Float: Any, symmetric: bool) -> tuple[tuple[Any, ...], int]:
+    """Azimuth (cos, sin) of m, place in the range of slopes, and weight of every node; where all begin.
 
-    symmetric: one side of the plane of wo stands for both.
+    The nodes that do for smooth values stand first. symmetric: one side of the plane of wo stands for both.
     """
-    x, w = np.polynomial.legendre.leggauss(AZIMUTH_NODES)
+    few = _half_vectors(SMOOTH_SLOPE_NODES, SMOOTH_AZIMUTH_NODES, symmetric)
+    every = _half_vectors(SLOPE_NODES, AZIMUTH_NODES, symmetric)
+    both = (np.concatenate(columns) for columns in zip(few, every, strict=True))
+    return _columns(Float, *both), len(few[0])
+
+
+def _half_vectors(slopes: int, azimuths: int, symmetric: bool) -> tuple[NDArray[np.float64], ...]:
+    x, w = np.polynomial.legendre.leggauss(azimuths)
     x = (x + 1) / 2
     # Crowding at a quarter turn from wo, where m begins to turn away from it
     bend, bend_weight = 0.5 * np.pi * x**CROWDING, 0.25 * np.pi * CROWDING * x ** (CROWDING - 1) * w
@@ -231,14 +256,32 @@ def _half_vector_table(Float: Any, symmetric: bool) -> tuple[Any, ...]:
     sides = (1,) if symmetric else (1, -1)
     c = np.concatenate([sign * toward for sign in (1, -1) for _ in sides])
     s = np.concatenate([side * across for _ in (1, -1) for side in sides])
-    x, w = np.polynomial.legendre.leggauss(SLOPE_NODES)
-    return _columns(
-        Float,
-        np.repeat(c, SLOPE_NODES),
-        np.repeat(s, SLOPE_NODES),
+    x, w = np.polynomial.legendre.leggauss(slopes)
+    return (
+        np.repeat(c, slopes),
+        np.repeat(s, slopes),
         np.tile((x + 1) / 2, len(c)),
         np.outer(np.tile(2 / len(sides) * bend_weight, 2 * len(sides)), w / 2).ravel(),
     )
+
+
+@functools.cache
+def _few_from(Float: Any, smooth: bool) -> Any:
+    """The cosine of wo from which few nodes do; known to no kernel, so that one serves both cases."""
+    cosine = SMOOTH_FROM if smooth else 2.0
+    return dr.opaque(Float, cosine) if dr.is_jit_v(Float) else cosine
+
+
+def _half_vector_rows(wo: Vec3, numeric: NumericAlbedo) -> tuple[tuple[Any, ...], tuple[Any, Any]]:
+    """The table of nodes, and which of its rows are for wo."""
+    Float: Any = type(wo.z)
+    table, few = _half_vector_table(Float, numeric.symmetric)
+    enough = wo.z >= _few_from(Float, numeric.smooth)
+    if isinstance(table[0], list):
+        return table, (0, few) if enough else (few, len(table[0]))
+    Index = dr.uint32_array_t(table[0])
+    first = dr.select(enough, Index(0), Index(few))
+    return table, (first, dr.select(enough, Index(few), Index(len(table[0]))))
 
 
 def _double(value: Any) -> Any:
@@ -251,21 +294,20 @@ def _by_half_vectors(model: Reflecting, wo: Vec3) -> Color:
     wo = vec3(wo.x, wo.y, dr.maximum(wo.z, HORIZON))
     model = model.bind(type(wo.z), lambda path, declared, value: _double(value))
     widths = model.slope_widths() if model.numeric.stretched else vec2(1, 1)
-    symmetric = model.numeric.symmetric
+    numeric = model.numeric
     if not model.numeric.round_part:
         # Azimuths are spread in the plane of slopes over the root of their widths: the lobe becomes
         # rounder, and what is round becomes elliptic by no more than that
-        return single(_over_half_vectors(model.eval, wo, sqrt(widths), symmetric))
+        return single(_over_half_vectors(model.eval, wo, sqrt(widths), numeric))
     total = _over_half_vectors(
-        lambda i, o: model.eval(i, o) - model.eval_round(i, o), wo, widths, symmetric
+        lambda i, o: model.eval(i, o) - model.eval_round(i, o), wo, widths, numeric
     )
-    return single(total + _over_half_vectors(model.eval_round, wo, vec2(1, 1), symmetric))
+    return single(total + _over_half_vectors(model.eval_round, wo, vec2(1, 1), numeric))
 
 
 def _over_half_vectors(
-    evaluate: Callable[[Vec3, Vec3], Color], wo: Vec3, width: Vec2, symmetric: bool
+    evaluate: Callable[[Vec3, Vec3], Color], wo: Vec3, width: Vec2, numeric: NumericAlbedo
 ) -> Color:
-    Float: Any = type(wo.z)
     stretched = vec3(width.x * wo.x, width.y * wo.y, wo.z)
     axis = azimuth(stretched)
     sine = sqrt(stretched.x * stretched.x + stretched.y * stretched.y + 1e-30)
@@ -287,7 +329,8 @@ def _over_half_vectors(
             total = total + evaluate(wi, wo) * (wi.z * dwi)
         return total
 
-    return _sum(_half_vector_table(Float, symmetric), term, 0 * evaluate(wo, wo), "albedo")
+    table, rows = _half_vector_rows(wo, numeric)
+    return _sum(table, term, 0 * evaluate(wo, wo), "albedo", rows)
 
 
 @functools.cache
@@ -398,14 +441,18 @@ ASKED = {"angles": 2, "half_vectors": 2, "mirror": 3}
 
 
 def evaluations(numeric: NumericAlbedo) -> int:
-    """How often a rule evaluates the model for one direction, beside once or twice for the types."""
+    """How often a rule evaluates the model for one direction, beside once or twice for the types.
+
+    Where values are smooth, for one that is SMOOTH_FROM above the horizon.
+    """
     rule = numeric.rule or "angles"
     if rule == "angles":
         nodes = len(_table(float)[0])
     elif rule == "mirror":
         nodes = len(_mirror_table(float)[0])
     else:
-        nodes = len(_half_vector_table(float, numeric.symmetric)[0])
+        _, (first, end) = _half_vector_rows(vec3(0.0, 0.0, 1.0), numeric)
+        nodes = end - first
     # The round part is taken off, and integrated alone
     return nodes * ASKED[rule] * (3 if numeric.round_part else 1)
 

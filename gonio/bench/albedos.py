@@ -60,7 +60,7 @@ def albedo_section(repeat: int, only: Only, progress: Callable[[str], None]) -> 
 
 def _row(entry: Entry, pairs: Pairs, wo: Any, repeat: int) -> dict[str, Value]:
     model = entry.model
-    numeric = for_quadrature(model, wo).numeric
+    numeric = for_quadrature(model, wo, {}).numeric
 
     def peak() -> Any:
         return finished(model.eval(pairs.jit_wi, pairs.jit_wo))
