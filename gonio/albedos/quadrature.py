@@ -413,9 +413,27 @@ def mean_nodes(follows_tangents: bool) -> tuple[NDArray[np.float64], NDArray[np.
 
 def mean_albedo(model: Reflecting) -> Color:
     """(1/π) ∫ albedo(wo) μo dωo of a model that is already bound to Dr.Jit values."""
+    known = vars(model).get(KNOWN_MEAN)
+    if known is not None:
+        return known
+    found = _mean_albedo(model)
+    if _is_one(model):
+        know_mean(model, found)
+    return found
+
+
+KNOWN_MEAN = "_known_mean"
+
+
+def know_mean(model: Reflecting, mean: Color) -> None:
+    """Let a bound model remember its mean albedo, also where it is asked inside a loop of a kernel."""
+    object.__setattr__(model, KNOWN_MEAN, mean)
+
+
+def _mean_albedo(model: Reflecting) -> Color:
     Float = model.float_type
     wo, weights = mean_nodes(model.follows_tangents())
-    if _is_one(model):
+    if dr.is_jit_v(Float) and _is_one(model):
         x, y, z, weight = _columns(Float, *wo.T, weights)
         # A kernel of its own with a direction in each lane: else every lane of the kernel that asks
         # would sum over all of them
@@ -431,7 +449,7 @@ def mean_albedo(model: Reflecting) -> Color:
 
 def _is_one(model: Reflecting) -> bool:
     """Whether a bound model is the same in all lanes, and what is asked of it can be computed at once."""
-    if not dr.is_jit_v(model.float_type) or dr.flag(dr.JitFlag.SymbolicScope):
+    if dr.is_jit_v(model.float_type) and dr.flag(dr.JitFlag.SymbolicScope):
         return False
     return all(dr.width(value) == 1 for _, _, value in model.parameters())
 

@@ -13,6 +13,7 @@ import mitsuba as mi
 
 from gonio.fields import ModelError, Parameter
 from gonio.lang import MU_MIN, Sample, vec2, vec3
+from gonio.mitsuba import means
 from gonio.mitsuba.properties import (
     METAL,
     PREFIX,
@@ -83,10 +84,31 @@ def derive(cls: type[Model]) -> Any:
             self.in_rgb = spectral and all(holds_rgb(texture) for texture in coloured)
             self.m_flags = lobe | mi.BSDFFlags.FrontSide
             self.m_components = [self.m_flags]
+            self.asked = means.asked(self.model)
+            self.means: dict[str, Any] = {}
+            self.parameters_changed([])
 
         def traverse(self, callback: Any) -> None:
             for name, part in self.parts.items():
                 callback.put(name, part, mi.ParamFlags.Differentiable)
+
+        def parameters_changed(self, keys: Any) -> None:
+            constant = [path for path in self.asked if self._is_constant(path)]
+            for path in set(self.asked) - set(constant):
+                means.say_varies(self.model, path)
+            self.means = {}
+            if constant:
+                bound = self._bound(dr.zeros(types.SurfaceInteraction3f), True)[0]
+                self.means = means.find(self.model, bound, constant, types.Float)
+
+        def _is_constant(self, path: str) -> bool:
+            """Whether an inner model is the same everywhere, at all wavelengths, and not differentiated."""
+            textures = [t for p, t in self.textures.items() if p.startswith(f"{path}.")]
+            params = [value for t in textures for _, value in mi.traverse(t)]
+            varies = any(t.is_spatially_varying() for t in textures) or (
+                spectral and not self.in_rgb
+            )
+            return not varies and not any(dr.grad_enabled(value) for value in params)
 
         def to_string(self) -> str:
             shown = {name: getattr(self.model, name) for name in cls.fields} | self.parts
@@ -175,7 +197,9 @@ def derive(cls: type[Model]) -> Any:
                     value = values[path]
                     return vec3(*(value[c] for c in triple)) if declared.width == 3 else value
 
-                return self.model.bind(type(si.t), convert)
+                bound = self.model.bind(type(si.t), convert)
+                means.give(bound, {} if by_wavelength else self.means)
+                return bound
 
             return [bind(triple) for triple in ([[0, 1, 2]] if in_rgb else triples)]
 
