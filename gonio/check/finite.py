@@ -50,7 +50,8 @@ FAR_TAIL = 1e-15
 ROUNDINGS = 8
 
 # The narrowest distribution of facets, D, ends where its exponential leaves a float32; a value is D times
-# G / (4 mu_i mu_o), and G is at most the smaller cosine over the larger one.
+# G / (4 mu_i mu_o), and G is at most the smaller cosine over the larger one: D over four times the square
+# of the larger.
 D_END = 2.0**-126 / (np.pi * ALPHA_MIN * ALPHA_MIN)
 
 # What float32 is allowed to be off by, where a model documents nothing else.
@@ -380,7 +381,8 @@ def departures(
         least = FAR_TAIL  # a float32 ends at 1e-38
         if NAMES[column] == "eval":
             least = ZERO_CROSSING if crossing else least
-            error = dr.maximum(error - 0.25 * D_END / dr.maximum(higher, MU_MIN), 0)
+            higher = dr.maximum(higher, MU_MIN)
+            error = dr.maximum(error - 0.25 * D_END / higher / higher, 0)
         elif column == DENSITY and clipped:
             least = RIM
         scale = dr.select(size > 0, dr.maximum(size, least), 1)
@@ -439,41 +441,46 @@ def columns(subject: Subject, model: Any, wi: Any, wo: Any) -> list[Any]:
 
 def _beside(free: FreeNumber, value: Array, up: Any) -> Array:
     """A number that is half a float32 epsilon larger or smaller, inside its range."""
-    higher, lower = value * (1 + 2.0**-24), value * (1 - 2.0**-24)
-    low, high = free.declared.lowest, free.declared.highest
-    possible = np.where(up, (higher >= low) & (higher <= high), (lower < low) | (lower > high))
-    return np.where(possible, higher, lower)
+    changed = value * np.where(up, 1 + 2.0**-24, 1 - 2.0**-24)
+    return np.clip(changed, free.declared.lowest, free.declared.highest)
 
 
 def _one_by_one(subject: Subject, values: dict[str, Array]) -> dict[str, Array]:
-    """Blocks of the same values, each with one of the numbers a bit off."""
+    """Blocks of the same values, each with one of the numbers a bit larger; then smaller."""
     numbers, n = len(subject.parameters), len(next(iter(values.values())))
-    found = {
-        path: np.tile(v, (numbers, 1) if v.ndim == 2 else numbers) for path, v in values.items()
-    }
+    blocks = 2 * numbers
+    found = {path: np.tile(v, (blocks, 1) if v.ndim == 2 else blocks) for path, v in values.items()}
     for number, free in enumerate(subject.parameters):
-        part = number_of(found, free)[number * n : (number + 1) * n]
-        part[:] = _beside(free, part, True)
+        for block, up in ((number, True), (number + numbers, False)):
+            part = number_of(found, free)[block * n : (block + 1) * n]
+            part[:] = _beside(free, part, up)
     return found
 
 
 def _together(subject: Subject, values: dict[str, Array]) -> dict[str, Array]:
-    """Two blocks of the same values: with all numbers a bit larger, and with every second one smaller."""
-    found = {path: np.concatenate([v, v]) for path, v in values.items()}
-    up = np.arange(2 * len(next(iter(values.values())))) < len(next(iter(values.values())))
+    """Blocks of the same values: all numbers a bit larger, all smaller, and every second one so."""
+    n = len(next(iter(values.values())))
+    found = {path: np.tile(v, (4, 1) if v.ndim == 2 else 4) for path, v in values.items()}
+    block = np.repeat(np.arange(4), n)
     for number, free in enumerate(subject.parameters):
         part = number_of(found, free)
-        part[:] = _beside(free, part, up | (number % 2 == 0))
+        part[:] = _beside(free, part, np.choose(block, [1, 0, number % 2, 1 - number % 2]) == 1)
     return found
 
 
 def _rounding_effect(subject: Subject, cases: Cases, value: Array) -> Array:
-    """Change of the values in float64 by half a float32 epsilon in each parameter."""
+    """Change of the values in float64 by half a float32 epsilon in each parameter.
+
+    Both ways are tried: where something ends in black, one of them may change nothing.
+    """
+    if not subject.parameters:
+        return np.zeros_like(value)
     changed = _values(subject, cases, single_precision=False, disturb=_one_by_one)
-    return np.asarray(np.abs(changed.reshape(-1, *value.shape) - value).sum(axis=0))
+    ways = np.abs(changed.reshape(2, -1, *value.shape) - value)
+    return np.asarray(ways.max(axis=0).sum(axis=0))
 
 
 def _rounding_effect_at_least(subject: Subject, cases: Cases, value: Array) -> Array:
-    """The same by two evaluations: what all parameters change together is not more."""
+    """The same by a few evaluations: what all parameters change together is not more."""
     changed = _values(subject, cases, single_precision=False, disturb=_together)
     return np.asarray(np.abs(changed.reshape(-1, *value.shape) - value).max(axis=0))

@@ -144,7 +144,7 @@ def batch(subject: Subject, state: State, count: int) -> None:
     rows = _rows(subject, state, -(-count // LANES))
     found = screen(subject, rows, count)
     error = found.error
-    told = 0.5 * state.claimed
+    told = 0.5 * FLOAT32
     for some in _portions(found.wrong):
         suspects = cases(subject, rows, some)
         _values(subject, state, suspects)
