@@ -14,6 +14,7 @@ import numpy as np
 from gonio.check import hemisphere, kernels
 from gonio.check.adversarial import hard_parameters
 from gonio.check.energy import dimensions, starts, viewer
+from gonio.check.product_rules import albedos
 from gonio.check.report import FAIL, NOTE, PASS, UNSURE, Effort, Finding, Report, judge
 from gonio.check.subject import Array, Subject, directions
 
@@ -91,15 +92,17 @@ def _directional(subject: Subject, effort: Effort) -> Finding:
     )
 
 
-# At most so many albedos are integrated again with care.
-SUSPECTS = 6
+# At most so many albedos are integrated again with care, and from which tolerance on product rules do.
+SUSPECTS, WITH_RULES = 6, 1e-6
 
 
 def _integrals(
     subject: Subject, parameters: Array, wo: Array, tolerance: float
 ) -> tuple[Array, Array]:
-    fewer = (hemisphere.FEWER, hemisphere.FEWER_PROBES) if tolerance >= ROUGHLY else ()
-    cut = hemisphere.partition(subject, parameters, wo, *fewer)
+    if tolerance >= WITH_RULES:
+        rough = albedos(subject, parameters, wo, tolerance)
+        return rough.total, rough.error
+    cut = hemisphere.partition(subject, parameters, wo)
     found = hemisphere.integrate(subject, parameters, wo, cut, tolerance, albedo_only=True)
     return found.total, found.error
 

@@ -18,6 +18,7 @@ import numpy as np
 from gonio.check import hemisphere
 from gonio.check.adversarial import hard_parameters, special_parts
 from gonio.check.kernels import reflect, sample
+from gonio.check.product_rules import Albedos, albedos
 from gonio.check.report import FAIL, NOTE, PASS, UNSURE, Effort, Finding, Report, judge
 from gonio.check.search import maximise
 from gonio.check.subject import (
@@ -50,7 +51,7 @@ SINGLE = 1e-6
 
 # The integrals that count: tolerance, how often cells are cut, and for how many of the best finds. The
 # second one is for what is within so many of the first one's errors of a limit.
-INTEGRATED = ((1.5e-5, 9, 4), (SINGLE, hemisphere.LEVELS, 2))
+INTEGRATED = ((1.5e-5, 9, 2), (SINGLE, hemisphere.LEVELS, 2))
 CLEARLY = 10.0
 
 # What the adaptive integral is trusted to, doubled: in the search, and when it is repeated for furnaces.
@@ -195,15 +196,18 @@ def _integrated(
     wo: Array,
     tolerance: float,
     levels: int = hemisphere.LEVELS,
-) -> hemisphere.Integrals:
+) -> hemisphere.Integrals | Albedos:
     if subject.float32:
         tolerance = max(tolerance, SINGLE)
-    fewer = (hemisphere.FEWER, hemisphere.FEWER_PROBES) if tolerance >= ROUGHLY else ()
-    cut = hemisphere.partition(subject, parameters, wo, *fewer)
-    return hemisphere.integrate(subject, parameters, wo, cut, tolerance, levels, albedo_only=True)
+    if tolerance < ROUGHLY:
+        cut = hemisphere.partition(subject, parameters, wo)
+        return hemisphere.integrate(
+            subject, parameters, wo, cut, tolerance, levels, albedo_only=True
+        )
+    return albedos(subject, parameters, wo, tolerance, levels)
 
 
-def _at_least(found: hemisphere.Integrals) -> Array:
+def _at_least(found: hemisphere.Integrals | Albedos) -> Array:
     """The largest channel of each point, less the integral's error: so that no search looks for errors."""
     return np.asarray(found.total.max(axis=1) - 2 * found.error)
 

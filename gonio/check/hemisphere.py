@@ -56,6 +56,9 @@ LEVELS = 22
 # tolerances below CAREFUL.
 OPEN, OPEN_CAREFUL = 3000, 12000
 
+# Albedos above 1 are integrated to within the tolerance times them, or times this.
+ENORMOUS = 1e6
+
 # With tolerances below this every cell is cut twice at least.
 CAREFUL = 5e-7
 
@@ -174,7 +177,7 @@ def partition(
     u = np.tile(even(probes), (points, 1))
     wi, pdf = draw(subject, parameters, index, wo[index], u)
     Float = number_type()
-    side = _sides(wo, wi.reshape(points, probes, 3), pdf.reshape(points, probes))
+    side = sides(wo, wi.reshape(points, probes, 3), pdf.reshape(points, probes))
     a, b = unchart(vectors(Float, wo[index]), vectors(Float, wi), stored(Float, side[index]))
     coordinates = np.stack([a.numpy(), b.numpy()], -1).reshape(points, probes, 2)
     lost = ~(pdf.reshape(points, probes) > 0) | ~np.isfinite(coordinates).all(-1)
@@ -208,7 +211,7 @@ def partition(
     )
 
 
-def _sides(wo: Array, wi: Array, pdf: Array) -> Array:
+def sides(wo: Array, wi: Array, pdf: Array) -> Array:
     """-1 for the points whose samples keep nearer to wo than to its mirror direction."""
     drawn = pdf > 0
     back = np.einsum("pnk,pk->pn", wi, wo)
@@ -269,7 +272,8 @@ def integrate(
 
     Cells are cut until one more cut changes the albedo by less than the tolerance over the number of
     cells' root, or `levels` are reached; `error` says how much the last cuts have changed. With
-    `albedo_only` the other columns are left out, which takes half the time.
+    `albedo_only` the other columns are left out, which takes half the time, and the tolerance is relative
+    to albedos above 1.
     """
     width = ALBEDO.stop if albedo_only else COLUMNS
     points, count = cut.boxes.shape[:2]
@@ -279,7 +283,7 @@ def integrate(
     box = cut.boxes.reshape(-1, 4)
     probe, cell = cut.probes, cut.cell
     values = subject.values(parameters)
-    limit = tolerance / np.sqrt(count)
+    limit = np.full(points, tolerance / np.sqrt(count))
     # A kink near a cell's corner may lie beside all nodes of one cut
     first = 1 if tolerance < CAREFUL else 0
     allowed = points * (OPEN_CAREFUL if tolerance < CAREFUL else OPEN)
@@ -292,11 +296,14 @@ def integrate(
         fine = _cells(subject, values, wo, cut.side, point, boxes, width)
         if level == 0:
             coarse, fine = fine[: len(box)], fine[len(box) :]
+            if albedo_only:  # of which some have no bound
+                about = np.nan_to_num(coarse.reshape(points, count, width).sum(axis=1))
+                limit *= np.clip(about.max(axis=1), 1, ENORMOUS)
         summed = fine.reshape(-1, 4, width).sum(axis=1)
         with np.errstate(invalid="ignore"):  # values that are not finite are found in `change`
             change = np.abs(summed - coarse)[:, :4].max(axis=1)
         # Not a comparison with >, which NaN would pass
-        done = ~(change > limit) & ~_crowded(box, cell, probe) & (level >= first)
+        done = ~(change > limit[root // count]) & ~_crowded(box, cell, probe) & (level >= first)
         if level == levels - 1 or np.count_nonzero(~done) > allowed:
             done[:] = True
         np.add.at(totals, root[done], summed[done])
