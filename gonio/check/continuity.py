@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gonio.check.adversarial import hard_parameters, special_parts
-from gonio.check.kernels import evaluate
+from gonio.check.kernels import evaluate_only
 from gonio.check.report import FAIL, KNOWN, PASS, Effort, Finding, Report
 from gonio.check.subject import Array, Subject, directions
 from gonio.claims import Kink, Place, kink
@@ -37,6 +37,9 @@ VISIBLE = 0.02
 
 # Jumps of the value count from this on, relative to the value; roundings in sharp lobes stay below.
 JUMP = 1e-5
+
+# Where there is less than this part of either a place is not looked at more closely.
+HALF = 0.5
 
 # A place is one of the known ones if it is this near to it: the last look's step is 3e-9, and kinks are
 # found to within one. Among a thousand paths kinks that lie elsewhere come as near as 1e-5 by chance.
@@ -169,6 +172,13 @@ def find(subject: Subject, paths: int, turn: int = 0) -> list[Found]:
         centre = local[np.arange(len(row)), peak + 1]
         # Two neighbours together: how a kink lies between the points changes each, not the sum
         sizes.append((second[:, :-1] + second[:, 1:]).max(axis=1) / step)
+        # Neither a slope nor a value can jump by more than what is seen from farther away
+        level = HALF * highest[row]
+        kept = ~((sizes[-1] < VISIBLE * level) & (sizes[-1] * step < JUMP * level))
+        row, centre, values = row[kept], centre[kept], values[kept]
+        sizes = [size[kept] for size in sizes]
+        if not len(row):
+            return []
     return _named(subject, where, row, middle, across, wo, centre, step, sizes, values, highest)
 
 
@@ -186,7 +196,7 @@ def _along(
     each = t.shape[1]
     flat = wi.reshape(-1, 3)
     index = np.repeat(row, each).astype(np.uint32)
-    f, _ = evaluate(subject, where, index, flat, wo[index])
+    f = evaluate_only(subject, where, index, flat, wo[index])
     # Values end in the horizon, and some grow without bound before: nothing is to be found there
     f = np.where(flat[:, 2:] > LOW, f, np.nan)
     return np.asarray(f.mean(axis=1).reshape(len(row), each))
@@ -303,7 +313,7 @@ def _walked(
     parameters = np.repeat(rows, each, axis=0)
     parameters[np.arange(len(parameters)), np.repeat(moved, each)] = steps.ravel()
     index = np.arange(len(parameters), dtype=np.uint32)
-    f, _ = evaluate(
+    f = evaluate_only(
         subject, parameters, index, np.repeat(wi, each, axis=0), np.repeat(wo, each, axis=0)
     )
     return np.asarray(f.reshape(len(rows), each, 3))

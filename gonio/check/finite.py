@@ -22,7 +22,7 @@ from gonio.check.adversarial import (
     random_points,
     special_parts,
 )
-from gonio.check.kernels import draw, evaluate
+from gonio.check.kernels import draw, evaluate, evaluate_only
 from gonio.check.reciprocity import dimensions, pairs
 from gonio.check.report import FAIL, PASS, Effort, Finding, Report, judge
 from gonio.check.search import maximise
@@ -84,7 +84,8 @@ DENSITY = NAMES.index("pdf")
 def check(subject: Subject, effort: Effort) -> Report:
     """Values at hard directions, parameters and random numbers; the lowest one; float32 and float64."""
     start = time.perf_counter()
-    findings = [_finite(subject, effort), _lowest(subject, effort)]
+    cases = all_cases(subject, effort)
+    findings = [_finite(subject, cases, effort), _lowest(subject, cases, effort)]
     if subject.claiming and not subject.float32:
         findings += _precision(subject, effort)
     return Report("finite", subject.name, tuple(findings), time.perf_counter() - start)
@@ -121,9 +122,8 @@ def all_cases(subject: Subject, effort: Effort) -> Cases:
     )
 
 
-def _finite(subject: Subject, effort: Effort) -> Finding:
+def _finite(subject: Subject, cases: Cases, effort: Effort) -> Finding:
     """Count what is NaN or infinite; the first such case is shown."""
-    cases = all_cases(subject, effort)
     found: list[Wrong] = []
     count = 0
     for single_precision in (True,) if subject.float32 else (True, False):
@@ -239,12 +239,12 @@ def largest(subject: Subject, cases: Cases) -> Array:
 # --- not negative --------------------------------------------------------------------------------
 
 
-def _lowest(subject: Subject, effort: Effort) -> Finding:
+def _lowest(subject: Subject, cases: Cases, effort: Effort) -> Finding:
     """The most negative value, by search, times pi; in float32 as well."""
 
     def depth(points: Array) -> Array:
         parameters, wi, wo = pairs(subject, points)
-        f, _ = evaluate(subject, parameters, np.arange(len(wi), dtype=np.uint32), wi, wo)
+        f = evaluate_only(subject, parameters, np.arange(len(wi), dtype=np.uint32), wi, wo)
         return np.asarray(-np.pi * f.min(axis=1))
 
     points, values = maximise(
@@ -260,7 +260,6 @@ def _lowest(subject: Subject, effort: Effort) -> Finding:
     lowest = max(float(values[0]), 0.0) if not np.isinf(values[0]) else float("nan")
     double = True
     if lowest == 0 and not subject.float32:
-        cases = all_cases(subject, effort)
         f, _ = evaluate(
             subject,
             cases.parameters,

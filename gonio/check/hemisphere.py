@@ -168,14 +168,28 @@ class Partition:
     """1 where the chart is around the mirror direction, -1 where it is around wo, (points,)."""
 
 
+def drawn(subject: Subject, parameters: Array, wo: Array, probes: int) -> tuple[Array, Array]:
+    """So many evenly spread samples of each point, one point after the other, and their densities."""
+    index = repeated(len(parameters), probes)
+    u = np.tile(even(probes), (len(parameters), 1))
+    return draw(subject, parameters, index, wo[index], u)
+
+
 def partition(
-    subject: Subject, parameters: Array, wo: Array, depth: int = DEPTH, probes: int = PROBES
+    subject: Subject,
+    parameters: Array,
+    wo: Array,
+    depth: int = DEPTH,
+    probes: int = PROBES,
+    samples: tuple[Array, Array] | None = None,
 ) -> Partition:
-    """Cut the square of every point into 2^depth cells that the model's samples fill equally."""
+    """Cut the square of every point into 2^depth cells that the model's samples fill equally.
+
+    `samples` are what `drawn` gives, where they are known already.
+    """
     points = len(parameters)
     index = repeated(points, probes)
-    u = np.tile(even(probes), (points, 1))
-    wi, pdf = draw(subject, parameters, index, wo[index], u)
+    wi, pdf = samples or drawn(subject, parameters, wo, probes)
     Float = number_type()
     side = sides(wo, wi.reshape(points, probes, 3), pdf.reshape(points, probes))
     a, b = unchart(vectors(Float, wo[index]), vectors(Float, wi), stored(Float, side[index]))
@@ -190,9 +204,9 @@ def partition(
     cuts = []
     for level in range(depth):
         axis = level % 2
-        order = np.argsort(groups[..., axis], axis=-1)
-        groups = np.take_along_axis(groups, order[..., None], axis=2)
         half = groups.shape[2] // 2
+        order = np.argpartition(groups[..., axis], (half - 1, half), axis=-1)
+        groups = np.take_along_axis(groups, order[..., None], axis=2)
         cut = 0.5 * (groups[:, :, half - 1, axis] + groups[:, :, half, axis])
         low, high = boxes[..., 2 * axis], boxes[..., 2 * axis + 1]
         # A cell keeps some width even where all samples coincide
@@ -204,22 +218,22 @@ def partition(
         upper[..., 2 * axis] = cut
         boxes = np.stack([lower, upper], 2).reshape(points, -1, 4)
         groups = groups.reshape(points, -1, half, 3)
-    drawn = groups[..., 2].ravel() == 0
+    kept = groups[..., 2].ravel() == 0
     cell = np.repeat(np.arange(points * 2**depth), probes // 2**depth)
     return Partition(
-        boxes, np.concatenate(cuts, axis=1), groups.reshape(-1, 3)[drawn, :2], cell[drawn], side
+        boxes, np.concatenate(cuts, axis=1), groups.reshape(-1, 3)[kept, :2], cell[kept], side
     )
 
 
 def sides(wo: Array, wi: Array, pdf: Array) -> Array:
     """-1 for the points whose samples keep nearer to wo than to its mirror direction."""
-    drawn = pdf > 0
+    reached = pdf > 0
     back = np.einsum("pnk,pk->pn", wi, wo)
     mirror = np.einsum("pnk,pk->pn", wi, wo * np.array([-1.0, -1.0, 1.0]))
     # Median distances: a few stray samples count little
     with np.errstate(invalid="ignore"):
-        far_back = np.median(np.where(drawn, 1 - back, 1.0), axis=1)
-        far_mirror = np.median(np.where(drawn, 1 - mirror, 1.0), axis=1)
+        far_back = np.median(np.where(reached, 1 - back, 1.0), axis=1)
+        far_mirror = np.median(np.where(reached, 1 - mirror, 1.0), axis=1)
     return np.where(far_back < RETRO * far_mirror, -1.0, 1.0)
 
 

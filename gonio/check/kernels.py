@@ -78,6 +78,17 @@ def evaluate(
     return columns_of(f)[: len(wi)], pdf.numpy()[: len(wi)]
 
 
+def evaluate_only(
+    subject: Subject, parameters: Array, index: NDArray[np.uint32], wi: Array, wo: Array
+) -> NDArray[Any]:
+    """BRDF (n, 3) alone, in float64, as `evaluate` has it."""
+    Float = number_type()
+    rows = stored(dr.uint32_array_t(Float), _two(index))
+    model = subject.at(parameters, rows, Float)
+    f = reflect_only(model, vectors(Float, _two(wi)), vectors(Float, _two(wo)))
+    return columns_of(f)[: len(wi)]
+
+
 def draw(
     subject: Subject,
     parameters: Array,

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from gonio.albedos.half_vectors import SLOPE_SCALE, last_slope, mirrored
 from gonio.check import hemisphere
-from gonio.check.kernels import draw, evaluate, reflect_only
+from gonio.check.kernels import draw, evaluate_only, reflect_only
 from gonio.check.subject import (
     Array,
     Subject,
@@ -175,7 +175,7 @@ def _looked_around(subject: Subject, parameters: Array, wo: Array) -> Around:
     each = light.shape[1]
     light[..., 2] = np.maximum(light[..., 2], 1e-9)
     index = repeated(n, each)
-    f, _ = evaluate(subject, parameters, index, light.reshape(-1, 3), wo[index])
+    f = evaluate_only(subject, parameters, index, light.reshape(-1, 3), wo[index])
     with np.errstate(invalid="ignore", over="ignore"):
         value = np.abs(f.astype(np.float64)).max(axis=1).reshape(n, each)
         count = len(BELOW) * len(AZIMUTHS)

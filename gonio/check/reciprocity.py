@@ -9,7 +9,7 @@ import numpy as np
 
 from gonio.check import hemisphere
 from gonio.check.adversarial import special_parts
-from gonio.check.kernels import evaluate
+from gonio.check.kernels import evaluate_only
 from gonio.check.report import Effort, Finding, Report, judge
 from gonio.check.search import maximise
 from gonio.check.subject import (
@@ -83,7 +83,9 @@ def difference(subject: Subject, parameters: Array, wi: Array, wo: Array) -> Arr
     """|f(wi, wo) - f(wo, wi)| over the larger of the two, of the worst channel, (n,)."""
     n = len(parameters)
     index = np.tile(np.arange(n, dtype=np.uint32), 2)
-    f, _ = evaluate(subject, parameters, index, np.concatenate([wi, wo]), np.concatenate([wo, wi]))
+    f = evaluate_only(
+        subject, parameters, index, np.concatenate([wi, wo]), np.concatenate([wo, wi])
+    )
     a, b = f[:n].astype(np.float64), f[n:].astype(np.float64)
     scale = np.maximum(np.maximum(np.abs(a), np.abs(b)), FLOOR)
     return np.asarray((np.abs(a - b) / scale).max(axis=1))

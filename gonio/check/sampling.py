@@ -21,7 +21,7 @@ from gonio.check import hemisphere
 from gonio.check.adversarial import hard_parameters, special_parts
 from gonio.check.energy import dimensions, starts, viewer
 from gonio.check.hemisphere import CELLS, COSINE_SECOND, PDF, SECOND, UNREACHED
-from gonio.check.kernels import draw, evaluate, reflect, sample
+from gonio.check.kernels import draw, evaluate_only, reflect, sample
 from gonio.check.report import FAIL, NOTE, PASS, Effort, Finding, Report, judge
 from gonio.check.search import maximise
 from gonio.check.statistics import chi2_limit, chi2_tail, noncentral_tail
@@ -159,12 +159,13 @@ def _suspects(subject: Subject, found: Screened, effort: Effort) -> Array:
 def screen(subject: Subject, points: Array) -> Screened:
     """What few samples and one look at each cell say of points."""
     parameters, wo = viewer(subject, points)
-    cut = hemisphere.partition(subject, parameters, wo, hemisphere.FEWER, SCREEN_SAMPLES)
+    samples = hemisphere.drawn(subject, parameters, wo, SCREEN_SAMPLES)
+    cut = hemisphere.partition(
+        subject, parameters, wo, hemisphere.FEWER, SCREEN_SAMPLES, samples
+    )
     found = hemisphere.integrate(subject, parameters, wo, cut, INTEGRALS, 1)
     n = len(points)
-    index = repeated(n, SCREEN_SAMPLES)
-    u = np.tile(even(SCREEN_SAMPLES), (n, 1))
-    kept, mean, scatter = _few(subject, parameters, wo, index, u)
+    kept, mean, scatter = _few(subject, parameters, wo, *samples)
     total = found.total
     # The rule's own error, of which this is four times an estimate
     error = 4 * found.error
@@ -190,11 +191,11 @@ QUASI = 4e-3
 
 
 def _few(
-    subject: Subject, parameters: Array, wo: Array, index: NDArray[np.uint32], u: Array
+    subject: Subject, parameters: Array, wo: Array, wi: Array, reported: Array
 ) -> tuple[Array, Array, Array]:
     """Part of the samples that is kept, mean weight and its standard deviation, for every row."""
-    wi, reported = draw(subject, parameters, index, wo[index], u)
-    f, _ = evaluate(subject, parameters, index, wi, wo[index])
+    index = repeated(len(parameters), len(wi) // len(parameters))
+    f = evaluate_only(subject, parameters, index, wi, wo[index])
     good = (reported > 0) & (wi[:, 2] > 0)
     with np.errstate(invalid="ignore", over="ignore"):
         weight = np.where(good, f.mean(axis=1) * wi[:, 2] / np.where(good, reported, 1), 0)
@@ -462,8 +463,9 @@ def _wasted(subject: Subject, effort: Effort) -> Finding:
         starts=starts(subject)[: effort.albedos // 2],
         special=special_parts(subject),
     )
-    worst = points[int(np.argmax(waste(subject, points[:8], MORE)))][None]
-    measured = float(waste(subject, worst, MANY)[0])
+    found = waste(subject, points[:8], MORE)
+    worst = points[int(np.argmax(found))][None]
+    measured = float(waste(subject, worst, MANY)[0]) if found.max() > 0 else 0.0
     parameters, wo = viewer(subject, worst)
     if not subject.claiming:
         verdict, text = NOTE, "samples without a direction"
@@ -498,7 +500,8 @@ def _unreached(subject: Subject, screened: Screened, effort: Effort) -> Finding:
             starts=points[np.argsort(-found)[: count // 2]],
         )
     best = points[_worst(list(found))][None]
-    measured = float(unreached(subject, best)[0])
+    # The rule has seen values with a density alone, wherever it looked
+    measured = float(unreached(subject, best)[0]) if found.max() != 0 else 0.0
     verdict, text = judge(
         subject, "unreached", measured, limit=trusted, error=trusted, effort=effort
     )
