@@ -44,7 +44,10 @@ FEW = 6
 
 # Tolerance of the adaptive integrals that the search compares, how often it cuts cells, and how often where
 # many points are looked at once.
-ROUGHLY, SHALLOW, SKETCHY = 2e-5, 5, 3
+ROUGHLY, SHALLOW, SKETCHY = 2e-5, 5, 2
+
+# From which tolerance on product rules come first, and which of the best so far others have to reach.
+WITH_RULES, BEATEN = 1e-5, 3
 
 # Tolerances below this ask for more digits than float32 has: cells would be cut for its roundings.
 SINGLE = 1e-6
@@ -196,15 +199,16 @@ def _integrated(
     wo: Array,
     tolerance: float,
     levels: int = hemisphere.LEVELS,
+    floor: float = -np.inf,
 ) -> hemisphere.Integrals | Albedos:
     if subject.float32:
         tolerance = max(tolerance, SINGLE)
-    if tolerance < ROUGHLY:
+    if tolerance < WITH_RULES:
         cut = hemisphere.partition(subject, parameters, wo)
         return hemisphere.integrate(
             subject, parameters, wo, cut, tolerance, levels, albedo_only=True
         )
-    return albedos(subject, parameters, wo, tolerance, levels)
+    return albedos(subject, parameters, wo, tolerance, levels, floor)
 
 
 def _at_least(found: hemisphere.Integrals | Albedos) -> Array:
@@ -212,10 +216,21 @@ def _at_least(found: hemisphere.Integrals | Albedos) -> Array:
     return np.asarray(found.total.max(axis=1) - 2 * found.error)
 
 
-def _surely(subject: Subject, points: Array, levels: int = SHALLOW) -> Array:
-    """The same for points of a search; infinite where it is not a number."""
-    found = _at_least(_integrated(subject, *viewer(subject, points), ROUGHLY, levels))
-    return np.where(np.isnan(found), np.inf, found)
+class _Contest:
+    """The same for the points of a search; infinite where it is not a number."""
+
+    def __init__(self, subject: Subject) -> None:
+        """Nothing has been looked at."""
+        self.subject = subject
+        self.best = np.full(BEATEN, -np.inf)
+
+    def __call__(self, points: Array, levels: int = SHALLOW) -> Array:
+        """What is far below the best so far is not integrated with care."""
+        at = viewer(self.subject, points)
+        found = _at_least(_integrated(self.subject, *at, ROUGHLY, levels, float(self.best[0])))
+        found = np.where(np.isnan(found), np.inf, found)
+        self.best = np.sort(np.append(self.best, found))[-BEATEN:]
+        return found
 
 
 def _scattered(subject: Subject, count: int) -> Array:
@@ -242,10 +257,11 @@ def largest(subject: Subject, effort: Effort) -> Finding:
         bands=len(subject.parameters),
     )
     # From here on with the integrals that count; the estimates hide what gains less than a percent
+    surely = _Contest(subject)
     scattered = _scattered(subject, effort.integrals)
-    order = np.argsort(-_surely(subject, scattered, SKETCHY), kind="stable")
+    order = np.argsort(-surely(scattered, SKETCHY), kind="stable")
     points, _ = maximise(
-        lambda p: _surely(subject, p),
+        surely,
         dimensions(subject),
         population=effort.confirmed * (2 if dimensions(subject) <= FEW else 1),
         rounds=max(effort.rounds - 2, 3),
@@ -260,8 +276,8 @@ def largest(subject: Subject, effort: Effort) -> Finding:
     for tolerance, levels, count in INTEGRATED:
         parameters, wo = viewer(subject, points[:count])
         found = _integrated(subject, parameters, wo, tolerance, levels)
-        surely = _at_least(found)
-        order = np.argsort(-np.where(np.isnan(surely), np.inf, surely), kind="stable")
+        least = _at_least(found)
+        order = np.argsort(-np.where(np.isnan(least), np.inf, least), kind="stable")
         best, points = int(order[0]), points[:count][order]
         measured, error = float(found.total[best].max()), 2 * float(found.error[best])
         # Finer integrals would change nothing where no limit is near

@@ -193,21 +193,24 @@ def partition(
     Float = number_type()
     side = sides(wo, wi.reshape(points, probes, 3), pdf.reshape(points, probes))
     a, b = unchart(vectors(Float, wo[index]), vectors(Float, wi), stored(Float, side[index]))
-    coordinates = np.stack([a.numpy(), b.numpy()], -1).reshape(points, probes, 2)
-    lost = ~(pdf.reshape(points, probes) > 0) | ~np.isfinite(coordinates).all(-1)
-    lost[:, ::4] = True
-    coordinates = np.where(lost[..., None], even(probes)[::-1][None], coordinates)
-    coordinates = np.concatenate([coordinates, lost[..., None]], axis=-1)
+    places = np.stack([a.numpy(), b.numpy()])
+    lost = ~(pdf > 0) | ~np.isfinite(places).all(axis=0)
+    lost.reshape(points, probes)[:, ::4] = True
+    spread = np.tile(even(probes)[::-1], (points, 1))
+    for axis in range(2):
+        np.copyto(places[axis], spread[:, axis], where=lost)
 
-    groups = coordinates.reshape(points, 1, probes, 3)
+    # Which of the samples are in each group, (groups, samples)
+    group = np.arange(points * probes).reshape(points, probes)
     boxes = np.tile(np.array([0.0, 1.0, 0.0, 1.0]), (points, 1, 1))
     cuts = []
     for level in range(depth):
-        axis = level % 2
-        half = groups.shape[2] // 2
-        order = np.argpartition(groups[..., axis], (half - 1, half), axis=-1)
-        groups = np.take_along_axis(groups, order[..., None], axis=2)
-        cut = 0.5 * (groups[:, :, half - 1, axis] + groups[:, :, half, axis])
+        axis, half = level % 2, group.shape[1] // 2
+        value = places[axis][group]
+        order = np.argpartition(value, (half - 1, half), axis=1)
+        row = np.arange(len(group))
+        cut = 0.5 * (value[row, order[:, half - 1]] + value[row, order[:, half]])
+        cut = cut.reshape(points, -1)
         low, high = boxes[..., 2 * axis], boxes[..., 2 * axis + 1]
         # A cell keeps some width even where all samples coincide
         margin = 1e-9 * (high - low)
@@ -217,17 +220,19 @@ def partition(
         lower[..., 2 * axis + 1] = cut
         upper[..., 2 * axis] = cut
         boxes = np.stack([lower, upper], 2).reshape(points, -1, 4)
-        groups = groups.reshape(points, -1, half, 3)
-    kept = groups[..., 2].ravel() == 0
+        group = np.take_along_axis(group, order, axis=1).reshape(-1, half)
+    sample = group.ravel()
     cell = np.repeat(np.arange(points * 2**depth), probes // 2**depth)
+    kept = ~lost[sample]
     return Partition(
-        boxes, np.concatenate(cuts, axis=1), groups.reshape(-1, 3)[kept, :2], cell[kept], side
+        boxes, np.concatenate(cuts, axis=1), places[:, sample[kept]].T, cell[kept], side
     )
 
 
 def sides(wo: Array, wi: Array, pdf: Array) -> Array:
     """-1 for the points whose samples keep nearer to wo than to its mirror direction."""
-    reached = pdf > 0
+    # Some of them are enough
+    wi, reached = wi[:, ::4], pdf[:, ::4] > 0
     back = np.einsum("pnk,pk->pn", wi, wo)
     mirror = np.einsum("pnk,pk->pn", wi, wo * np.array([-1.0, -1.0, 1.0]))
     # Median distances: a few stray samples count little

@@ -51,6 +51,9 @@ AZIMUTHS = (0.7, 4.1)
 # Angles to wo at which values are looked at.
 NEAR = (0.0, 0.01, 0.1)
 
+# So many times the difference of two rules their error is not.
+FAR = 5.0
+
 # No value times its cosine may be so many times higher than the highest that a rule has seen.
 HIGHER = 1.5
 
@@ -69,10 +72,14 @@ def albedos(
     wo: Array,
     tolerance: float,
     levels: int = hemisphere.LEVELS,
+    floor: float = -np.inf,
 ) -> Albedos:
-    """By product rules, and by adaptive integration where those do not settle."""
+    """By product rules, and by adaptive integration where those do not settle.
+
+    What remains far below `floor` even then is left as the rules have it, with their error.
+    """
     found, known = settled(subject, parameters, wo, tolerance)
-    rows = np.flatnonzero(~known)
+    rows = np.flatnonzero(~known & ~(found.total.max(axis=1) + FAR * found.error < floor))
     if len(rows):
         at = parameters[rows], wo[rows]
         cut = hemisphere.partition(subject, *at, hemisphere.FEWER, hemisphere.FEWER_PROBES)
