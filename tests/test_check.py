@@ -17,7 +17,7 @@ from support.tolerances import DOUBLE, DOUBLE_DIVIDED, DOUBLE_SHORT, SINGLE, dec
 
 import gonio
 from gonio import check
-from gonio.check import continuity, energy, hemisphere, sampling, statistics
+from gonio.check import continuity, energy, hemisphere, product_rules, sampling, statistics
 from gonio.check.continuity import find, find_in_parameters
 from gonio.check.kernels import evaluate
 from gonio.check.report import EFFORTS, FAIL, KNOWN, Finding, Report, judge, junit, table
@@ -35,9 +35,10 @@ from gonio.claims import (
     white_furnace,
 )
 from gonio.fields import ModelError, Option, Parameter
-from gonio.lang import Sample, select
+from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, dot, exp, select, vec3
 from gonio.materials import model_file
-from gonio.model import Model
+from gonio.model import Model, option, param
+from gonio.parts.hemisphere import pdf_cosine, sample_cosine
 
 BROKEN = Path(__file__).parent / "broken"
 QUICK = EFFORTS["quick"]
@@ -321,6 +322,60 @@ def test_adaptive_integration_finds_a_lobe_that_only_the_sampler_knows() -> None
     found = hemisphere.integrate(subject, parameters, wo, cut, 1e-8).total[0, hemisphere.PDF]
     # The lobe is 1e-4 wide; integrals of the check are good to 3e-6
     assert found == pytest.approx(1, abs=3e-6)
+
+
+WHITE = {"eon": {"rho": 1.0}, "lambert": {"rho": 1.0}}
+
+
+@pytest.mark.parametrize("name", sorted(WHITE))
+def test_product_rules_know_that_white_surfaces_reflect_everything(name: str) -> None:
+    """Kinks of EON included; at angles from the normal to grazing."""
+    subject = ModelSubject(gonio.model(name, **WHITE[name]), frozenset({"rho"}))
+    mu = np.cos(np.radians(np.linspace(1, 89, 45)))
+    parameters = np.linspace(0, 1, 45)[:, None][:, : len(subject.parameters)]
+    found, known = product_rules.settled(subject, parameters, directions(mu, 2 * mu), 2e-5)
+    assert known.mean() > 0.9
+    # The tolerance is that of two rules' difference; the finer one is better
+    assert np.abs(found.total[known] - 1).max() < 2e-5
+    assert found.error[known].max() < 2e-5
+
+
+class Spike(Model, register=False):
+    """Lambert of 0.5 and a lobe that the sampler does not know, around a direction beside wo's or wi's."""
+
+    height: Float = param(0.5, 0, 100, "of the lobe, in 1/sr")
+    width: Float = param(1e-3, 1e-5, 1, "of the lobe, in radians")
+    around = option("mirror", "wo", doc="the middle of the lobe")
+
+    def eval(self, wi: Vec3, wo: Vec3) -> Color:
+        """A Gaussian of the distance."""
+        middle = vec3(-wo.x, -wo.y, wo.z) if self.around == "mirror" else wo
+        t = (wi - middle) / self.width
+        value = 0.5 * INV_PI + self.height * exp(-dot(t, t))
+        return vec3(value, value, value)
+
+    def sample(self, wo: Vec3, u: Vec2) -> Sample:
+        """By the cosine."""
+        wi = sample_cosine(u)
+        return Sample(wi, pdf_cosine(wi))
+
+    def pdf(self, wi: Vec3, wo: Vec3) -> Float:
+        """Of `sample`."""
+        return pdf_cosine(wi)
+
+
+@pytest.mark.parametrize("around", ["mirror", "wo"])
+@pytest.mark.parametrize("width", [1e-4, 1e-3, 1e-2])
+def test_product_rules_leave_alone_what_they_might_overlook(around: str, width: float) -> None:
+    """Two rules that both miss a lobe agree; so it is looked for where it may be."""
+    model = Spike(around=around, width=width)
+    subject = ModelSubject(model, frozenset({"width", "height"}))
+    wo = directions(np.linspace(0.1, 0.95, 40), np.linspace(0, 6, 40))
+    found, known = product_rules.settled(subject, np.zeros((40, 0)), wo, 2e-5)
+    exact = 0.5 + 0.5 * np.pi * width * width * wo[:, 2]  # of a narrow lobe
+    # The product's second order in the width
+    allowed = 2e-5 + 2 * 0.5 * np.pi * width**3
+    assert np.all(np.abs(found.total[known, 0] - exact[known]) < allowed)
 
 
 @given(

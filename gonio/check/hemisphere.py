@@ -266,11 +266,16 @@ COLUMNS = 7
 
 @dataclass(frozen=True)
 class Integrals:
-    """Integrals over every cell, (points, cells, COLUMNS), and bounds of the points' errors."""
+    """Integrals over every cell, (points, cells, COLUMNS), and bounds of their errors."""
 
     cells: Array
-    error: Array
-    """Of the albedo and of the density's integral, (points,)."""
+    cell_error: Array
+    """Of the albedo and of the density's integral over every cell, (points, cells)."""
+
+    @property
+    def error(self) -> Array:
+        """Of the same over the whole hemisphere, (points,)."""
+        return np.asarray(self.cell_error.sum(axis=1))
 
     @property
     def total(self) -> Array:
@@ -297,7 +302,7 @@ def integrate(
     width = ALBEDO.stop if albedo_only else COLUMNS
     points, count = cut.boxes.shape[:2]
     totals = np.zeros((points * count, width))
-    error = np.zeros(points)
+    error = np.zeros(points * count)
     root = np.arange(points * count)
     box = cut.boxes.reshape(-1, 4)
     probe, cell = cut.probes, cut.cell
@@ -326,7 +331,7 @@ def integrate(
         if level == levels - 1 or np.count_nonzero(~done) > allowed:
             done[:] = True
         np.add.at(totals, root[done], summed[done])
-        np.add.at(error, root[done] // count, change[done])
+        np.add.at(error, root[done], change[done])
         open_ = np.flatnonzero(~done)
         if not len(open_):
             break
@@ -336,7 +341,7 @@ def integrate(
         box, coarse = children[keep], fine[keep]
     # The sum over smaller cells is nearer to the integral than its distance from the larger ones: by
     # 4 even across a kink.
-    return Integrals(totals.reshape(points, count, width), error / 4)
+    return Integrals(totals.reshape(points, count, width), error.reshape(points, count) / 4)
 
 
 def _crowded(box: Array, cell: NDArray[np.intp], probe: Array) -> NDArray[np.bool_]:

@@ -1,12 +1,12 @@
 """Albedos by product rules: some hundred values where a function is smooth, and nothing where it is not.
 
-Rules of rising order cover the whole hemisphere; where two of them agree, the finer one is good to better than
+Rules of rising order cover the whole hemisphere; where two of them agree, the finer one is better than
 their difference, as they converge by factors. There are two charts. Half vectors have slopes that grow by
-factors from the width of the lobe on, which the model's own samples tell; polar angles are cut where wi is as
-high as wo and at right angles to it, where rough surfaces have their kinks. A rule that overlooks something
-narrow agrees with every other one: so values at the model's samples, around the mirror direction and around
-wo must not be higher than those that the rule has seen, nor may they change below the width of the lobe.
-What does not settle is left to `gonio.check.hemisphere`.
+factors from the width of the lobe on, which the model's own samples tell; polar angles are cut where wi is
+as high as wo and at right angles to it, where rough surfaces have their kinks. A rule that overlooks
+something narrow agrees with every other one: so values at the model's samples, around the mirror direction
+and around wo must not be higher than those that the rule has seen, nor may they change below the width of
+the lobe. What does not settle is left to `gonio.check.hemisphere`.
 """
 
 from __future__ import annotations
@@ -43,13 +43,14 @@ FINER = (32, 48)
 # Samples that tell a lobe's width, and which of their slopes, from the smallest on, is taken for it.
 SAMPLES, NARROW = 64, 2
 
-# Parts of that width (or of this part of wo's cosine, within which wi's is about the same) at which values may
-# not differ by more than this part of the highest.
+# Parts of that width (or of this part of wo's cosine, within which wi's is about the same) at which values
+# may not differ by more than this part of the highest.
 BELOW, LEVEL, FLAT = (0.0, 0.003, 0.02, 0.1, 0.3), 0.2, 0.25
 AZIMUTHS = (0.7, 4.1)
 
-# Angles to wo at which values are looked at.
-NEAR = (0.0, 0.01, 0.1)
+# The same around wo, which is turned about the normal by these parts of how far it is from the mirror
+# direction (as a slope, and the width on top, at most WIDEST): the rules' nodes are so far apart there.
+NEAR, WIDEST = (0.0, 0.001, 0.005, 0.02), 1.5
 
 # So many times the difference of two rules their error is not.
 FAR = 5.0
@@ -113,9 +114,7 @@ def settled(
             seen = around.highest[rows] <= HIGHER * highest
             right = change <= tolerance * np.maximum(np.abs(fine).max(axis=1), 1)
             if chart is PolarAngles:  # which know nothing of lobes
-                near = np.abs(fine - before[rows]).max(axis=1) <= np.maximum(
-                    error[rows], tolerance
-                )
+                near = np.abs(fine - before[rows]).max(axis=1) <= np.maximum(error[rows], tolerance)
                 right &= near
         known[rows] = right & seen
         better = known[rows] if chart is PolarAngles else slice(None)
@@ -175,8 +174,12 @@ def _looked_around(subject: Subject, parameters: Array, wo: Array) -> Around:
             m = np.stack([t * x, t * y, np.ones(n)], -1) / np.sqrt(1 + t * t)[:, None]
             w = 2 * (m * wo).sum(axis=1)[:, None] * m - wo
             probes.append((turned * w)[:, None])
-    for angle in NEAR:
-        w = wo + angle * np.array([0.6, 0.0, 0.8])
+    flat = np.hypot(wo[:, 0], wo[:, 1])
+    angle = np.minimum(flat / np.maximum(wo[:, 2], 1e-9) + scale, WIDEST)
+    aside = np.stack([-wo[:, 1], wo[:, 0], 0 * flat], -1) + np.array([1e-9, 0, 0])
+    aside /= np.linalg.norm(aside, axis=1)[:, None]
+    for part in NEAR:
+        w = wo + (part * angle)[:, None] * aside
         probes.append((w / np.linalg.norm(w, axis=1)[:, None])[:, None])
     light = np.concatenate(probes, axis=1)
     each = light.shape[1]
@@ -186,9 +189,10 @@ def _looked_around(subject: Subject, parameters: Array, wo: Array) -> Around:
     with np.errstate(invalid="ignore", over="ignore"):
         value = np.abs(f.astype(np.float64)).max(axis=1).reshape(n, each)
         count = len(BELOW) * len(AZIMUTHS)
-        lobe = value[:, SAMPLES : SAMPLES + count]
-        flat = np.ptp(lobe, axis=1) <= FLAT * lobe.max(axis=1)
-        flat |= scale <= SLOPE_SCALE
+        lobe, near = value[:, SAMPLES : SAMPLES + count], value[:, SAMPLES + count :]
+        even_lobe = np.ptp(lobe, axis=1) <= FLAT * lobe.max(axis=1)
+        even_near = np.ptp(near, axis=1) <= FLAT * near.max(axis=1)
+        flat = (even_lobe | (scale <= SLOPE_SCALE)) & (even_near | (side < 0))
         highest = (value * light[..., 2]).max(axis=1)
     return Around(scale, side, highest, flat & np.isfinite(highest))
 

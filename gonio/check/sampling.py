@@ -65,7 +65,7 @@ SAME, SAME_FLOAT32 = 1e-6, 2e-2
 LOOKED_AT, EVEN = 48, 24
 
 # Samples wasted in the search, those that tell the worst of the best, and those that confirm it.
-FEW, MORE, MANY = 64, 1 << 13, 1 << 16
+FEW, MORE, MANY = 64, 1 << 12, 1 << 16
 
 # Standard errors that a mean may be off. They are estimated from REPLICATES numbers: Student's t with 15
 # degrees of freedom exceeds 7 once in 200,000 times.
@@ -160,9 +160,7 @@ def screen(subject: Subject, points: Array) -> Screened:
     """What few samples and one look at each cell say of points."""
     parameters, wo = viewer(subject, points)
     samples = hemisphere.drawn(subject, parameters, wo, SCREEN_SAMPLES)
-    cut = hemisphere.partition(
-        subject, parameters, wo, hemisphere.FEWER, SCREEN_SAMPLES, samples
-    )
+    cut = hemisphere.partition(subject, parameters, wo, hemisphere.FEWER, SCREEN_SAMPLES, samples)
     found = hemisphere.integrate(subject, parameters, wo, cut, INTEGRALS, 1)
     n = len(points)
     kept, mean, scatter = _few(subject, parameters, wo, *samples)
@@ -284,9 +282,7 @@ def _test(
         different = float(np.maximum(different, off.max()))
         below += int(low.sum())
     whole = integrals.total[0]
-    chi2, bins, power = _compare(
-        counts / each, integrals.cells[0, :, PDF], float(integrals.error[0])
-    )
+    chi2, bins, power = _compare(counts / each, integrals.cells[0, :, PDF], integrals.cell_error[0])
     means = totals / each
     mean = float(means.mean())
     albedo = float(whole[:3].mean())
@@ -340,8 +336,10 @@ def _drawn(
     return cells.astype(np.intp), weights, offs, lows > 0
 
 
-def _compare(shares: Array, expected: Array, error: float) -> tuple[float, int, float]:
+def _compare(shares: Array, expected: Array, error: Array) -> tuple[float, int, float]:
     """Chi-square of the replicates' shares of the cells against integrals, its bins, and the power.
+
+    error: of the integrals.
 
     The variance of a cell's mean is taken from the scatter of its shares, half of it from that of all
     cells: sixteen numbers alone would make some cells far too sure.
@@ -353,8 +351,8 @@ def _compare(shares: Array, expected: Array, error: float) -> tuple[float, int, 
     pooled = 0.5 * (variance + inner.mean())
     # What is never drawn and never expected says nothing
     used = (mean > 0) | (expected > 1e-7)
-    pooled = pooled + (FLOOR * np.maximum(expected, 1 / CELLS)) ** 2 + (error / CELLS) ** 2
-    pooled[-1] += error**2
+    pooled = pooled + (FLOOR * np.maximum(expected, 1 / CELLS)) ** 2
+    pooled += np.append(error, error.sum()) ** 2
     chi2 = float(np.sum((mean - expected)[used] ** 2 / pooled[used]))
     bins = int(np.count_nonzero(used))
     offset = float(np.sum(expected[used] ** 2 / pooled[used]))

@@ -164,7 +164,6 @@ class ModelSubject:
             if path not in fixed
             for channel in range(declared.width)
         )
-        self._ranges = _Ranges(self.parameters)
         self.claims = model.claims
         self.claiming = True
         self.chosen: Mapping[str, str] = _choices(model)
@@ -175,6 +174,11 @@ class ModelSubject:
         self.differentiable = True
         self.albedos = _origin(model)
         self.mean_closed = model.writes("mean_albedo")
+
+    @functools.cached_property
+    def _ranges(self) -> _Ranges:
+        # Of many variants not all are looked at
+        return _Ranges(self.parameters)
 
     def prepare(self) -> None:
         """Raise a ModelError about a mistake in the model's methods."""
@@ -293,7 +297,8 @@ class _Ranges:
         self.low = np.array([d.low for d in declared], np.float64)
         self.span = np.array([d.high - d.low for d in declared], np.float64)
         self.ends = np.array([float32_range(d) for d in declared], np.float32).reshape(-1, 2)
-        self.special = [_special_parts(free) for free in parameters]
+        special = [_special_parts(free) for free in parameters]
+        self.special = [(n, *values) for n, values in enumerate(special) if len(values[0])]
 
     def values(self, parameters: Array) -> Array:
         """Values (rows, numbers) at parts of the ranges."""
@@ -302,12 +307,12 @@ class _Ranges:
         found[:, self.even] = self.low[self.even] + self.span[self.even] * t[:, self.even]
         for wide in self.wide:
             found[:, wide] = value_at(self.declared[wide], t[:, wide])
-        for number, (parts, exact) in enumerate(self.special):
-            if len(parts):
-                place = np.minimum(np.searchsorted(parts, t[:, number]), len(parts) - 1)
-                hit = parts[place] == t[:, number]
-                if hit.any():
-                    found[hit, number] = exact[place[hit]]
+        for number, parts, exact in self.special:
+            place = np.searchsorted(parts, t[:, number])
+            np.minimum(place, len(parts) - 1, out=place)
+            hit = np.flatnonzero(parts[place] == t[:, number])
+            if len(hit):
+                found[hit, number] = exact[place[hit]]
         return found
 
     def single(self, values: Array) -> Array:
@@ -373,10 +378,11 @@ DTYPES = {"Float": np.float32, "Float64": np.float64, "UInt": np.uint32}
 
 def stored(Type: Any, values: NDArray[Any]) -> Any:
     """Numbers in the device's memory, so that kernels depend neither on them nor on their address."""
-    values = np.asarray(values, DTYPES[Type.__name__])
-    buffer = np.empty(values.nbytes + ALIGNMENT, np.uint8)
-    start = -buffer.ctypes.data % ALIGNMENT
-    aligned = buffer[start : start + values.nbytes].view(values.dtype)
+    dtype = DTYPES[Type.__name__]
+    size = np.dtype(dtype).itemsize
+    buffer = np.empty(len(values) + ALIGNMENT // size, dtype)
+    start = -buffer.__array_interface__["data"][0] % ALIGNMENT // size
+    aligned = buffer[start : start + len(values)]
     aligned[:] = values
     array = Type(aligned)
     if len(values) == 1:  # one number alone would be compiled into the kernels
@@ -404,10 +410,11 @@ def gathered(values: Mapping[str, Array], index: Any, Float: Any) -> dict[str, A
     """Values (rows,) or (rows, 3) by path, as Dr.Jit values of the rows that `index` names."""
     if not values:
         return {}
-    columns = np.concatenate([v.reshape(len(v), -1) for v in values.values()], axis=1)
+    columns = np.column_stack(list(values.values()))
     rows, width = columns.shape
-    # One row alone would be compiled for itself
-    table = stored(Float, np.ascontiguousarray(np.resize(columns, (max(rows, 2), width))).ravel())
+    if rows == 1:  # alone it would be compiled for itself
+        columns = np.repeat(columns, 2, axis=0)
+    table = stored(Float, columns.ravel())
     first = index * width
     found, number = {}, 0
     for path, value in values.items():
