@@ -341,6 +341,26 @@ def test_labels_tell_what_differs_and_the_head_what_is_common():
     assert shared == "rho = 0.5"
 
 
+def test_materials_are_called_by_their_names():
+    models, labels, shared = named(
+        [gonio.load("gold"), gonio.load("gold:alpha=0.3"), gonio.EON(rho=0.5)]
+    )
+    assert labels == ["gold", "gold, alpha = 0.3", "eon, rho = 0.5, roughness = 0.5"]
+    assert shared == ""
+    assert models[1] == gonio.load("gold:alpha=0.3").model
+
+
+def test_of_many_parameters_those_are_told_that_were_changed():
+    patina = gonio.Patina()
+    assert named([patina])[2] == "all parameters at their defaults"
+    told = named([patina.replace(alpha=0.2)])[2]
+    assert told == "alpha = 0.2, other parameters at their defaults"
+    assert named([patina, patina.replace(alpha=0.2)])[1] == [
+        "patina, alpha = 0.5",
+        "patina, alpha = 0.2",
+    ]
+
+
 def test_long_labels_stay_inside_the_picture():
     models = [gonio.load(name).model for name in ("gold", "ceramic", "skin")]
     figure = albedo(models).figure()

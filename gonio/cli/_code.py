@@ -9,9 +9,9 @@ from typing import Any
 
 import click
 
-from gonio.cli.program import FloatRange, plain_models
+from gonio.cli.program import FloatRange, plain_materials
 from gonio.foreign import Foreign, ForeignError, as_model, is_foreign, load
-from gonio.materials import notation
+from gonio.materials import Material, notation
 from gonio.model import Model
 
 
@@ -55,6 +55,15 @@ class Code:
         """The models that texts name, and code as a model: x.glsl#ggx:roughness=0.3.
 
         Raises:
+            ValueError: as `materials`.
+        """
+        found = self.materials(texts, params)
+        return [one.model if isinstance(one, Material) else one for one in found]
+
+    def materials(self, texts: Iterable[str], params: Iterable[str] = ()) -> list[Model | Material]:
+        """As `models`; materials keep their names.
+
+        Raises:
             ValueError: as `plain_models`, or options of code without any code.
         """
         texts = [self.named(text) for text in texts]
@@ -63,11 +72,11 @@ class Code:
             raise ForeignError(
                 "--function, --map and the like belong to a FILE of code, such as x.glsl#eval."
             )
-        found: list[Model] = []
+        found: list[Model | Material] = []
         loaded: dict[str, Model] = {}
         for text, name in zip(texts, code, strict=True):
             if name is None:
-                found += plain_models([text], params)
+                found += plain_materials([text], params)
                 continue
             if name not in loaded:
                 loaded[name] = as_model(self.load(name))

@@ -10,12 +10,17 @@ from click.shell_completion import CompletionItem
 
 from gonio.cli._code import Code, code_options
 from gonio.cli.program import complete, param_option
+from gonio.messages import did_you_mean
 
 KINDS_HELP = (
     "polar and cartesian slices of lobes, surface for lobes in space, scattering for single and "
     "multiple apart, albedo, error for the difference from the first model, distribution, masking and "
     "fresnel for D, G and F, sampling for the quality of the samplers"
 )
+
+
+# How publications call what these show.
+SYMBOLS = {"D": "distribution", "NDF": "distribution", "F": "fresnel", "G": "masking"}
 
 
 class Kind(click.ParamType[str]):
@@ -28,7 +33,10 @@ class Kind(click.ParamType[str]):
         from gonio.plot import KINDS
 
         if value not in KINDS:
-            self.fail(f"{value!r} is not one of {', '.join(KINDS)}", param, ctx)
+            meant = SYMBOLS.get(str(value).upper())
+            hint = f"did you mean {meant!r}? " if meant else did_you_mean(str(value), KINDS)
+            known = f"{'Known' if hint else 'known'} are {', '.join(KINDS)}"
+            self.fail(f"no plot {value!r}; {hint}{known}", param, ctx)
         return str(value)
 
     def shell_complete(self, ctx: Any, param: Any, incomplete: str) -> list[CompletionItem]:
@@ -130,7 +138,7 @@ def command(
     """
     from gonio import plot as plots
 
-    materials = code.models(_variations([code.named(text) for text in models], vary), params)
+    materials = code.materials(_variations([code.named(text) for text in models], vary), params)
     settings: dict[str, Any] = {
         "along": along,
         "channel": channel,

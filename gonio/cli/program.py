@@ -12,7 +12,7 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -21,6 +21,9 @@ from gonio.cli._interrupt import CODE, prompt_interrupt
 from gonio.files import remove_unfinished
 from gonio.messages import Notice, did_you_mean
 from gonio.model import Model
+
+if TYPE_CHECKING:
+    from gonio.materials import Material
 
 # Options that name what is written: without a name, a file would land in the folder one is in.
 WRITTEN = ("-o", "--output", "--save")
@@ -191,15 +194,27 @@ def plain_models(texts: Iterable[str], params: Iterable[str] = ()) -> list[Model
     Raises:
         ValueError: as `gonio.load`, or a picture drives a parameter.
     """
-    from gonio.materials import load_model
+    from gonio.materials import Material
+
+    found = plain_materials(texts, params)
+    return [one.model if isinstance(one, Material) else one for one in found]
+
+
+def plain_materials(texts: Iterable[str], params: Iterable[str] = ()) -> list[Model | Material]:
+    """As `plain_models`; materials keep their names.
+
+    Raises:
+        ValueError: as `plain_models`.
+    """
+    from gonio.materials import Material, load
 
     texts, given = list(texts), list(params)
     check_params(texts, given)
     found = []
     for text in texts:
-        model, notes = load_model(text, given)
-        found.append(model)
-        for note in notes:
+        one = load(text, given)
+        found.append(one)
+        for note in one.plain()[1] if isinstance(one, Material) else ():
             click.echo(f"note: {note}", err=True)
     return found
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from gonio.model import Model
-from gonio.plot.labels import named
+from gonio.plot.labels import Shown, named
 from gonio.plot.numbers import (
     Floats,
     brdf_values,
@@ -31,7 +31,7 @@ AXES = ("degrees", "cosine")
 
 
 def cartesian(
-    models: Sequence[Model],
+    models: Shown,
     *,
     theta_o: Sequence[float] | float = (0, 30, 60, 80),
     phi: Sequence[float] | float = 0,
@@ -149,7 +149,7 @@ def _symbol(cosine: bool) -> str:
 
 
 def scattering(
-    models: Sequence[Model],
+    models: Shown,
     *,
     theta_o: Sequence[float] | float = (0, 30, 60, 80),
     cosine: bool = True,

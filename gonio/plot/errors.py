@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gonio.model import Model
-from gonio.plot.labels import named
+from gonio.plot.labels import Shown, named
 from gonio.plot.numbers import (
     Floats,
     brdf_values,
@@ -25,7 +24,7 @@ from gonio.plot.style import curve_styles
 
 
 def error(
-    models: Sequence[Model],
+    models: Shown,
     *,
     theta_o: Sequence[float] | float = (0, 60, 80),
     channel: str = "luminance",

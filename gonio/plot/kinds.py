@@ -10,11 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from gonio.model import Model
 from gonio.plot.cartesian import cartesian, scattering
 from gonio.plot.drawing import draw_albedo, draw_polar, draw_surface
 from gonio.plot.errors import error
-from gonio.plot.labels import named
+from gonio.plot.labels import Shown, named
 from gonio.plot.numbers import (
     Floats,
     brdf_values,
@@ -38,7 +37,7 @@ Columns = dict[str, Any]
 
 
 def plot(
-    models: Sequence[Model],
+    models: Shown,
     kind: str = "polar",
     output: str | Path = "plot.png",
     *,
@@ -48,7 +47,7 @@ def plot(
     """Plot models to a .png, .svg, .pdf or .csv file and return its path.
 
     Args:
-        models: one or more models whose parameters are numbers, not arrays.
+        models: one or more models or materials whose parameters are numbers, not arrays.
         kind: one of `KINDS`, such as "polar"; see the functions of these names, which take the
             further settings, such as theta_o=(0, 60).
         output: the file; an existing one is replaced.
@@ -69,7 +68,7 @@ def plot(
 
 
 def polar(
-    models: Sequence[Model],
+    models: Shown,
     *,
     theta_o: Sequence[float] | float = (0, 30, 60, 80),
     phi: float = 0,
@@ -122,7 +121,7 @@ def polar(
 
 
 def albedo(
-    models: Sequence[Model],
+    models: Shown,
     *,
     along: str | None = None,
     dots: bool = False,
@@ -206,7 +205,7 @@ def albedo(
 
 
 def surface(
-    models: Sequence[Model],
+    models: Shown,
     *,
     theta_o: Sequence[float] | float = 60,
     cosine: bool = True,

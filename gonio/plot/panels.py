@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from gonio.model import Model
-from gonio.plot.labels import named
+from gonio.plot.labels import Shown, named
 from gonio.plot.numbers import Floats
 from gonio.plot.output import Plot
 from gonio.plot.style import (
@@ -62,7 +61,7 @@ class Panel:
     """Places along x to mark, each with its name."""
 
 
-def of_panels(panels: Sequence[Panel], models: Sequence[Model], title: str) -> Plot:
+def of_panels(panels: Sequence[Panel], models: Shown, title: str) -> Plot:
     """A plot of panels made elsewhere, whose curves belong to models.
 
     For curves that no kind of plot has.

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from gonio.model import Model
-from gonio.plot.labels import named
+from gonio.plot.labels import Shown, named
 from gonio.plot.numbers import (
     SAMPLES_COMPILED,
     SAMPLES_SCALAR,
@@ -38,7 +38,7 @@ STATISTICS = ("mean", "variance", "maximum")
 
 
 def sampling(
-    models: Sequence[Model],
+    models: Shown,
     *,
     along: str | None = None,
     theta_o: Sequence[float] | float | None = None,

@@ -12,7 +12,7 @@ from gonio.arrays.elementwise import elementwise
 from gonio.fields import Parameter
 from gonio.lang import vec3
 from gonio.model import Model
-from gonio.plot.labels import named
+from gonio.plot.labels import Shown, named
 from gonio.plot.numbers import Floats, choose_channel, direction, light_angles, rgb_columns
 from gonio.plot.output import Plot
 from gonio.plot.panels import DEGREES, SIGNED, Curve, Panel, draw_panels
@@ -85,7 +85,7 @@ def reflectances(model: Model, cos_theta: Floats) -> dict[str, Floats]:
 
 
 def distribution(
-    models: Sequence[Model],
+    models: Shown,
     *,
     log: bool = False,
     title: str | None = None,
@@ -125,7 +125,7 @@ def distribution(
 
 
 def masking(
-    models: Sequence[Model],
+    models: Shown,
     *,
     theta_i: Sequence[float] | float | None = None,
     title: str | None = None,
@@ -182,7 +182,7 @@ def _polar(w: Floats) -> Floats:
 
 
 def fresnel(
-    models: Sequence[Model],
+    models: Shown,
     *,
     log: bool = False,
     channel: str = "luminance",
