@@ -14,7 +14,7 @@ import make_site
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from site_pages import docstrings, formulas, markdown
+from site_pages import docstrings, formulas, markdown, texts
 from site_pages.pictures import shared_settings, steps
 from site_pages.sources import Sources
 
@@ -113,6 +113,39 @@ def test_every_item_of_every_text_is_on_its_page(site: Path) -> None:
         assert "::test_" in page, "errata have proofs"
     made = (site / "texts" / "eon.html").read_text(encoding="utf-8")
     assert made.count('class="verdict') == 2, "in the table of all, and with its numbers"
+
+
+def test_a_text_s_page_shows_an_item_s_picture_without_the_numbers_below_it(tmp_path: Path) -> None:
+    from PIL import Image
+
+    class Red:
+        def save(self, output: str | Path) -> Path:
+            Image.new("RGB", (300, 200), "red").save(output, format="PNG")
+            return Path(output)
+
+    text = reproduce.Text("t", "A text")
+
+    @text.item("1", "Figure 1", "something red")
+    def red(sheet: reproduce.Sheet) -> Red:
+        sheet.show("how red", 1)
+        return Red()
+
+    reproduce.write(text.items[0], tmp_path)
+    result = texts._result(tmp_path, "t:1")
+    assert result is not None
+    sources = Sources(tmp_path / "source")
+    with Image.open(tmp_path / "t-1.png") as page:
+        assert len(page.getcolors(1 << 16) or ()) > 2, "the page itself has text"
+    address = texts._put(sources, tmp_path / "t-1.png", result["picture"])
+    with Image.open(sources.folder / "texts" / address) as shown:
+        assert shown.size == (300, 200)
+        assert np.ptp(np.asarray(shown), axis=(0, 1)).max() <= 2  # WebP's rounding
+
+
+def test_columns_that_say_nothing_are_left_out() -> None:
+    head, rows = texts._without_empty(("", "text", "gonio"), [("a", "", "1"), ("b", "", "2")])
+    assert head == ["", "gonio"]
+    assert rows == [["a", "1"], ["b", "2"]]
 
 
 def test_every_public_module_has_a_page_of_reference(site: Path) -> None:

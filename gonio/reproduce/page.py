@@ -25,8 +25,16 @@ COLOURS = {
 }
 
 
-def write_page(made: Made, path: Path) -> None:
-    """Draw the picture, and below it the text's numbers beside gonio's."""
+Box = tuple[int, int, int, int]
+"""Left, top, right and bottom, in pixels."""
+
+
+def write_page(made: Made, path: Path) -> Box:
+    """Draw the picture, and below it the text's numbers beside gonio's.
+
+    Returns:
+        Where the picture alone is, for pages that show the numbers as text.
+    """
     from PIL import Image, ImageDraw
 
     if made.picture is None:
@@ -54,7 +62,8 @@ def write_page(made: Made, path: Path) -> None:
         font=_font(16),
         fill=FAINT,
     )
-    page.paste(drawn, ((width - drawn.width) // 2, top))
+    left = (width - drawn.width) // 2
+    page.paste(drawn, (left, top))
     y = top + drawn.height + MARGIN
     for columns, colour in rows:
         for text, x in columns:
@@ -62,6 +71,7 @@ def write_page(made: Made, path: Path) -> None:
         y += LINE_HEIGHT
     with replacing(path) as temporary:
         page.save(temporary, format="PNG")
+    return left, top, left + drawn.width, top + drawn.height
 
 
 def _rows(made: Made, width: int) -> list[tuple[list[tuple[str, float]], str]]:

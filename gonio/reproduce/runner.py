@@ -12,7 +12,7 @@ from typing import Any
 
 import gonio
 from gonio.files import replacing
-from gonio.reproduce.page import write_page
+from gonio.reproduce.page import Box, write_page
 from gonio.reproduce.sheet import Sheet, Verdict
 from gonio.reproduce.table import table
 from gonio.reproduce.text import Item, Made
@@ -42,12 +42,13 @@ def write(item: Item, folder: str | Path) -> Made:
     folder = Path(folder)
     made = make(item)
     stem = _stem(item)
+    picture: Box | None = None
     if made.picture is not None:
-        write_page(made, folder / f"{stem}.png")  # first: it may add numbers
+        picture = write_page(made, folder / f"{stem}.png")  # first: it may add numbers
     with replacing(folder / f"{stem}.md") as temporary:
         temporary.write_text(table(made), encoding="utf-8")
     with replacing(folder / f"{stem}.json") as temporary:
-        temporary.write_text(json.dumps(_data(made), indent=1) + "\n", encoding="utf-8")
+        temporary.write_text(json.dumps(_data(made, picture), indent=1) + "\n", encoding="utf-8")
     return made
 
 
@@ -102,7 +103,7 @@ def _stem(item: Item) -> str:
     return item.id.replace(":", "-")
 
 
-def _data(made: Made) -> dict[str, Any]:
+def _data(made: Made, picture: Box | None) -> dict[str, Any]:
     item = made.item
     return {
         "id": item.id,
@@ -110,6 +111,7 @@ def _data(made: Made) -> dict[str, Any]:
         "source": f"{item.text.title}, {item.source}",
         "states": item.states,
         "verdict": made.verdict.value,
+        "picture": picture,
         "remarks": made.sheet.notes(),
         "lines": [
             {

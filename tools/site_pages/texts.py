@@ -9,7 +9,9 @@ from __future__ import annotations
 import importlib
 import inspect
 import json
+import re
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -100,13 +102,15 @@ def _page(
         blocks += ["[Errata](#errata) are below."]
     if counted:
         blocks += [_overview(text, made)]
+    named_before = Counter(item.source for item in text.items)
     for heading, items in _sections(text).items():
         blocks.append(f"## {heading}")
         for item in items:
             result = made[item.id]
+            box = result["picture"] if result else None
             picture = results / f"{item.id.replace(':', '-')}.png"
-            address = _put(sources, picture) if result and picture.is_file() else ""
-            blocks += _item(item, result, address)
+            address = _put(sources, picture, box) if box else ""
+            blocks += _item(item, result, address, named_before[item.source] > 1)
     if errata:
         blocks += ["## Errata", errata]
     blocks += ["## To cite it", fence(publication.bibtex(), "bibtex")]
@@ -129,13 +133,26 @@ def _sections(text: reproduce.Text) -> dict[str, list[reproduce.Item]]:
     for item in text.items:
         kinds = [name for name, starts in SECTIONS.items() if item.source.startswith(starts)]
         found[kinds[0] if kinds else SENTENCES].append(item)
+    for name, items in found.items():
+        if name != SENTENCES:
+            items.sort(key=lambda item: _order(item.source))
     return {name: items for name, items in found.items() if items}
 
 
-def _heading(item: reproduce.Item) -> str:
-    """Where it stands; of a sentence what it says, because many stand in one section."""
+def _order(source: str) -> tuple[str, int]:
+    """By the kind of place, and by the first number in it."""
+    kind, number = re.match(r"(\D*)(\d*)", source).groups()  # type: ignore[union-attr]
+    return kind, int(number or 0)
+
+
+def _heading(item: reproduce.Item, shared: bool) -> str:
+    """Where it stands; of a sentence what it says, because many stand in one section.
+
+    The part of an item's name that follows the number tells those apart that share a place.
+    """
     if item.source.startswith(tuple(s for starts in SECTIONS.values() for s in starts)):
-        return plain(item.source)
+        part = item.name.partition("-")[2] if shared else ""
+        return plain(f"{item.source}, {part}" if part else item.source)
     return plain(sentence(item.states).rstrip("."))
 
 
@@ -156,10 +173,12 @@ def _badge(result: dict[str, Any] | None) -> str:
     return f'<span class="verdict {CLASSES[verdict]}">{verdict}</span> '
 
 
-def _item(item: reproduce.Item, result: dict[str, Any] | None, picture: str) -> list[str]:
-    heading = _heading(item)
+def _item(
+    item: reproduce.Item, result: dict[str, Any] | None, picture: str, shared: bool
+) -> list[str]:
+    heading = _heading(item, shared)
     blocks = [f"({item.text.name}-{item.name})=\n### {heading}"]
-    told = item.states if heading == plain(item.source) else item.source
+    told = item.states if heading.startswith(plain(item.source)) else item.source
     blocks.append(f"{_badge(result)}{plain(sentence(told))}")
     if result is None:
         blocks.append(fence(f"gonio reproduce {item.id}", "sh"))
@@ -168,7 +187,7 @@ def _item(item: reproduce.Item, result: dict[str, Any] | None, picture: str) -> 
         blocks.append(f"![{plain(item.source)}: gonio's]({picture})")
     if result["lines"]:
         rows = [_cells(line) for line in result["lines"]]
-        numbers = table(HEADER, rows)
+        numbers = table(*_without_empty(HEADER, rows))
         if len(rows) > LONG:
             folded = f":::{{container}} numbers\n\n{numbers}\n:::"
             blocks.append(f"::::{{dropdown}} {len(rows)} numbers\n\n{folded}\n::::")
@@ -178,6 +197,14 @@ def _item(item: reproduce.Item, result: dict[str, Any] | None, picture: str) -> 
         blocks.append("\n".join(f"- {plain(remark)}" for remark in result["remarks"]))
     blocks.append(f"`gonio reproduce {item.id}`")
     return blocks
+
+
+def _without_empty(
+    header: Sequence[str], rows: Sequence[Sequence[str]]
+) -> tuple[list[str], list[list[str]]]:
+    """A table without the columns that say nothing, such as the text's where it has no numbers."""
+    told = [n for n in range(len(header)) if n == 0 or any(row[n] for row in rows)]
+    return [header[n] for n in told], [[row[n] for n in told] for row in rows]
 
 
 def _cells(line: dict[str, Any]) -> list[str]:
@@ -197,15 +224,15 @@ def _difference(number: float) -> str:
     return f"{number:+.2g}".replace("-", "−") if number else "0"
 
 
-def _put(sources: Sources, picture: Path) -> str:
-    """The picture in a size for the page, without the numbers below it drawn twice as large as need be."""
+def _put(sources: Sources, picture: Path, box: Sequence[int]) -> str:
+    """The picture alone, in a size for the page, which has its title and its numbers as text."""
     from PIL import Image
 
     small = sources.folder / FOLDER / "pictures" / f"{picture.stem}.webp"
     if not small.is_file() or small.stat().st_mtime < picture.stat().st_mtime:
         small.parent.mkdir(parents=True, exist_ok=True)
         with Image.open(picture) as full:
-            image = full.convert("RGB")
+            image = full.convert("RGB").crop(tuple(box))
             image.thumbnail((WIDE, 10 * WIDE))
             image.save(small, format="WEBP", quality=88)
     sources.put.add(small)

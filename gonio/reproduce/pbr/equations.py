@@ -65,7 +65,9 @@ def _distribution(sheet: Sheet, name: str) -> None:
     sheet.claim("the integral of D cos, which must be 1", "=", 1, over.reflected(D), within=1e-5)
 
 
-@TEXT.item("eq-d-bp", "4.2.1.1", "D of Blinn-Phong, by the exponent and by alpha", "eq-d-bp2")
+@TEXT.item(
+    "eq-d-bp", "section 4.2.1.1", "D of Blinn-Phong, by the exponent and by alpha", "eq-d-bp2"
+)
 def d_blinn_phong(sheet: Sheet) -> None:
     _distribution(sheet, "blinn_phong")
     n = 2 / ALPHA**2 - 2
@@ -79,24 +81,24 @@ def d_blinn_phong(sheet: Sheet) -> None:
     )
 
 
-@TEXT.item("eq-d-beckmann", "4.2.1.2", "D of Beckmann")
+@TEXT.item("eq-d-beckmann", "section 4.2.1.2", "D of Beckmann")
 def d_beckmann(sheet: Sheet) -> None:
     _distribution(sheet, "beckmann")
 
 
-@TEXT.item("eq-d-ggx", "4.2.1.3", "D of GGX")
+@TEXT.item("eq-d-ggx", "section 4.2.1.3", "D of GGX")
 def d_ggx(sheet: Sheet) -> None:
     _distribution(sheet, "ggx")
 
 
-@TEXT.item("eq-alphap", "4.2.1.1", "n = 2 / alpha^2 - 2")
+@TEXT.item("eq-alphap", "section 4.2.1.1", "n = 2 / alpha^2 - 2")
 def exponent(sheet: Sheet) -> None:
     for alpha in (0.1, 0.5):
         ours = conversions.shininess_from_alpha(alpha)
         sheet.claim(f"n at alpha {alpha:g}", "=", 2 / alpha**2 - 2, ours, within=1e-9)
 
 
-@TEXT.item("eq-alphap2", "4.2.1.2", "n = alpha^-2 - 2 for Beckmann")
+@TEXT.item("eq-alphap2", "section 4.2.1.2", "n = alpha^-2 - 2 for Beckmann")
 def exponent_beckmann(sheet: Sheet) -> None:
     n = conversions.shininess_from_alpha(ALPHA)
     sheet.refute(
@@ -111,13 +113,13 @@ def exponent_beckmann(sheet: Sheet) -> None:
     )
 
 
-@TEXT.item("eq-alpha", "4.2.1.3", "alpha = r^2")
+@TEXT.item("eq-alpha", "section 4.2.1.3", "alpha = r^2")
 def alpha(sheet: Sheet) -> None:
     ours = conversions.alpha_from_perceptual(0.7)
     sheet.claim("alpha of roughness 0.7", "=", 0.49, ours, within=1e-12)
 
 
-@TEXT.item("eq-schlick", "4.2.2", "F = F0 + (1 - F0)(1 - h.v)^5")
+@TEXT.item("eq-schlick", "section 4.2.2", "F = F0 + (1 - F0)(1 - h.v)^5")
 def schlick(sheet: Sheet) -> None:
     model = gonio.TorranceSparrow(fresnel="schlick", f0=0.04)
     cos = np.linspace(0, 1, 30)
@@ -126,7 +128,7 @@ def schlick(sheet: Sheet) -> None:
     sheet.claim("largest difference", "<=", 1e-12, apart)
 
 
-@TEXT.item("eq-f0", "4.2.2", "F0 from two indices, or one in air", "eq-f0air")
+@TEXT.item("eq-f0", "section 4.2.2", "F0 from two indices, or one in air", "eq-f0air")
 def f0(sheet: Sheet) -> None:
     for n in (1.333, 1.5, 2.42):
         ours = float(elementwise(fresnel.f0_from_eta, np.array(n)))
@@ -169,7 +171,7 @@ def metallic_roughness(sheet: Sheet) -> None:
         )
 
 
-@TEXT.item("eq-disneydiffuse", "4.1", "Disney's diffuse model, with k_d and theta_h")
+@TEXT.item("eq-disneydiffuse", "section 4.1", "Disney's diffuse model, with k_d and theta_h")
 def disney_diffuse(sheet: Sheet) -> None:
     def burley(angle: str, wi: Floats, wo: Floats) -> Floats:
         cos_n, cos_h = half(wi, wo)
@@ -199,7 +201,7 @@ def disney_diffuse(sheet: Sheet) -> None:
     )
 
 
-@TEXT.item("eq-g", "4.2.3", "G = G0(l) G0(v), called Smith-Joint")
+@TEXT.item("eq-g", "section 4.2.3", "G = G0(l) G0(v), called Smith-Joint")
 def smith(sheet: Sheet) -> None:
     white = gonio.TorranceSparrow(alpha=0.5, fresnel="white", masking="smith")
     wi, wo = random_pairs(1000, lowest=0.05)
@@ -221,7 +223,7 @@ def smith(sheet: Sheet) -> None:
     )
 
 
-@TEXT.item("eq-schlickbeckmann", "4.2.3", "Schlick's G0 with k = alpha sqrt(2 / pi)")
+@TEXT.item("eq-schlickbeckmann", "section 4.2.3", "Schlick's G0 with k = alpha sqrt(2 / pi)")
 def schlick_beckmann(sheet: Sheet) -> None:
     k = float(elementwise(masking.schlick_k_beckmann, np.array(0.5)))
     sheet.claim("k at alpha 0.5", "=", 0.5 * math.sqrt(2 / math.pi), k, within=1e-12)
@@ -230,7 +232,7 @@ def schlick_beckmann(sheet: Sheet) -> None:
     sheet.claim("G0: largest difference", "<=", 1e-12, apart)
 
 
-@TEXT.item("eq-schlickggx", "4.2.3", "UE4 has k = alpha / 2")
+@TEXT.item("eq-schlickggx", "section 4.2.3", "UE4 has k = alpha / 2")
 def schlick_ggx(sheet: Sheet) -> None:
     k = float(elementwise(masking.schlick_k_ggx, np.array(0.5)))
     sheet.claim("k at alpha 0.5, for image-based light", "=", 0.25, k, within=1e-12)
@@ -298,6 +300,6 @@ NAMED = {
 }
 
 for _id, (_name, _printed, _options) in NAMED.items():
-    TEXT.item(f"g-{_id}", "4.2.3", f"the masking function named {_id}")(
+    TEXT.item(f"g-{_id}", "section 4.2.3", f"the masking function named {_id}")(
         functools.partial(_masking, name=_name, printed=_printed, **_options)  # type: ignore[arg-type]
     )

@@ -22,7 +22,7 @@ from gonio.reproduce.text import Picture
 
 @TEXT.item(
     "ndf",
-    "4.2.1.3",
+    "section 4.2.1.3",
     "D of Beckmann, Blinn-Phong and GGX: the first two hardly differ, GGX has a long tail",
     "g",
 )
@@ -58,7 +58,7 @@ def distributions(sheet: Sheet) -> Picture:
     )
 
 
-@TEXT.item("h", "4.2.1.3", "highlight of measured chrome beside GGX and Beckmann")
+@TEXT.item("h", "section 4.2.1.3", "highlight of measured chrome beside GGX and Beckmann")
 def chrome(sheet: Sheet) -> Picture:
     sheet.remark(
         "the measured chrome is not public in a form that can be had here; the two models are"
@@ -76,7 +76,7 @@ def chrome(sheet: Sheet) -> Picture:
     return Rendered(models, ["GGX", "Beckmann"], [("", {"environment": "sun"})])
 
 
-@TEXT.item("i", "4.2.1.3", "the highlight over the roughness")
+@TEXT.item("i", "section 4.2.1.3", "the highlight over the roughness")
 def highlights(sheet: Sheet) -> Picture:
     roughnesses = (0.1, 0.3, 0.5, 0.7, 0.9)
     models = [gonio.MetallicRoughness(metallic=1, roughness=r) for r in roughnesses]
@@ -98,7 +98,9 @@ def highlights(sheet: Sheet) -> Picture:
     return Rendered(models, [f"{r:g}" for r in roughnesses], common={"size": (176, 176)})
 
 
-@TEXT.item("j", "4.2.2", "F0 of many materials: about 4 % for dielectrics, far more for metals")
+@TEXT.item(
+    "j", "section 4.2.2", "F0 of many materials: about 4 % for dielectrics, far more for metals"
+)
 def reflectances(sheet: Sheet) -> None:
     sheet.remark(
         "the table is a picture that is not in the text at hand; these are gonio's, linear sRGB"

@@ -111,7 +111,7 @@ def projected_area(sheet: Sheet) -> None:
     )
 
 
-@TEXT.item("k", "4.2.3", "shadowing and masking of facets")
+@TEXT.item("k", "section 4.2.3", "shadowing and masking of facets")
 def shadowing(sheet: Sheet) -> None:
     """G alone: f over the same without it."""
     seen, hidden = (

@@ -16,7 +16,7 @@ from gonio.reproduce.pbr.equations import D_ggx
 from gonio.reproduce.sheet import Sheet
 
 
-@TEXT.item("4", "1.1", "dielectrics reflect about 4 % at normal incidence")
+@TEXT.item("4", "section 1.1", "dielectrics reflect about 4 % at normal incidence")
 def four_percent(sheet: Sheet) -> None:
     glass = float(elementwise(fresnel.f0_from_eta, np.array(1.5)))
     sheet.claim("glass, index 1.5", "=", "0.04", glass)
@@ -24,7 +24,7 @@ def four_percent(sheet: Sheet) -> None:
         sheet.show(f"{name}, index {n:g}", float(elementwise(fresnel.f0_from_eta, np.array(n))))
 
 
-@TEXT.item("metal", "1.1", "metals reflect far more than 4 %, and have no diffuse part")
+@TEXT.item("metal", "section 1.1", "metals reflect far more than 4 %, and have no diffuse part")
 def metal(sheet: Sheet) -> None:
     for symbol in ("Au", "Cr"):
         index = metals.metal(symbol)
@@ -71,7 +71,7 @@ def roughness_1(sheet: Sheet) -> None:
     )
 
 
-@TEXT.item("tail", "4.2.1.3", 'GGX falls more slowly "when n.h grows"')
+@TEXT.item("tail", "section 4.2.1.3", 'GGX falls more slowly "when n.h grows"')
 def tail(sheet: Sheet) -> None:
     slope = [float(D_ggx(0.3, np.array(c))) for c in (0.6, 0.9)]
     up = np.array([[0.0, 0, 1]])
@@ -133,7 +133,7 @@ def disney(sheet: Sheet) -> None:
     sheet.show("parameters in all", len(gonio.Disney.fields))
 
 
-@TEXT.item("schlick", "4.2.2", "Schlick's original paper has n.v in place of h.v")
+@TEXT.item("schlick", "section 4.2.2", "Schlick's original paper has n.v in place of h.v")
 def schlick(sheet: Sheet) -> None:
     sheet.lack("a statement about another paper, which is not at hand")
     light, viewer = 60.0, 10.0
