@@ -373,3 +373,111 @@ def test_a_model_that_is_bent_to_code_at_every_setting_is_no_answer() -> None:
     bent = registry.Found(gonio.model("patina"), "f", 1e-5, dict.fromkeys(names, "a function of c"))
     assert not bent.exact
     assert registry.Found(bent.model, "f", 1e-5, {"alpha": "a function of c"}).exact
+
+
+# Lobes whose terms are written out here anew: widths, factors and F0 as engines have them.
+OWN_WIDTHS = (
+    SURFACE
+    + """
+def mixed(wi, wo, coat=1.0, r=0.5):
+    d, _, x, _ = parts(wi, wo, (0.1 + 0.4 * r) ** 2)
+    return coat * d * 0.25 / (1 - x) ** 2 * (0.04 + 0.96 * x**5)
+
+def lights(wi, wo, f0=(0.5, 0.5, 0.5), r=0.5):
+    d, g, x, _ = parts(wi, wo, (0.5 + 0.5 * r) ** 2)
+    return (d * g)[:, None] * (f0 + (1 - f0) * (x**5)[:, None])
+
+def exponent(wi, wo, gloss=0.5):
+    _, _, x, h = parts(wi, wo, np.ones(len(wi)))
+    n = 2 ** (1 + 8 * gloss)
+    return (n + 2) / (8 * np.pi) * h**n * (0.04 + 0.96 * x**5)
+
+def bare(wi, wo, r=0.5):
+    _, _, x, h = parts(wi, wo, np.ones(len(wi)))
+    return (1 - h * h) ** (1 / r) * (0.04 + 0.96 * x**5)
+
+def scaled(wi, wo, base=(0.5, 0.5, 0.5), occlusion=0.5, metallic=0.5, weight=0.5):
+    return base * (occlusion * weight * (1 - metallic) / np.pi)[:, None]
+
+def index(wi, wo, base=(0.5, 0.5, 0.5), ior=1.5, roughness=0.5):
+    d, g, x, _ = parts(wi, wo, roughness**2)
+    f0 = ((ior - 1) / (ior + 1)) ** 2
+    f = f0 + (1 - f0) * x**5
+    return base * ((1 - f) / np.pi)[:, None] + (d * g * f)[:, None]
+
+def exchanged(wi, wo, f0=(0.5, 0.5, 0.5), roughness=0.5):
+    d, g, x, _ = parts(wi, wo, roughness**2)
+    return (d * g)[:, None] * (1 + (f0 - 1) * (x**5)[:, None])
+
+def cloth(wi, wo, sheen=(0.5, 0.5, 0.5), r=0.5):
+    _, _, _, h = parts(wi, wo, np.ones(len(wi)))
+    l, v = wi[:, 2], wo[:, 2]
+    d = (2 + 1 / r) * (1 - h * h) ** (0.5 / r) / (2 * np.pi)
+    return sheen * (d / (4 * (l + v - l * v)))[:, None]
+"""
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("mixed", "GGX, alpha = (0.1 + 0.4 r)^2; Kelemen's masking; Schlick's Fresnel, F0 = 0.04"),
+        ("lights", "GGX, alpha = (0.5 + 0.5 r)^2; Smith's masking of GGX, height-correlated"),
+        ("exponent", "Blinn-Phong, alpha = sqrt(2 / (n + 2)), n = 2^(1 + 8 gloss); no masking"),
+        ("bare", "the factor before the lobe changes with r: its distribution is not normalised"),
+        ("scaled", "Lambert; times base occlusion weight (1 - metallic); times 1 / pi"),
+        ("index", "1 - Schlick's Fresnel of V.H, F0 = ((ior - 1) / (ior + 1))^2; times base"),
+        ("exchanged", "mostly a mistake: Schlick's Fresnel with F0 and F90 exchanged, f0"),
+        ("cloth", "Charlie, alpha = r; Neubelt and Pettineo's masking; times sheen"),
+    ],
+)  # fmt: skip
+def test_terms_as_engines_write_them_are_named(tmp_path: Path, name: str, words: str) -> None:
+    path = tmp_path / "code.py"
+    path.write_text(f"import numpy as np\n{OWN_WIDTHS}", encoding="utf-8")
+    head = OWN_WIDTHS.split(f"def {name}(")[1].split("\n")[0]
+    ranges = ["roughness=0.2..1", "r=0.1..1", "ior=1..3"]
+    used = [r for r in ranges if f" {r.partition('=')[0]}=" in head]
+    code = foreign.load(f"{path}#{name}", returns="f", ranges=used)
+    found = foreign.identify(code, ["lambert"])
+    assert found.exact
+    assert words in "\n".join(found.lines())
+
+
+def test_two_white_colours_of_a_sum_are_no_gain_beside_pi(tmp_path: Path) -> None:
+    text = """
+def f(wi, wo, diffuse=(0.5, 0.5, 0.5), specular=(0.5, 0.5, 0.5), scale=SCALE):
+    h = wi + wo
+    h = h / np.linalg.norm(h, axis=1, keepdims=True)
+    a2, l, v = 0.09, wi[:, 2], wo[:, 2]
+    d = a2 / np.pi / (h[:, 2] ** 2 * (a2 - 1) + 1) ** 2
+    g = 0.5 / (l * np.sqrt(a2 + (1 - a2) * v * v) + v * np.sqrt(a2 + (1 - a2) * l * l))
+    return SCALE * (diffuse / 3.14159 + specular * (d * g)[:, None])
+"""
+    path = tmp_path / "code.py"
+    for scale, returns in (("3.14159", "pi f"), ("1", "f")):
+        path.write_text(f"import numpy as np\n{text.replace('SCALE', scale)}", encoding="utf-8")
+        assert str(foreign.load(f"{path}#f").returns) == returns
+
+
+def test_a_number_that_is_no_part_of_reflection_does_not_hide_the_cosine(tmp_path: Path) -> None:
+    text = "def f(wi, wo, size=0.2):\n    return (size + wi[:, 2]) / np.pi\n"
+    path = tmp_path / "code.py"
+    path.write_text(f"import numpy as np\n{text}", encoding="utf-8")
+    assert foreign.load(f"{path}#f").returns.cosine == 1
+
+
+def test_blocks_with_a_name_and_vulkans_sets_are_read(tmp_path: Path) -> None:
+    text = """
+layout(set = 0, binding = 1) uniform Mat { vec4 base; mat4 view; float rough; } mat;
+layout(set = 1, binding = 0) uniform sampler2D lut;
+vec3 lit(vec3 N, vec3 V, vec3 L) { return mat.base.rgb * mat.rough * texture(lut, vec2(0.5)).r; }
+"""
+    code = read(tmp_path, "a.glsl", text)
+    assert "set" not in code.text.split("lit")[0]
+    assert taken(code, "lit") == {
+        "N": "normal",
+        "V": "wo",
+        "L": "wi",
+        "mat.base": "base",
+        "mat.rough": "rough",
+    }

@@ -108,14 +108,15 @@ def _in_a_furnace(subject: Subject) -> Finding:
     return Finding("in a white furnace", mean, NOTE, f"mean albedo; {shown}", subject.tag())
 
 
-def viewer(subject: Subject, points: Array) -> tuple[Array, Array]:
+def viewer(subject: Subject, points: Array, low: float = MU_LOW) -> tuple[Array, Array]:
     """Parameters and wo of points of a search, whose last two coordinates are angles.
 
-    The azimuth counts for models that are meant to be isotropic as well: they may not be.
+    The azimuth counts for models that are meant to be isotropic as well: they may not be. Cosines of wo
+    are `low` at least.
     """
     count = len(subject.parameters)
     azimuth = 2 * np.pi * points[:, count + 1]
-    mu = np.maximum(cosine_at(points[:, count]), MU_LOW)
+    mu = np.maximum(cosine_at(points[:, count]), low)
     return points[:, :count], directions(mu, azimuth)
 
 
@@ -219,14 +220,14 @@ def _at_least(found: hemisphere.Integrals | Albedos) -> Array:
 class _Contest:
     """The same for the points of a search; infinite where it is not a number."""
 
-    def __init__(self, subject: Subject) -> None:
+    def __init__(self, subject: Subject, low: float) -> None:
         """Nothing has been looked at."""
-        self.subject = subject
+        self.subject, self.low = subject, low
         self.best = np.full(BEATEN, -np.inf)
 
     def __call__(self, points: Array, levels: int = SHALLOW) -> Array:
         """What is far below the best so far is not integrated with care."""
-        at = viewer(self.subject, points)
+        at = viewer(self.subject, points, self.low)
         found = _at_least(_integrated(self.subject, *at, ROUGHLY, levels, float(self.best[0])))
         found = np.where(np.isnan(found), np.inf, found)
         self.best = np.sort(np.append(self.best, found))[-BEATEN:]
@@ -243,11 +244,11 @@ def _scattered(subject: Subject, count: int) -> Array:
     return np.concatenate([parameters, rng.random((count, angles))], axis=1)
 
 
-def largest(subject: Subject, effort: Effort) -> Finding:
-    """The largest directional albedo, by search."""
+def largest(subject: Subject, effort: Effort, low: float = MU_LOW) -> Finding:
+    """The largest directional albedo of viewers whose cosine is `low` at least, by search."""
     special = special_parts(subject)
     points, _ = maximise(
-        lambda p: estimate(subject, *viewer(subject, p)).max(axis=1),
+        lambda p: estimate(subject, *viewer(subject, p, low)).max(axis=1),
         dimensions(subject),
         population=effort.albedos,
         rounds=effort.rounds,
@@ -257,7 +258,7 @@ def largest(subject: Subject, effort: Effort) -> Finding:
         bands=len(subject.parameters),
     )
     # From here on with the integrals that count; the estimates hide what gains less than a percent
-    surely = _Contest(subject)
+    surely = _Contest(subject, low)
     scattered = _scattered(subject, effort.integrals)
     order = np.argsort(-surely(scattered, SKETCHY), kind="stable")
     points, _ = maximise(
@@ -274,7 +275,7 @@ def largest(subject: Subject, effort: Effort) -> Finding:
     documented = subject.size("energy")
     limits = [1.0] if documented is None else [1.0, documented.size]
     for tolerance, levels, count in INTEGRATED:
-        parameters, wo = viewer(subject, points[:count])
+        parameters, wo = viewer(subject, points[:count], low)
         found = _integrated(subject, parameters, wo, tolerance, levels)
         least = _at_least(found)
         order = np.argsort(-np.where(np.isnan(least), np.inf, least), kind="stable")
@@ -305,7 +306,7 @@ def largest(subject: Subject, effort: Effort) -> Finding:
         )
     if verdict == FAIL and documented is not None and measured < documented.size and effort.full:
         # That nothing comes near a documented size is said after a whole search
-        return largest(subject, replace(effort.full, generous=effort.generous))
+        return largest(subject, replace(effort.full, generous=effort.generous), low)
     if verdict == FAIL and error > BLURRED and measured < 1 + SURE * error:
         verdict, text = UNSURE, "the integral did not converge"
     theta = np.degrees(np.arccos(wo[best, 2]))

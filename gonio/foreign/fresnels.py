@@ -97,6 +97,12 @@ def terms(c: Cosines, colours: dict[str, Array]) -> Iterator[tuple[str, Array, b
     gaussian = 2 ** ((-5.55473 * c.d - 6.98316) * c.d)  # Lagarde 2012
     fixed = np.full_like(c.d, 0.04)
     yield "Schlick's Fresnel, F0 = 0.04", schlick(c.d, fixed), True
+    yield "1 - Schlick's Fresnel of V.H, F0 = 0.04", 1 - schlick(c.d, fixed), True
+    yield (
+        "Schlick's Fresnel with F0 and F90 exchanged, 0.04",
+        schlick(c.d, fixed / 0.04, 0.04),
+        False,
+    )
     for where, cosine in (("N.V", c.o), ("N.L", c.i), ("N.H", c.h)):
         yield (
             f"Schlick's Fresnel of {where} instead of V.H, F0 = 0.04",
@@ -120,6 +126,9 @@ def terms(c: Cosines, colours: dict[str, Array]) -> Iterator[tuple[str, Array, b
                     schlick(c.d, colour, np.minimum(factor * colour, 1)),
                     True,
                 )
+        yield f"1 - Schlick's Fresnel of V.H, F0 = {name}", 1 - schlick(c.d, f0), True
+        exchanged = 1 + (f0 - 1) * (1 - np.clip(c.d, 0, 1)) ** 5
+        yield f"Schlick's Fresnel with F0 and F90 exchanged, {name}", exchanged, False
         gauss = f0 + (1 - f0) * gaussian
         yield f"Schlick's Fresnel as a spherical Gaussian, F0 = {name}", gauss, True
         for where, cosine in (("N.V", c.o), ("N.L", c.i), ("N.H", c.h)):

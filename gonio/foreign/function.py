@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +41,24 @@ class Returns:
         )
         text = name if name.startswith("f") else f"{name}f"
         return text + (" cos(theta_i)" if self.cosine else "")
+
+
+class Valued(Protocol):
+    """What can be identified: code, or what is left of it without some of its terms."""
+
+    @property
+    def returns(self) -> Returns:
+        """The factor and the cosine of what it gives back."""
+        ...
+
+    @property
+    def parameters(self) -> dict[str, Parameter]:
+        """By name."""
+        ...
+
+    def raw(self, wi: Array, wo: Array, values: dict[str, Any] | None = None) -> Array:
+        """What the code gives back, (n, 3)."""
+        ...
 
 
 RETURNS = {

@@ -10,7 +10,7 @@ import numpy as np
 
 from gonio.check import energy
 from gonio.check.reciprocity import dimensions
-from gonio.check.report import FAIL, NOTE, PASS, Effort, Finding
+from gonio.check.report import FAIL, NOTE, PASS, UNSURE, Effort, Finding
 from gonio.check.subject import Array
 from gonio.fields import Parameter
 from gonio.foreign.places import LIMIT, places
@@ -21,6 +21,9 @@ from gonio.foreign.subject import ForeignSubject
 # So many places tell whether an end of a parameter's range has values; if not, checks begin this part of
 # the range inside of it.
 PROBED, INSIDE = 256, 0.05
+
+# The lowest cosine of the viewer at which a gain counts where roundings hide it.
+MU_CLEAR = 1e-2
 
 # An albedo of which roundings may be so much has no digits. That is looked for at such parts of a range
 # from its ends, and for a viewer at a middling angle: seen at grazing angles much more is lost.
@@ -85,19 +88,27 @@ def check(subject: ForeignSubject, effort: Effort) -> list[Finding]:
 
 
 def _beyond_rounding(subject: ForeignSubject, effort: Effort, first: Finding) -> Finding:
-    """A gain that was found, or what roundings leave of it."""
-    if first.verdict != FAIL or first.case is None:
+    """A gain that was found, or what roundings leave of it.
+
+    In the horizon 2 + 2 L.V, or 1 - N.H^2, can be nothing but roundings, which no shaking tells from an
+    error: what is gained there alone is a note.
+    """
+    if first.verdict not in (FAIL, UNSURE) or first.case is None:
         return first
     if first.measured <= 1 + LIMIT:
         text = f"no more than roundings of float32; {first.text}"
         return replace(first, verdict=PASS, text=text)
     parameters, _, wo = first.case
     lost = albedo_lost(subject, parameters, wo)
-    if not lost * ROUNDINGS > first.measured - 1:
+    if first.verdict == FAIL and not lost * ROUNDINGS > first.measured - 1:
         return first
-    beyond = energy.largest(ForeignSubject(subject.foreign, least=True), effort.less())
+    least = ForeignSubject(subject.foreign, least=True)
+    beyond = energy.largest(least, effort.less(), MU_CLEAR)
     if beyond.verdict == FAIL and beyond.measured > 1 + LIMIT:
         return replace(beyond, text=f"{beyond.text}; without what float32 may have rounded")
+    if first.verdict == UNSURE:
+        angle = np.degrees(np.arccos(MU_CLEAR))
+        return replace(first, text=f"{first.text}; up to {angle:.4g} degrees {beyond.measured:.4g}")
     text = (
         f"no gain beyond rounding, which is {lost:.1g} there: digits are lost, and with them energy; "
         f"{first.text}"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from gonio.check.report import NOTE, Finding, Report
-from gonio.foreign import partly, registry, sums, terms
+from gonio.foreign import partly, registry, sums, terms, widths
 from gonio.foreign.function import Foreign
 
 Progress = Callable[[int, int], None]
@@ -184,7 +184,7 @@ def identify(
         thorough: try models with all options, and even if the code is a product of known terms.
         progress: called with what is done and what there is to do.
     """
-    products = terms.identify(foreign)
+    products = widths.identify(foreign)
     label = foreign.label or foreign.name
     known = bool(products and products[0].exact)
     if not (known or thorough) and (same := registry.by_names(foreign, names)):
@@ -194,5 +194,8 @@ def identify(
     but_one = None if exact else partly.identify(foreign if apart is None else apart.last)
     found: list[registry.Found] = []
     if thorough or not exact:
-        found = registry.identify(foreign, names, thorough=thorough, progress=progress)
+        known = but_one is not None and not thorough
+        found = registry.identify(
+            foreign, names, thorough=thorough, partly=known, progress=progress
+        )
     return Identity(label, tuple(products), tuple(found), apart, but_one)

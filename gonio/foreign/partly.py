@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from gonio.foreign import fresnels, terms
 from gonio.foreign.expressions import Array
 from gonio.foreign.fresnels import Cosines
+from gonio.foreign.function import Valued
+from gonio.foreign.scales import unscaled
 
 # Groups of pairs of directions, pairs in each, and the fewest of them that have values.
 GROUPS, EACH, LEFT = 40, 8, 3
@@ -57,18 +59,20 @@ class Partly:
         return f"{text} (with {at})" if at and self.values else text
 
 
-def identify(foreign: terms.Valued) -> Partly | None:
+def identify(foreign: Valued) -> Partly | None:
     """The known terms of a product, if all but one are known."""
-    numbers = [
-        n for n, p in foreign.parameters.items() if p.width == 1 and 0 <= p.low < p.high <= 1
-    ]
+    inner = unscaled(foreign)
+    numbers = [n for n, p in inner.parameters.items() if p.width == 1 and 0 <= p.low < p.high <= 1]
     found = [
         partly
         for width in numbers
         for search in (_fresnel, _distribution, _masking)
-        if (partly := search(foreign, width)) is not None
+        if (partly := search(inner, width)) is not None
     ]
-    return min(found, key=lambda f: (len(f.terms), f.misfit), default=None)
+    best = min(found, key=lambda f: (len(f.terms), f.misfit), default=None)
+    if best is None or not inner.scales:
+        return best
+    return replace(best, terms=(*best.terms, inner.text))
 
 
 @dataclass(frozen=True)
@@ -98,7 +102,7 @@ class _Seen:
 
 
 def _seen(
-    foreign: terms.Valued,
+    foreign: Valued,
     pairs: Iterator[tuple[float, Array, Array]],
     varies: Callable[[str], bool],
 ) -> _Seen | None:
@@ -212,7 +216,7 @@ def _made(
     return Partly(names, kind, of, seen.fixed, tuple(values), misfit)
 
 
-def _fresnel(foreign: terms.Valued, width: str) -> Partly | None:
+def _fresnel(foreign: Valued, width: str) -> Partly | None:
     """With D and G, and a term of V.H."""
     seen = _seen(foreign, _sharing("V.H"), lambda name: name == width)
     if seen is None:
@@ -225,9 +229,18 @@ def _fresnel(foreign: terms.Valued, width: str) -> Partly | None:
     return _made(seen, [_powers(seen.cosines), shapes], "a Fresnel term", "V.H", 4.0)
 
 
-def _distribution(foreign: terms.Valued, width: str) -> Partly | None:
+def _colours(foreign: Valued, width: str) -> set[str]:
+    """Parameters that may be F0 or F90."""
+    return {
+        name
+        for name, p in foreign.parameters.items()
+        if p.width == 3 or (name != width and p.high <= 1)
+    }
+
+
+def _distribution(foreign: Valued, width: str) -> Partly | None:
     """With G and F, and a term of N.H."""
-    colours = {n for n, p in foreign.parameters.items() if p.width == 3}
+    colours = _colours(foreign, width)
     seen = _seen(foreign, _sharing("N.H"), lambda name: name in colours)
     if seen is None:
         return None
@@ -243,9 +256,9 @@ def _distribution(foreign: terms.Valued, width: str) -> Partly | None:
     return _made(seen, lists, "a distribution", "N.H", 4.0)
 
 
-def _masking(foreign: terms.Valued, width: str) -> Partly | None:
+def _masking(foreign: Valued, width: str) -> Partly | None:
     """With D and F, and a term of N.L and N.V."""
-    colours = {n for n, p in foreign.parameters.items() if p.width == 3}
+    colours = _colours(foreign, width)
     seen = _seen(foreign, _sharing("N.L and N.V"), lambda name: name in colours)
     if seen is None:
         return None

@@ -29,6 +29,9 @@ STEPS = 60
 NEAREST = 3
 EXACT = 2e-4
 
+# Code that is known but for one term is fitted further only to models that are so near.
+PROMISING = 0.02
+
 # Factors that are tried between code and model, beside the measured one.
 FACTORS = {"f": 1.0, "pi f": float(np.pi), "f / pi": float(1 / np.pi)}
 
@@ -181,6 +184,7 @@ def identify(
     names: Iterable[str] = (),
     *,
     thorough: bool = False,
+    partly: bool = False,
     count: int = 3,
     progress: Progress | None = None,
 ) -> list[Found]:
@@ -190,6 +194,7 @@ def identify(
         foreign: a function that is running.
         names: of models; all if empty.
         thorough: try the options of every model, not of the nearest ones alone.
+        partly: most of it is known already: fit each model once, and go on with what is near.
         count: how many are returned.
         progress: called with what is done and what there is to do.
     """
@@ -209,8 +214,8 @@ def identify(
         model = _begin(cls, values)
         if model is None:
             continue
-        for factor, size in FACTORS.items():
-            misfit, fitted, x = fitter.fit(model, data / size, STARTS)
+        for factor, size in list(FACTORS.items())[: 1 if partly else None]:
+            misfit, fitted, x = fitter.fit(model, data / size, 1 if partly else STARTS)
             ranked.append((misfit, fitted, factor, x))
             if misfit < EXACT:
                 break
@@ -220,7 +225,7 @@ def identify(
             and misfit >= EXACT
         ):
             # All names are the model's own: some of its options may be another
-            for entry in ranked[-len(FACTORS) :]:
+            for entry in ranked[-1 if partly else -len(FACTORS) :]:
                 ranked.append(_improved(fitter, entry, data))
                 if ranked[-1][0] < EXACT:
                     break
@@ -229,7 +234,7 @@ def identify(
     ranked.sort(key=_rank)
     for k in range(len(ranked) if thorough else min(NEAREST, len(ranked))):
         tell(len(chosen) + k)
-        if ranked[0][0] < EXACT and not thorough:
+        if (ranked[0][0] < EXACT and not thorough) or (partly and ranked[k][0] > PROMISING):
             break
         ranked[k] = _improved(fitter, ranked[k], data)
     ranked.sort(key=_rank)

@@ -8,6 +8,7 @@ above 1 without the factor. Code that gains energy beside that is told by most o
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -27,13 +28,18 @@ NODES = 24
 # Albedos that are integrated so coarsely are right to this.
 COARSE = 0.03
 
+# A colour whose albedo is less is a tint of something else.
+COLOURED = 0.5
+
 # Albedos of bright settings that are taken for pi times those of f.
 WHITE = (1.5, np.pi * (1 + COARSE))
 
-_PI = r"(?:\b(?:M_)?(?:PI|pi|Pi)\b|\b3\.14\d*)"
+# A name of pi with any prefix, but for those of multiples and of 1 / pi
+_OTHERS = r"(?!(?:\w*_)?(?i:inv|one|over|rcp|reciprocal|two|four|half|quarter)_?(?:PI|pi|Pi))"
+_PI = rf"(?:\b{_OTHERS}(?:\w+_|k)?(?:PI|pi|Pi)\b|\b3\.14\d*)"
 _OVER_PI = (
-    rf"(?i)/\s*{_PI}|/\s*\([^()]*{_PI}|(?:inv|one_?over|reciprocal|rcp)_?pi\b|_1_pi\b|pi_?inv\b"
-    r"|\b0?\.318\d*"
+    rf"(?i:/\s*{_PI}|/\s*\([^()]*{_PI}|(?:inv|one_?over|reciprocal|rcp)_?pi\b|_1_pi\b|pi_?inv\b"
+    r"|\b0?\.318\d*)"
 )
 _TIMES_PI = rf"{_PI}f?\s*\*|\*\s*{_PI}"
 
@@ -51,16 +57,32 @@ def random_values(foreign: Foreign, count: int, rng: np.random.Generator) -> dic
     return found
 
 
-def asymmetry(foreign: Foreign, cosine: int) -> float:
+def asymmetry(foreign: Foreign, cosine: int, fixed: Mapping[str, float] | None = None) -> float:
     """The median relative difference of both orders of two directions, with the cosine divided out."""
     wi, wo = probe(PAIRS, 3)
     values = random_values(foreign, PAIRS, np.random.default_rng(4))
+    for name, value in (fixed or {}).items():
+        values[name] = np.full(PAIRS, value)
     with np.errstate(all="ignore"):
         a = foreign.raw(wi, wo, values) / wi[:, 2:] ** cosine
         b = foreign.raw(wo, wi, values) / wo[:, 2:] ** cosine
         difference = np.abs(a - b) / np.maximum(np.abs(a), np.abs(b))
     difference = difference[np.isfinite(difference) & (np.maximum(np.abs(a), np.abs(b)) > 1e-4)]
     return float(np.median(difference)) if len(difference) else 0.0
+
+
+def _asymmetries(foreign: Foreign) -> tuple[float, float]:
+    """With the cosine and without; if neither is reciprocal, with a number at an end where one is."""
+    both = asymmetry(foreign, 1), asymmetry(foreign, 0)
+    if min(both) < RECIPROCAL:
+        return both
+    for name, p in foreign.parameters.items():
+        if p.width == 1:
+            held = {name: p.low}
+            there = asymmetry(foreign, 1, held), asymmetry(foreign, 0, held)
+            if min(there) < RECIPROCAL:
+                return there
+    return both
 
 
 def names_exchanged(foreign: Foreign) -> bool:
@@ -111,17 +133,30 @@ def albedos(foreign: Foreign, values: dict[str, Any], cosine: int) -> Array:
     return found
 
 
+def _typical(foreign: Foreign, values: dict[str, Any], cosine: int) -> float:
+    """The median albedo of white; of code with several colours, which may be a sum, the darkest one's."""
+    colours = [name for name, p in foreign.parameters.items() if p.width == 3]
+    found = []
+    for white in ([name] for name in colours) if len(colours) > 1 else [colours]:
+        given = {
+            name: np.full_like(v, foreign.parameters[name].high if name in white else 0)
+            if name in colours
+            else v
+            for name, v in values.items()
+        }
+        found.append(float(np.median(albedos(foreign, given, cosine))))
+    seen = [albedo for albedo in found if albedo > COLOURED]
+    return min(seen, default=max(found))
+
+
 def measure(foreign: Foreign) -> Returns:
     """What a function returns."""
-    with_cosine, without = asymmetry(foreign, 1), asymmetry(foreign, 0)
+    with_cosine, without = _asymmetries(foreign)
     cosine = int(with_cosine < RECIPROCAL < without or with_cosine < 0.1 * without)
     values = random_values(foreign, SETTINGS, np.random.default_rng(5))
     bright = float(albedos(foreign, values, cosine).max())
     if bright > WHITE[1]:
-        for name, p in foreign.parameters.items():
-            if p.width == 3:
-                values[name] = np.full_like(values[name], p.high)
-        bright = float(np.median(albedos(foreign, values, cosine)))
+        bright = _typical(foreign, values, cosine)
     # Code that divides by pi itself, and gains energy, is wrong rather than pi f
     divides = any(re.search(_OVER_PI, f.body) for f in foreign.source.called(foreign.function))
     # What stands below, as in a^2 / (PI * t * t), is no factor of pi

@@ -183,6 +183,9 @@ def leaves_of(
             )
             return
         for member in members:
+            known = width_of(member.type) or member.type.rpartition("::")[2] in source.structs
+            if not known and not re.search(rf"\.\s*{member.name}\b", source.text):
+                continue  # a matrix that nothing reads
             yield from leaves_of(source, member, place + ".", depth + 1)
         return
     if not (width := width_of(variable.type)):

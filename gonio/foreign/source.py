@@ -517,6 +517,9 @@ def _uniforms(bare: str, text: str, language: str) -> tuple[str, str, list[Varia
         )
         for m in re.finditer(pattern, bare, re.M):
             if m[3].startswith(("sampler", "isampler", "usampler", "image")):
+                # Sets are Vulkan's; bindings mean nothing here
+                if placed := re.match(layout, m[1]):
+                    edits.append((m.start(1), m.start(1) + placed.end(), ""))
                 continue
             if depth(bare, m.start()) == 0:
                 edits.append((m.start(1), m.end(1), ""))
@@ -526,6 +529,12 @@ def _uniforms(bare: str, text: str, language: str) -> tuple[str, str, list[Varia
         for m in re.finditer(rf"{layout}uniform\s+\w+\s*(\{{)([^}}]*)(\}})\s*;", bare):
             edits += [(m.start(), m.end(1), ""), (m.start(3), m.end(), "")]
             found += [v for v in members_in(m[2], language) if not v.array]
+        # A block with a name of its own is a struct
+        kind = r"(?:(?:readonly|restrict|coherent)\s+)*(?:uniform|buffer)"
+        for m in re.finditer(rf"{layout}{kind}\s+(\w+)\s*\{{([^}}]*)\}}\s*(\w+)\s*;", bare):
+            edits.append((m.start(), m.start(1), "struct "))
+            edits.append((m.start(3), m.start(3), f"; {m[1]} "))
+            found.append(Variable(m[3], m[1]))
     else:
         for m in re.finditer(
             r"\bcbuffer\s+\w+\s*(?::\s*register\s*\([^)]*\)\s*)?(\{)([^}]*)(\}\s*;?)", bare

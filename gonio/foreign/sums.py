@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from gonio.fields import Parameter
-from gonio.foreign import terms
+from gonio.foreign import terms, widths
 from gonio.foreign.expressions import Array
-from gonio.foreign.function import Returns, probe
+from gonio.foreign.function import Returns, Valued, probe
 
 # Values are linear if the middle is so near to the mean of the ends, of the largest value there.
 LINEAR = 2e-5
@@ -40,7 +40,7 @@ class Sum:
     parts: tuple[tuple[str, terms.Product], ...]
     pinned: Mapping[str, float]
     """Parameters that were set, and to what."""
-    last: terms.Valued
+    last: Valued
     """The last part by itself."""
 
     @property
@@ -53,7 +53,7 @@ class Sum:
 class _Part:
     """Code at one value of a parameter, or what the parameter adds."""
 
-    whole: terms.Valued
+    whole: Valued
     name: str
     low: float
     high: float | None = None
@@ -80,6 +80,10 @@ class _Scaled(_Part):
     """What a parameter adds, times the parameter, so that its colour is named as well."""
 
     @property
+    def _width(self) -> int:
+        return self.whole.parameters[self.name].width
+
+    @property
     def parameters(self) -> dict[str, Parameter]:
         """All of them."""
         return self.whole.parameters
@@ -87,10 +91,10 @@ class _Scaled(_Part):
     def raw(self, wi: Array, wo: Array, values: dict[str, Any] | None = None) -> Array:
         """Values of the part."""
         size = np.asarray((values or {})[self.name], np.float64)
-        return super().raw(wi, wo, values) * (size if size.ndim == 2 else size[:, None])
+        return super().raw(wi, wo, values) * (size if self._width == 3 else size[..., None])
 
 
-def identify(foreign: terms.Valued) -> Sum | None:
+def identify(foreign: Valued) -> Sum | None:
     """The parts of a function that is a sum of known products, but for one; None if it is none."""
     pinned: dict[str, float] = {}
     whole = foreign
@@ -101,6 +105,9 @@ def identify(foreign: terms.Valued) -> Sum | None:
     parts = _apart(whole, DEPTH)
     if len(parts) < 2:
         return None
+    if not parts[-1].product.exact:
+        last = parts[-1]
+        parts[-1] = _Named(last.name, widths.identify(last.valued)[0], last.valued)
     named = tuple((part.name, part.product) for part in parts)
     return Sum(named, pinned, parts[-1].valued)
 
@@ -111,10 +118,10 @@ class _Named:
 
     name: str
     product: terms.Product
-    valued: terms.Valued
+    valued: Valued
 
 
-def _apart(whole: terms.Valued, depth: int) -> list[_Named]:
+def _apart(whole: Valued, depth: int) -> list[_Named]:
     """Parts with the parameter that each is linear in; the last one may be unknown.
 
     None at all if it is no product either, and nothing can be taken away from it.
@@ -141,7 +148,7 @@ def _apart(whole: terms.Valued, depth: int) -> list[_Named]:
     return known or [_Named("", p, whole) for p in found[:1]]
 
 
-def _linear(whole: terms.Valued, name: str, high: float) -> bool:
+def _linear(whole: Valued, name: str, high: float) -> bool:
     """Whether values are linear in a parameter, neither constant nor 0 without it."""
     wi, wo = probe(PAIRS, 41)
     rng = np.random.default_rng(42)

@@ -10,17 +10,16 @@ the mistakes are those that forums and issue trackers are full of.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
 
 import numpy as np
 
-from gonio.fields import Parameter
 from gonio.foreign import anisotropic, fresnels
 from gonio.foreign.expressions import Array
 from gonio.foreign.fresnels import TINY, Cosines
-from gonio.foreign.function import Returns
+from gonio.foreign.function import Returns, Valued
+from gonio.foreign.scales import Unscaled, unscaled
 
 PAIRS = 300
 
@@ -30,6 +29,9 @@ FAINT = 1e-6
 # Spread of the logarithm, up to which code is the product: roundings of float32.
 EXACT = 2e-4
 
+# The largest index of refraction of what is clear; numbers from 1 to that may be one.
+DENSEST = 5.0
+
 # Exponents up to here, so that tails have digits.
 EXPONENTS = 300.0
 
@@ -38,21 +40,6 @@ GRAZING, FEW = 0.35, 20
 
 # Values that change more than this by a turn about the normal are anisotropic.
 STRETCHED = 1e-3
-
-
-class Valued(Protocol):
-    """What can be identified: code, or what is left of it without some of its terms."""
-
-    returns: Returns
-
-    @property
-    def parameters(self) -> dict[str, Parameter]:
-        """By name."""
-        ...
-
-    def raw(self, wi: Array, wo: Array, values: dict[str, Any] | None = None) -> Array:
-        """What the code gives back, (n, 3)."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -123,11 +110,28 @@ def _blinn(c: Array, a: Array) -> Array:
     return np.asarray((n + 2) / (2 * np.pi) * np.maximum(c, TINY) ** n)
 
 
+def _charlie(c: Array, a: Array) -> Array:
+    """Estevez and Kulla 2017, Eq. 2."""
+    sine = np.sqrt(np.maximum(1 - c * c, TINY))
+    return np.asarray((2 + 1 / a) * sine ** (1 / a) / (2 * np.pi))
+
+
+def _velvet(c: Array, a: Array) -> Array:
+    """Ashikhmin and Premoze 2007, as Neubelt and Pettineo 2013 normalise it."""
+    s2, a2 = np.maximum(1 - c * c, TINY), a * a
+    return np.asarray((1 + 4 * np.exp(-c * c / (a2 * s2)) / (s2 * s2)) / (np.pi * (1 + 4 * a2)))
+
+
 DISTRIBUTIONS: dict[str, Callable[[Array, Array], Array]] = {
     "GGX": _ggx,
     "Beckmann": _beckmann,
     "Blinn-Phong": _blinn,
+    "Charlie": _charlie,
+    "Ashikhmin's velvet": _velvet,
 }
+
+# Cloth's widths are no roughness that is squared.
+CLOTH = ("Charlie", "Ashikhmin's velvet")
 
 # Of the width, by what is done to the parameter.
 WIDTHS: dict[str, Callable[[Array], Array]] = {
@@ -186,6 +190,7 @@ def maskings(c: Cosines, a: Array, r: Array) -> Iterator[tuple[str, Array, bool]
     yield "Cook-Torrance's masking", groove, True
     yield "Kelemen's masking", c.i * c.o / np.maximum(c.d**2, TINY), True
     yield "Neumann's masking", c.i * c.o / np.maximum(c.i, c.o), True
+    yield "Neubelt and Pettineo's masking", c.i * c.o / (c.i + c.o - c.i * c.o), True
 
 
 def _plain_diffuse(c: Cosines) -> Iterator[tuple[str, Array, bool]]:
@@ -236,6 +241,7 @@ def _diffuse(c: Cosines, r: Array, name: str) -> Iterator[tuple[str, Array, bool
         )
     for text, rough, usual in (
         (name, r, True),
+        (f"1 - {name}", 1 - r, True),
         (f"{name}^2", r * r, False),
         (f"sqrt({name})", np.sqrt(r), False),
     ):
@@ -267,11 +273,32 @@ def directions(count: int, seed: int) -> tuple[Array, Array, Cosines]:
     return wi, wo, Cosines(wi[:, 2], wo[:, 2], h[:, 2], (wi * h).sum(1), (wi * wo).sum(1))
 
 
-def identify(foreign: Valued, count: int = 6) -> list[Product]:
-    """The products that are nearest to a function, best first.
+@dataclass(frozen=True)
+class Asked:
+    """Values of code, where they have digits, and what it was given there."""
 
-    Every scalar parameter is tried as the width, every colour and every other number as F0 or albedo;
-    each pair of directions has its own values of the parameters.
+    log: Array
+    """Logarithms of what it gives back, without the parameters that scale it, (n,)."""
+    cosines: Cosines
+    wi: Array
+    wo: Array
+    numbers: dict[str, Array]
+    """Parameters that may be widths."""
+    colours: dict[str, Array]
+    """Parameters that may be F0 or albedo."""
+    scaled: str
+    """The parameters that scale it, in words."""
+    returns: Returns
+    stretched: bool
+    """Whether it is anisotropic."""
+
+
+def asked(foreign: Unscaled, fixed: Mapping[str, float] | None = None) -> Asked | None:
+    """Values of code, each pair of directions with its own parameters; None if there are too few.
+
+    Args:
+        foreign: code that is running.
+        fixed: parameters that are the same everywhere.
     """
     wi, wo, c = directions(2 * PAIRS, 11)
     rng = np.random.default_rng(12)
@@ -287,6 +314,8 @@ def identify(foreign: Valued, count: int = 6) -> list[Product]:
             t = low * (min(high, EXPONENTS) / low) ** t
         else:
             t = low + (high - low) * t
+        if fixed and name in fixed:
+            t = np.full(n, fixed[name])
         if p.width == 3:
             values[name] = np.repeat(t[:, None], 3, axis=1)
             colours[name] = t
@@ -295,37 +324,58 @@ def identify(foreign: Valued, count: int = 6) -> list[Product]:
             numbers[name] = t
             if high <= 1:
                 colours[name] = t
+            elif 1 <= p.low < high <= DENSEST:
+                colours[f"(({name} - 1) / ({name} + 1))^2"] = ((t - 1) / (t + 1)) ** 2
     raw = foreign.raw(wi, wo, values)[:, 0]
     turned = foreign.raw(_turned(wi), _turned(wo), values)[:, 0]
     good = np.isfinite(raw) & (raw > FAINT * np.nanmax(np.where(np.isfinite(raw), raw, 0)))
     if good.sum() < PAIRS // 4:
+        return None
+    return Asked(
+        np.log(raw[good]),
+        Cosines(c.i[good], c.o[good], c.h[good], c.d[good], c.v[good]),
+        wi[good],
+        wo[good],
+        {k: v[good] for k, v in numbers.items()},
+        {k: v[good] for k, v in colours.items()},
+        foreign.text,
+        foreign.returns,
+        float(np.median(np.abs(turned - raw)[good] / raw[good])) > STRETCHED,
+    )
+
+
+def identify(foreign: Valued, count: int = 6) -> list[Product]:
+    """The products that are nearest to a function, best first.
+
+    Every scalar parameter is tried as the width, every colour and every other number as F0 or albedo;
+    each pair of directions has its own values of the parameters.
+    """
+    inner = unscaled(foreign)
+    seen = asked(inner)
+    if seen is None:
         return []
-    log_f = np.log(raw[good])
-    cut = Cosines(c.i[good], c.o[good], c.h[good], c.d[good], c.v[good])
-    numbers = {k: v[good] for k, v in numbers.items()}
-    colours = {k: v[good] for k, v in colours.items()}
+    cut = seen.cosines
     found: list[Product] = []
-    stretched = float(np.median(np.abs(turned - raw)[good] / raw[good])) > STRETCHED
-    if stretched and 1 < len(numbers) <= anisotropic.PAIRED:
-        found += _stretched(log_f, cut, (wi[good], wo[good]), numbers, colours, foreign.returns)
+    if seen.stretched and 1 < len(seen.numbers) <= anisotropic.PAIRED:
+        found += _stretched(seen)
     with np.errstate(all="ignore"):
-        for name in [*numbers, ""]:
-            r = numbers.get(name, np.full(len(log_f), 0.5))
-            others = {k: v for k, v in colours.items() if k != name}
-            fresnel = _choices(fresnels.terms(cut, others))
-            plain = _choices(_plain_diffuse(cut), "diffuse")
-            found += _tried(log_f, cut, plain, fresnel, foreign.returns)
+        for name in [*seen.numbers, ""]:
+            r = seen.numbers.get(name, np.full(len(seen.log), 0.5))
+            others = {k: v for k, v in seen.colours.items() if k != name}
+            fresnel = choices(fresnels.terms(cut, others))
+            plain = choices(_plain_diffuse(cut), "diffuse")
+            found += tried(seen, cut, plain, fresnel)
             if not name:
                 continue
-            rough = _choices(_diffuse(cut, r, name), "diffuse")
-            found += _tried(log_f, cut, rough, fresnel, foreign.returns)
+            rough = choices(_diffuse(cut, r, name), "diffuse")
+            found += tried(seen, cut, rough, fresnel)
             for mistake, other in _halves(cut):
-                terms = _choices(fresnels.terms(other, others))
-                shapes = speculars if foreign.parameters[name].high <= 1 else _powers
+                terms = choices(fresnels.terms(other, others))
+                shapes = speculars if inner.parameters[name].high <= 1 else _powers
                 made = list(shapes(other, r, name, mistake))
-                found += _tried(log_f, other, made, terms, foreign.returns)
+                found += tried(seen, other, made, terms)
     found.sort(key=lambda p: (max(p.misfit, 2 * EXACT / 3), len(p.odd), len(p.terms)))
-    if found and found[0].exact and (remark := _faded(foreign, found[0])):
+    if found and found[0].exact and (remark := _faded(inner, found[0])):
         found[0] = replace(found[0], remarks=(*found[0].remarks, remark))
     return found[:count]
 
@@ -360,31 +410,21 @@ def _turned(w: Array) -> Array:
     return np.stack([c * w[:, 0] - s * w[:, 1], s * w[:, 0] + c * w[:, 1], w[:, 2]], -1)
 
 
-def _stretched(
-    log_f: Array,
-    c: Cosines,
-    pair: tuple[Array, Array],
-    numbers: dict[str, Array],
-    colours: dict[str, Array],
-    returns: Returns,
-) -> list[Product]:
+def _stretched(seen: Asked) -> list[Product]:
     """The best anisotropic products; numbers that are widths are no F0."""
-    wi, wo = pair
-    h = wi + wo
+    h = seen.wi + seen.wo
     h /= np.linalg.norm(h, axis=1, keepdims=True)
+    c = seen.cosines
     with np.errstate(all="ignore"):
         shapes = [
             Choice(s.text, s.log, not s.swapped, s.kind)
-            for s in anisotropic.shapes(anisotropic.Vectors(wi, wo, h), numbers)
+            for s in anisotropic.shapes(anisotropic.Vectors(seen.wi, seen.wo, h), seen.numbers)
         ]
-        return (
-            _tried(log_f, c, shapes, _choices(fresnels.terms(c, colours)), returns)
-            if shapes
-            else []
-        )
+        return tried(seen, c, shapes, choices(fresnels.terms(c, seen.colours))) if shapes else []
 
 
-def _choices(pairs: Iterator[tuple[str, Array, bool]], kind: str = "") -> list[Choice]:
+def choices(pairs: Iterator[tuple[str, Array, bool]], kind: str = "") -> list[Choice]:
+    """Terms by their logarithms."""
     return [Choice(text, np.log(np.maximum(v, TINY)), usual, kind) for text, v, usual in pairs]
 
 
@@ -409,14 +449,14 @@ def speculars(c: Cosines, r: Array, name: str, mistake: str) -> Iterator[Choice]
                 text += f"; {mistake}"
             kind = "bare" if g_name in BARE else "specular"
             remark = ""
-            if scale == "{}" and "rough" in name.lower():
+            if scale == "{}" and "rough" in name.lower() and d_name not in CLOTH:
                 remark = f"alpha = {name}; most engines have alpha = {name}^2"
             log = log_d + np.log(np.maximum(G, TINY))
             yield Choice(text, log, usual and common, kind, remark)
 
 
 # These are meant with cosines that cancel, in one way or another.
-BARE = ("no masking", "Kelemen's masking", "Neumann's masking")
+BARE = ("no masking", "Kelemen's masking", "Neumann's masking", "Neubelt and Pettineo's masking")
 
 NORMALISED: dict[str, Callable[[Array], Array]] = {
     "not normalised": np.ones_like,
@@ -441,47 +481,51 @@ def _powers(c: Cosines, n: Array, name: str, mistake: str) -> Iterator[Choice]:
                 yield Choice(text, log, usual and not mistake and how != "not normalised", "lobe")
 
 
-def _tried(
-    log_f: Array, c: Cosines, shapes: list[Choice], fresnel: list[Choice], returns: Returns
-) -> list[Product]:
+def tried(seen: Asked, c: Cosines, shapes: list[Choice], fresnel: list[Choice]) -> list[Product]:
     """The best combinations of shapes, Fresnel terms and powers of cosines."""
     li, lo = np.log(c.i), np.log(c.o)
-    best: list[tuple[float, int, int, int]] = []
     second = np.stack([s.log for s in shapes])
     second = second - second.mean(axis=1, keepdims=True)
-    norms = (second**2).mean(axis=1)
+    first = np.stack([f.log for f in fresnel])
+    best: list[tuple[float, int, int, int]] = []
     for p, (a, b) in enumerate(POWERS):
-        for k, f in enumerate(fresnel):
-            left = log_f - f.log - a * li - b * lo
-            left = left - left.mean()
-            variance = norms + (left**2).mean() - 2 * (second @ left) / len(left)
-            order = np.argsort(variance)[:3]
-            best += [(float(variance[s]), int(s), k, p) for s in order]
-    best.sort()
-    found = []
-    for _, s, k, p in best[:24]:
-        a, b = POWERS[p]
-        ratio = log_f - shapes[s].log - fresnel[k].log - a * li - b * lo
-        shift = float(np.median(ratio))
-        off = ratio - shift
-        terms = [
-            t
-            for t in (shapes[s].text, fresnel[k].text, power(a, b))
-            if t and t != "no Fresnel term"
+        left = seen.log - a * li - b * lo - first
+        left -= left.mean(axis=1, keepdims=True)
+        # Of all differences at once: |x - y|^2 = |x|^2 + |y|^2 - 2 x.y
+        variance = left @ second.T * (-2 / len(li))
+        variance += (second**2).mean(axis=1) + (left**2).mean(axis=1)[:, None]
+        order = np.argpartition(variance, min(3, len(shapes) - 1), axis=1)[:, :3]
+        best += [
+            (float(variance[k, s]), int(s), k, p) for k in range(len(fresnel)) for s in order[k]
         ]
-        odd = [t.text for t in (shapes[s], fresnel[k]) if not t.usual]
-        constant = float(np.exp(shift))
-        found.append(
-            Product(
-                tuple(terms),
-                constant,
-                float(off.std()),
-                float(np.expm1(np.abs(off).max())),
-                (*odd, *_before(shapes[s].kind, a - returns.cosine, b, constant / returns.factor)),
-                (shapes[s].remark,) if shapes[s].remark else (),
-            )
-        )
-    return found
+    best.sort()
+    return [made(seen, c, shapes[s], fresnel[k], POWERS[p]) for _, s, k, p in best[:24]]
+
+
+def made(
+    seen: Asked, c: Cosines, shape: Choice, fresnel: Choice, powers: tuple[int, int]
+) -> Product:
+    """One combination, and how far the code is from it."""
+    a, b = powers
+    ratio = seen.log - shape.log - fresnel.log - a * np.log(c.i) - b * np.log(c.o)
+    shift = float(np.median(ratio))
+    off = ratio - shift
+    terms = [
+        t
+        for t in (shape.text, fresnel.text, seen.scaled, power(a, b))
+        if t and t != "no Fresnel term"
+    ]
+    odd = [t.text for t in (shape, fresnel) if not t.usual]
+    constant = float(np.exp(shift))
+    returns = seen.returns
+    return Product(
+        tuple(terms),
+        constant,
+        float(off.std()),
+        float(np.expm1(np.abs(off).max())),
+        (*odd, *_before(shape.kind, a - returns.cosine, b, constant / returns.factor)),
+        (shape.remark,) if shape.remark else (),
+    )
 
 
 def _before(kind: str, a: int, b: int, constant: float) -> Iterator[str]:

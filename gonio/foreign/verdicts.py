@@ -91,8 +91,13 @@ def _scope(foreign: Foreign, subject: ForeignSubject) -> Report:
         Finding("arguments", float(foreign.matched.columns), NOTE, foreign.matched.explained()),
     ]
     if names_exchanged(foreign):
-        text = "reciprocal without the viewer's cosine: was the light taken for wo? --map says so"
-        findings.append(Finding("exchanged", 0.0, NOTE, text))
+        other = {"wi": "wo", "wo": "wi"}
+        told = " ".join(
+            f"{leaf.place}={other[e.text]}" for leaf, e in foreign.matched.leaves if e.text in other
+        )
+        text = "reciprocal without the viewer's cosine: was the light taken for wo?"
+        said = f'--map "{told}" exchanges them' if told else "--map says which is which"
+        findings.append(Finding("exchanged", 0.0, NOTE, f"{text} {said}"))
     if summed := judged(foreign.source, foreign.function):
         text = f"{' + '.join(summed)}, which it writes"
         findings.append(Finding("judged", float(len(summed)), NOTE, text))
