@@ -99,11 +99,32 @@ def test_every_link_and_every_loaded_file_is_there(site: Path) -> None:
     assert broken_links(site) == []
 
 
+def loaded_from_the_network(root: Path) -> list[str]:
+    """What pages below a folder, and their styles, load from elsewhere."""
+    loads = [load for path in root.rglob("*.html") for load in Page(path).loads]
+    styles = "".join(path.read_text(encoding="utf-8") for path in root.rglob("*.css"))
+    loads += re.findall(r"(?:@import|url\()\s*['\"]?((?:https?:)?//[^'\")]*)", styles)
+    return [load for load in loads if re.match(r"(https?:)?//", load)]
+
+
 def test_nothing_is_loaded_from_the_network(site: Path) -> None:
-    loads = [load for path in site.rglob("*.html") for load in Page(path).loads]
-    assert not [load for load in loads if re.match(r"(https?:)?//", load)]
-    styles = "".join(path.read_text(encoding="utf-8") for path in site.rglob("*.css"))
-    assert not re.search(r"(@import|url\()\s*['\"]?(https?:)?//", styles)
+    assert loaded_from_the_network(site) == []
+
+
+def test_the_sites_own_theme_loads_nothing_that_is_not_there(tmp_path: Path) -> None:
+    sources = Sources(tmp_path / "source")
+    sources.write("index.md", "# A\n\n```{toctree}\nb.md\n```\n")
+    sources.write("b.md", "# B\n\n[a](index.md)\n")
+    make_site.run_sphinx(tmp_path)
+    assert "furo" in (tmp_path / "html" / "b.html").read_text(encoding="utf-8")
+    assert broken_links(tmp_path / "html") == []
+    assert loaded_from_the_network(tmp_path / "html") == []
+
+
+def test_a_style_from_the_network_is_noticed(tmp_path: Path) -> None:
+    (tmp_path / "a.html").write_text('<script src="//x.org/a.js"></script>', encoding="utf-8")
+    (tmp_path / "a.css").write_text("@import 'https://x.org/a.css';", encoding="utf-8")
+    assert loaded_from_the_network(tmp_path) == ["//x.org/a.js", "https://x.org/a.css"]
 
 
 def test_every_item_of_every_text_is_on_its_page(site: Path) -> None:
