@@ -81,6 +81,15 @@ def test_golden_exports_are_what_the_command_makes(name: str) -> None:
         assert found == expected, f"tests/golden/{file} is not up to date; 'make golden' makes it"
 
 
+def test_each_heading_of_a_text_stands_once() -> None:
+    for path in sorted(GOLDEN.iterdir()):
+        text = path.read_text(encoding="utf-8")
+        headings = re.findall(r"^\s*// ---- (\w+) -", text, re.M)
+        assert headings == sorted(set(headings), key=["evaluation", "sampling", "albedo"].index), (
+            path
+        )
+
+
 def test_golden_has_no_file_of_a_model_that_is_gone() -> None:
     made = {
         f"{name}.{target.extension}"
@@ -510,6 +519,42 @@ def test_what_cannot_be_exported_is_refused_with_its_place(
         assert shown[start:].startswith(marked.split("\n")[0].rstrip()) or marked in shown
 
 
+def test_a_struct_that_is_made_of_its_own_members_is_the_struct_itself(tmp_path: Path) -> None:
+    """And what only passes on, or only makes a struct, is not called."""
+    head = (
+        "from typing import NamedTuple\n\n\n"
+        "class Facets(NamedTuple):\n"
+        '    """Facets."""\n\n'
+        "    x: Float\n    y: Float\n\n"
+        "    def at(self, w: Vec3) -> Float:\n"
+        '        """`slope` less its bias."""\n'
+        "        return self.slope(w) * self.y\n\n"
+        "    def slope(self, w: Vec3) -> Float:\n"
+        '        """A slope."""\n'
+        "        return self.x * w.z + self.y\n\n\n"
+        "def made(x: Float, y: Float) -> Facets:\n"
+        '    """`Facets` of widths."""\n'
+        "    return Facets(x, y)\n\n\n"
+        "def again(facets: Facets, w: Vec3) -> Float:\n"
+        '    """Passes on."""\n'
+        "    return Facets(facets.x, facets.y).at(w)\n\n\n"
+        "def turned(facets: Facets, w: Vec3) -> Float:\n"
+        '    """Not the same."""\n'
+        "    return Facets(facets.y, facets.x).at(w)\n"
+    )
+    body = (
+        "        facets = made(wi.z, wo.z)\n"
+        "        return self.rho * (again(facets, wi) + turned(facets, wo))\n"
+    )
+    found = text(written(tmp_path, body, head=head), "wgsl", only=["eval"])
+    assert "mine_made" not in found
+    assert "mine_again" not in found
+    assert "let facets = MineFacets(wi.z, wo.z);" in found
+    assert "MineFacets(facets.y, facets.x)" in found
+    # Comments name what the text has
+    assert "// mine_facets_slope less its bias." in found
+
+
 def test_a_loop_over_a_fixed_number_of_steps_is_exported(tmp_path: Path) -> None:
     body = (
         "        total = vec3(0, 0, 0)\n"
@@ -519,7 +564,7 @@ def test_a_loop_over_a_fixed_number_of_steps_is_exported(tmp_path: Path) -> None
         "        return total\n"
     )
     found = text(written(tmp_path, body), "wgsl")
-    assert "var total = vec3f(0.0, 0.0, 0.0);" in found
+    assert "var total = vec3f(0.0);" in found
     assert "for (var i_step = 0; i_step < 4; i_step++) {" in found
     assert "// each step" in found
 

@@ -89,4 +89,5 @@ def named(text: str, names: Mapping[str, str]) -> str:
             return match[0]
         return names[name]
 
-    return re.sub(r"`([\w.]+)`|(?<![\w.])([A-Za-z_]\w*)(?![\w.]*\.py)", change, text)
+    # Not in quotation marks, which the values of options have
+    return re.sub(r"`([\w.]+)`|(?<![\w.'\"])([A-Za-z_]\w*)(?![\w.]*\.py)", change, text)

@@ -73,6 +73,7 @@ class ExpressionPrinter:
         self.prefix = prefix
         self.helpers: dict[str, None] = {}
         self.functions = functions
+        self.structs = structs
         spelled = [*target.spellings.values(), target.select, target.select3, target.splat]
         spelled += [*target.comparisons.values(), target.select_computed, target.to_float]
         spelled.append(f"{target.whole}()")
@@ -138,6 +139,12 @@ class ExpressionPrinter:
                 name = self._method(function) if methods else function.name
                 if function.owner is owner or function.plain not in found:
                     found[function.plain] = name
+        family = self.inside.plain.rpartition(".")[0] if self.inside is not None else ""
+        for function in self.functions if family else ():
+            of, _, own = function.plain.rpartition(".")
+            if of == family:  # a method's comment names its sisters without their class
+                found[own] = function.name
+        found |= {s.python.__name__: s.name for s in self.structs if s.python is not None}
         found |= {name: printed for (name, _), printed in self.constant_names.items()}
         return found | self.names
 
@@ -172,7 +179,8 @@ class ExpressionPrinter:
             if self.target.splat_plain and _is_plain(expr.value):
                 value = self.expr(expr.value)
                 return self.target.splat_plain.format(value, type=kind), POSTFIX
-            return self.target.splat.format(self.expr(expr.value), type=kind), POSTFIX
+            level = POSTFIX if self.target.splat.startswith("{0}") else ANY
+            return self.target.splat.format(self.expr(expr.value, level), type=kind), POSTFIX
         if isinstance(expr, Builtin):
             return self._builtin(expr)
         if isinstance(expr, Construction):
@@ -295,6 +303,9 @@ class ExpressionPrinter:
             return self.target.record.format(type=kind, arguments=arguments), POSTFIX
         if expr.type == "vec2" and self.target.types["vec2"] == self.target.types["vec3"]:
             arguments += f", {number(0, self.target.suffix)}"  # no type for two numbers
+        alike = len({a.value if isinstance(a, Number) else a for a in expr.arguments}) == 1
+        if alike and self.target.splat == "{type}({0})" and isinstance(expr.arguments[0], Number):
+            arguments = self.expr(expr.arguments[0])
         return self.target.vector.format(type=kind, arguments=arguments), POSTFIX
 
     def _call(self, expr: Call) -> tuple[str, int]:

@@ -270,7 +270,7 @@ class Printer(ExpressionPrinter):
         self, struct: Struct, bases: str = "", methods: Iterable[Function] = ()
     ) -> list[str]:
         """A struct with what its members mean."""
-        lines = comment(struct.doc)
+        lines = comment(struct.doc, self.spoken())
         if not bases and self.target.value:
             bases = f" : {self.target.value}"
         lines.append(self.target.struct.format(name=struct.name, bases=bases))

@@ -242,7 +242,7 @@ HLSL = Target(
         "fract": "frac({0})",
         "fma": "mad({0}, {1}, {2})",
     },
-    splat="({0}).xxx",
+    splat="{0}.xxx",
     splat_plain="float3({0}, {0}, {0})",
     record="",
     select3="{p}_select({0}, {1}, {2})",

@@ -316,6 +316,9 @@ class Text:
     def _under_headings(self, functions: Sequence[Function]) -> list[list[str]]:
         """Functions, with a heading where those for another purpose begin."""
         purposes = self._purposes()
+        order = list(dict.fromkeys(PURPOSES.values()))
+        # What evaluation needs asks for nothing else, so that callees stay before their callers
+        functions = sorted(functions, key=lambda f: order.index(purposes.get(id(f), order[0])))
         blocks: list[list[str]] = []
         last = ""
         if self.lookups:

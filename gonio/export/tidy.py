@@ -89,7 +89,7 @@ def _is_name(expr: Expr) -> bool:
 
 
 def _passed_on(function: Function) -> Expr | None:
-    """What a function returns, if that is a name, a number, or a call with its own arguments alone."""
+    """What a function returns, if that is a name, a number, or a call or struct of its arguments alone."""
     if len(function.body) != 1 or not isinstance(function.body[0], Return):
         return None
     if function.body[0].comments or function.body[0].trailing:
@@ -99,13 +99,34 @@ def _passed_on(function: Function) -> Expr | None:
         return value
     if isinstance(value, Call) and all(_is_name(a) for a in value.arguments):
         return value
+    if isinstance(value, Construction) and isinstance(value.type, Struct):
+        return value if all(isinstance(a, Variable) for a in value.arguments) else None
     return None
+
+
+def _whole(expr: Construction) -> Expr | None:
+    """The struct of which all members, in their order, make one of the same kind again."""
+    parts = expr.arguments
+    if not isinstance(expr.type, Struct) or len(parts) != len(expr.type.members):
+        return None
+    whole: Expr | None = None
+    for part, member in zip(parts, expr.type.members, strict=True):
+        if not isinstance(part, Access) or part.name != member.name:
+            return None
+        if not isinstance(part.value, Variable) or part.value.type is not expr.type:
+            return None
+        if isinstance(whole, Variable) and whole.name != part.value.name:
+            return None
+        whole = part.value
+    return whole
 
 
 def _inlined(wanted: Sequence[Function]) -> Callable[[Expr], Expr]:
     def change(expr: Expr) -> Expr:
         if isinstance(expr, Operation) and expr.operator in "+-*/":
             return simplified(expr.operator, expr.left, expr.right, expr.type)
+        if isinstance(expr, Construction):
+            return _whole(expr) or expr
         if not isinstance(expr, Call) or expr.function in wanted:
             return expr
         value = _passed_on(expr.function)

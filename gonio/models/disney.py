@@ -41,13 +41,13 @@ from gonio.parts.lobes import average, choose, pdf_ggx_lobe, sample_ggx_lobe, sh
 from gonio.parts.masking import V_smith
 from gonio.parts.roughness import at_least_perceptual
 
-# The reference code's numbers: smallest width of the highlight, F0 at specular 1, and for the clearcoat
-# its widths without and with gloss, that of its masking, F0 (index 1.5), and strength.
-ALPHA_DISNEY = 0.001
-F0_SPECULAR = 0.08
-COAT_ALPHA_SATIN, COAT_ALPHA_GLOSS = 0.1, 0.001
-COAT_ALPHA_MASKING = 0.25
-COAT_F0 = 0.04
+# The reference code's numbers.
+ALPHA_DISNEY = 0.001  # smallest width of the highlight
+F0_SPECULAR = 0.08  # F0 at specular 1
+COAT_ALPHA_SATIN = 0.1  # width of the clearcoat without gloss
+COAT_ALPHA_GLOSS = 0.001  # and with it
+COAT_ALPHA_MASKING = 0.25  # width by which the clearcoat's facets hide each other
+COAT_F0 = 0.04  # the clearcoat's, of an index of 1.5
 COAT_STRENGTH = 0.25
 
 # Estimate of the white sheen's albedo, for the choice of lobes only.

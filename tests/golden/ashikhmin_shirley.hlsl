@@ -133,7 +133,7 @@ float3 ashikhmin_shirley_eval(AshikhminShirley params, float3 wi, float3 wo) {
         return float3(0.0, 0.0, 0.0);
     }
     float3 F = lerp(params.f0, float3(1.0, 1.0, 1.0),
-        (ashikhmin_shirley_schlick_weight_half(wi, wo)).xxx);
+        ashikhmin_shirley_schlick_weight_half(wi, wo).xxx);
     return ashikhmin_shirley_eval_round(params, wi, wo)
         + F * ashikhmin_shirley_highlight(params, wi, wo);
 }
@@ -176,7 +176,7 @@ float2 ashikhmin_shirley_lobes_shares(float first, float second) {
 
 // Probabilities of the diffuse part and of the highlight.
 float2 ashikhmin_shirley_shares(AshikhminShirley params, float3 wo) {
-    float3 F = lerp(params.f0, float3(1.0, 1.0, 1.0), (ashikhmin_shirley_schlick_weight(wo.z)).xxx);
+    float3 F = lerp(params.f0, float3(1.0, 1.0, 1.0), ashikhmin_shirley_schlick_weight(wo.z).xxx);
     return ashikhmin_shirley_lobes_shares(ashikhmin_shirley_average(params.rho * (1.0 - params.f0)),
         ashikhmin_shirley_average(F));
 }

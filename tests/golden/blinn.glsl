@@ -30,7 +30,7 @@ struct BlinnChoice {
     vec2 u;  // Fresh random numbers, made of those that chose
 };
 
-// `GGX` facets of the same width in all directions.
+// BlinnGGX facets of the same width in all directions.
 struct BlinnRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -204,7 +204,7 @@ float blinn_pdf_cosine(vec3 w) {
     return w.z * inv_pi;
 }
 
-// `D` of a squared sine.
+// blinn_round_ggx_D of a squared sine.
 float blinn_round_ggx_at(BlinnRoundGGX round_ggx, float sin2) {
     const float inv_pi = 0.31830987;
     float a2 = round_ggx.alpha * round_ggx.alpha;
@@ -284,7 +284,7 @@ vec3 blinn_albedo(Blinn params, vec3 wo) {
         return vec3(0.0);
     }
     vec3 w = vec3(wo.x, wo.y, max(wo.z, HORIZON));
-    vec3 total = vec3(0.0, 0.0, 0.0);
+    vec3 total = vec3(0.0);
     for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

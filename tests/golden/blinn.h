@@ -109,7 +109,7 @@ struct BlinnChoice {
     Vec2 u;  // Fresh random numbers, made of those that chose
 };
 
-// `GGX` facets of the same width in all directions.
+// BlinnGGX facets of the same width in all directions.
 struct BlinnRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -261,7 +261,7 @@ inline float blinn_pdf_cosine(Vec3 w) {
     return w.z * inv_pi;
 }
 
-// `D` of a squared sine.
+// blinn_round_ggx_D of a squared sine.
 inline float blinn_round_ggx_at(BlinnRoundGGX round_ggx, float sin2) {
     float a2 = round_ggx.alpha * round_ggx.alpha;
     float s = a2 + (1.0f - a2) * sin2;

@@ -30,7 +30,7 @@ struct BlinnChoice {
     float2 u;  // Fresh random numbers, made of those that chose
 };
 
-// `GGX` facets of the same width in all directions.
+// BlinnGGX facets of the same width in all directions.
 struct BlinnRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -212,7 +212,7 @@ float blinn_pdf_cosine(float3 w) {
     return w.z * inv_pi;
 }
 
-// `D` of a squared sine.
+// blinn_round_ggx_D of a squared sine.
 float blinn_round_ggx_at(BlinnRoundGGX round_ggx, float sin2) {
     const float inv_pi = 0.31830987;
     float a2 = round_ggx.alpha * round_ggx.alpha;

@@ -33,7 +33,7 @@ struct BlinnChoice {
     float2 u;  // Fresh random numbers, made of those that chose
 };
 
-// `GGX` facets of the same width in all directions.
+// BlinnGGX facets of the same width in all directions.
 struct BlinnRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -207,7 +207,7 @@ inline float blinn_pdf_cosine(float3 w) {
     return w.z * inv_pi;
 }
 
-// `D` of a squared sine.
+// blinn_round_ggx_D of a squared sine.
 inline float blinn_round_ggx_at(BlinnRoundGGX round_ggx, float sin2) {
     const float inv_pi = 0.31830987;
     float a2 = round_ggx.alpha * round_ggx.alpha;
@@ -287,7 +287,7 @@ inline float3 blinn_albedo(Blinn params, float3 wo) {
         return float3(0.0);
     }
     float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
-    float3 total = float3(0.0, 0.0, 0.0);
+    float3 total = float3(0.0);
     for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         float2 u = float2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

@@ -30,7 +30,7 @@ struct BlinnChoice {
     u: vec2f,  // Fresh random numbers, made of those that chose
 }
 
-// `GGX` facets of the same width in all directions.
+// BlinnGGX facets of the same width in all directions.
 struct BlinnRoundGGX {
     alpha: f32,  // width of the slopes
 }
@@ -204,7 +204,7 @@ fn blinn_pdf_cosine(w: vec3f) -> f32 {
     return w.z * inv_pi;
 }
 
-// `D` of a squared sine.
+// blinn_round_ggx_D of a squared sine.
 fn blinn_round_ggx_at(round_ggx: BlinnRoundGGX, sin2: f32) -> f32 {
     const inv_pi = 0.31830987;
     let a2 = round_ggx.alpha * round_ggx.alpha;
@@ -284,7 +284,7 @@ fn blinn_albedo(params: Blinn, wo: vec3f) -> vec3f {
         return vec3f(0.0);
     }
     let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
-    var total = vec3f(0.0, 0.0, 0.0);
+    var total = vec3f(0.0);
     for (var i_step = 0; i_step < i32(ALBEDO_SAMPLES); i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

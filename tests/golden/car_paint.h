@@ -187,7 +187,7 @@ struct CarPaint {
     float distance;  // of the viewer; above 1 it evens out the flakes; 0 to 1000000, default 1
 };
 
-// `GGX` facets of the same width in all directions.
+// CarPaintGGX facets of the same width in all directions.
 struct CarPaintRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -218,9 +218,8 @@ inline float car_paint_cos_half(Vec3 wi, Vec3 wo) {
     return 0.5f * length(wi + wo);
 }
 
-// Facets of a width; distribution is "ggx" or "beckmann".
-inline CarPaintRoundGGX car_paint_facets_of(float alpha) {
-    return CarPaintRoundGGX{alpha};
+inline CarPaintRoundGGX car_paint_facets(const CarPaint& params) {
+    return CarPaintRoundGGX{params.alpha};
 }
 
 // eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
@@ -251,7 +250,7 @@ inline float car_paint_F_dielectric_entering(float cos_theta, float eta) {
     return car_paint_F_dielectric(cos_theta, 1.0f - cos_theta * cos_theta, eta, g2);
 }
 
-// `D` of a squared sine.
+// car_paint_round_ggx_D of a squared sine.
 inline float car_paint_round_ggx_at(CarPaintRoundGGX round_ggx, float sin2) {
     float a2 = round_ggx.alpha * round_ggx.alpha;
     float s = a2 + (1.0f - a2) * sin2;
@@ -397,7 +396,7 @@ inline float car_paint_seen(float cos_tilted, float mu) {
 }
 
 inline CarPaintRoundGGX car_paint_flake_facets(const CarPaint& params) {
-    return car_paint_facets_of(fmaxf(params.metal_alpha, params.alpha));
+    return CarPaintRoundGGX{fmaxf(params.metal_alpha, params.alpha)};
 }
 
 // The flake's facets in its own frame; both: eta times the sum of the directions.
@@ -427,7 +426,7 @@ inline Vec3 car_paint_eval(const CarPaint& params, Vec3 wi, Vec3 wo) {
     }
     Vec3 m = car_paint_half_vector(wi, wo);
     float cos_h = car_paint_cos_half(wi, wo);
-    CarPaintRoundGGX facets = car_paint_facets_of(params.alpha);
+    CarPaintRoundGGX facets = car_paint_facets(params);
     float coat = car_paint_F_dielectric_entering(cos_h, params.eta)
         * car_paint_reflected_by(facets, wi, wo, m);
 
@@ -536,11 +535,6 @@ inline Vec3 car_paint_sample_ggx_lobe(CarPaintRoundGGX facets, Vec3 wo, Vec2 u) 
     return Vec3{w.x, w.y, fabsf(w.z)};
 }
 
-// A direction that the uppermost facets mirror.
-inline Vec3 car_paint_sample_facets(CarPaintRoundGGX facets, Vec3 wo, Vec2 u) {
-    return car_paint_sample_ggx_lobe(CarPaintRoundGGX{facets.alpha}, wo, u);
-}
-
 // How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
 //
 // Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
@@ -554,8 +548,7 @@ inline float car_paint_ggx_bound(float least, Vec3 wo) {
 
 // A facet's normal.
 inline Vec3 car_paint_sample_facet(CarPaintRoundGGX facets, Vec3 wo, Vec2 u) {
-    return car_paint_round_ggx_sample_visible(CarPaintRoundGGX{facets.alpha}, wo, u,
-        car_paint_ggx_bound(facets.alpha, wo));
+    return car_paint_round_ggx_sample_visible(facets, wo, u, car_paint_ggx_bound(facets.alpha, wo));
 }
 
 // The inverse of car_paint_to_tilted.
@@ -592,8 +585,7 @@ inline float car_paint_pdf_visible(CarPaintRoundGGX facets, Vec3 wo, Vec3 m, flo
 
 // Density of wo mirrored at car_paint_sample_facet, in 1/sr.
 inline float car_paint_pdf_facet(CarPaintRoundGGX facets, Vec3 wo, Vec3 m) {
-    return car_paint_pdf_visible(CarPaintRoundGGX{facets.alpha}, wo, m,
-        car_paint_ggx_bound(facets.alpha, wo));
+    return car_paint_pdf_visible(facets, wo, m, car_paint_ggx_bound(facets.alpha, wo));
 }
 
 // Density inside the coat of the flake's part of car_paint_sample; both: along the half vector.
@@ -640,11 +632,6 @@ inline float car_paint_pdf_ggx_lobe(CarPaintRoundGGX facets, Vec3 wi, Vec3 wo) {
     return straight + (exists ? folded : 0.0f);
 }
 
-// Density of car_paint_sample_facets in 1/sr.
-inline float car_paint_pdf_facets(CarPaintRoundGGX facets, Vec3 wi, Vec3 wo) {
-    return car_paint_pdf_ggx_lobe(CarPaintRoundGGX{facets.alpha}, wi, wo);
-}
-
 // Density of car_paint_sample in 1/sr.
 inline float car_paint_pdf(const CarPaint& params, Vec3 wi, Vec3 wo) {
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
@@ -658,7 +645,7 @@ inline float car_paint_pdf(const CarPaint& params, Vec3 wi, Vec3 wo) {
     Vec3 w = car_paint_gather(wi, excess);
     float gathered = car_paint_pdf_flake(params, w, wo_t, w + wo_t);
     float below = car_paint_pdf_leave(refracted, gathered, wi, wi_t, excess);
-    float coat = car_paint_pdf_facets(car_paint_facets_of(params.alpha), wi, wo);
+    float coat = car_paint_pdf_ggx_lobe(car_paint_facets(params), wi, wo);
     Vec2 P = car_paint_shares(params, wo, wo_t);
     return P.x * coat + P.y * below;
 }
@@ -673,7 +660,7 @@ inline CarPaintSample car_paint_sample(const CarPaint& params, Vec3 wo, Vec2 u) 
     CarPaintChoice choose_result = car_paint_choose(car_paint_shares(params, wo, wo_t).x, u);
     bool on_coat = choose_result.is_first;
     Vec2 v = choose_result.u;
-    Vec3 w_coat = car_paint_sample_facets(car_paint_facets_of(params.alpha), wo, v);
+    Vec3 w_coat = car_paint_sample_ggx_lobe(car_paint_facets(params), wo, v);
     Vec3 tilted = car_paint_facing(car_paint_to_tilted(wo_t, n));
     Vec3 m = car_paint_sample_facet(car_paint_flake_facets(params), tilted, v);
     Vec3 flake = car_paint_mirror(tilted, m);

@@ -49,7 +49,7 @@ struct CarPaint {
     float distance;  // of the viewer; above 1 it evens out the flakes; 0 to 1000000, default 1
 };
 
-// `GGX` facets of the same width in all directions.
+// CarPaintGGX facets of the same width in all directions.
 struct CarPaintRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -80,9 +80,8 @@ inline float car_paint_cos_half(float3 wi, float3 wo) {
     return 0.5 * length(wi + wo);
 }
 
-// Facets of a width; distribution is "ggx" or "beckmann".
-inline CarPaintRoundGGX car_paint_facets_of(float alpha) {
-    return CarPaintRoundGGX{alpha};
+inline CarPaintRoundGGX car_paint_facets(CarPaint params) {
+    return CarPaintRoundGGX{params.alpha};
 }
 
 // eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
@@ -114,7 +113,7 @@ inline float car_paint_F_dielectric_entering(float cos_theta, float eta) {
     return car_paint_F_dielectric(cos_theta, 1.0 - cos_theta * cos_theta, eta, g2);
 }
 
-// `D` of a squared sine.
+// car_paint_round_ggx_D of a squared sine.
 inline float car_paint_round_ggx_at(CarPaintRoundGGX round_ggx, float sin2) {
     const float inv_pi = 0.31830987;
     float a2 = round_ggx.alpha * round_ggx.alpha;
@@ -270,7 +269,7 @@ inline float car_paint_seen(float cos_tilted, float mu) {
 }
 
 inline CarPaintRoundGGX car_paint_flake_facets(CarPaint params) {
-    return car_paint_facets_of(max(params.metal_alpha, params.alpha));
+    return CarPaintRoundGGX{max(params.metal_alpha, params.alpha)};
 }
 
 // The flake's facets in its own frame; both: eta times the sum of the directions.
@@ -301,7 +300,7 @@ inline float3 car_paint_eval(CarPaint params, float3 wi, float3 wo) {
     }
     float3 m = car_paint_half_vector(wi, wo);
     float cos_h = car_paint_cos_half(wi, wo);
-    CarPaintRoundGGX facets = car_paint_facets_of(params.alpha);
+    CarPaintRoundGGX facets = car_paint_facets(params);
     float coat = car_paint_F_dielectric_entering(cos_h, params.eta)
         * car_paint_reflected_by(facets, wi, wo, m);
 
@@ -429,11 +428,6 @@ inline float3 car_paint_sample_ggx_lobe(CarPaintRoundGGX facets, float3 wo, floa
     return float3(w.x, w.y, abs(w.z));
 }
 
-// A direction that the uppermost facets mirror.
-inline float3 car_paint_sample_facets(CarPaintRoundGGX facets, float3 wo, float2 u) {
-    return car_paint_sample_ggx_lobe(CarPaintRoundGGX{facets.alpha}, wo, u);
-}
-
 // How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
 //
 // Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
@@ -447,8 +441,7 @@ inline float car_paint_ggx_bound(float least, float3 wo) {
 
 // A facet's normal.
 inline float3 car_paint_sample_facet(CarPaintRoundGGX facets, float3 wo, float2 u) {
-    return car_paint_round_ggx_sample_visible(CarPaintRoundGGX{facets.alpha}, wo, u,
-        car_paint_ggx_bound(facets.alpha, wo));
+    return car_paint_round_ggx_sample_visible(facets, wo, u, car_paint_ggx_bound(facets.alpha, wo));
 }
 
 // The inverse of car_paint_to_tilted.
@@ -491,8 +484,7 @@ inline float car_paint_pdf_visible(CarPaintRoundGGX facets, float3 wo, float3 m,
 
 // Density of wo mirrored at car_paint_sample_facet, in 1/sr.
 inline float car_paint_pdf_facet(CarPaintRoundGGX facets, float3 wo, float3 m) {
-    return car_paint_pdf_visible(CarPaintRoundGGX{facets.alpha}, wo, m,
-        car_paint_ggx_bound(facets.alpha, wo));
+    return car_paint_pdf_visible(facets, wo, m, car_paint_ggx_bound(facets.alpha, wo));
 }
 
 // Density inside the coat of the flake's part of car_paint_sample; both: along the half vector.
@@ -541,11 +533,6 @@ inline float car_paint_pdf_ggx_lobe(CarPaintRoundGGX facets, float3 wi, float3 w
     return straight + (exists ? folded : 0.0);
 }
 
-// Density of car_paint_sample_facets in 1/sr.
-inline float car_paint_pdf_facets(CarPaintRoundGGX facets, float3 wi, float3 wo) {
-    return car_paint_pdf_ggx_lobe(CarPaintRoundGGX{facets.alpha}, wi, wo);
-}
-
 // Density of car_paint_sample in 1/sr.
 inline float car_paint_pdf(CarPaint params, float3 wi, float3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
@@ -560,7 +547,7 @@ inline float car_paint_pdf(CarPaint params, float3 wi, float3 wo) {
     float3 w = car_paint_gather(wi, excess);
     float gathered = car_paint_pdf_flake(params, w, wo_t, w + wo_t);
     float below = car_paint_pdf_leave(refracted, gathered, wi, wi_t, excess);
-    float coat = car_paint_pdf_facets(car_paint_facets_of(params.alpha), wi, wo);
+    float coat = car_paint_pdf_ggx_lobe(car_paint_facets(params), wi, wo);
     float2 P = car_paint_shares(params, wo, wo_t);
     return P.x * coat + P.y * below;
 }
@@ -576,7 +563,7 @@ inline CarPaintSample car_paint_sample(CarPaint params, float3 wo, float2 u) {
     CarPaintChoice choose_result = car_paint_choose(car_paint_shares(params, wo, wo_t).x, u);
     bool on_coat = choose_result.is_first;
     float2 v = choose_result.u;
-    float3 w_coat = car_paint_sample_facets(car_paint_facets_of(params.alpha), wo, v);
+    float3 w_coat = car_paint_sample_ggx_lobe(car_paint_facets(params), wo, v);
     float3 tilted = car_paint_facing(car_paint_to_tilted(wo_t, n));
     float3 m = car_paint_sample_facet(car_paint_flake_facets(params), tilted, v);
     float3 flake = car_paint_mirror(tilted, m);
@@ -603,7 +590,7 @@ inline float3 car_paint_albedo(CarPaint params, float3 wo) {
         return float3(0.0);
     }
     float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
-    float3 total = float3(0.0, 0.0, 0.0);
+    float3 total = float3(0.0);
     for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         float2 u = float2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

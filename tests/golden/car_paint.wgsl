@@ -46,7 +46,7 @@ struct CarPaint {
     distance: f32,  // of the viewer; above 1 it evens out the flakes; 0 to 1000000, default 1
 }
 
-// `GGX` facets of the same width in all directions.
+// CarPaintGGX facets of the same width in all directions.
 struct CarPaintRoundGGX {
     alpha: f32,  // width of the slopes
 }
@@ -77,9 +77,8 @@ fn car_paint_cos_half(wi: vec3f, wo: vec3f) -> f32 {
     return 0.5 * length(wi + wo);
 }
 
-// Facets of a width; distribution is "ggx" or "beckmann".
-fn car_paint_facets_of(alpha: f32) -> CarPaintRoundGGX {
-    return CarPaintRoundGGX(alpha);
+fn car_paint_facets(params: CarPaint) -> CarPaintRoundGGX {
+    return CarPaintRoundGGX(params.alpha);
 }
 
 // eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
@@ -111,7 +110,7 @@ fn car_paint_F_dielectric_entering(cos_theta: f32, eta: f32) -> f32 {
     return car_paint_F_dielectric(cos_theta, 1.0 - cos_theta * cos_theta, eta, g2);
 }
 
-// `D` of a squared sine.
+// car_paint_round_ggx_D of a squared sine.
 fn car_paint_round_ggx_at(round_ggx: CarPaintRoundGGX, sin2: f32) -> f32 {
     const inv_pi = 0.31830987;
     let a2 = round_ggx.alpha * round_ggx.alpha;
@@ -267,7 +266,7 @@ fn car_paint_seen(cos_tilted: f32, mu: f32) -> f32 {
 }
 
 fn car_paint_flake_facets(params: CarPaint) -> CarPaintRoundGGX {
-    return car_paint_facets_of(max(params.metal_alpha, params.alpha));
+    return CarPaintRoundGGX(max(params.metal_alpha, params.alpha));
 }
 
 // The flake's facets in its own frame; both: eta times the sum of the directions.
@@ -298,7 +297,7 @@ fn car_paint_eval(params: CarPaint, wi: vec3f, wo: vec3f) -> vec3f {
     }
     let m = car_paint_half_vector(wi, wo);
     let cos_h = car_paint_cos_half(wi, wo);
-    let facets = car_paint_facets_of(params.alpha);
+    let facets = car_paint_facets(params);
     let coat = car_paint_F_dielectric_entering(cos_h, params.eta)
         * car_paint_reflected_by(facets, wi, wo, m);
 
@@ -425,11 +424,6 @@ fn car_paint_sample_ggx_lobe(facets: CarPaintRoundGGX, wo: vec3f, u: vec2f) -> v
     return vec3f(w.x, w.y, abs(w.z));
 }
 
-// A direction that the uppermost facets mirror.
-fn car_paint_sample_facets(facets: CarPaintRoundGGX, wo: vec3f, u: vec2f) -> vec3f {
-    return car_paint_sample_ggx_lobe(CarPaintRoundGGX(facets.alpha), wo, u);
-}
-
 // How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
 //
 // Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
@@ -443,8 +437,7 @@ fn car_paint_ggx_bound(least: f32, wo: vec3f) -> f32 {
 
 // A facet's normal.
 fn car_paint_sample_facet(facets: CarPaintRoundGGX, wo: vec3f, u: vec2f) -> vec3f {
-    return car_paint_round_ggx_sample_visible(CarPaintRoundGGX(facets.alpha), wo, u,
-        car_paint_ggx_bound(facets.alpha, wo));
+    return car_paint_round_ggx_sample_visible(facets, wo, u, car_paint_ggx_bound(facets.alpha, wo));
 }
 
 // The inverse of car_paint_to_tilted.
@@ -487,8 +480,7 @@ fn car_paint_pdf_visible(facets: CarPaintRoundGGX, wo: vec3f, m: vec3f, bound: f
 
 // Density of wo mirrored at car_paint_sample_facet, in 1/sr.
 fn car_paint_pdf_facet(facets: CarPaintRoundGGX, wo: vec3f, m: vec3f) -> f32 {
-    return car_paint_pdf_visible(CarPaintRoundGGX(facets.alpha), wo, m,
-        car_paint_ggx_bound(facets.alpha, wo));
+    return car_paint_pdf_visible(facets, wo, m, car_paint_ggx_bound(facets.alpha, wo));
 }
 
 // Density inside the coat of the flake's part of car_paint_sample; both: along the half vector.
@@ -537,11 +529,6 @@ fn car_paint_pdf_ggx_lobe(facets: CarPaintRoundGGX, wi: vec3f, wo: vec3f) -> f32
     return straight + select(0.0, folded, exists);
 }
 
-// Density of car_paint_sample_facets in 1/sr.
-fn car_paint_pdf_facets(facets: CarPaintRoundGGX, wi: vec3f, wo: vec3f) -> f32 {
-    return car_paint_pdf_ggx_lobe(CarPaintRoundGGX(facets.alpha), wi, wo);
-}
-
 // Density of car_paint_sample in 1/sr.
 fn car_paint_pdf(params: CarPaint, wi: vec3f, wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
@@ -556,7 +543,7 @@ fn car_paint_pdf(params: CarPaint, wi: vec3f, wo: vec3f) -> f32 {
     let w = car_paint_gather(wi, excess);
     let gathered = car_paint_pdf_flake(params, w, wo_t, w + wo_t);
     let below = car_paint_pdf_leave(refracted, gathered, wi, wi_t, excess);
-    let coat = car_paint_pdf_facets(car_paint_facets_of(params.alpha), wi, wo);
+    let coat = car_paint_pdf_ggx_lobe(car_paint_facets(params), wi, wo);
     let P = car_paint_shares(params, wo, wo_t);
     return P.x * coat + P.y * below;
 }
@@ -572,7 +559,7 @@ fn car_paint_sample(params: CarPaint, wo: vec3f, u: vec2f) -> CarPaintSample {
     let choose_result = car_paint_choose(car_paint_shares(params, wo, wo_t).x, u);
     let on_coat = choose_result.is_first;
     let v = choose_result.u;
-    let w_coat = car_paint_sample_facets(car_paint_facets_of(params.alpha), wo, v);
+    let w_coat = car_paint_sample_ggx_lobe(car_paint_facets(params), wo, v);
     let tilted = car_paint_facing(car_paint_to_tilted(wo_t, n));
     let m = car_paint_sample_facet(car_paint_flake_facets(params), tilted, v);
     let flake = car_paint_mirror(tilted, m);
@@ -599,7 +586,7 @@ fn car_paint_albedo(params: CarPaint, wo: vec3f) -> vec3f {
         return vec3f(0.0);
     }
     let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
-    var total = vec3f(0.0, 0.0, 0.0);
+    var total = vec3f(0.0);
     for (var i_step = 0; i_step < i32(ALBEDO_SAMPLES); i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

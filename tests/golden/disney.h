@@ -79,14 +79,13 @@ inline Vec3 lerp(Vec3 a, Vec3 b, Vec3 c) {
     return Vec3{lerp(a.x, b.x, c.x), lerp(a.y, b.y, c.y), lerp(a.z, b.z, c.z)};
 }
 
-// The reference code's numbers: smallest width of the highlight, F0 at specular 1, and for the clearcoat
-// its widths without and with gloss, that of its masking, F0 (index 1.5), and strength.
-constexpr float ALPHA_DISNEY = 0.001f;
-constexpr float F0_SPECULAR = 0.08f;
-constexpr float COAT_ALPHA_SATIN = 0.1f;
-constexpr float COAT_ALPHA_GLOSS = 0.001f;
+constexpr float ALPHA_DISNEY = 0.001f;  // smallest width of the highlight
+constexpr float F0_SPECULAR = 0.08f;  // F0 at specular 1
+constexpr float COAT_ALPHA_SATIN = 0.1f;  // width of the clearcoat without gloss
+constexpr float COAT_ALPHA_GLOSS = 0.001f;  // and with it
+// width by which the clearcoat's facets hide each other
 constexpr float COAT_ALPHA_MASKING = 0.25f;
-constexpr float COAT_F0 = 0.04f;
+constexpr float COAT_F0 = 0.04f;  // the clearcoat's, of an index of 1.5
 constexpr float COAT_STRENGTH = 0.25f;
 // Estimate of the white sheen's albedo, for the choice of lobes only.
 constexpr float SHEEN_ALBEDO = 0.06f;
@@ -145,7 +144,7 @@ struct DisneyGTR1 {
     float alpha;  // width of the slopes
 };
 
-// `GGX` facets of the same width in all directions.
+// DisneyGGX facets of the same width in all directions.
 struct DisneyRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -227,24 +226,14 @@ inline DisneyGTR1 disney_coat(const Disney& params) {
     return DisneyGTR1{lerp(COAT_ALPHA_SATIN, COAT_ALPHA_GLOSS, params.clearcoat_gloss)};
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline Vec3 disney_half_vector(Vec3 wi, Vec3 wo) {
-    Vec3 h = wi + wo;
-    return h / length(h);  // which disney_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D_narrow` of a squared sine.
+// disney_gtr1_D_narrow of a squared sine.
 inline float disney_gtr1_narrow_at(DisneyGTR1 gtr1, float sin2) {
     float a2 = gtr1.alpha * gtr1.alpha;
     float below_one = 1.0f - a2;
     return inv_pi * below_one / (-logf(a2) * (a2 + below_one * sin2));
 }
 
-// `D_narrow` at the normal along h, which need not be unit.
+// disney_gtr1_D_narrow at the normal along h, which need not be unit.
 inline float disney_gtr1_D_narrow_along(DisneyGTR1 gtr1, Vec3 h) {
     return disney_gtr1_narrow_at(gtr1, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
@@ -291,7 +280,7 @@ inline DisneyGGX disney_facets(const Disney& params) {
     return DisneyGGX{fmaxf(alpha / aspect, ALPHA_DISNEY), fmaxf(alpha * aspect, ALPHA_DISNEY)};
 }
 
-// `D` at the normal along h, which need not be unit.
+// disney_ggx_D at the normal along h, which need not be unit.
 inline float disney_ggx_D_along(DisneyGGX ggx, Vec3 h) {
     float x = 1.0f / ggx.alpha_x;
     float y = 1.0f / ggx.alpha_y;
@@ -322,6 +311,12 @@ inline Vec3 disney_eval(const Disney& params, Vec3 wi, Vec3 wo) {
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline Vec3 disney_half_vector(Vec3 wi, Vec3 wo) {
+    Vec3 h = wi + wo;
+    return h / length(h);  // which disney_cos_half needs as well
+}
 
 // Mean of the three channels, by which lobes are weighed against each other.
 inline float disney_average(Vec3 color) {

@@ -42,7 +42,7 @@ struct DisneyGTR1 {
     float alpha;  // width of the slopes
 };
 
-// `GGX` facets of the same width in all directions.
+// DisneyGGX facets of the same width in all directions.
 struct DisneyRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -71,7 +71,7 @@ float3 disney_tint(Disney params) {
 }
 
 float3 disney_f0(Disney params) {
-    const float F0_SPECULAR = 0.08;
+    const float F0_SPECULAR = 0.08;  // F0 at specular 1
     float3 dielectric = F0_SPECULAR * params.specular
         * lerp(float3(1.0, 1.0, 1.0), disney_tint(params),
             float3(params.specular_tint, params.specular_tint, params.specular_tint));
@@ -126,24 +126,14 @@ float3 disney_sheen(Disney params) {
 
 // The clearcoat's facets.
 DisneyGTR1 disney_coat(Disney params) {
-    const float COAT_ALPHA_SATIN = 0.1;
-    const float COAT_ALPHA_GLOSS = 0.001;
+    const float COAT_ALPHA_SATIN = 0.1;  // width of the clearcoat without gloss
+    const float COAT_ALPHA_GLOSS = 0.001;  // and with it
     DisneyGTR1 result;
     result.alpha = lerp(COAT_ALPHA_SATIN, COAT_ALPHA_GLOSS, params.clearcoat_gloss);
     return result;
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-float3 disney_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
-    return h / length(h);  // which disney_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D_narrow` of a squared sine.
+// disney_gtr1_D_narrow of a squared sine.
 float disney_gtr1_narrow_at(DisneyGTR1 gtr1, float sin2) {
     const float inv_pi = 0.31830987;
     float a2 = gtr1.alpha * gtr1.alpha;
@@ -151,7 +141,7 @@ float disney_gtr1_narrow_at(DisneyGTR1 gtr1, float sin2) {
     return inv_pi * below_one / (-log(a2) * (a2 + below_one * sin2));
 }
 
-// `D_narrow` at the normal along h, which need not be unit.
+// disney_gtr1_D_narrow at the normal along h, which need not be unit.
 float disney_gtr1_D_narrow_along(DisneyGTR1 gtr1, float3 h) {
     return disney_gtr1_narrow_at(gtr1, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
@@ -171,8 +161,8 @@ float disney_V_smith(DisneyRoundGGX facets, float3 wi, float3 wo) {
 // All but the highlight: diffuse, sheen and clearcoat, which are not stretched.
 float3 disney_eval_round(Disney params, float3 wi, float3 wo) {
     const float inv_pi = 0.31830987;
-    const float COAT_ALPHA_MASKING = 0.25;
-    const float COAT_F0 = 0.04;
+    const float COAT_ALPHA_MASKING = 0.25;  // width by which the clearcoat's facets hide each other
+    const float COAT_F0 = 0.04;  // the clearcoat's, of an index of 1.5
     const float COAT_STRENGTH = 0.25;
     // Diffuse with retro-reflection
     float F_i = disney_schlick_weight(wi.z);
@@ -199,9 +189,7 @@ float3 disney_eval_round(Disney params, float3 wi, float3 wo) {
 
 // Those of the highlight.
 DisneyGGX disney_facets(Disney params) {
-    // The reference code's numbers: smallest width of the highlight, F0 at specular 1, and for the clearcoat
-    // its widths without and with gloss, that of its masking, F0 (index 1.5), and strength.
-    const float ALPHA_DISNEY = 0.001;
+    const float ALPHA_DISNEY = 0.001;  // smallest width of the highlight
     float alpha = params.roughness * params.roughness;
     float aspect = sqrt(1.0 - 0.9 * params.anisotropic);
     DisneyGGX result;
@@ -210,7 +198,7 @@ DisneyGGX disney_facets(Disney params) {
     return result;
 }
 
-// `D` at the normal along h, which need not be unit.
+// disney_ggx_D at the normal along h, which need not be unit.
 float disney_ggx_D_along(DisneyGGX ggx, float3 h) {
     const float inv_pi = 0.31830987;
     float x = 1.0 / ggx.alpha_x;
@@ -241,11 +229,17 @@ float3 disney_eval(Disney params, float3 wi, float3 wo) {
         return float3(0.0, 0.0, 0.0);
     }
     float3 F = lerp(disney_f0(params), float3(1.0, 1.0, 1.0),
-        (disney_schlick_weight_half(wi, wo)).xxx);
+        disney_schlick_weight_half(wi, wo).xxx);
     return disney_eval_round(params, wi, wo) + F * disney_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+float3 disney_half_vector(float3 wi, float3 wo) {
+    float3 h = wi + wo;
+    return h / length(h);  // which disney_cos_half needs as well
+}
 
 // Mean of the three channels, by which lobes are weighed against each other.
 float disney_average(float3 color) {
@@ -255,12 +249,12 @@ float disney_average(float3 color) {
 // An estimate, for the choice of lobes.
 float disney_highlight_albedo(Disney params, float3 wo) {
     return disney_average(lerp(disney_f0(params), float3(1.0, 1.0, 1.0),
-        (disney_schlick_weight(wo.z)).xxx));
+        disney_schlick_weight(wo.z).xxx));
 }
 
 // An estimate, for the choice of lobes.
 float disney_coat_albedo(Disney params, float3 wo) {
-    const float COAT_F0 = 0.04;
+    const float COAT_F0 = 0.04;  // the clearcoat's, of an index of 1.5
     const float COAT_STRENGTH = 0.25;
     return COAT_STRENGTH * params.clearcoat * lerp(COAT_F0, 1.0, disney_schlick_weight(wo.z));
 }

@@ -45,7 +45,7 @@ struct DisneyGTR1 {
     float alpha;  // width of the slopes
 };
 
-// `GGX` facets of the same width in all directions.
+// DisneyGGX facets of the same width in all directions.
 struct DisneyRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -74,7 +74,7 @@ inline float3 disney_tint(Disney params) {
 }
 
 inline float3 disney_f0(Disney params) {
-    const float F0_SPECULAR = 0.08;
+    const float F0_SPECULAR = 0.08;  // F0 at specular 1
     float3 dielectric = F0_SPECULAR * params.specular
         * mix(float3(1.0), disney_tint(params), float3(params.specular_tint));
     return mix(dielectric, params.base_color, float3(params.metallic));
@@ -126,22 +126,12 @@ inline float3 disney_sheen(Disney params) {
 
 // The clearcoat's facets.
 inline DisneyGTR1 disney_coat(Disney params) {
-    const float COAT_ALPHA_SATIN = 0.1;
-    const float COAT_ALPHA_GLOSS = 0.001;
+    const float COAT_ALPHA_SATIN = 0.1;  // width of the clearcoat without gloss
+    const float COAT_ALPHA_GLOSS = 0.001;  // and with it
     return DisneyGTR1{mix(COAT_ALPHA_SATIN, COAT_ALPHA_GLOSS, params.clearcoat_gloss)};
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline float3 disney_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
-    return h / length(h);  // which disney_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D_narrow` of a squared sine.
+// disney_gtr1_D_narrow of a squared sine.
 inline float disney_gtr1_narrow_at(DisneyGTR1 gtr1, float sin2) {
     const float inv_pi = 0.31830987;
     float a2 = gtr1.alpha * gtr1.alpha;
@@ -149,7 +139,7 @@ inline float disney_gtr1_narrow_at(DisneyGTR1 gtr1, float sin2) {
     return inv_pi * below_one / (-log(a2) * (a2 + below_one * sin2));
 }
 
-// `D_narrow` at the normal along h, which need not be unit.
+// disney_gtr1_D_narrow at the normal along h, which need not be unit.
 inline float disney_gtr1_D_narrow_along(DisneyGTR1 gtr1, float3 h) {
     return disney_gtr1_narrow_at(gtr1, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
@@ -169,8 +159,8 @@ inline float disney_V_smith(DisneyRoundGGX facets, float3 wi, float3 wo) {
 // All but the highlight: diffuse, sheen and clearcoat, which are not stretched.
 inline float3 disney_eval_round(Disney params, float3 wi, float3 wo) {
     const float inv_pi = 0.31830987;
-    const float COAT_ALPHA_MASKING = 0.25;
-    const float COAT_F0 = 0.04;
+    const float COAT_ALPHA_MASKING = 0.25;  // width by which the clearcoat's facets hide each other
+    const float COAT_F0 = 0.04;  // the clearcoat's, of an index of 1.5
     const float COAT_STRENGTH = 0.25;
     // Diffuse with retro-reflection
     float F_i = disney_schlick_weight(wi.z);
@@ -195,15 +185,13 @@ inline float3 disney_eval_round(Disney params, float3 wi, float3 wo) {
 
 // Those of the highlight.
 inline DisneyGGX disney_facets(Disney params) {
-    // The reference code's numbers: smallest width of the highlight, F0 at specular 1, and for the clearcoat
-    // its widths without and with gloss, that of its masking, F0 (index 1.5), and strength.
-    const float ALPHA_DISNEY = 0.001;
+    const float ALPHA_DISNEY = 0.001;  // smallest width of the highlight
     float alpha = params.roughness * params.roughness;
     float aspect = sqrt(1.0 - 0.9 * params.anisotropic);
     return DisneyGGX{max(alpha / aspect, ALPHA_DISNEY), max(alpha * aspect, ALPHA_DISNEY)};
 }
 
-// `D` at the normal along h, which need not be unit.
+// disney_ggx_D at the normal along h, which need not be unit.
 inline float disney_ggx_D_along(DisneyGGX ggx, float3 h) {
     const float inv_pi = 0.31830987;
     float x = 1.0 / ggx.alpha_x;
@@ -237,6 +225,12 @@ inline float3 disney_eval(Disney params, float3 wi, float3 wo) {
 
 // ---- sampling ------------------------------------------------------------------------------
 
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline float3 disney_half_vector(float3 wi, float3 wo) {
+    float3 h = wi + wo;
+    return h / length(h);  // which disney_cos_half needs as well
+}
+
 // Mean of the three channels, by which lobes are weighed against each other.
 inline float disney_average(float3 color) {
     return (color.x + color.y + color.z) / 3.0;
@@ -249,7 +243,7 @@ inline float disney_highlight_albedo(Disney params, float3 wo) {
 
 // An estimate, for the choice of lobes.
 inline float disney_coat_albedo(Disney params, float3 wo) {
-    const float COAT_F0 = 0.04;
+    const float COAT_F0 = 0.04;  // the clearcoat's, of an index of 1.5
     const float COAT_STRENGTH = 0.25;
     return COAT_STRENGTH * params.clearcoat * mix(COAT_F0, 1.0, disney_schlick_weight(wo.z));
 }
@@ -499,7 +493,7 @@ inline float3 disney_albedo(Disney params, float3 wo) {
         return float3(0.0);
     }
     float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
-    float3 total = float3(0.0, 0.0, 0.0);
+    float3 total = float3(0.0);
     for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         float2 u = float2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

@@ -41,7 +41,7 @@ struct DisneyGTR1 {
     alpha: f32,  // width of the slopes
 }
 
-// `GGX` facets of the same width in all directions.
+// DisneyGGX facets of the same width in all directions.
 struct DisneyRoundGGX {
     alpha: f32,  // width of the slopes
 }
@@ -70,7 +70,7 @@ fn disney_tint(params: Disney) -> vec3f {
 }
 
 fn disney_f0(params: Disney) -> vec3f {
-    const F0_SPECULAR = 0.08;
+    const F0_SPECULAR = 0.08;  // F0 at specular 1
     let dielectric = F0_SPECULAR * params.specular
         * mix(vec3f(1.0), disney_tint(params), vec3f(params.specular_tint));
     return mix(dielectric, params.base_color, vec3f(params.metallic));
@@ -122,22 +122,12 @@ fn disney_sheen(params: Disney) -> vec3f {
 
 // The clearcoat's facets.
 fn disney_coat(params: Disney) -> DisneyGTR1 {
-    const COAT_ALPHA_SATIN = 0.1;
-    const COAT_ALPHA_GLOSS = 0.001;
+    const COAT_ALPHA_SATIN = 0.1;  // width of the clearcoat without gloss
+    const COAT_ALPHA_GLOSS = 0.001;  // and with it
     return DisneyGTR1(mix(COAT_ALPHA_SATIN, COAT_ALPHA_GLOSS, params.clearcoat_gloss));
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-fn disney_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    let h = wi + wo;
-    return h / length(h);  // which disney_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D_narrow` of a squared sine.
+// disney_gtr1_D_narrow of a squared sine.
 fn disney_gtr1_narrow_at(gtr1: DisneyGTR1, sin2: f32) -> f32 {
     const inv_pi = 0.31830987;
     let a2 = gtr1.alpha * gtr1.alpha;
@@ -145,7 +135,7 @@ fn disney_gtr1_narrow_at(gtr1: DisneyGTR1, sin2: f32) -> f32 {
     return inv_pi * below_one / (-log(a2) * (a2 + below_one * sin2));
 }
 
-// `D_narrow` at the normal along h, which need not be unit.
+// disney_gtr1_D_narrow at the normal along h, which need not be unit.
 fn disney_gtr1_D_narrow_along(gtr1: DisneyGTR1, h: vec3f) -> f32 {
     return disney_gtr1_narrow_at(gtr1, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
@@ -165,8 +155,8 @@ fn disney_V_smith(facets: DisneyRoundGGX, wi: vec3f, wo: vec3f) -> f32 {
 // All but the highlight: diffuse, sheen and clearcoat, which are not stretched.
 fn disney_eval_round(params: Disney, wi: vec3f, wo: vec3f) -> vec3f {
     const inv_pi = 0.31830987;
-    const COAT_ALPHA_MASKING = 0.25;
-    const COAT_F0 = 0.04;
+    const COAT_ALPHA_MASKING = 0.25;  // width by which the clearcoat's facets hide each other
+    const COAT_F0 = 0.04;  // the clearcoat's, of an index of 1.5
     const COAT_STRENGTH = 0.25;
     // Diffuse with retro-reflection
     let F_i = disney_schlick_weight(wi.z);
@@ -191,15 +181,13 @@ fn disney_eval_round(params: Disney, wi: vec3f, wo: vec3f) -> vec3f {
 
 // Those of the highlight.
 fn disney_facets(params: Disney) -> DisneyGGX {
-    // The reference code's numbers: smallest width of the highlight, F0 at specular 1, and for the clearcoat
-    // its widths without and with gloss, that of its masking, F0 (index 1.5), and strength.
-    const ALPHA_DISNEY = 0.001;
+    const ALPHA_DISNEY = 0.001;  // smallest width of the highlight
     let alpha = params.roughness * params.roughness;
     let aspect = sqrt(1.0 - 0.9 * params.anisotropic);
     return DisneyGGX(max(alpha / aspect, ALPHA_DISNEY), max(alpha * aspect, ALPHA_DISNEY));
 }
 
-// `D` at the normal along h, which need not be unit.
+// disney_ggx_D at the normal along h, which need not be unit.
 fn disney_ggx_D_along(ggx: DisneyGGX, h: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     let x = 1.0 / ggx.alpha_x;
@@ -233,6 +221,12 @@ fn disney_eval(params: Disney, wi: vec3f, wo: vec3f) -> vec3f {
 
 // ---- sampling ------------------------------------------------------------------------------
 
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn disney_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    let h = wi + wo;
+    return h / length(h);  // which disney_cos_half needs as well
+}
+
 // Mean of the three channels, by which lobes are weighed against each other.
 fn disney_average(color: vec3f) -> f32 {
     return (color.x + color.y + color.z) / 3.0;
@@ -245,7 +239,7 @@ fn disney_highlight_albedo(params: Disney, wo: vec3f) -> f32 {
 
 // An estimate, for the choice of lobes.
 fn disney_coat_albedo(params: Disney, wo: vec3f) -> f32 {
-    const COAT_F0 = 0.04;
+    const COAT_F0 = 0.04;  // the clearcoat's, of an index of 1.5
     const COAT_STRENGTH = 0.25;
     return COAT_STRENGTH * params.clearcoat * mix(COAT_F0, 1.0, disney_schlick_weight(wo.z));
 }
@@ -495,7 +489,7 @@ fn disney_albedo(params: Disney, wo: vec3f) -> vec3f {
         return vec3f(0.0);
     }
     let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
-    var total = vec3f(0.0, 0.0, 0.0);
+    var total = vec3f(0.0);
     for (var i_step = 0; i_step < i32(ALBEDO_SAMPLES); i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

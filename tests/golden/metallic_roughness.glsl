@@ -27,7 +27,7 @@ struct MetallicRoughness {
     float roughness;  // perceptual roughness, alpha = roughness^2; 0 to 1, default 0.5
 };
 
-// `GGX` facets of the same width in all directions.
+// MetallicRoughnessGGX facets of the same width in all directions.
 struct MetallicRoughnessRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -93,17 +93,7 @@ float metallic_roughness_alpha(MetallicRoughness params) {
     return max(params.roughness * params.roughness, ALPHA_MIN);
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-vec3 metallic_roughness_half_vector(vec3 wi, vec3 wo) {
-    vec3 h = wi + wo;
-    return h / length(h);  // which metallic_roughness_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` of a squared sine.
+// metallic_roughness_round_ggx_D of a squared sine.
 float metallic_roughness_round_ggx_at(MetallicRoughnessRoundGGX round_ggx, float sin2) {
     const float inv_pi = 0.31830987;
     float a2 = round_ggx.alpha * round_ggx.alpha;
@@ -111,7 +101,7 @@ float metallic_roughness_round_ggx_at(MetallicRoughnessRoundGGX round_ggx, float
     return inv_pi * a2 / (s * s);
 }
 
-// `D` at the normal along h, which need not be unit.
+// metallic_roughness_round_ggx_D at the normal along h, which need not be unit.
 float metallic_roughness_round_ggx_D_along(MetallicRoughnessRoundGGX round_ggx, vec3 h) {
     return metallic_roughness_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
@@ -153,6 +143,12 @@ vec3 metallic_roughness_eval(MetallicRoughness params, vec3 wi, vec3 wo) {
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+vec3 metallic_roughness_half_vector(vec3 wi, vec3 wo) {
+    vec3 h = wi + wo;
+    return h / length(h);  // which metallic_roughness_cos_half needs as well
+}
 
 // Mean of the three channels, by which lobes are weighed against each other.
 float metallic_roughness_average(vec3 color) {
@@ -345,7 +341,7 @@ vec3 metallic_roughness_albedo(MetallicRoughness params, vec3 wo) {
         return vec3(0.0);
     }
     vec3 w = vec3(wo.x, wo.y, max(wo.z, HORIZON));
-    vec3 total = vec3(0.0, 0.0, 0.0);
+    vec3 total = vec3(0.0);
     for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

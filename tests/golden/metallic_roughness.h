@@ -123,7 +123,7 @@ struct MetallicRoughness {
     float roughness;  // perceptual roughness, alpha = roughness^2; 0 to 1, default 0.5
 };
 
-// `GGX` facets of the same width in all directions.
+// MetallicRoughnessGGX facets of the same width in all directions.
 struct MetallicRoughnessRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -185,24 +185,14 @@ inline float metallic_roughness_alpha(const MetallicRoughness& params) {
     return fmaxf(params.roughness * params.roughness, ALPHA_MIN);
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline Vec3 metallic_roughness_half_vector(Vec3 wi, Vec3 wo) {
-    Vec3 h = wi + wo;
-    return h / length(h);  // which metallic_roughness_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` of a squared sine.
+// metallic_roughness_round_ggx_D of a squared sine.
 inline float metallic_roughness_round_ggx_at(MetallicRoughnessRoundGGX round_ggx, float sin2) {
     float a2 = round_ggx.alpha * round_ggx.alpha;
     float s = a2 + (1.0f - a2) * sin2;
     return inv_pi * a2 / (s * s);
 }
 
-// `D` at the normal along h, which need not be unit.
+// metallic_roughness_round_ggx_D at the normal along h, which need not be unit.
 inline float metallic_roughness_round_ggx_D_along(MetallicRoughnessRoundGGX round_ggx, Vec3 h) {
     return metallic_roughness_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
@@ -242,6 +232,12 @@ inline Vec3 metallic_roughness_eval(const MetallicRoughness& params, Vec3 wi, Ve
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline Vec3 metallic_roughness_half_vector(Vec3 wi, Vec3 wo) {
+    Vec3 h = wi + wo;
+    return h / length(h);  // which metallic_roughness_cos_half needs as well
+}
 
 // Mean of the three channels, by which lobes are weighed against each other.
 inline float metallic_roughness_average(Vec3 color) {

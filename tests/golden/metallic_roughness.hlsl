@@ -27,7 +27,7 @@ struct MetallicRoughness {
     float roughness;  // perceptual roughness, alpha = roughness^2; 0 to 1, default 0.5
 };
 
-// `GGX` facets of the same width in all directions.
+// MetallicRoughnessGGX facets of the same width in all directions.
 struct MetallicRoughnessRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -94,17 +94,7 @@ float metallic_roughness_alpha(MetallicRoughness params) {
     return max(params.roughness * params.roughness, ALPHA_MIN);
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-float3 metallic_roughness_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
-    return h / length(h);  // which metallic_roughness_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` of a squared sine.
+// metallic_roughness_round_ggx_D of a squared sine.
 float metallic_roughness_round_ggx_at(MetallicRoughnessRoundGGX round_ggx, float sin2) {
     const float inv_pi = 0.31830987;
     float a2 = round_ggx.alpha * round_ggx.alpha;
@@ -112,7 +102,7 @@ float metallic_roughness_round_ggx_at(MetallicRoughnessRoundGGX round_ggx, float
     return inv_pi * a2 / (s * s);
 }
 
-// `D` at the normal along h, which need not be unit.
+// metallic_roughness_round_ggx_D at the normal along h, which need not be unit.
 float metallic_roughness_round_ggx_D_along(MetallicRoughnessRoundGGX round_ggx, float3 h) {
     return metallic_roughness_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
@@ -146,8 +136,7 @@ float3 metallic_roughness_eval(MetallicRoughness params, float3 wi, float3 wo) {
         return float3(0.0, 0.0, 0.0);
     }
     float3 f0 = metallic_roughness_f0(params);
-    float3 F = lerp(f0, float3(1.0, 1.0, 1.0),
-        (metallic_roughness_schlick_weight_half(wi, wo)).xxx);
+    float3 F = lerp(f0, float3(1.0, 1.0, 1.0), metallic_roughness_schlick_weight_half(wi, wo).xxx);
     // 1 - F without its cancellation
     float3 k_d = (1.0 - f0)
         * metallic_roughness_schlick_complement(metallic_roughness_cos_half(wi, wo));
@@ -156,6 +145,12 @@ float3 metallic_roughness_eval(MetallicRoughness params, float3 wi, float3 wo) {
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+float3 metallic_roughness_half_vector(float3 wi, float3 wo) {
+    float3 h = wi + wo;
+    return h / length(h);  // which metallic_roughness_cos_half needs as well
+}
 
 // Mean of the three channels, by which lobes are weighed against each other.
 float metallic_roughness_average(float3 color) {
@@ -197,7 +192,7 @@ float2 metallic_roughness_shares(MetallicRoughness params, float3 wo) {
     float3 diffuse = (1.0 - params.metallic) * params.base_color * (1.0 - f0);
     return metallic_roughness_lobes_shares(metallic_roughness_average(diffuse),
         metallic_roughness_average(lerp(f0, float3(1.0, 1.0, 1.0),
-            (metallic_roughness_schlick_weight(wo.z)).xxx)));
+            metallic_roughness_schlick_weight(wo.z).xxx)));
 }
 
 // Choose the first of two lobes with a probability, and make fresh random numbers of the used ones.

@@ -30,7 +30,7 @@ struct MetallicRoughness {
     float roughness;  // perceptual roughness, alpha = roughness^2; 0 to 1, default 0.5
 };
 
-// `GGX` facets of the same width in all directions.
+// MetallicRoughnessGGX facets of the same width in all directions.
 struct MetallicRoughnessRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -96,17 +96,7 @@ inline float metallic_roughness_alpha(MetallicRoughness params) {
     return max(params.roughness * params.roughness, ALPHA_MIN);
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline float3 metallic_roughness_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
-    return h / length(h);  // which metallic_roughness_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` of a squared sine.
+// metallic_roughness_round_ggx_D of a squared sine.
 inline float metallic_roughness_round_ggx_at(MetallicRoughnessRoundGGX round_ggx, float sin2) {
     const float inv_pi = 0.31830987;
     float a2 = round_ggx.alpha * round_ggx.alpha;
@@ -114,7 +104,7 @@ inline float metallic_roughness_round_ggx_at(MetallicRoughnessRoundGGX round_ggx
     return inv_pi * a2 / (s * s);
 }
 
-// `D` at the normal along h, which need not be unit.
+// metallic_roughness_round_ggx_D at the normal along h, which need not be unit.
 inline float metallic_roughness_round_ggx_D_along(MetallicRoughnessRoundGGX round_ggx,
     float3 h) {
     return metallic_roughness_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
@@ -157,6 +147,12 @@ inline float3 metallic_roughness_eval(MetallicRoughness params, float3 wi, float
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline float3 metallic_roughness_half_vector(float3 wi, float3 wo) {
+    float3 h = wi + wo;
+    return h / length(h);  // which metallic_roughness_cos_half needs as well
+}
 
 // Mean of the three channels, by which lobes are weighed against each other.
 inline float metallic_roughness_average(float3 color) {
@@ -356,7 +352,7 @@ inline float3 metallic_roughness_albedo(MetallicRoughness params, float3 wo) {
         return float3(0.0);
     }
     float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
-    float3 total = float3(0.0, 0.0, 0.0);
+    float3 total = float3(0.0);
     for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         float2 u = float2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

@@ -27,7 +27,7 @@ struct MetallicRoughness {
     roughness: f32,  // perceptual roughness, alpha = roughness^2; 0 to 1, default 0.5
 }
 
-// `GGX` facets of the same width in all directions.
+// MetallicRoughnessGGX facets of the same width in all directions.
 struct MetallicRoughnessRoundGGX {
     alpha: f32,  // width of the slopes
 }
@@ -93,17 +93,7 @@ fn metallic_roughness_alpha(params: MetallicRoughness) -> f32 {
     return max(params.roughness * params.roughness, ALPHA_MIN);
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-fn metallic_roughness_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    let h = wi + wo;
-    return h / length(h);  // which metallic_roughness_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` of a squared sine.
+// metallic_roughness_round_ggx_D of a squared sine.
 fn metallic_roughness_round_ggx_at(round_ggx: MetallicRoughnessRoundGGX, sin2: f32) -> f32 {
     const inv_pi = 0.31830987;
     let a2 = round_ggx.alpha * round_ggx.alpha;
@@ -111,7 +101,7 @@ fn metallic_roughness_round_ggx_at(round_ggx: MetallicRoughnessRoundGGX, sin2: f
     return inv_pi * a2 / (s * s);
 }
 
-// `D` at the normal along h, which need not be unit.
+// metallic_roughness_round_ggx_D at the normal along h, which need not be unit.
 fn metallic_roughness_round_ggx_D_along(round_ggx: MetallicRoughnessRoundGGX, h: vec3f) -> f32 {
     return metallic_roughness_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
@@ -153,6 +143,12 @@ fn metallic_roughness_eval(params: MetallicRoughness, wi: vec3f, wo: vec3f) -> v
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn metallic_roughness_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    let h = wi + wo;
+    return h / length(h);  // which metallic_roughness_cos_half needs as well
+}
 
 // Mean of the three channels, by which lobes are weighed against each other.
 fn metallic_roughness_average(color: vec3f) -> f32 {
@@ -350,7 +346,7 @@ fn metallic_roughness_albedo(params: MetallicRoughness, wo: vec3f) -> vec3f {
         return vec3f(0.0);
     }
     let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
-    var total = vec3f(0.0, 0.0, 0.0);
+    var total = vec3f(0.0);
     for (var i_step = 0; i_step < i32(ALBEDO_SAMPLES); i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

@@ -24,7 +24,7 @@ struct OrenNayar {
     float sigma;  // standard deviation of the facet angle, radians; 0 to 1.570796, default 0.5
 };
 
-// What qualitative_coefficients returns.
+// What oren_nayar_qualitative_coefficients returns.
 struct OrenNayarQualitativeCoefficients {
     float A;
     float B;
@@ -333,7 +333,7 @@ vec3 oren_nayar_albedo(OrenNayar params, vec3 wo) {
         return vec3(0.0);
     }
     vec3 w = vec3(wo.x, wo.y, max(wo.z, HORIZON));
-    vec3 total = vec3(0.0, 0.0, 0.0);
+    vec3 total = vec3(0.0);
     for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

@@ -100,7 +100,7 @@ struct OrenNayar {
     float sigma;  // standard deviation of the facet angle, radians; 0 to 1.570796, default 0.5
 };
 
-// What qualitative_coefficients returns.
+// What oren_nayar_qualitative_coefficients returns.
 struct OrenNayarQualitativeCoefficients {
     float A;
     float B;

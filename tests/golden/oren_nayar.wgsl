@@ -24,7 +24,7 @@ struct OrenNayar {
     sigma: f32,  // standard deviation of the facet angle, radians; 0 to 1.570796, default 0.5
 }
 
-// What qualitative_coefficients returns.
+// What oren_nayar_qualitative_coefficients returns.
 struct OrenNayarQualitativeCoefficients {
     A: f32,
     B: f32,
@@ -329,7 +329,7 @@ fn oren_nayar_albedo(params: OrenNayar, wo: vec3f) -> vec3f {
         return vec3f(0.0);
     }
     let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
-    var total = vec3f(0.0, 0.0, 0.0);
+    var total = vec3f(0.0);
     for (var i_step = 0; i_step < i32(ALBEDO_SAMPLES); i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

@@ -195,7 +195,7 @@ struct Patina {
     Vec3 tarnish_tint;  // colour of the metal at tarnish 1; 0 to 1, default (0.45, 0.2, 0.08)
 };
 
-// `GGX` facets of the same width in all directions.
+// PatinaGGX facets of the same width in all directions.
 struct PatinaRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -311,16 +311,11 @@ inline float patina_metal_alpha(const Patina& params) {
     return patina_bare(params) * params.bare_alpha + patina_grown(params) * params.grown_alpha;
 }
 
-// Facets of a width; distribution is "ggx" or "beckmann".
-inline PatinaRoundGGX patina_facets_of(float alpha) {
-    return PatinaRoundGGX{alpha};
-}
-
 inline PatinaRoundGGX patina_bare_facets(const Patina& params) {
-    return patina_facets_of(patina_metal_alpha(params));
+    return PatinaRoundGGX{patina_metal_alpha(params)};
 }
 
-// `D` of a squared sine.
+// patina_round_ggx_D of a squared sine.
 inline float patina_round_ggx_at(PatinaRoundGGX round_ggx, float sin2) {
     float a2 = round_ggx.alpha * round_ggx.alpha;
     float s = a2 + (1.0f - a2) * sin2;
@@ -392,7 +387,11 @@ inline PatinaSplit patina_split_conductor(float cos_theta, Vec3 eta, Vec3 k) {
         2.0f * c * (g_re / s_abs2 + T_p)};
 }
 
-// 2 mu Lambda, `area` without mu.
+inline PatinaRoundGGX patina_facets(const Patina& params) {
+    return PatinaRoundGGX{params.alpha};
+}
+
+// 2 mu Lambda, patina_round_ggx_area without mu.
 inline float patina_round_ggx_hidden(PatinaRoundGGX round_ggx, Vec3 w) {
     // Where this difference has few digits, little is hidden, and the tail of D is larger
     return patina_round_ggx_area(round_ggx, w) - w.z;
@@ -461,7 +460,7 @@ inline float patina_refracted_sin2_half(Vec3 wi, Vec3 wo, float excess) {
 
 // The metal's under the patina, at least as wide as those of the patina itself (Figure 2).
 inline PatinaRoundGGX patina_facets_below(const Patina& params) {
-    return patina_facets_of(fmaxf(patina_metal_alpha(params), params.alpha));
+    return PatinaRoundGGX{fmaxf(patina_metal_alpha(params), params.alpha)};
 }
 
 // Eq. 2 with a coat that scatters.
@@ -471,7 +470,7 @@ inline Vec3 patina_coated(const Patina& params, Vec3 wi, Vec3 wo) {
     float excess = patina_excess(params);
     float index = 1.0f + excess;
     PatinaSplit surface = patina_split_conductor(cos_h, params.coat_eta, params.coat_k);
-    PatinaRoundGGX facets = patina_facets_of(params.alpha);
+    PatinaRoundGGX facets = patina_facets(params);
     float glossy = patina_reflected_by(facets, wi, wo, m);
     Vec3 coat = surface.F * glossy + (1.0f - params.sigma_a) * surface.T * inv_pi;
 
@@ -597,11 +596,6 @@ inline Vec3 patina_sample_ggx_lobe(PatinaRoundGGX facets, Vec3 wo, Vec2 u) {
     return Vec3{w.x, w.y, fabsf(w.z)};
 }
 
-// A direction that the uppermost facets mirror.
-inline Vec3 patina_sample_facets(PatinaRoundGGX facets, Vec3 wo, Vec2 u) {
-    return patina_sample_ggx_lobe(PatinaRoundGGX{facets.alpha}, wo, u);
-}
-
 // How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
 //
 // Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
@@ -615,8 +609,7 @@ inline float patina_ggx_bound(float least, Vec3 wo) {
 
 // A facet's normal.
 inline Vec3 patina_sample_facet(PatinaRoundGGX facets, Vec3 wo, Vec2 u) {
-    return patina_round_ggx_sample_visible(PatinaRoundGGX{facets.alpha}, wo, u,
-        patina_ggx_bound(facets.alpha, wo));
+    return patina_round_ggx_sample_visible(facets, wo, u, patina_ggx_bound(facets.alpha, wo));
 }
 
 // Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
@@ -655,8 +648,7 @@ inline float patina_pdf_visible(PatinaRoundGGX facets, Vec3 wo, Vec3 m, float bo
 
 // Density of wo mirrored at patina_sample_facet, in 1/sr.
 inline float patina_pdf_facet(PatinaRoundGGX facets, Vec3 wo, Vec3 m) {
-    return patina_pdf_visible(PatinaRoundGGX{facets.alpha}, wo, m,
-        patina_ggx_bound(facets.alpha, wo));
+    return patina_pdf_visible(facets, wo, m, patina_ggx_bound(facets.alpha, wo));
 }
 
 // Density of what the metal below mirrors, inside the patina.
@@ -697,11 +689,6 @@ inline float patina_pdf_ggx_lobe(PatinaRoundGGX facets, Vec3 wi, Vec3 wo) {
     return straight + (exists ? folded : 0.0f);
 }
 
-// Density of patina_sample_facets in 1/sr.
-inline float patina_pdf_facets(PatinaRoundGGX facets, Vec3 wi, Vec3 wo) {
-    return patina_pdf_ggx_lobe(PatinaRoundGGX{facets.alpha}, wi, wo);
-}
-
 // Density of patina_sample_cosine in 1/sr, for w above the horizon.
 inline float patina_pdf_cosine(Vec3 w) {
     return w.z * inv_pi;
@@ -724,8 +711,8 @@ inline float patina_pdf(const Patina& params, Vec3 wi, Vec3 wo) {
     Vec3 w = patina_gather(wi, excess);
     float gathered = patina_pdf_below(params, wo_t, patina_half_vector(w, wo_t));
     float below = patina_pdf_leave(refracted, gathered, wi, wi_t, excess);
-    float coat = patina_pdf_facets(patina_facets_of(params.alpha), wi, wo);
-    float bare = patina_pdf_facets(patina_bare_facets(params), wi, wo);
+    float coat = patina_pdf_ggx_lobe(patina_facets(params), wi, wo);
+    float bare = patina_pdf_ggx_lobe(patina_bare_facets(params), wi, wo);
     float inside = P_diffuse.x * patina_pdf_cosine(wi) + P_diffuse.y * below;
     return P_bare.x * bare + P_bare.y * (P_coat.x * coat + P_coat.y * inside);
 }
@@ -749,8 +736,8 @@ inline PatinaSample patina_sample(const Patina& params, Vec3 wo, Vec2 u) {
     PatinaChoice choose_result_3 = patina_choose(P_diffuse.x, s);
     bool on_diffuse = choose_result_3.is_first;
     Vec2 t = choose_result_3.u;
-    Vec3 w_bare = patina_sample_facets(patina_bare_facets(params), wo, v);
-    Vec3 w_coat = patina_sample_facets(patina_facets_of(params.alpha), wo, s);
+    Vec3 w_bare = patina_sample_ggx_lobe(patina_bare_facets(params), wo, v);
+    Vec3 w_coat = patina_sample_ggx_lobe(patina_facets(params), wo, s);
     Vec3 wo_t = patina_refract(wo, excess);
     Vec3 m = patina_sample_facet(patina_facets_below(params), wo_t, t);
     Vec3 w_below = patina_leave(patina_mirror(wo_t, m), excess);

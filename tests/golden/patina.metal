@@ -48,7 +48,7 @@ struct Patina {
     float3 tarnish_tint;  // colour of the metal at tarnish 1; 0 to 1, default (0.45, 0.2, 0.08)
 };
 
-// `GGX` facets of the same width in all directions.
+// PatinaGGX facets of the same width in all directions.
 struct PatinaRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -171,16 +171,11 @@ inline float patina_metal_alpha(Patina params) {
     return patina_bare(params) * params.bare_alpha + patina_grown(params) * params.grown_alpha;
 }
 
-// Facets of a width; distribution is "ggx" or "beckmann".
-inline PatinaRoundGGX patina_facets_of(float alpha) {
-    return PatinaRoundGGX{alpha};
-}
-
 inline PatinaRoundGGX patina_bare_facets(Patina params) {
-    return patina_facets_of(patina_metal_alpha(params));
+    return PatinaRoundGGX{patina_metal_alpha(params)};
 }
 
-// `D` of a squared sine.
+// patina_round_ggx_D of a squared sine.
 inline float patina_round_ggx_at(PatinaRoundGGX round_ggx, float sin2) {
     const float inv_pi = 0.31830987;
     float a2 = round_ggx.alpha * round_ggx.alpha;
@@ -254,7 +249,11 @@ inline PatinaSplit patina_split_conductor(float cos_theta, float3 eta, float3 k)
         2.0 * c * (g_re / s_abs2 + T_p)};
 }
 
-// 2 mu Lambda, `area` without mu.
+inline PatinaRoundGGX patina_facets(Patina params) {
+    return PatinaRoundGGX{params.alpha};
+}
+
+// 2 mu Lambda, patina_round_ggx_area without mu.
 inline float patina_round_ggx_hidden(PatinaRoundGGX round_ggx, float3 w) {
     // Where this difference has few digits, little is hidden, and the tail of D is larger
     return patina_round_ggx_area(round_ggx, w) - w.z;
@@ -323,7 +322,7 @@ inline float patina_refracted_sin2_half(float3 wi, float3 wo, float excess) {
 
 // The metal's under the patina, at least as wide as those of the patina itself (Figure 2).
 inline PatinaRoundGGX patina_facets_below(Patina params) {
-    return patina_facets_of(max(patina_metal_alpha(params), params.alpha));
+    return PatinaRoundGGX{max(patina_metal_alpha(params), params.alpha)};
 }
 
 // Eq. 2 with a coat that scatters.
@@ -334,7 +333,7 @@ inline float3 patina_coated(Patina params, float3 wi, float3 wo) {
     float excess = patina_excess(params);
     float index = 1.0 + excess;
     PatinaSplit surface = patina_split_conductor(cos_h, params.coat_eta, params.coat_k);
-    PatinaRoundGGX facets = patina_facets_of(params.alpha);
+    PatinaRoundGGX facets = patina_facets(params);
     float glossy = patina_reflected_by(facets, wi, wo, m);
     float3 coat = surface.F * glossy + (1.0 - params.sigma_a) * surface.T * inv_pi;
 
@@ -477,11 +476,6 @@ inline float3 patina_sample_ggx_lobe(PatinaRoundGGX facets, float3 wo, float2 u)
     return float3(w.x, w.y, abs(w.z));
 }
 
-// A direction that the uppermost facets mirror.
-inline float3 patina_sample_facets(PatinaRoundGGX facets, float3 wo, float2 u) {
-    return patina_sample_ggx_lobe(PatinaRoundGGX{facets.alpha}, wo, u);
-}
-
 // How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
 //
 // Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
@@ -495,8 +489,7 @@ inline float patina_ggx_bound(float least, float3 wo) {
 
 // A facet's normal.
 inline float3 patina_sample_facet(PatinaRoundGGX facets, float3 wo, float2 u) {
-    return patina_round_ggx_sample_visible(PatinaRoundGGX{facets.alpha}, wo, u,
-        patina_ggx_bound(facets.alpha, wo));
+    return patina_round_ggx_sample_visible(facets, wo, u, patina_ggx_bound(facets.alpha, wo));
 }
 
 // Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
@@ -541,8 +534,7 @@ inline float patina_pdf_visible(PatinaRoundGGX facets, float3 wo, float3 m, floa
 
 // Density of wo mirrored at patina_sample_facet, in 1/sr.
 inline float patina_pdf_facet(PatinaRoundGGX facets, float3 wo, float3 m) {
-    return patina_pdf_visible(PatinaRoundGGX{facets.alpha}, wo, m,
-        patina_ggx_bound(facets.alpha, wo));
+    return patina_pdf_visible(facets, wo, m, patina_ggx_bound(facets.alpha, wo));
 }
 
 // Density of what the metal below mirrors, inside the patina.
@@ -585,11 +577,6 @@ inline float patina_pdf_ggx_lobe(PatinaRoundGGX facets, float3 wi, float3 wo) {
     return straight + (exists ? folded : 0.0);
 }
 
-// Density of patina_sample_facets in 1/sr.
-inline float patina_pdf_facets(PatinaRoundGGX facets, float3 wi, float3 wo) {
-    return patina_pdf_ggx_lobe(PatinaRoundGGX{facets.alpha}, wi, wo);
-}
-
 // Density of patina_sample_cosine in 1/sr, for w above the horizon.
 inline float patina_pdf_cosine(float3 w) {
     const float inv_pi = 0.31830987;
@@ -614,8 +601,8 @@ inline float patina_pdf(Patina params, float3 wi, float3 wo) {
     float3 w = patina_gather(wi, excess);
     float gathered = patina_pdf_below(params, wo_t, patina_half_vector(w, wo_t));
     float below = patina_pdf_leave(refracted, gathered, wi, wi_t, excess);
-    float coat = patina_pdf_facets(patina_facets_of(params.alpha), wi, wo);
-    float bare = patina_pdf_facets(patina_bare_facets(params), wi, wo);
+    float coat = patina_pdf_ggx_lobe(patina_facets(params), wi, wo);
+    float bare = patina_pdf_ggx_lobe(patina_bare_facets(params), wi, wo);
     float inside = P_diffuse.x * patina_pdf_cosine(wi) + P_diffuse.y * below;
     return P_bare.x * bare + P_bare.y * (P_coat.x * coat + P_coat.y * inside);
 }
@@ -640,8 +627,8 @@ inline PatinaSample patina_sample(Patina params, float3 wo, float2 u) {
     PatinaChoice choose_result_3 = patina_choose(P_diffuse.x, s);
     bool on_diffuse = choose_result_3.is_first;
     float2 t = choose_result_3.u;
-    float3 w_bare = patina_sample_facets(patina_bare_facets(params), wo, v);
-    float3 w_coat = patina_sample_facets(patina_facets_of(params.alpha), wo, s);
+    float3 w_bare = patina_sample_ggx_lobe(patina_bare_facets(params), wo, v);
+    float3 w_coat = patina_sample_ggx_lobe(patina_facets(params), wo, s);
     float3 wo_t = patina_refract(wo, excess);
     float3 m = patina_sample_facet(patina_facets_below(params), wo_t, t);
     float3 w_below = patina_leave(patina_mirror(wo_t, m), excess);
@@ -666,7 +653,7 @@ inline float3 patina_albedo(Patina params, float3 wo) {
         return float3(0.0);
     }
     float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
-    float3 total = float3(0.0, 0.0, 0.0);
+    float3 total = float3(0.0);
     for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         float2 u = float2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

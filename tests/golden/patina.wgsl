@@ -45,7 +45,7 @@ struct Patina {
     tarnish_tint: vec3f,  // colour of the metal at tarnish 1; 0 to 1, default (0.45, 0.2, 0.08)
 }
 
-// `GGX` facets of the same width in all directions.
+// PatinaGGX facets of the same width in all directions.
 struct PatinaRoundGGX {
     alpha: f32,  // width of the slopes
 }
@@ -168,16 +168,11 @@ fn patina_metal_alpha(params: Patina) -> f32 {
     return patina_bare(params) * params.bare_alpha + patina_grown(params) * params.grown_alpha;
 }
 
-// Facets of a width; distribution is "ggx" or "beckmann".
-fn patina_facets_of(alpha: f32) -> PatinaRoundGGX {
-    return PatinaRoundGGX(alpha);
-}
-
 fn patina_bare_facets(params: Patina) -> PatinaRoundGGX {
-    return patina_facets_of(patina_metal_alpha(params));
+    return PatinaRoundGGX(patina_metal_alpha(params));
 }
 
-// `D` of a squared sine.
+// patina_round_ggx_D of a squared sine.
 fn patina_round_ggx_at(round_ggx: PatinaRoundGGX, sin2: f32) -> f32 {
     const inv_pi = 0.31830987;
     let a2 = round_ggx.alpha * round_ggx.alpha;
@@ -251,7 +246,11 @@ fn patina_split_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> PatinaSplit {
         2.0 * c * (g_re / s_abs2 + T_p));
 }
 
-// 2 mu Lambda, `area` without mu.
+fn patina_facets(params: Patina) -> PatinaRoundGGX {
+    return PatinaRoundGGX(params.alpha);
+}
+
+// 2 mu Lambda, patina_round_ggx_area without mu.
 fn patina_round_ggx_hidden(round_ggx: PatinaRoundGGX, w: vec3f) -> f32 {
     // Where this difference has few digits, little is hidden, and the tail of D is larger
     return patina_round_ggx_area(round_ggx, w) - w.z;
@@ -320,7 +319,7 @@ fn patina_refracted_sin2_half(wi: vec3f, wo: vec3f, excess: f32) -> f32 {
 
 // The metal's under the patina, at least as wide as those of the patina itself (Figure 2).
 fn patina_facets_below(params: Patina) -> PatinaRoundGGX {
-    return patina_facets_of(max(patina_metal_alpha(params), params.alpha));
+    return PatinaRoundGGX(max(patina_metal_alpha(params), params.alpha));
 }
 
 // Eq. 2 with a coat that scatters.
@@ -331,7 +330,7 @@ fn patina_coated(params: Patina, wi: vec3f, wo: vec3f) -> vec3f {
     let excess = patina_excess(params);
     let index = 1.0 + excess;
     let surface = patina_split_conductor(cos_h, params.coat_eta, params.coat_k);
-    let facets = patina_facets_of(params.alpha);
+    let facets = patina_facets(params);
     let glossy = patina_reflected_by(facets, wi, wo, m);
     let coat = surface.F * glossy + (1.0 - params.sigma_a) * surface.T * inv_pi;
 
@@ -473,11 +472,6 @@ fn patina_sample_ggx_lobe(facets: PatinaRoundGGX, wo: vec3f, u: vec2f) -> vec3f 
     return vec3f(w.x, w.y, abs(w.z));
 }
 
-// A direction that the uppermost facets mirror.
-fn patina_sample_facets(facets: PatinaRoundGGX, wo: vec3f, u: vec2f) -> vec3f {
-    return patina_sample_ggx_lobe(PatinaRoundGGX(facets.alpha), wo, u);
-}
-
 // How far down the cap of visible normals goes that mirror wo above the horizon; 1: all the way.
 //
 // Eto and Tokuyoshi, Eq. 5 and 6; least: the smaller width, at most 1. No normal is left out that would
@@ -491,8 +485,7 @@ fn patina_ggx_bound(least: f32, wo: vec3f) -> f32 {
 
 // A facet's normal.
 fn patina_sample_facet(facets: PatinaRoundGGX, wo: vec3f, u: vec2f) -> vec3f {
-    return patina_round_ggx_sample_visible(PatinaRoundGGX(facets.alpha), wo, u,
-        patina_ggx_bound(facets.alpha, wo));
+    return patina_round_ggx_sample_visible(facets, wo, u, patina_ggx_bound(facets.alpha, wo));
 }
 
 // Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
@@ -537,8 +530,7 @@ fn patina_pdf_visible(facets: PatinaRoundGGX, wo: vec3f, m: vec3f, bound: f32) -
 
 // Density of wo mirrored at patina_sample_facet, in 1/sr.
 fn patina_pdf_facet(facets: PatinaRoundGGX, wo: vec3f, m: vec3f) -> f32 {
-    return patina_pdf_visible(PatinaRoundGGX(facets.alpha), wo, m,
-        patina_ggx_bound(facets.alpha, wo));
+    return patina_pdf_visible(facets, wo, m, patina_ggx_bound(facets.alpha, wo));
 }
 
 // Density of what the metal below mirrors, inside the patina.
@@ -581,11 +573,6 @@ fn patina_pdf_ggx_lobe(facets: PatinaRoundGGX, wi: vec3f, wo: vec3f) -> f32 {
     return straight + select(0.0, folded, exists);
 }
 
-// Density of patina_sample_facets in 1/sr.
-fn patina_pdf_facets(facets: PatinaRoundGGX, wi: vec3f, wo: vec3f) -> f32 {
-    return patina_pdf_ggx_lobe(PatinaRoundGGX(facets.alpha), wi, wo);
-}
-
 // Density of patina_sample_cosine in 1/sr, for w above the horizon.
 fn patina_pdf_cosine(w: vec3f) -> f32 {
     const inv_pi = 0.31830987;
@@ -609,8 +596,8 @@ fn patina_pdf(params: Patina, wi: vec3f, wo: vec3f) -> f32 {
     let w = patina_gather(wi, excess);
     let gathered = patina_pdf_below(params, wo_t, patina_half_vector(w, wo_t));
     let below = patina_pdf_leave(refracted, gathered, wi, wi_t, excess);
-    let coat = patina_pdf_facets(patina_facets_of(params.alpha), wi, wo);
-    let bare = patina_pdf_facets(patina_bare_facets(params), wi, wo);
+    let coat = patina_pdf_ggx_lobe(patina_facets(params), wi, wo);
+    let bare = patina_pdf_ggx_lobe(patina_bare_facets(params), wi, wo);
     let inside = P_diffuse.x * patina_pdf_cosine(wi) + P_diffuse.y * below;
     return P_bare.x * bare + P_bare.y * (P_coat.x * coat + P_coat.y * inside);
 }
@@ -635,8 +622,8 @@ fn patina_sample(params: Patina, wo: vec3f, u: vec2f) -> PatinaSample {
     let choose_result_3 = patina_choose(P_diffuse.x, s);
     let on_diffuse = choose_result_3.is_first;
     let t = choose_result_3.u;
-    let w_bare = patina_sample_facets(patina_bare_facets(params), wo, v);
-    let w_coat = patina_sample_facets(patina_facets_of(params.alpha), wo, s);
+    let w_bare = patina_sample_ggx_lobe(patina_bare_facets(params), wo, v);
+    let w_coat = patina_sample_ggx_lobe(patina_facets(params), wo, s);
     let wo_t = patina_refract(wo, excess);
     let m = patina_sample_facet(patina_facets_below(params), wo_t, t);
     let w_below = patina_leave(patina_mirror(wo_t, m), excess);
@@ -661,7 +648,7 @@ fn patina_albedo(params: Patina, wo: vec3f) -> vec3f {
         return vec3f(0.0);
     }
     let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
-    var total = vec3f(0.0, 0.0, 0.0);
+    var total = vec3f(0.0);
     for (var i_step = 0; i_step < i32(ALBEDO_SAMPLES); i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

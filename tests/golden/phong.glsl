@@ -249,7 +249,7 @@ vec3 phong_albedo(Phong params, vec3 wo) {
         return vec3(0.0);
     }
     vec3 w = vec3(wo.x, wo.y, max(wo.z, HORIZON));
-    vec3 total = vec3(0.0, 0.0, 0.0);
+    vec3 total = vec3(0.0);
     for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

@@ -21,7 +21,7 @@ struct Qon {
     float sigma;  // standard deviation of the facet angle, radians; 0 to 1.570796, default 0.5
 };
 
-// What qualitative_coefficients returns.
+// What qon_qualitative_coefficients returns.
 struct QonQualitativeCoefficients {
     float A;
     float B;

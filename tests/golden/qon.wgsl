@@ -21,7 +21,7 @@ struct Qon {
     sigma: f32,  // standard deviation of the facet angle, radians; 0 to 1.570796, default 0.5
 }
 
-// What qualitative_coefficients returns.
+// What qon_qualitative_coefficients returns.
 struct QonQualitativeCoefficients {
     A: f32,
     B: f32,

@@ -25,7 +25,7 @@ struct QonFootnote {
     float sigma;  // standard deviation of the facet angle, radians; 0 to 1.570796, default 0.5
 };
 
-// What qualitative_coefficients returns.
+// What qon_footnote_qualitative_coefficients returns.
 struct QonFootnoteQualitativeCoefficients {
     float A;
     float B;

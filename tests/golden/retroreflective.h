@@ -236,17 +236,7 @@ inline RetroreflectiveGGX retroreflective_base_facets(const RetroreflectiveBase&
     return RetroreflectiveGGX{a.x, a.y};
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline Vec3 retroreflective_half_vector(Vec3 wi, Vec3 wo) {
-    Vec3 h = wi + wo;
-    return h / length(h);  // which retroreflective_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` at the normal along h, which need not be unit.
+// retroreflective_ggx_D at the normal along h, which need not be unit.
 inline float retroreflective_ggx_D_along(RetroreflectiveGGX ggx, Vec3 h) {
     float x = 1.0f / ggx.alpha_x;
     float y = 1.0f / ggx.alpha_y;
@@ -297,6 +287,12 @@ inline Vec3 retroreflective_eval(const Retroreflective& params, Vec3 wi, Vec3 wo
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline Vec3 retroreflective_half_vector(Vec3 wi, Vec3 wo) {
+    Vec3 h = wi + wo;
+    return h / length(h);  // which retroreflective_cos_half needs as well
+}
 
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
 //

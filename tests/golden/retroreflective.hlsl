@@ -138,17 +138,7 @@ RetroreflectiveGGX retroreflective_base_facets(RetroreflectiveBase params) {
     return result;
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-float3 retroreflective_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
-    return h / length(h);  // which retroreflective_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` at the normal along h, which need not be unit.
+// retroreflective_ggx_D at the normal along h, which need not be unit.
 float retroreflective_ggx_D_along(RetroreflectiveGGX ggx, float3 h) {
     const float inv_pi = 0.31830987;
     float x = 1.0 / ggx.alpha_x;
@@ -199,6 +189,12 @@ float3 retroreflective_eval(Retroreflective params, float3 wi, float3 wo) {
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+float3 retroreflective_half_vector(float3 wi, float3 wo) {
+    float3 h = wi + wo;
+    return h / length(h);  // which retroreflective_cos_half needs as well
+}
 
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
 //

@@ -130,17 +130,7 @@ fn retroreflective_base_facets(params: RetroreflectiveBase) -> RetroreflectiveGG
     return RetroreflectiveGGX(a.x, a.y);
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-fn retroreflective_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    let h = wi + wo;
-    return h / length(h);  // which retroreflective_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` at the normal along h, which need not be unit.
+// retroreflective_ggx_D at the normal along h, which need not be unit.
 fn retroreflective_ggx_D_along(ggx: RetroreflectiveGGX, h: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     let x = 1.0 / ggx.alpha_x;
@@ -191,6 +181,12 @@ fn retroreflective_eval(params: Retroreflective, wi: vec3f, wo: vec3f) -> vec3f 
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn retroreflective_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    let h = wi + wo;
+    return h / length(h);  // which retroreflective_cos_half needs as well
+}
 
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
 //
@@ -342,7 +338,7 @@ fn retroreflective_base_albedo(params: RetroreflectiveBase, wo: vec3f) -> vec3f 
         return vec3f(0.0);
     }
     let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
-    var total = vec3f(0.0, 0.0, 0.0);
+    var total = vec3f(0.0);
     for (var i_step = 0; i_step < i32(ALBEDO_SAMPLES); i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

@@ -126,7 +126,7 @@ float3 student_t_eval(StudentT params, float3 wi, float3 wo) {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return float3(0.0, 0.0, 0.0);
     }
-    return lerp(params.f0, float3(1.0, 1.0, 1.0), (student_t_schlick_weight_half(wi, wo)).xxx)
+    return lerp(params.f0, float3(1.0, 1.0, 1.0), student_t_schlick_weight_half(wi, wo).xxx)
         * student_t_highlight(params, wi, wo);
 }
 

@@ -148,17 +148,7 @@ SumGGX sum_second_facets(SumSecond params) {
     return SumGGX(a.x, a.y);
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-vec3 sum_half_vector(vec3 wi, vec3 wo) {
-    vec3 h = wi + wo;
-    return h / length(h);  // which sum_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` at the normal along h, which need not be unit.
+// sum_ggx_D at the normal along h, which need not be unit.
 float sum_ggx_D_along(SumGGX ggx, vec3 h) {
     const float inv_pi = 0.31830987;
     float x = 1.0 / ggx.alpha_x;
@@ -208,6 +198,12 @@ vec3 sum_eval(Sum params, vec3 wi, vec3 wo) {
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+vec3 sum_half_vector(vec3 wi, vec3 wo) {
+    vec3 h = wi + wo;
+    return h / length(h);  // which sum_cos_half needs as well
+}
 
 // Mean of the three channels, by which lobes are weighed against each other.
 float sum_average(vec3 color) {
@@ -442,7 +438,7 @@ vec3 sum_second_albedo(SumSecond params, vec3 wo) {
         return vec3(0.0);
     }
     vec3 w = vec3(wo.x, wo.y, max(wo.z, HORIZON));
-    vec3 total = vec3(0.0, 0.0, 0.0);
+    vec3 total = vec3(0.0);
     for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

@@ -262,17 +262,7 @@ inline SumGGX sum_second_facets(const SumSecond& params) {
     return SumGGX{a.x, a.y};
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline Vec3 sum_half_vector(Vec3 wi, Vec3 wo) {
-    Vec3 h = wi + wo;
-    return h / length(h);  // which sum_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` at the normal along h, which need not be unit.
+// sum_ggx_D at the normal along h, which need not be unit.
 inline float sum_ggx_D_along(SumGGX ggx, Vec3 h) {
     float x = 1.0f / ggx.alpha_x;
     float y = 1.0f / ggx.alpha_y;
@@ -320,6 +310,12 @@ inline Vec3 sum_eval(const Sum& params, Vec3 wi, Vec3 wo) {
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline Vec3 sum_half_vector(Vec3 wi, Vec3 wo) {
+    Vec3 h = wi + wo;
+    return h / length(h);  // which sum_cos_half needs as well
+}
 
 // Mean of the three channels, by which lobes are weighed against each other.
 inline float sum_average(Vec3 color) {

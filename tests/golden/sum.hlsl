@@ -154,17 +154,7 @@ SumGGX sum_second_facets(SumSecond params) {
     return result;
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-float3 sum_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
-    return h / length(h);  // which sum_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` at the normal along h, which need not be unit.
+// sum_ggx_D at the normal along h, which need not be unit.
 float sum_ggx_D_along(SumGGX ggx, float3 h) {
     const float inv_pi = 0.31830987;
     float x = 1.0 / ggx.alpha_x;
@@ -214,6 +204,12 @@ float3 sum_eval(Sum params, float3 wi, float3 wo) {
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+float3 sum_half_vector(float3 wi, float3 wo) {
+    float3 h = wi + wo;
+    return h / length(h);  // which sum_cos_half needs as well
+}
 
 // Mean of the three channels, by which lobes are weighed against each other.
 float sum_average(float3 color) {

@@ -147,17 +147,7 @@ fn sum_second_facets(params: SumSecond) -> SumGGX {
     return SumGGX(a.x, a.y);
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-fn sum_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    let h = wi + wo;
-    return h / length(h);  // which sum_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` at the normal along h, which need not be unit.
+// sum_ggx_D at the normal along h, which need not be unit.
 fn sum_ggx_D_along(ggx: SumGGX, h: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     let x = 1.0 / ggx.alpha_x;
@@ -207,6 +197,12 @@ fn sum_eval(params: Sum, wi: vec3f, wo: vec3f) -> vec3f {
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn sum_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    let h = wi + wo;
+    return h / length(h);  // which sum_cos_half needs as well
+}
 
 // Mean of the three channels, by which lobes are weighed against each other.
 fn sum_average(color: vec3f) -> f32 {
@@ -440,7 +436,7 @@ fn sum_second_albedo(params: SumSecond, wo: vec3f) -> vec3f {
         return vec3f(0.0);
     }
     let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
-    var total = vec3f(0.0, 0.0, 0.0);
+    var total = vec3f(0.0);
     for (var i_step = 0; i_step < i32(ALBEDO_SAMPLES); i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

@@ -220,17 +220,7 @@ inline TorranceSparrowGGX torrance_sparrow_facets(const TorranceSparrow& params)
     return TorranceSparrowGGX{a.x, a.y};
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline Vec3 torrance_sparrow_half_vector(Vec3 wi, Vec3 wo) {
-    Vec3 h = wi + wo;
-    return h / length(h);  // which torrance_sparrow_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` at the normal along h, which need not be unit.
+// torrance_sparrow_ggx_D at the normal along h, which need not be unit.
 inline float torrance_sparrow_ggx_D_along(TorranceSparrowGGX ggx, Vec3 h) {
     float x = 1.0f / ggx.alpha_x;
     float y = 1.0f / ggx.alpha_y;
@@ -274,6 +264,12 @@ inline Vec3 torrance_sparrow_eval(const TorranceSparrow& params, Vec3 wi, Vec3 w
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline Vec3 torrance_sparrow_half_vector(Vec3 wi, Vec3 wo) {
+    Vec3 h = wi + wo;
+    return h / length(h);  // which torrance_sparrow_cos_half needs as well
+}
 
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
 //

@@ -122,17 +122,7 @@ TorranceSparrowGGX torrance_sparrow_facets(TorranceSparrow params) {
     return result;
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-float3 torrance_sparrow_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
-    return h / length(h);  // which torrance_sparrow_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` at the normal along h, which need not be unit.
+// torrance_sparrow_ggx_D at the normal along h, which need not be unit.
 float torrance_sparrow_ggx_D_along(TorranceSparrowGGX ggx, float3 h) {
     const float inv_pi = 0.31830987;
     float x = 1.0 / ggx.alpha_x;
@@ -178,6 +168,12 @@ float3 torrance_sparrow_eval(TorranceSparrow params, float3 wi, float3 wo) {
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+float3 torrance_sparrow_half_vector(float3 wi, float3 wo) {
+    float3 h = wi + wo;
+    return h / length(h);  // which torrance_sparrow_cos_half needs as well
+}
 
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
 //

@@ -119,17 +119,7 @@ inline TorranceSparrowGGX torrance_sparrow_facets(TorranceSparrow params) {
     return TorranceSparrowGGX{a.x, a.y};
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline float3 torrance_sparrow_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
-    return h / length(h);  // which torrance_sparrow_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` at the normal along h, which need not be unit.
+// torrance_sparrow_ggx_D at the normal along h, which need not be unit.
 inline float torrance_sparrow_ggx_D_along(TorranceSparrowGGX ggx, float3 h) {
     const float inv_pi = 0.31830987;
     float x = 1.0 / ggx.alpha_x;
@@ -176,6 +166,12 @@ inline float3 torrance_sparrow_eval(TorranceSparrow params, float3 wi, float3 wo
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline float3 torrance_sparrow_half_vector(float3 wi, float3 wo) {
+    float3 h = wi + wo;
+    return h / length(h);  // which torrance_sparrow_cos_half needs as well
+}
 
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
 //
@@ -294,7 +290,7 @@ inline float3 torrance_sparrow_albedo(TorranceSparrow params, float3 wo) {
         return float3(0.0);
     }
     float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
-    float3 total = float3(0.0, 0.0, 0.0);
+    float3 total = float3(0.0);
     for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         float2 u = float2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

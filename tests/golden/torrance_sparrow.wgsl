@@ -114,17 +114,7 @@ fn torrance_sparrow_facets(params: TorranceSparrow) -> TorranceSparrowGGX {
     return TorranceSparrowGGX(a.x, a.y);
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-fn torrance_sparrow_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    let h = wi + wo;
-    return h / length(h);  // which torrance_sparrow_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` at the normal along h, which need not be unit.
+// torrance_sparrow_ggx_D at the normal along h, which need not be unit.
 fn torrance_sparrow_ggx_D_along(ggx: TorranceSparrowGGX, h: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     let x = 1.0 / ggx.alpha_x;
@@ -171,6 +161,12 @@ fn torrance_sparrow_eval(params: TorranceSparrow, wi: vec3f, wo: vec3f) -> vec3f
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn torrance_sparrow_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    let h = wi + wo;
+    return h / length(h);  // which torrance_sparrow_cos_half needs as well
+}
 
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
 //
@@ -289,7 +285,7 @@ fn torrance_sparrow_albedo(params: TorranceSparrow, wo: vec3f) -> vec3f {
         return vec3f(0.0);
     }
     let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
-    var total = vec3f(0.0, 0.0, 0.0);
+    var total = vec3f(0.0);
     for (var i_step = 0; i_step < i32(ALBEDO_SAMPLES); i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

@@ -33,7 +33,7 @@ struct TriaceBlinnPhongChoice {
     vec2 u;  // Fresh random numbers, made of those that chose
 };
 
-// `GGX` facets of the same width in all directions.
+// TriaceBlinnPhongGGX facets of the same width in all directions.
 struct TriaceBlinnPhongRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -249,7 +249,7 @@ float triace_blinn_phong_pdf_cosine(vec3 w) {
     return w.z * inv_pi;
 }
 
-// `D` of a squared sine.
+// triace_blinn_phong_round_ggx_D of a squared sine.
 float triace_blinn_phong_round_ggx_at(TriaceBlinnPhongRoundGGX round_ggx, float sin2) {
     const float inv_pi = 0.31830987;
     float a2 = round_ggx.alpha * round_ggx.alpha;
@@ -335,7 +335,7 @@ vec3 triace_blinn_phong_albedo(TriaceBlinnPhong params, vec3 wo) {
         return vec3(0.0);
     }
     vec3 w = vec3(wo.x, wo.y, max(wo.z, HORIZON));
-    vec3 total = vec3(0.0, 0.0, 0.0);
+    vec3 total = vec3(0.0);
     for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

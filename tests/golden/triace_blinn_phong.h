@@ -129,7 +129,7 @@ struct TriaceBlinnPhongChoice {
     Vec2 u;  // Fresh random numbers, made of those that chose
 };
 
-// `GGX` facets of the same width in all directions.
+// TriaceBlinnPhongGGX facets of the same width in all directions.
 struct TriaceBlinnPhongRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -324,7 +324,7 @@ inline float triace_blinn_phong_pdf_cosine(Vec3 w) {
     return w.z * inv_pi;
 }
 
-// `D` of a squared sine.
+// triace_blinn_phong_round_ggx_D of a squared sine.
 inline float triace_blinn_phong_round_ggx_at(TriaceBlinnPhongRoundGGX round_ggx, float sin2) {
     float a2 = round_ggx.alpha * round_ggx.alpha;
     float s = a2 + (1.0f - a2) * sin2;

@@ -33,7 +33,7 @@ struct TriaceBlinnPhongChoice {
     float2 u;  // Fresh random numbers, made of those that chose
 };
 
-// `GGX` facets of the same width in all directions.
+// TriaceBlinnPhongGGX facets of the same width in all directions.
 struct TriaceBlinnPhongRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -118,7 +118,7 @@ float3 triace_blinn_phong_eval(TriaceBlinnPhong params, float3 wi, float3 wo) {
         return float3(0.0, 0.0, 0.0);
     }
     float3 F = lerp(params.f0, float3(1.0, 1.0, 1.0),
-        (triace_blinn_phong_schlick_weight_half(wi, wo)).xxx);
+        triace_blinn_phong_schlick_weight_half(wi, wo).xxx);
     float3 diffuse = params.rho * (1.0 - params.f0) * inv_pi;
     return diffuse + F * triace_blinn_phong_blinn_phong_highlight(wi, wo, params.shininess);
 }
@@ -166,8 +166,7 @@ float2 triace_blinn_phong_lobes_shares(float first, float second) {
 
 // Probabilities of the diffuse lobe and of the highlight.
 float2 triace_blinn_phong_shares(TriaceBlinnPhong params, float3 wo) {
-    float3 F = lerp(params.f0, float3(1.0, 1.0, 1.0),
-        (triace_blinn_phong_schlick_weight(wo.z)).xxx);
+    float3 F = lerp(params.f0, float3(1.0, 1.0, 1.0), triace_blinn_phong_schlick_weight(wo.z).xxx);
     return triace_blinn_phong_lobes_shares(triace_blinn_phong_average(params.rho
         * (1.0 - params.f0)), triace_blinn_phong_average(F));
 }
@@ -259,7 +258,7 @@ float triace_blinn_phong_pdf_cosine(float3 w) {
     return w.z * inv_pi;
 }
 
-// `D` of a squared sine.
+// triace_blinn_phong_round_ggx_D of a squared sine.
 float triace_blinn_phong_round_ggx_at(TriaceBlinnPhongRoundGGX round_ggx, float sin2) {
     const float inv_pi = 0.31830987;
     float a2 = round_ggx.alpha * round_ggx.alpha;

@@ -33,7 +33,7 @@ struct TriaceBlinnPhongChoice {
     u: vec2f,  // Fresh random numbers, made of those that chose
 }
 
-// `GGX` facets of the same width in all directions.
+// TriaceBlinnPhongGGX facets of the same width in all directions.
 struct TriaceBlinnPhongRoundGGX {
     alpha: f32,  // width of the slopes
 }
@@ -251,7 +251,7 @@ fn triace_blinn_phong_pdf_cosine(w: vec3f) -> f32 {
     return w.z * inv_pi;
 }
 
-// `D` of a squared sine.
+// triace_blinn_phong_round_ggx_D of a squared sine.
 fn triace_blinn_phong_round_ggx_at(round_ggx: TriaceBlinnPhongRoundGGX, sin2: f32) -> f32 {
     const inv_pi = 0.31830987;
     let a2 = round_ggx.alpha * round_ggx.alpha;
@@ -339,7 +339,7 @@ fn triace_blinn_phong_albedo(params: TriaceBlinnPhong, wo: vec3f) -> vec3f {
         return vec3f(0.0);
     }
     let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
-    var total = vec3f(0.0, 0.0, 0.0);
+    var total = vec3f(0.0);
     for (var i_step = 0; i_step < i32(ALBEDO_SAMPLES); i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

@@ -52,7 +52,7 @@ struct TriaceLayeredChoice {
     vec2 u;  // Fresh random numbers, made of those that chose
 };
 
-// `GGX` facets of the same width in all directions.
+// TriaceLayeredGGX facets of the same width in all directions.
 struct TriaceLayeredRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -421,7 +421,7 @@ vec3 triace_layered_sample_cosine(vec2 u) {
     return vec3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// `D` of a squared sine.
+// triace_layered_round_ggx_D of a squared sine.
 float triace_layered_round_ggx_at(TriaceLayeredRoundGGX round_ggx, float sin2) {
     const float inv_pi = 0.31830987;
     float a2 = round_ggx.alpha * round_ggx.alpha;
@@ -520,7 +520,7 @@ vec3 triace_layered_albedo(TriaceLayered params, vec3 wo) {
         return vec3(0.0);
     }
     vec3 w = vec3(wo.x, wo.y, max(wo.z, HORIZON));
-    vec3 total = vec3(0.0, 0.0, 0.0);
+    vec3 total = vec3(0.0);
     for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

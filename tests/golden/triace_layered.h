@@ -156,7 +156,7 @@ struct TriaceLayeredChoice {
     Vec2 u;  // Fresh random numbers, made of those that chose
 };
 
-// `GGX` facets of the same width in all directions.
+// TriaceLayeredGGX facets of the same width in all directions.
 struct TriaceLayeredRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -500,7 +500,7 @@ inline Vec3 triace_layered_sample_cosine(Vec2 u) {
     return Vec3{r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u.x, 0.0f))};
 }
 
-// `D` of a squared sine.
+// triace_layered_round_ggx_D of a squared sine.
 inline float triace_layered_round_ggx_at(TriaceLayeredRoundGGX round_ggx, float sin2) {
     float a2 = round_ggx.alpha * round_ggx.alpha;
     float s = a2 + (1.0f - a2) * sin2;

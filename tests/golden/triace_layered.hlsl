@@ -53,7 +53,7 @@ struct TriaceLayeredChoice {
     float2 u;  // Fresh random numbers, made of those that chose
 };
 
-// `GGX` facets of the same width in all directions.
+// TriaceLayeredGGX facets of the same width in all directions.
 struct TriaceLayeredRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -439,7 +439,7 @@ float3 triace_layered_sample_cosine(float2 u) {
     return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// `D` of a squared sine.
+// triace_layered_round_ggx_D of a squared sine.
 float triace_layered_round_ggx_at(TriaceLayeredRoundGGX round_ggx, float sin2) {
     const float inv_pi = 0.31830987;
     float a2 = round_ggx.alpha * round_ggx.alpha;

@@ -56,7 +56,7 @@ struct TriaceLayeredChoice {
     float2 u;  // Fresh random numbers, made of those that chose
 };
 
-// `GGX` facets of the same width in all directions.
+// TriaceLayeredGGX facets of the same width in all directions.
 struct TriaceLayeredRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -430,7 +430,7 @@ inline float3 triace_layered_sample_cosine(float2 u) {
     return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// `D` of a squared sine.
+// triace_layered_round_ggx_D of a squared sine.
 inline float triace_layered_round_ggx_at(TriaceLayeredRoundGGX round_ggx, float sin2) {
     const float inv_pi = 0.31830987;
     float a2 = round_ggx.alpha * round_ggx.alpha;
@@ -530,7 +530,7 @@ inline float3 triace_layered_albedo(TriaceLayered params, float3 wo) {
         return float3(0.0);
     }
     float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
-    float3 total = float3(0.0, 0.0, 0.0);
+    float3 total = float3(0.0);
     for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         float2 u = float2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

@@ -53,7 +53,7 @@ struct TriaceLayeredChoice {
     u: vec2f,  // Fresh random numbers, made of those that chose
 }
 
-// `GGX` facets of the same width in all directions.
+// TriaceLayeredGGX facets of the same width in all directions.
 struct TriaceLayeredRoundGGX {
     alpha: f32,  // width of the slopes
 }
@@ -424,7 +424,7 @@ fn triace_layered_sample_cosine(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// `D` of a squared sine.
+// triace_layered_round_ggx_D of a squared sine.
 fn triace_layered_round_ggx_at(round_ggx: TriaceLayeredRoundGGX, sin2: f32) -> f32 {
     const inv_pi = 0.31830987;
     let a2 = round_ggx.alpha * round_ggx.alpha;
@@ -523,7 +523,7 @@ fn triace_layered_albedo(params: TriaceLayered, wo: vec3f) -> vec3f {
         return vec3f(0.0);
     }
     let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
-    var total = vec3f(0.0, 0.0, 0.0);
+    var total = vec3f(0.0);
     for (var i_step = 0; i_step < i32(ALBEDO_SAMPLES); i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

@@ -30,7 +30,7 @@ struct Ue4 {
     float roughness;  // perceptual roughness, alpha = roughness^2; 0 to 1, default 0.5
 };
 
-// `GGX` facets of the same width in all directions.
+// Ue4GGX facets of the same width in all directions.
 struct Ue4RoundGGX {
     float alpha;  // width of the slopes
 };
@@ -88,17 +88,7 @@ float ue4_alpha(Ue4 params) {
     return max(params.roughness * params.roughness, ALPHA_MIN);
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-vec3 ue4_half_vector(vec3 wi, vec3 wo) {
-    vec3 h = wi + wo;
-    return h / length(h);  // which ue4_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` of a squared sine.
+// ue4_round_ggx_D of a squared sine.
 float ue4_round_ggx_at(Ue4RoundGGX round_ggx, float sin2) {
     const float inv_pi = 0.31830987;
     float a2 = round_ggx.alpha * round_ggx.alpha;
@@ -106,7 +96,7 @@ float ue4_round_ggx_at(Ue4RoundGGX round_ggx, float sin2) {
     return inv_pi * a2 / (s * s);
 }
 
-// `D` at the normal along h, which need not be unit.
+// ue4_round_ggx_D at the normal along h, which need not be unit.
 float ue4_round_ggx_D_along(Ue4RoundGGX round_ggx, vec3 h) {
     return ue4_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
@@ -141,6 +131,12 @@ vec3 ue4_eval(Ue4 params, vec3 wi, vec3 wo) {
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+vec3 ue4_half_vector(vec3 wi, vec3 wo) {
+    vec3 h = wi + wo;
+    return h / length(h);  // which ue4_cos_half needs as well
+}
 
 // (1 - cos_theta)^5 of Schlick's approximation.
 float ue4_schlick_weight(float cos_theta) {
@@ -326,7 +322,7 @@ vec3 ue4_albedo(Ue4 params, vec3 wo) {
         return vec3(0.0);
     }
     vec3 w = vec3(wo.x, wo.y, max(wo.z, HORIZON));
-    vec3 total = vec3(0.0, 0.0, 0.0);
+    vec3 total = vec3(0.0);
     for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

@@ -119,7 +119,7 @@ struct Ue4 {
     float roughness;  // perceptual roughness, alpha = roughness^2; 0 to 1, default 0.5
 };
 
-// `GGX` facets of the same width in all directions.
+// Ue4GGX facets of the same width in all directions.
 struct Ue4RoundGGX {
     float alpha;  // width of the slopes
 };
@@ -172,24 +172,14 @@ inline float ue4_alpha(const Ue4& params) {
     return fmaxf(params.roughness * params.roughness, ALPHA_MIN);
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline Vec3 ue4_half_vector(Vec3 wi, Vec3 wo) {
-    Vec3 h = wi + wo;
-    return h / length(h);  // which ue4_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` of a squared sine.
+// ue4_round_ggx_D of a squared sine.
 inline float ue4_round_ggx_at(Ue4RoundGGX round_ggx, float sin2) {
     float a2 = round_ggx.alpha * round_ggx.alpha;
     float s = a2 + (1.0f - a2) * sin2;
     return inv_pi * a2 / (s * s);
 }
 
-// `D` at the normal along h, which need not be unit.
+// ue4_round_ggx_D at the normal along h, which need not be unit.
 inline float ue4_round_ggx_D_along(Ue4RoundGGX round_ggx, Vec3 h) {
     return ue4_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
@@ -222,6 +212,12 @@ inline Vec3 ue4_eval(const Ue4& params, Vec3 wi, Vec3 wo) {
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline Vec3 ue4_half_vector(Vec3 wi, Vec3 wo) {
+    Vec3 h = wi + wo;
+    return h / length(h);  // which ue4_cos_half needs as well
+}
 
 // (1 - cos_theta)^5 of Schlick's approximation.
 inline float ue4_schlick_weight(float cos_theta) {

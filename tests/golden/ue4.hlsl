@@ -30,7 +30,7 @@ struct Ue4 {
     float roughness;  // perceptual roughness, alpha = roughness^2; 0 to 1, default 0.5
 };
 
-// `GGX` facets of the same width in all directions.
+// Ue4GGX facets of the same width in all directions.
 struct Ue4RoundGGX {
     float alpha;  // width of the slopes
 };
@@ -89,17 +89,7 @@ float ue4_alpha(Ue4 params) {
     return max(params.roughness * params.roughness, ALPHA_MIN);
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-float3 ue4_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
-    return h / length(h);  // which ue4_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` of a squared sine.
+// ue4_round_ggx_D of a squared sine.
 float ue4_round_ggx_at(Ue4RoundGGX round_ggx, float sin2) {
     const float inv_pi = 0.31830987;
     float a2 = round_ggx.alpha * round_ggx.alpha;
@@ -107,7 +97,7 @@ float ue4_round_ggx_at(Ue4RoundGGX round_ggx, float sin2) {
     return inv_pi * a2 / (s * s);
 }
 
-// `D` at the normal along h, which need not be unit.
+// ue4_round_ggx_D at the normal along h, which need not be unit.
 float ue4_round_ggx_D_along(Ue4RoundGGX round_ggx, float3 h) {
     return ue4_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
@@ -138,12 +128,18 @@ float3 ue4_eval(Ue4 params, float3 wi, float3 wo) {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return float3(0.0, 0.0, 0.0);
     }
-    float3 F = lerp(ue4_f0(params), float3(1.0, 1.0, 1.0), (ue4_schlick_weight_half(wi, wo)).xxx);
+    float3 F = lerp(ue4_f0(params), float3(1.0, 1.0, 1.0), ue4_schlick_weight_half(wi, wo).xxx);
     float3 diffuse = inv_pi * (1.0 - params.metallic) * params.base_color;
     return diffuse + F * ue4_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+float3 ue4_half_vector(float3 wi, float3 wo) {
+    float3 h = wi + wo;
+    return h / length(h);  // which ue4_cos_half needs as well
+}
 
 // (1 - cos_theta)^5 of Schlick's approximation.
 float ue4_schlick_weight(float cos_theta) {
@@ -181,7 +177,7 @@ float2 ue4_lobes_shares(float first, float second) {
 
 // Probabilities of the diffuse lobe and of the highlight.
 float2 ue4_shares(Ue4 params, float3 wo) {
-    float3 F = lerp(ue4_f0(params), float3(1.0, 1.0, 1.0), (ue4_schlick_weight(wo.z)).xxx);
+    float3 F = lerp(ue4_f0(params), float3(1.0, 1.0, 1.0), ue4_schlick_weight(wo.z).xxx);
     return ue4_lobes_shares(ue4_average((1.0 - params.metallic) * params.base_color),
         ue4_average(F));
 }

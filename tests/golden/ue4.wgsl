@@ -30,7 +30,7 @@ struct Ue4 {
     roughness: f32,  // perceptual roughness, alpha = roughness^2; 0 to 1, default 0.5
 }
 
-// `GGX` facets of the same width in all directions.
+// Ue4GGX facets of the same width in all directions.
 struct Ue4RoundGGX {
     alpha: f32,  // width of the slopes
 }
@@ -88,17 +88,7 @@ fn ue4_alpha(params: Ue4) -> f32 {
     return max(params.roughness * params.roughness, ALPHA_MIN);
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-fn ue4_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    let h = wi + wo;
-    return h / length(h);  // which ue4_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` of a squared sine.
+// ue4_round_ggx_D of a squared sine.
 fn ue4_round_ggx_at(round_ggx: Ue4RoundGGX, sin2: f32) -> f32 {
     const inv_pi = 0.31830987;
     let a2 = round_ggx.alpha * round_ggx.alpha;
@@ -106,7 +96,7 @@ fn ue4_round_ggx_at(round_ggx: Ue4RoundGGX, sin2: f32) -> f32 {
     return inv_pi * a2 / (s * s);
 }
 
-// `D` at the normal along h, which need not be unit.
+// ue4_round_ggx_D at the normal along h, which need not be unit.
 fn ue4_round_ggx_D_along(round_ggx: Ue4RoundGGX, h: vec3f) -> f32 {
     return ue4_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
@@ -141,6 +131,12 @@ fn ue4_eval(params: Ue4, wi: vec3f, wo: vec3f) -> vec3f {
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn ue4_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    let h = wi + wo;
+    return h / length(h);  // which ue4_cos_half needs as well
+}
 
 // (1 - cos_theta)^5 of Schlick's approximation.
 fn ue4_schlick_weight(cos_theta: f32) -> f32 {
@@ -326,7 +322,7 @@ fn ue4_albedo(params: Ue4, wo: vec3f) -> vec3f {
         return vec3f(0.0);
     }
     let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
-    var total = vec3f(0.0, 0.0, 0.0);
+    var total = vec3f(0.0);
     for (var i_step = 0; i_step < i32(ALBEDO_SAMPLES); i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

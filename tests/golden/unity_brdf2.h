@@ -122,7 +122,7 @@ struct UnityBrdf2Choice {
     Vec2 u;  // Fresh random numbers, made of those that chose
 };
 
-// `GGX` facets of the same width in all directions.
+// UnityBrdf2GGX facets of the same width in all directions.
 struct UnityBrdf2RoundGGX {
     float alpha;  // width of the slopes
 };
@@ -280,7 +280,7 @@ inline float unity_brdf2_pdf_cosine(Vec3 w) {
     return w.z * inv_pi;
 }
 
-// `D` of a squared sine.
+// unity_brdf2_round_ggx_D of a squared sine.
 inline float unity_brdf2_round_ggx_at(UnityBrdf2RoundGGX round_ggx, float sin2) {
     float a2 = round_ggx.alpha * round_ggx.alpha;
     float s = a2 + (1.0f - a2) * sin2;

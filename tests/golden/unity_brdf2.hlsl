@@ -34,7 +34,7 @@ struct UnityBrdf2Choice {
     float2 u;  // Fresh random numbers, made of those that chose
 };
 
-// `GGX` facets of the same width in all directions.
+// UnityBrdf2GGX facets of the same width in all directions.
 struct UnityBrdf2RoundGGX {
     float alpha;  // width of the slopes
 };
@@ -224,7 +224,7 @@ float unity_brdf2_pdf_cosine(float3 w) {
     return w.z * inv_pi;
 }
 
-// `D` of a squared sine.
+// unity_brdf2_round_ggx_D of a squared sine.
 float unity_brdf2_round_ggx_at(UnityBrdf2RoundGGX round_ggx, float sin2) {
     const float inv_pi = 0.31830987;
     float a2 = round_ggx.alpha * round_ggx.alpha;

@@ -34,7 +34,7 @@ struct UnityBrdf2Choice {
     u: vec2f,  // Fresh random numbers, made of those that chose
 }
 
-// `GGX` facets of the same width in all directions.
+// UnityBrdf2GGX facets of the same width in all directions.
 struct UnityBrdf2RoundGGX {
     alpha: f32,  // width of the slopes
 }
@@ -217,7 +217,7 @@ fn unity_brdf2_pdf_cosine(w: vec3f) -> f32 {
     return w.z * inv_pi;
 }
 
-// `D` of a squared sine.
+// unity_brdf2_round_ggx_D of a squared sine.
 fn unity_brdf2_round_ggx_at(round_ggx: UnityBrdf2RoundGGX, sin2: f32) -> f32 {
     const inv_pi = 0.31830987;
     let a2 = round_ggx.alpha * round_ggx.alpha;
@@ -298,7 +298,7 @@ fn unity_brdf2_albedo(params: UnityBrdf2, wo: vec3f) -> vec3f {
         return vec3f(0.0);
     }
     let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
-    var total = vec3f(0.0, 0.0, 0.0);
+    var total = vec3f(0.0);
     for (var i_step = 0; i_step < i32(ALBEDO_SAMPLES); i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

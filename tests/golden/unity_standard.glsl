@@ -31,7 +31,7 @@ struct UnityStandard {
     float roughness;  // perceptual roughness, 1 - Unity's smoothness; 0 to 1, default 0.5
 };
 
-// `GGX` facets of the same width in all directions.
+// UnityStandardGGX facets of the same width in all directions.
 struct UnityStandardRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -100,17 +100,7 @@ float unity_standard_alpha(UnityStandard params) {
     return max(params.roughness * params.roughness, ALPHA_UNITY);
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-vec3 unity_standard_half_vector(vec3 wi, vec3 wo) {
-    vec3 h = wi + wo;
-    return h / length(h);  // which unity_standard_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` of a squared sine.
+// unity_standard_round_ggx_D of a squared sine.
 float unity_standard_round_ggx_at(UnityStandardRoundGGX round_ggx, float sin2) {
     const float inv_pi = 0.31830987;
     float a2 = round_ggx.alpha * round_ggx.alpha;
@@ -118,7 +108,7 @@ float unity_standard_round_ggx_at(UnityStandardRoundGGX round_ggx, float sin2) {
     return inv_pi * a2 / (s * s);
 }
 
-// `D` at the normal along h, which need not be unit.
+// unity_standard_round_ggx_D at the normal along h, which need not be unit.
 float unity_standard_round_ggx_D_along(UnityStandardRoundGGX round_ggx, vec3 h) {
     return unity_standard_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
@@ -151,6 +141,12 @@ vec3 unity_standard_eval(UnityStandard params, vec3 wi, vec3 wo) {
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+vec3 unity_standard_half_vector(vec3 wi, vec3 wo) {
+    vec3 h = wi + wo;
+    return h / length(h);  // which unity_standard_cos_half needs as well
+}
 
 // Mean of the three channels, by which lobes are weighed against each other.
 float unity_standard_average(vec3 color) {
@@ -338,7 +334,7 @@ vec3 unity_standard_albedo(UnityStandard params, vec3 wo) {
         return vec3(0.0);
     }
     vec3 w = vec3(wo.x, wo.y, max(wo.z, HORIZON));
-    vec3 total = vec3(0.0, 0.0, 0.0);
+    vec3 total = vec3(0.0);
     for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

@@ -118,7 +118,7 @@ struct UnityStandard {
     float roughness;  // perceptual roughness, 1 - Unity's smoothness; 0 to 1, default 0.5
 };
 
-// `GGX` facets of the same width in all directions.
+// UnityStandardGGX facets of the same width in all directions.
 struct UnityStandardRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -183,24 +183,14 @@ inline float unity_standard_alpha(const UnityStandard& params) {
     return fmaxf(params.roughness * params.roughness, ALPHA_UNITY);
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline Vec3 unity_standard_half_vector(Vec3 wi, Vec3 wo) {
-    Vec3 h = wi + wo;
-    return h / length(h);  // which unity_standard_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` of a squared sine.
+// unity_standard_round_ggx_D of a squared sine.
 inline float unity_standard_round_ggx_at(UnityStandardRoundGGX round_ggx, float sin2) {
     float a2 = round_ggx.alpha * round_ggx.alpha;
     float s = a2 + (1.0f - a2) * sin2;
     return inv_pi * a2 / (s * s);
 }
 
-// `D` at the normal along h, which need not be unit.
+// unity_standard_round_ggx_D at the normal along h, which need not be unit.
 inline float unity_standard_round_ggx_D_along(UnityStandardRoundGGX round_ggx, Vec3 h) {
     return unity_standard_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
@@ -231,6 +221,12 @@ inline Vec3 unity_standard_eval(const UnityStandard& params, Vec3 wi, Vec3 wo) {
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline Vec3 unity_standard_half_vector(Vec3 wi, Vec3 wo) {
+    Vec3 h = wi + wo;
+    return h / length(h);  // which unity_standard_cos_half needs as well
+}
 
 // Mean of the three channels, by which lobes are weighed against each other.
 inline float unity_standard_average(Vec3 color) {

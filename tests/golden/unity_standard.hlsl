@@ -31,7 +31,7 @@ struct UnityStandard {
     float roughness;  // perceptual roughness, 1 - Unity's smoothness; 0 to 1, default 0.5
 };
 
-// `GGX` facets of the same width in all directions.
+// UnityStandardGGX facets of the same width in all directions.
 struct UnityStandardRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -101,17 +101,7 @@ float unity_standard_alpha(UnityStandard params) {
     return max(params.roughness * params.roughness, ALPHA_UNITY);
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-float3 unity_standard_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
-    return h / length(h);  // which unity_standard_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` of a squared sine.
+// unity_standard_round_ggx_D of a squared sine.
 float unity_standard_round_ggx_at(UnityStandardRoundGGX round_ggx, float sin2) {
     const float inv_pi = 0.31830987;
     float a2 = round_ggx.alpha * round_ggx.alpha;
@@ -119,7 +109,7 @@ float unity_standard_round_ggx_at(UnityStandardRoundGGX round_ggx, float sin2) {
     return inv_pi * a2 / (s * s);
 }
 
-// `D` at the normal along h, which need not be unit.
+// unity_standard_round_ggx_D at the normal along h, which need not be unit.
 float unity_standard_round_ggx_D_along(UnityStandardRoundGGX round_ggx, float3 h) {
     return unity_standard_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
@@ -148,12 +138,18 @@ float3 unity_standard_eval(UnityStandard params, float3 wi, float3 wo) {
     float burley = (1.0 + rise * unity_standard_schlick_weight(wi.z))
         * (1.0 + rise * unity_standard_schlick_weight(wo.z));
     float3 F = lerp(unity_standard_f0(params), float3(1.0, 1.0, 1.0),
-        (unity_standard_schlick_weight_half(wi, wo)).xxx);
+        unity_standard_schlick_weight_half(wi, wo).xxx);
     return inv_pi * burley * unity_standard_diffuse(params)
         + F * unity_standard_highlight(params, wi, wo);
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+float3 unity_standard_half_vector(float3 wi, float3 wo) {
+    float3 h = wi + wo;
+    return h / length(h);  // which unity_standard_cos_half needs as well
+}
 
 // Mean of the three channels, by which lobes are weighed against each other.
 float unity_standard_average(float3 color) {
@@ -185,7 +181,7 @@ float2 unity_standard_lobes_shares(float first, float second) {
 // Probabilities of the diffuse lobe and of the highlight.
 float2 unity_standard_shares(UnityStandard params, float3 wo) {
     float3 F = lerp(unity_standard_f0(params), float3(1.0, 1.0, 1.0),
-        (unity_standard_schlick_weight(wo.z)).xxx);
+        unity_standard_schlick_weight(wo.z).xxx);
     return unity_standard_lobes_shares(unity_standard_average(unity_standard_diffuse(params)),
         unity_standard_average(F));
 }

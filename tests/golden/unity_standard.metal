@@ -34,7 +34,7 @@ struct UnityStandard {
     float roughness;  // perceptual roughness, 1 - Unity's smoothness; 0 to 1, default 0.5
 };
 
-// `GGX` facets of the same width in all directions.
+// UnityStandardGGX facets of the same width in all directions.
 struct UnityStandardRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -103,17 +103,7 @@ inline float unity_standard_alpha(UnityStandard params) {
     return max(params.roughness * params.roughness, ALPHA_UNITY);
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline float3 unity_standard_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
-    return h / length(h);  // which unity_standard_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` of a squared sine.
+// unity_standard_round_ggx_D of a squared sine.
 inline float unity_standard_round_ggx_at(UnityStandardRoundGGX round_ggx, float sin2) {
     const float inv_pi = 0.31830987;
     float a2 = round_ggx.alpha * round_ggx.alpha;
@@ -121,7 +111,7 @@ inline float unity_standard_round_ggx_at(UnityStandardRoundGGX round_ggx, float 
     return inv_pi * a2 / (s * s);
 }
 
-// `D` at the normal along h, which need not be unit.
+// unity_standard_round_ggx_D at the normal along h, which need not be unit.
 inline float unity_standard_round_ggx_D_along(UnityStandardRoundGGX round_ggx, float3 h) {
     return unity_standard_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
@@ -154,6 +144,12 @@ inline float3 unity_standard_eval(UnityStandard params, float3 wi, float3 wo) {
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline float3 unity_standard_half_vector(float3 wi, float3 wo) {
+    float3 h = wi + wo;
+    return h / length(h);  // which unity_standard_cos_half needs as well
+}
 
 // Mean of the three channels, by which lobes are weighed against each other.
 inline float unity_standard_average(float3 color) {
@@ -347,7 +343,7 @@ inline float3 unity_standard_albedo(UnityStandard params, float3 wo) {
         return float3(0.0);
     }
     float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
-    float3 total = float3(0.0, 0.0, 0.0);
+    float3 total = float3(0.0);
     for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         float2 u = float2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

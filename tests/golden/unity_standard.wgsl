@@ -31,7 +31,7 @@ struct UnityStandard {
     roughness: f32,  // perceptual roughness, 1 - Unity's smoothness; 0 to 1, default 0.5
 }
 
-// `GGX` facets of the same width in all directions.
+// UnityStandardGGX facets of the same width in all directions.
 struct UnityStandardRoundGGX {
     alpha: f32,  // width of the slopes
 }
@@ -100,17 +100,7 @@ fn unity_standard_alpha(params: UnityStandard) -> f32 {
     return max(params.roughness * params.roughness, ALPHA_UNITY);
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-fn unity_standard_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    let h = wi + wo;
-    return h / length(h);  // which unity_standard_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` of a squared sine.
+// unity_standard_round_ggx_D of a squared sine.
 fn unity_standard_round_ggx_at(round_ggx: UnityStandardRoundGGX, sin2: f32) -> f32 {
     const inv_pi = 0.31830987;
     let a2 = round_ggx.alpha * round_ggx.alpha;
@@ -118,7 +108,7 @@ fn unity_standard_round_ggx_at(round_ggx: UnityStandardRoundGGX, sin2: f32) -> f
     return inv_pi * a2 / (s * s);
 }
 
-// `D` at the normal along h, which need not be unit.
+// unity_standard_round_ggx_D at the normal along h, which need not be unit.
 fn unity_standard_round_ggx_D_along(round_ggx: UnityStandardRoundGGX, h: vec3f) -> f32 {
     return unity_standard_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
 }
@@ -151,6 +141,12 @@ fn unity_standard_eval(params: UnityStandard, wi: vec3f, wo: vec3f) -> vec3f {
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn unity_standard_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    let h = wi + wo;
+    return h / length(h);  // which unity_standard_cos_half needs as well
+}
 
 // Mean of the three channels, by which lobes are weighed against each other.
 fn unity_standard_average(color: vec3f) -> f32 {
@@ -339,7 +335,7 @@ fn unity_standard_albedo(params: UnityStandard, wo: vec3f) -> vec3f {
         return vec3f(0.0);
     }
     let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
-    var total = vec3f(0.0, 0.0, 0.0);
+    var total = vec3f(0.0);
     for (var i_step = 0; i_step < i32(ALBEDO_SAMPLES); i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

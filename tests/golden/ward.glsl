@@ -158,7 +158,7 @@ vec3 ward_sample_cosine(vec2 u) {
     return vec3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// Density of `sample` in 1/sr.
+// Density of ward_beckmann_sample in 1/sr.
 float ward_beckmann_density(WardBeckmann beckmann, vec3 m) {
     return ward_beckmann_D(beckmann, m) * m.z;
 }
@@ -223,7 +223,7 @@ vec3 ward_albedo(Ward params, vec3 wo) {
         return vec3(0.0);
     }
     vec3 w = vec3(wo.x, wo.y, max(wo.z, HORIZON));
-    vec3 total = vec3(0.0, 0.0, 0.0);
+    vec3 total = vec3(0.0);
     for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         vec2 u = vec2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

@@ -217,7 +217,7 @@ inline Vec3 ward_sample_cosine(Vec2 u) {
     return Vec3{r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u.x, 0.0f))};
 }
 
-// Density of `sample` in 1/sr.
+// Density of ward_beckmann_sample in 1/sr.
 inline float ward_beckmann_density(WardBeckmann beckmann, Vec3 m) {
     return ward_beckmann_D(beckmann, m) * m.z;
 }

@@ -164,7 +164,7 @@ float3 ward_sample_cosine(float2 u) {
     return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// Density of `sample` in 1/sr.
+// Density of ward_beckmann_sample in 1/sr.
 float ward_beckmann_density(WardBeckmann beckmann, float3 m) {
     return ward_beckmann_D(beckmann, m) * m.z;
 }

@@ -161,7 +161,7 @@ inline float3 ward_sample_cosine(float2 u) {
     return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// Density of `sample` in 1/sr.
+// Density of ward_beckmann_sample in 1/sr.
 inline float ward_beckmann_density(WardBeckmann beckmann, float3 m) {
     return ward_beckmann_D(beckmann, m) * m.z;
 }
@@ -226,7 +226,7 @@ inline float3 ward_albedo(Ward params, float3 wo) {
         return float3(0.0);
     }
     float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
-    float3 total = float3(0.0, 0.0, 0.0);
+    float3 total = float3(0.0);
     for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         float2 u = float2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

@@ -157,7 +157,7 @@ fn ward_sample_cosine(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// Density of `sample` in 1/sr.
+// Density of ward_beckmann_sample in 1/sr.
 fn ward_beckmann_density(beckmann: WardBeckmann, m: vec3f) -> f32 {
     return ward_beckmann_D(beckmann, m) * m.z;
 }
@@ -222,7 +222,7 @@ fn ward_albedo(params: Ward, wo: vec3f) -> vec3f {
         return vec3f(0.0);
     }
     let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
-    var total = vec3f(0.0, 0.0, 0.0);
+    var total = vec3f(0.0);
     for (var i_step = 0; i_step < i32(ALBEDO_SAMPLES); i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

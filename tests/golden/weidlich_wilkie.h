@@ -150,7 +150,7 @@ struct WeidlichWilkie {
     WeidlichWilkieBase base;  // what lies below; its indices are relative to the coat
 };
 
-// `Beckmann` facets of the same width in all directions.
+// WeidlichWilkieBeckmann facets of the same width in all directions.
 struct WeidlichWilkieRoundBeckmann {
     float alpha;  // width of the slopes
 };
@@ -269,17 +269,7 @@ inline WeidlichWilkieRoundBeckmann weidlich_wilkie_facets(const WeidlichWilkie& 
     return WeidlichWilkieRoundBeckmann{params.alpha};
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline Vec3 weidlich_wilkie_half_vector(Vec3 wi, Vec3 wo) {
-    Vec3 h = wi + wo;
-    return h / length(h);  // which weidlich_wilkie_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` of the squares of a sine and its cosine.
+// weidlich_wilkie_round_beckmann_D of the squares of a sine and its cosine.
 inline float weidlich_wilkie_round_beckmann_at(WeidlichWilkieRoundBeckmann round_beckmann,
     float sin2, float cos2) {
     float inv_cos2 = 1.0f / fmaxf(cos2, COS2_MIN);
@@ -287,7 +277,7 @@ inline float weidlich_wilkie_round_beckmann_at(WeidlichWilkieRoundBeckmann round
     return inv_pi / a2 * inv_cos2 * inv_cos2 * expf(-sin2 * inv_cos2 / a2);
 }
 
-// `D` at the normal along h, which need not be unit.
+// weidlich_wilkie_round_beckmann_D at the normal along h, which need not be unit.
 inline float weidlich_wilkie_round_beckmann_D_along(WeidlichWilkieRoundBeckmann round_beckmann,
     Vec3 h) {
     float length2 = dot(h, h);
@@ -326,6 +316,12 @@ inline Vec3 weidlich_wilkie_eval(const WeidlichWilkie& params, Vec3 wi, Vec3 wo)
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline Vec3 weidlich_wilkie_half_vector(Vec3 wi, Vec3 wo) {
+    Vec3 h = wi + wo;
+    return h / length(h);  // which weidlich_wilkie_cos_half needs as well
+}
 
 // A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
 //
@@ -504,7 +500,7 @@ inline float weidlich_wilkie_round_beckmann_D(WeidlichWilkieRoundBeckmann round_
     return weidlich_wilkie_round_beckmann_at(round_beckmann, m.x * m.x + m.y * m.y, m.z * m.z);
 }
 
-// Density of `sample` in 1/sr.
+// Density of weidlich_wilkie_round_beckmann_sample in 1/sr.
 inline float weidlich_wilkie_round_beckmann_density(WeidlichWilkieRoundBeckmann round_beckmann,
     Vec3 m) {
     return weidlich_wilkie_round_beckmann_D(round_beckmann, m) * m.z;

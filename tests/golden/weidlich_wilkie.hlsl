@@ -43,7 +43,7 @@ struct WeidlichWilkie {
     WeidlichWilkieBase base;  // what lies below; its indices are relative to the coat
 };
 
-// `Beckmann` facets of the same width in all directions.
+// WeidlichWilkieBeckmann facets of the same width in all directions.
 struct WeidlichWilkieRoundBeckmann {
     float alpha;  // width of the slopes
 };
@@ -167,17 +167,7 @@ WeidlichWilkieRoundBeckmann weidlich_wilkie_facets(WeidlichWilkie params) {
     return result;
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-float3 weidlich_wilkie_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
-    return h / length(h);  // which weidlich_wilkie_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` of the squares of a sine and its cosine.
+// weidlich_wilkie_round_beckmann_D of the squares of a sine and its cosine.
 float weidlich_wilkie_round_beckmann_at(WeidlichWilkieRoundBeckmann round_beckmann, float sin2,
     float cos2) {
     // Square of the cosine below which exp(-tan^2 / alpha^2) is 0 in any precision, for alpha up to 3.2.
@@ -188,7 +178,7 @@ float weidlich_wilkie_round_beckmann_at(WeidlichWilkieRoundBeckmann round_beckma
     return inv_pi / a2 * inv_cos2 * inv_cos2 * exp(-sin2 * inv_cos2 / a2);
 }
 
-// `D` at the normal along h, which need not be unit.
+// weidlich_wilkie_round_beckmann_D at the normal along h, which need not be unit.
 float weidlich_wilkie_round_beckmann_D_along(WeidlichWilkieRoundBeckmann round_beckmann,
     float3 h) {
     float length2 = dot(h, h);
@@ -231,6 +221,12 @@ float3 weidlich_wilkie_eval(WeidlichWilkie params, float3 wi, float3 wo) {
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+float3 weidlich_wilkie_half_vector(float3 wi, float3 wo) {
+    float3 h = wi + wo;
+    return h / length(h);  // which weidlich_wilkie_cos_half needs as well
+}
 
 // A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
 //
@@ -447,7 +443,7 @@ float weidlich_wilkie_round_beckmann_D(WeidlichWilkieRoundBeckmann round_beckman
     return weidlich_wilkie_round_beckmann_at(round_beckmann, m.x * m.x + m.y * m.y, m.z * m.z);
 }
 
-// Density of `sample` in 1/sr.
+// Density of weidlich_wilkie_round_beckmann_sample in 1/sr.
 float weidlich_wilkie_round_beckmann_density(WeidlichWilkieRoundBeckmann round_beckmann,
     float3 m) {
     return weidlich_wilkie_round_beckmann_D(round_beckmann, m) * m.z;

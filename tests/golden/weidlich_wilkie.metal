@@ -46,7 +46,7 @@ struct WeidlichWilkie {
     WeidlichWilkieBase base;  // what lies below; its indices are relative to the coat
 };
 
-// `Beckmann` facets of the same width in all directions.
+// WeidlichWilkieBeckmann facets of the same width in all directions.
 struct WeidlichWilkieRoundBeckmann {
     float alpha;  // width of the slopes
 };
@@ -169,17 +169,7 @@ inline WeidlichWilkieRoundBeckmann weidlich_wilkie_facets(WeidlichWilkie params)
     return WeidlichWilkieRoundBeckmann{params.alpha};
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline float3 weidlich_wilkie_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
-    return h / length(h);  // which weidlich_wilkie_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` of the squares of a sine and its cosine.
+// weidlich_wilkie_round_beckmann_D of the squares of a sine and its cosine.
 inline float weidlich_wilkie_round_beckmann_at(WeidlichWilkieRoundBeckmann round_beckmann,
     float sin2, float cos2) {
     // Square of the cosine below which exp(-tan^2 / alpha^2) is 0 in any precision, for alpha up to 3.2.
@@ -190,7 +180,7 @@ inline float weidlich_wilkie_round_beckmann_at(WeidlichWilkieRoundBeckmann round
     return inv_pi / a2 * inv_cos2 * inv_cos2 * exp(-sin2 * inv_cos2 / a2);
 }
 
-// `D` at the normal along h, which need not be unit.
+// weidlich_wilkie_round_beckmann_D at the normal along h, which need not be unit.
 inline float weidlich_wilkie_round_beckmann_D_along(WeidlichWilkieRoundBeckmann round_beckmann,
     float3 h) {
     float length2 = dot(h, h);
@@ -233,6 +223,12 @@ inline float3 weidlich_wilkie_eval(WeidlichWilkie params, float3 wi, float3 wo) 
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline float3 weidlich_wilkie_half_vector(float3 wi, float3 wo) {
+    float3 h = wi + wo;
+    return h / length(h);  // which weidlich_wilkie_cos_half needs as well
+}
 
 // A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
 //
@@ -439,7 +435,7 @@ inline float weidlich_wilkie_round_beckmann_D(WeidlichWilkieRoundBeckmann round_
     return weidlich_wilkie_round_beckmann_at(round_beckmann, m.x * m.x + m.y * m.y, m.z * m.z);
 }
 
-// Density of `sample` in 1/sr.
+// Density of weidlich_wilkie_round_beckmann_sample in 1/sr.
 inline float weidlich_wilkie_round_beckmann_density(WeidlichWilkieRoundBeckmann round_beckmann,
     float3 m) {
     return weidlich_wilkie_round_beckmann_D(round_beckmann, m) * m.z;
@@ -501,7 +497,7 @@ inline float3 weidlich_wilkie_albedo(WeidlichWilkie params, float3 wo) {
         return float3(0.0);
     }
     float3 w = float3(wo.x, wo.y, max(wo.z, HORIZON));
-    float3 total = float3(0.0, 0.0, 0.0);
+    float3 total = float3(0.0);
     for (int i_step = 0; i_step < int(ALBEDO_SAMPLES); ++i_step) {
         float i = float(i_step);
         float2 u = float2((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));

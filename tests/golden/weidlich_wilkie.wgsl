@@ -43,7 +43,7 @@ struct WeidlichWilkie {
     base: WeidlichWilkieBase,  // what lies below; its indices are relative to the coat
 }
 
-// `Beckmann` facets of the same width in all directions.
+// WeidlichWilkieBeckmann facets of the same width in all directions.
 struct WeidlichWilkieRoundBeckmann {
     alpha: f32,  // width of the slopes
 }
@@ -165,17 +165,7 @@ fn weidlich_wilkie_facets(params: WeidlichWilkie) -> WeidlichWilkieRoundBeckmann
     return WeidlichWilkieRoundBeckmann(params.alpha);
 }
 
-// ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-fn weidlich_wilkie_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    let h = wi + wo;
-    return h / length(h);  // which weidlich_wilkie_cos_half needs as well
-}
-
-// ---- evaluation ----------------------------------------------------------------------------
-
-// `D` of the squares of a sine and its cosine.
+// weidlich_wilkie_round_beckmann_D of the squares of a sine and its cosine.
 fn weidlich_wilkie_round_beckmann_at(round_beckmann: WeidlichWilkieRoundBeckmann, sin2: f32,
     cos2: f32) -> f32 {
     // Square of the cosine below which exp(-tan^2 / alpha^2) is 0 in any precision, for alpha up to 3.2.
@@ -186,7 +176,7 @@ fn weidlich_wilkie_round_beckmann_at(round_beckmann: WeidlichWilkieRoundBeckmann
     return inv_pi / a2 * inv_cos2 * inv_cos2 * exp(-sin2 * inv_cos2 / a2);
 }
 
-// `D` at the normal along h, which need not be unit.
+// weidlich_wilkie_round_beckmann_D at the normal along h, which need not be unit.
 fn weidlich_wilkie_round_beckmann_D_along(round_beckmann: WeidlichWilkieRoundBeckmann,
     h: vec3f) -> f32 {
     let length2 = dot(h, h);
@@ -229,6 +219,12 @@ fn weidlich_wilkie_eval(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> vec3f {
 }
 
 // ---- sampling ------------------------------------------------------------------------------
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn weidlich_wilkie_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    let h = wi + wo;
+    return h / length(h);  // which weidlich_wilkie_cos_half needs as well
+}
 
 // A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
 //
@@ -435,7 +431,7 @@ fn weidlich_wilkie_round_beckmann_D(round_beckmann: WeidlichWilkieRoundBeckmann,
     return weidlich_wilkie_round_beckmann_at(round_beckmann, m.x * m.x + m.y * m.y, m.z * m.z);
 }
 
-// Density of `sample` in 1/sr.
+// Density of weidlich_wilkie_round_beckmann_sample in 1/sr.
 fn weidlich_wilkie_round_beckmann_density(round_beckmann: WeidlichWilkieRoundBeckmann,
     m: vec3f) -> f32 {
     return weidlich_wilkie_round_beckmann_D(round_beckmann, m) * m.z;
@@ -496,7 +492,7 @@ fn weidlich_wilkie_albedo(params: WeidlichWilkie, wo: vec3f) -> vec3f {
         return vec3f(0.0);
     }
     let w = vec3f(wo.x, wo.y, max(wo.z, HORIZON));
-    var total = vec3f(0.0, 0.0, 0.0);
+    var total = vec3f(0.0);
     for (var i_step = 0; i_step < i32(ALBEDO_SAMPLES); i_step++) {
         let i = f32(i_step);
         let u = vec2f((i + 0.5) / ALBEDO_SAMPLES, fract((i + 0.5) * GOLDEN));
