@@ -316,9 +316,9 @@ class Text:
     def _under_headings(self, functions: Sequence[Function]) -> list[list[str]]:
         """Functions, with a heading where those for another purpose begin."""
         purposes = self._purposes()
-        order = list(dict.fromkeys(PURPOSES.values()))
+        order = list(dict.fromkeys([*PURPOSES.values(), *purposes.values()]))
         # What evaluation needs asks for nothing else, so that callees stay before their callers
-        functions = sorted(functions, key=lambda f: order.index(purposes.get(id(f), order[0])))
+        functions = sorted(functions, key=lambda f: order.index(purposes[id(f)]))
         blocks: list[list[str]] = []
         last = ""
         if self.lookups:
