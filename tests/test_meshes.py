@@ -14,7 +14,7 @@ from support.tolerances import DOUBLE_DIVIDED, SINGLE, SINGLE_LONG
 from gonio.messages import Notice
 from gonio.render.meshes.polygons import corner_triangles
 from gonio.render.meshes.uvs import projected
-from gonio.render.user_mesh import load_mesh, on_stage, with_normals
+from gonio.render.user_mesh import MESH_RADIUS, load_mesh, on_stage, with_normals
 
 # A square of side 2 in the plane z = 0, whose picture stands upright: v runs up from the lower edge.
 CORNERS = [(-1, 0, 0), (1, 0, 0), (1, 2, 0), (-1, 2, 0)]
@@ -611,6 +611,15 @@ def test_an_unknown_projection_names_the_known_ones(tmp_path: Path) -> None:
 def test_a_mesh_of_which_nothing_can_be_seen_is_refused(tmp_path: Path, vertices, message) -> None:
     with pytest.raises(ValueError, match=message):
         load_mesh(obj(tmp_path, vertices + "f 1 2 3\n"))
+
+
+def test_a_mesh_s_own_floor_is_not_the_ground_s_plane(tmp_path: Path) -> None:
+    """Rays would hit now the one and now the other."""
+    square = "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\n"
+    mesh = on_stage(load_mesh(obj(tmp_path, square + "f 4 3 2 1\n")))
+    heights = mesh.positions.astype(np.float32)[:, 1]
+    assert heights.min() > 1e-4  # many steps of float32, which are 1e-7 there
+    assert heights.max() < 0.005 * MESH_RADIUS, "nobody sees it float"
 
 
 def test_needles_and_unusual_units_are_drawn(tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ from support.tolerances import SINGLE_LONG
 import gonio
 from gonio.files import replacing
 from gonio.materials import load, load_material, load_series
+from gonio.messages import Notice
 from gonio.render import passes, render
 from gonio.render.passes import _passes
 from gonio.render.picture import captions, describe, write_picture
@@ -286,7 +287,8 @@ def test_a_noisier_material_gets_more_samples_and_both_end_at_the_goal() -> None
 def test_samples_and_time_are_limits() -> None:
     done: list[tuple[int, int]] = []
     common = {"size": (16, 16), "progress": lambda n, of: done.append((n, of))}
-    render("gold", spp=32, noise=1e-9, **common)
+    with pytest.warns(Notice, match="the noise is not known after 32 samples per pixel; the goal"):
+        render("gold", spp=32, noise=1e-9, **common)
     assert done[-1] == (32, 32)
     whole = len(done)
     render("gold", spp=512, seconds=1e-9, **common)
@@ -295,5 +297,6 @@ def test_samples_and_time_are_limits() -> None:
 
 def test_a_goal_gives_the_mean_of_the_same_passes() -> None:
     exact = render("eon", size=(16, 16), spp=64)
-    until = render("eon", size=(16, 16), spp=64, noise=1e-9)
+    with pytest.warns(Notice, match="the goal of 1e-07 % takes more samples or time"):
+        until = render("eon", size=(16, 16), spp=64, noise=1e-9)
     assert abs(until.mean() / exact.mean() - 1) < 0.02

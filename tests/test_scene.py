@@ -116,7 +116,7 @@ def test_user_mesh_is_scaled_centred_and_put_on_the_ground(torus_file):
         user_mesh.on_stage(user_mesh.load_mesh(torus_file), up="z", turn=30)
     )
     low, high = mesh.positions.min(axis=0), mesh.positions.max(axis=0)
-    assert low[1] == pytest.approx(0, abs=SINGLE)
+    assert low[1] == pytest.approx(user_mesh.LIFT, abs=SINGLE)
     np.testing.assert_allclose((low + high)[[0, 2]], 0, atol=SINGLE)
     middle = (low + high) / 2
     radius = np.linalg.norm(mesh.positions - middle, axis=1).max()

@@ -104,7 +104,8 @@ def integrate(
         spp: samples per pixel; with `noise` or `seconds` the most that are taken.
         seed: of the random numbers.
         progress: called after each pass.
-        noise: stop when the picture's noise (see `Noise`) is at most this, such as 0.02.
+        noise: stop when the picture's noise (see `Noise`) is at most this, such as 0.02; a notice says
+            what it is where samples or time end before.
         seconds: begin no further pass after that time.
         alpha: keep the film's alpha as a fourth channel.
         clamp: cut samples of indirect light above this radiance, of a scene with the integrator `path`; a
@@ -128,6 +129,7 @@ def integrate(
     start = time.monotonic()
     total: Any = None
     taken = done = 0
+    missed = False
     for of_round in rounds:
         pixels: Any = None
         for share in of_round:
@@ -149,12 +151,20 @@ def integrate(
         if found is not None:
             found.add(pixels / (wanted - taken))
         taken = wanted
-        if noise is not None and found is not None and found.value() <= noise:
+        missed = noise is not None and found is not None and found.value() > noise
+        if noise is not None and not missed:
             break
         if seconds is not None and time.monotonic() - start >= seconds:
             break
     if progress is not None and judged:
         progress(spp, spp)  # also where the goal was reached before
+    if missed and noise is not None and found is not None:
+        value = found.value()
+        reached = f"is {100 * value:.2g} %" if math.isfinite(value) else "is not known"
+        notice(
+            f"the noise {reached} after {taken} sample{'s' * (taken > 1)} per pixel; the goal of "
+            f"{100 * noise:.2g} % takes more samples or time."
+        )
     if clamp is not None:
         notice(
             f"clamp: samples of indirect light brighter than {clamp:.3g} were cut, which took "

@@ -14,6 +14,10 @@ from gonio.render.triangles import Floats, Ints, Triangles
 # proportions, seen from any side, then stays in the frame that the shader ball fills.
 MESH_RADIUS = 1.12
 
+# Height of a mesh's lowest point: a floor of its own, or a mesh that is flat, would else share the ground's
+# plane, and rays would hit now the one and now the other. Too little to be seen.
+LIFT = 1e-3 * MESH_RADIUS
+
 MESH_FORMATS = meshes.FORMATS
 
 LARGEST = 1e100  # its square and its inverse are numbers, too
@@ -212,7 +216,7 @@ def on_stage(mesh: Triangles, up: str = "y", turn: float = 0.0) -> Triangles:
     """The mesh turned upright, scaled to the size of the shader ball and stood on the ground.
 
     up: the file's axis that points up, "y" or "z". turn: degrees about the vertical, counter-
-    clockwise seen from above. Scaled so that its bounding sphere has radius MESH_RADIUS.
+    clockwise seen from above. Scaled so that its bounding sphere has radius MESH_RADIUS; lies LIFT above.
     """
     if up not in UP_AXES:
         raise ValueError(f"no up axis {up!r}; use one of {', '.join(UP_AXES)}")
@@ -232,6 +236,6 @@ def on_stage(mesh: Triangles, up: str = "y", turn: float = 0.0) -> Triangles:
     anchor = np.array([middle[0], low[1], middle[2]])
     return replace(
         mesh,
-        positions=(positions - anchor) * scale,
+        positions=(positions - anchor) * scale + np.array([0, LIFT, 0]),
         normals=None if mesh.normals is None else mesh.normals @ rotation.T,
     )

@@ -111,11 +111,15 @@ def listing_4(sheet: Sheet) -> None:
     first = white_eon(roughness=0, sampler="cltc_uniform").sample(
         directions(0.5), np.array([0.0, 0.3])
     )
-    sheet.claim(
-        "density of the sample for r = 0, u1 = 0, where the printed u1 <= P_u divides 0 by 0",
-        ">=",
-        "0",
+    sheet.refute(
+        "density of the sample for r = 0, u = (0, 0.3)",
+        "=",
+        "nan",
         float(first.pdf),
+        proof=1 / math.pi,
+        within=1e-6,
+        why="P_u is 0, u1 <= P_u holds for u1 = 0, and the printed u1 / P_u is 0 / 0. The cosine lobe "
+        "alone is left at r = 0, and has its sample of u1 = 0 along the normal, where its density is 1 / pi",
     )
 
 
