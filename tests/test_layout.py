@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import functools
 import io
+import re
 import tokenize
 from pathlib import Path
 
@@ -179,6 +180,19 @@ def test_a_circle_inside_a_function_and_an_arrow_upwards_are_noticed(tmp_path: P
     edges = arrows(root)
     assert circles(edges) == [{"gonio.parts.a", "gonio.models.b"}]
     assert forbidden(edges) == ["gonio.parts.a imports gonio.models.b"]
+
+
+def test_every_place_that_contributors_are_told_of_is_there() -> None:
+    page = (ROOT.parent / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    places = re.findall(r"`((?:gonio|tests|tools|docs)/[\w./]*)`", page)
+    assert len(places) > 25
+    assert [place for place in places if not (ROOT.parent / place).exists()] == []
+
+
+def test_every_room_says_in_its_first_line_what_it_is() -> None:
+    rooms = [*ROOT.glob("*/__init__.py"), *ROOT.glob("*.py")]
+    first = {path: path.read_text(encoding="utf-8").partition("\n")[0] for path in rooms}
+    assert [path for path, line in first.items() if len(line) < 30 or line[:3] != '"""'] == []
 
 
 TOLERANCES = {"rtol", "atol", "rel", "abs", "rel_tol", "abs_tol", "tolerance"}

@@ -13,7 +13,6 @@ from gonio import plot
 from gonio.arrays.elementwise import elementwise
 from gonio.bake import environment
 from gonio.parts import interface, metals, tilt
-from gonio.reproduce.cycles import show_cycles
 from gonio.reproduce.elek import TEXT, formulas
 from gonio.reproduce.measure import Floats, directions, gray, hemisphere, random_pairs
 from gonio.reproduce.sheet import Sheet
@@ -361,23 +360,3 @@ def patina_index(sheet: Sheet) -> None:
         0.8 * F[0] / F[1],
         float(below[0] / below[2]),
     )
-
-
-PRINTED_CYCLES = {"full": 436, "precomputed": 236, "Phong": 104}
-PRINTED_RATE = {"full": 348, "precomputed": 757, "Phong": 1648}
-
-
-@TEXT.item(
-    "tab1",
-    "Table 1",
-    "GPU cycles 436, 236, 104; MPix/s 348, 757, 1648",
-    "tab1-cycles",
-    "tab1-rate",
-    slow=True,
-)
-def table_1(sheet: Sheet) -> None:
-    show_cycles(sheet, "elek_1", "cycles of a GeForce 8800 GTX, which nobody here has")
-    peak = 128 * 1.35  # stream processors and GHz of that GPU
-    for name, cycles in PRINTED_CYCLES.items():
-        giga = cycles * PRINTED_RATE[name] / 1000
-        sheet.show(f"{name}: cycles times rate [G/s]; {peak:.0f} is the GPU's peak", giga)
