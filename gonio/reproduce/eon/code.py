@@ -118,5 +118,6 @@ def listing_4(sheet: Sheet) -> None:
         proof=1 / math.pi,
         within=1e-6,
         why="P_u is 0, u1 <= P_u holds for u1 = 0, and the printed u1 / P_u is 0 / 0. The cosine lobe "
-        "alone is left at r = 0, and has its sample of u1 = 0 along the normal, where its density is 1 / pi",
+        "alone is left at r = 0, and has its sample of u1 = 0 along the normal, where its density is "
+        "1 / pi",
     )
