@@ -229,7 +229,7 @@ def test_a_mean_that_a_kernel_asks_for_is_found_once_for_all_its_lanes(monkeypat
 
 
 def test_means_take_parameters_from_arrays_and_have_gradients() -> None:
-    import torch
+    torch = pytest.importorskip("torch")
 
     alpha = torch.tensor([0.1, 0.5], dtype=torch.float64, requires_grad=True)
     mean = gonio.TorranceSparrow(alpha=alpha).mean_albedo()
