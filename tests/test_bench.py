@@ -334,6 +334,18 @@ def test_memory_is_counted_in_the_kernel_itself(few):
     assert moved("lambert") == 5 * 4  # two cosines, which tell what is below the horizon, and RGB
 
 
+@pytest.mark.parametrize(
+    ("exported", "ours", "moving", "said"),
+    [
+        (4.0, 3.0, 2.9, "≥ 1.3 ✓"),
+        (4.0, 3.5, 2.0, "≥ 1.3 ✗"),  # memory would allow 2
+        (3.6, 3.2, 3.0, "memory allows 1.20"),
+    ],
+)
+def test_a_row_that_memory_limits_has_no_goal_but_says_so(exported, ours, moving, said):
+    assert pairs.export_goal(exported, ours, moving) == said
+
+
 @needs_llvm
 def test_exact_quotients_and_roots_are_counted(few):
     x, y = few.jit_wi.x + 2, few.jit_wo.y + 3
