@@ -128,7 +128,8 @@ class Claims:
     float32: Known | tuple[Known, ...] = ()
     """Relative error of float32 values, where it is more than 1e-5."""
     float32_density: Known | tuple[Known, ...] = ()
-    """That of the densities of samples, where it is more than that of values."""
+    """That of the densities of samples, beyond what the directions' own roundings change in them, where
+    these change much: light that a coat keeps inside, say, leaves by the last bits of its azimuth."""
     numeric_albedo: Known | tuple[Known, ...] = ()
     """Error of albedos that are quadratures, where it is more than 3e-5."""
     kinks: Kink | tuple[Kink, ...] = ()
@@ -217,7 +218,7 @@ PROMISES = {
     ),
     "float32_density": (
         "float32 densities as near to float64 as values",
-        "float32 densities differ from float64",
+        "float32 densities differ from float64, beyond roundings of the directions,",
         " by up to {}",
     ),
     "numeric_albedo": ("albedos within 3e-5", "albedos", " within {}"),

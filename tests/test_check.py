@@ -17,10 +17,18 @@ from support.tolerances import DOUBLE, DOUBLE_DIVIDED, DOUBLE_SHORT, SINGLE, dec
 
 import gonio
 from gonio import check
-from gonio.check import continuity, energy, hemisphere, product_rules, sampling, statistics
+from gonio.check import (
+    continuity,
+    energy,
+    finite,
+    hemisphere,
+    product_rules,
+    sampling,
+    statistics,
+)
 from gonio.check.continuity import find, find_in_parameters
 from gonio.check.kernels import evaluate
-from gonio.check.report import EFFORTS, FAIL, KNOWN, Finding, Report, judge, junit, table
+from gonio.check.report import EFFORTS, FAIL, KNOWN, PASS, Finding, Report, judge, junit, table
 from gonio.check.search import maximise
 from gonio.check.subject import ModelSubject, cosine_at, directions
 from gonio.check.variants import part_of, value_at
@@ -32,10 +40,26 @@ from gonio.claims import (
     as_tuple,
     at_most,
     dark_ring,
+    jump,
     white_furnace,
 )
 from gonio.fields import ModelError, Option, Parameter
-from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, dot, exp, select, vec3
+from gonio.lang import (
+    INV_PI,
+    TWO_PI,
+    Color,
+    Float,
+    Sample,
+    Vec2,
+    Vec3,
+    cos,
+    dot,
+    exp,
+    select,
+    sin,
+    sqrt,
+    vec3,
+)
 from gonio.materials import model_file
 from gonio.model import Model, option, param
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
@@ -275,6 +299,62 @@ def test_wasted_samples_are_those_that_a_rough_facet_mirrors_below_the_horizon()
     point[names.index("anisotropy")] = 0.0
     # The standard error of 65,536 samples
     assert sampling.waste(subject, point[None], 1 << 16)[0] == pytest.approx(0.5, abs=2e-3)
+
+
+def test_a_density_that_float32_has_wrong_fails_where_roundings_of_directions_are_excused() -> None:
+    """Car paint's declares 1e-4 beyond these; here is ten times as much."""
+    cls: Any = gonio.models()["car_paint"]
+
+    class Wrong(cls, register=False):  # type: ignore[misc]
+        def pdf(self, wi: Any, wo: Any) -> Any:
+            value = super().pdf(wi, wo)
+            return value * (1 + 1e-3) if self.float_type.__name__ == "Float" else value
+
+    wrong = [
+        f for f in finite.check(ModelSubject(Wrong()), QUICK.less()).findings if f.verdict == FAIL
+    ]
+    assert [f.what for f in wrong] == ["float32 error"]
+    assert wrong[0].measured == pytest.approx(1e-3, rel=0.1)
+
+
+class Cone(Model, register=False):
+    """White within 60 degrees of the normal, where it has its samples, or everywhere."""
+
+    reach = option("cone", "everywhere", doc="where light is reflected to")
+    claims = Claims(kinks=(jump(Place.ELSEWHERE),))
+
+    def eval(self, wi: Vec3, wo: Vec3) -> Color:
+        """1 / pi or nothing."""
+        lowest = 0 if self.reach == "everywhere" else 0.5
+        value = select(wi.z > lowest, INV_PI, 0 * wi.z)
+        return vec3(value, value, value)
+
+    def sample(self, wo: Vec3, u: Vec2) -> Sample:
+        """By the cosine, above 1/2."""
+        mu = sqrt(1 - 0.75 * u.x)
+        s = sqrt(0.75 * u.x)
+        wi = vec3(s * cos(TWO_PI * u.y), s * sin(TWO_PI * u.y), mu)
+        return Sample(wi, self.pdf(wi, wo))
+
+    def pdf(self, wi: Vec3, wo: Vec3) -> Float:
+        """Of `sample`."""
+        return select(wi.z > 0.5, wi.z * (INV_PI / 0.75), 0)
+
+
+def test_a_sampler_is_tested_once_but_what_it_never_draws_with_every_option() -> None:
+    """A quarter of the light is never sampled with the option, whose samples are those of the default."""
+    (report,) = check.check_model(Cone, "quick", only=["sampling"])
+    by_tag = {
+        tag: {f.what: f for f in report.findings if f.tag == tag}
+        for tag in ("", "reach=everywhere")
+    }
+    assert by_tag[""]["chi-square"].verdict == PASS
+    assert set(by_tag["reach=everywhere"]) == {"albedo never sampled"}
+    assert by_tag["reach=everywhere"]["albedo never sampled"].verdict == FAIL
+    # 1/4; integrals across a jump are good to four digits
+    assert by_tag["reach=everywhere"]["albedo never sampled"].measured == pytest.approx(
+        0.25, abs=1e-3
+    )
 
 
 # --- the tools -----------------------------------------------------------------------------------

@@ -29,7 +29,7 @@ from gonio.check import (
     reciprocity,
     sampling,
 )
-from gonio.check.adversarial import hard_pairs, hard_parameters
+from gonio.check.adversarial import hard_numbers, hard_pairs, hard_parameters
 from gonio.check.report import (
     EFFORTS,
     PASS,
@@ -80,7 +80,10 @@ CHECKS: dict[str, Callable[[Subject, Effort], Report]] = {
 # Checks that depend on nothing but the values: options that only change the sampler need them once.
 OF_VALUES = {"energy", "reciprocity", "albedo", "continuity", "monotonicity"}
 
-# Every so many hard pairs tell whether two variants have the same values.
+# The check of samplers: where those of two variants are the same, one is tested.
+SAMPLING = "sampling"
+
+# Every so many hard pairs tell whether two variants have the same values or samples.
 ALIKE = 3
 
 # So many albedos that take long.
@@ -142,7 +145,8 @@ def _check_subjects(
         for subject, amount in chosen_subjects
         for name, run in chosen.items()
     ]
-    alike = _alike([s for s, _ in chosen_subjects]) if set(chosen) & OF_VALUES else {}
+    alike = _alike([s for s, _ in chosen_subjects], _values) if set(chosen) & OF_VALUES else {}
+    sampled_alike = _alike([s for s, _ in chosen_subjects], _samples) if SAMPLING in chosen else {}
     for done, (subject, name, run, amount) in enumerate(steps):
         if progress is not None:
             progress(done, len(steps))
@@ -151,6 +155,8 @@ def _check_subjects(
             finding = Finding("differs from the default", 0.0, PASS, text, subject.tag())
             report = Report(name, subject.name, (finding,))
         else:
+            if name == SAMPLING and subject.tag() in sampled_alike:  # whose density has been tested
+                amount = replace(amount, tests=0)
             report = run(subject, amount)
         key = (subject.name, name)
         if key in found:
@@ -163,8 +169,10 @@ def _check_subjects(
     return Reports(report for report in found.values() if report.findings)
 
 
-def _alike(these: Sequence[Subject]) -> dict[str, str]:
-    """Tags of the subjects whose values are those of an earlier one, and in words of which."""
+def _alike(
+    these: Sequence[Subject], of: Callable[[Subject, Subject, Array, Array, Array], bytes]
+) -> dict[str, str]:
+    """Tags of the subjects that give what an earlier one gives, and in words which."""
     found: dict[str, str] = {}
     seen: dict[tuple[Any, ...], Subject] = {}
     if len(these) < 2:
@@ -172,7 +180,7 @@ def _alike(these: Sequence[Subject]) -> dict[str, str]:
     wi, wo = (w[::ALIKE].astype(np.float64) for w in hard_pairs())
     parameters = hard_parameters(these[0], len(wi), 71)
     for subject in these:
-        key = (subject.name, _values(subject, these[0], parameters, wi, wo))
+        key = (subject.name, of(subject, these[0], parameters, wi, wo))
         twin = seen.setdefault(key, subject)
         if twin is not subject:
             found[subject.tag()] = f"with {twin.tag()}" if twin.tag() else "of the default options"
@@ -192,6 +200,17 @@ def _values(subject: Subject, first: Subject, parameters: Array, wi: Array, wo: 
         few = slice(0, None, max(len(wo) // FEW, 1))
         found.append(kernels.albedo(subject, parameters[few], wo[few]).tobytes())
     return b"".join(found)
+
+
+def _samples(subject: Subject, first: Subject, parameters: Array, wi: Array, wo: Array) -> bytes:
+    """Samples and densities at hard cases, bit by bit; nothing for another kind of subject."""
+    if subject.parameters != first.parameters:
+        return subject.tag().encode()
+    index = np.arange(len(wi), dtype=np.uint32)
+    u = hard_numbers(len(wi), 72).astype(np.float64)
+    drawn = kernels.draw(subject, parameters, index, wo, u)
+    _, pdf = kernels.evaluate(subject, parameters, index, wi, wo)
+    return b"".join(part.tobytes() for part in (*drawn, pdf))
 
 
 def _efforts(these: list[Subject], level: Effort) -> list[tuple[Subject, Effort]]:

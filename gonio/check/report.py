@@ -42,7 +42,9 @@ class Effort:
     screened: int
     """Rows of parameters at which the sampler is looked at with a few samples."""
     tests: int
-    """Rows at which it is tested with many: the default ones, and the most suspicious of the others."""
+    """Rows at which it is tested with many: the default ones, and the most suspicious of the others.
+
+    None if it is that of another variant, which has been tested."""
     samples: int
     """Samples of each of these tests."""
     derivatives: bool

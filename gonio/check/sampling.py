@@ -80,9 +80,12 @@ SUSPICIOUS, CROWDED = 2e-3, 0.5
 
 
 def check(subject: Subject, effort: Effort) -> Report:
-    """Density, samples, weights and waste."""
+    """Density, samples, weights and waste; without tests only light that is never sampled."""
     start = time.perf_counter()
     screened = _screened(subject, effort)
+    if not effort.tests:  # the samples are those of another variant
+        findings = [_unreached(subject, screened, effort)]
+        return Report("sampling", subject.name, tuple(findings), time.perf_counter() - start)
     findings = [_wasted(subject, effort), _unreached(subject, screened, effort)]
     points = _suspects(subject, screened, effort)
     first = [_test(subject, point[None], effort.samples, seed) for seed, point in enumerate(points)]

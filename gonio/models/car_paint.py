@@ -145,8 +145,8 @@ class CarPaint(Model):
         wasted=at_most(0.9),
         float32=at_most(UNBOUNDED, flake_cosine="light"),
         # What the coat keeps inside is spread over all directions by its azimuth, which near an index of 1
-        # meets the narrowest flakes' mirror direction by the last bits of a float32
-        float32_density=at_most(UNBOUNDED),
+        # meets the narrowest flakes' mirror direction by the last bits of the directions' float32
+        float32_density=at_most(1e-4),
         numeric_albedo=at_most(1e-3),
         kinks=(
             kink(Place.ELSEWHERE),

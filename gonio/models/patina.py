@@ -11,7 +11,7 @@ patina's as that grows is the one of the environment's reflection alone: the met
 """
 
 from gonio.albedos.quadrature import NumericAlbedo
-from gonio.claims import UNBOUNDED, Claims, Place, at_most, kink
+from gonio.claims import Claims, Place, at_most, kink
 from gonio.lang import (
     INV_PI,
     Color,
@@ -123,7 +123,7 @@ class Patina(Model):
         ),
         # Near the normal, where what the patina keeps inside leaves by the azimuth that it had: the last
         # bits of that decide whether the narrowest facets mirror it
-        float32_density=at_most(UNBOUNDED),
+        float32_density=at_most(0.02),
         numeric_albedo=at_most(1e-3),
     )
 
