@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gonio.check import kernels
 from gonio.check.adversarial import special_parts
@@ -25,6 +26,9 @@ OFF_NORMAL = 1e-6
 # The edge of a clipped density may lie on either side of a rounding: where nearly all of it is gone after a
 # turn, it counts if it is gone at wi moved so far, to either side, as well.
 EDGE, BESIDE = 0.999, 1e-3
+
+# So many roundings are tried where the density seems to change.
+SHAKES = 8
 
 Turn = Callable[[Array], Array]
 
@@ -92,6 +96,11 @@ def change(subject: Subject, points: Array) -> Array:
                 axis=1
             )
         )
+    moved = np.flatnonzero(found[1] > ROUNDING)
+    if len(moved):  # one rounding may happen to change nothing
+        found[1][moved] = np.maximum(
+            found[1][moved] - ROUNDINGS * _shaken(subject, parameters, light, viewer, moved), 0
+        )
     near_normal = np.hypot(wo[:n, 0], wo[:n, 1]) < OFF_NORMAL
     found[1] = np.where(near_normal, 0, found[1])
     rows = np.flatnonzero(found[1] > EDGE)
@@ -102,6 +111,22 @@ def change(subject: Subject, points: Array) -> Array:
 
         found[1][rows] = _all_around(subject, parameters[rows], wi[rows], wo[rows], same_turn)
     return np.stack(found, -1)
+
+
+def _shaken(
+    subject: Subject, parameters: Array, wi: Array, wo: Array, rows: NDArray[np.intp]
+) -> Array:
+    """The largest relative change of the density by one of several roundings of both directions."""
+    rng = np.random.default_rng(18)
+    each = np.tile(rows, SHAKES)
+    light, viewer = wi[each], wo[each]
+    both = [w * (1 + EPSILON * rng.choice([-1.0, 1.0], w.shape)) for w in (light, viewer)]
+    both = [np.concatenate([w[: len(rows)], b]) for w, b in zip((light, viewer), both, strict=True)]
+    index = np.append(rows, each).astype(np.uint32)
+    _, pdf = evaluate(subject, parameters, index, *both)
+    value = pdf.astype(np.float64).reshape(SHAKES + 1, len(rows))
+    change = np.abs(value[1:] - value[0]) / np.maximum(np.abs(value[0]), FLOOR)
+    return np.asarray(change.max(axis=0))
 
 
 def _turned(w: Array, angle: Array) -> Array:
