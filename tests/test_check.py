@@ -314,6 +314,7 @@ def test_a_density_that_float32_has_wrong_fails_where_roundings_of_directions_ar
         f for f in finite.check(ModelSubject(Wrong()), QUICK.less()).findings if f.verdict == FAIL
     ]
     assert [f.what for f in wrong] == ["float32 error"]
+    # What eight roundings of the directions change is taken off
     assert wrong[0].measured == pytest.approx(1e-3, rel=0.1)
 
 
