@@ -183,6 +183,13 @@ def test_what_is_shown_is_escaped() -> None:
     assert text.count(html.escape(evil)) == 4
 
 
+def test_names_in_backticks_are_code_and_nothing_else_is() -> None:
+    text = notebook.table("`eval`", "of `<b>`", ["a `sample` drawn"], [["` x `"]])
+    assert "<b><code>eval</code></b> of `&lt;b&gt;`" in text
+    assert "a <code>sample</code> drawn" in text
+    assert "` x `" in text
+
+
 def test_reports_are_a_table_with_a_sum() -> None:
     bad = Finding("largest albedo", 1.5, FAIL, "at most 1 is allowed")
     reports = check.Reports(
