@@ -47,6 +47,10 @@ POLYNOMIAL_MIN = 4
 # Ends the name of a method that takes a vector of any length in the place of a unit one.
 ALONG = "_along"
 
+# Ends the name of the function of gonio.parts that exports call in the place of one whose operations are
+# there for derivatives: it has the same value.
+VALUE = "_value"
+
 # What annotations of a NamedTuple's members mean.
 ANNOTATED: dict[Any, Type] = {
     lang.Vec2: "vec2",
@@ -290,8 +294,16 @@ class Calls(Expressions):
                 "decorator does into the function.",
             )
         passed, kinds = self._typed(self._arguments(node, function, 0))
+        function = self._for_values(function)
         made = self._made(node, function, kinds, None, "", True, passed)
         return Call(made, tuple(passed), made.result)
+
+    def _for_values(self, function: types.FunctionType) -> types.FunctionType:
+        """What is called where no derivatives are taken."""
+        if self.reader.differentiable or not function.__module__.startswith("gonio.parts."):
+            return function
+        found = function.__globals__.get(f"{function.__name__}{VALUE}")
+        return found if isinstance(found, types.FunctionType) else function
 
     def _lookup(self, node: ast.Call, method: types.MethodType) -> Expr:
         """A call of what the host supplies."""

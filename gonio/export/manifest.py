@@ -57,8 +57,8 @@ BINDS: Mapping[str, str] = {
 AXES: Mapping[str, str] = {
     "fresnel": "to the right the cosine, from 0 to 1 in the middles of the first and last texel; a row for "
     "each surface of each material; linear numbers",
-    "distribution": "to the right q / (1 + q) with q = (sine / width)^2 of the facet, down the width, both "
-    "from 0 to 1 in the middles of texels; the root of pi alpha^2 D over its largest value",
+    "distribution": "to the right q / (1 + q) with q = (slope / width)^2 of the facet, down the width, "
+    "both from 0 to 1 in the middles of texels; the root of pi alpha^2 D over its largest value",
 }
 
 # Bytes of a four-component vector of floats, which each parameter has for itself.

@@ -2,44 +2,41 @@
 
 Source: Elek, "Layered materials in real-time rendering", CESCG 2010, section 3.1: one table over the
 facet's angle and the width. His angles are stretched by the eighth power, so that sharp highlights do not
-fall between two entries. Here the sine is met in units of the width, as q / (1 + q) with
-q = (sine / width)^2: every width has the same number of entries in its highlight, rows can be evenly spaced
-in the width, and no power or logarithm is left. The table holds the root of pi alpha^2 D, for 8 bits.
+fall between two entries. Here the slope is met in units of the width, as q / (1 + q) with q =
+(slope / width)^2: every width has the same number of entries in its highlight, rows can be evenly spaced in
+the width, and no power or logarithm is left. The table holds the root of pi alpha^2 D, for 8 bits; of GGX
+that is a straight line between 1 and alpha^2.
 """
 
-from gonio.lang import INV_PI, Float, Vec3, dot, length, maximum, minimum, safe_sqrt
+from gonio.lang import INV_PI, MU_MIN, Float, Vec2, Vec3, maximum, minimum, safe_sqrt, vec2
 from gonio.lights.lookups import Lookups
+from gonio.parts.frame import tangent2
 
-# Stands for the squared sine of a facet that lies level, where any width along its azimuth will do.
-SIN2_MIN = 1e-30
-
-
-def facet_sin2(m: Vec3) -> Float:
-    """Squared sine of a facet's angle."""
-    return m.x * m.x + m.y * m.y
+# Stands for the slope of a facet that lies level, where any width along its azimuth will do.
+LEVEL = 1e-30
 
 
-def sin2_along(h: Vec3) -> Float:
-    """Squared sine of the facet whose normal is along h, without making it unit."""
-    return (h.x * h.x + h.y * h.y) / dot(h, h)
+def tilt(m: Vec3) -> Vec2:
+    """Squared slope of a facet, as a quotient that has a value in the horizon."""
+    return vec2(m.x * m.x + m.y * m.y, m.z * m.z)
 
 
-def unit(h: Vec3) -> Vec3:
-    """The normal along h."""
-    return h / length(h)
+def tilt_along(h: Vec3) -> Vec2:
+    """The same for a facet whose normal is along h, above the horizon, which need not be unit."""
+    return vec2(tangent2(h), 1)
 
 
 def tabled_D(
-    sin2: Float, alpha: Float, first: Float, last: Float, scale: Float, host: Lookups
+    tilted: Vec2, alpha: Float, first: Float, last: Float, scale: Float, host: Lookups
 ) -> Float:
     """Density of facets of one width, in 1/sr, from the table's rows from `first` on, `last` more."""
     alpha2 = alpha * alpha
-    root = host.distribution_table(sin2 / (sin2 + alpha2), first + last * alpha)
+    root = host.distribution_table(tilted.x / (tilted.x + alpha2 * tilted.y), first + last * alpha)
     return scale * INV_PI / alpha2 * (root * root)
 
 
 def tabled_D_anisotropic(
-    m: Vec3,
+    t: Vec2,
     alpha_x: Float,
     alpha_y: Float,
     first: Float,
@@ -47,10 +44,16 @@ def tabled_D_anisotropic(
     scale: Float,
     host: Lookups,
 ) -> Float:
-    """Density of facets of two widths, in 1/sr: along its azimuth the facet meets one, up to 1."""
-    x, y = m.x / alpha_x, m.y / alpha_y
-    q = maximum(x * x + y * y, SIN2_MIN)
-    alpha2 = (m.x * m.x + m.y * m.y) / q
-    width = safe_sqrt(minimum(alpha2, 1))
-    root = host.distribution_table(q / (1 + q), first + last * width)
-    return scale * INV_PI / (alpha_x * alpha_y) * (root * root)
+    """Density of facets with two widths and the slopes t: along their azimuth they meet one, up to 1."""
+    # Times the squares of both widths no width is a divisor
+    x, y, a2 = alpha_y * t.x, alpha_x * t.y, alpha_x * alpha_y
+    n, a4 = maximum(x * x + y * y, LEVEL), a2 * a2
+    width = safe_sqrt(minimum(a4 * (t.x * t.x + t.y * t.y) / n, 1))
+    root = host.distribution_table(n / (n + a4), first + last * width)
+    return scale * INV_PI / a2 * (root * root)
+
+
+def facet_slopes(m: Vec3) -> Vec2:
+    """Of a unit normal, which may be in the horizon."""
+    inv = 1 / maximum(m.z, MU_MIN)
+    return vec2(m.x * inv, m.y * inv)

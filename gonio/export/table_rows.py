@@ -138,7 +138,7 @@ class Distributions:
     def lookup(self, widths: int) -> Function:
         """What stands for D of facets with so many widths, one or two."""
         written = table_facets.tabled_D if widths == 1 else table_facets.tabled_D_anisotropic
-        kinds: list[Type | Static] = ["float" if widths == 1 else "vec3"]
+        kinds: list[Type | Static] = ["vec2"]
         kinds += ["float"] * (widths + 3)
         return self.reader.function_for(cast(types.FunctionType, written), [*kinds, HOST])
 
@@ -159,11 +159,11 @@ class Distributions:
         axis = np.linspace(0, 1, self.request.places)
         # Some norms have no value at a width of exactly 0 or 1, only a limit
         alpha = np.clip(axis, NEAR, 1 - NEAR)[:, None]
-        q = axis / np.maximum(1 - axis, NEAR * NEAR)
-        alpha, sine = np.broadcast_arrays(alpha, np.minimum(alpha * np.sqrt(q), 1))
+        slope = alpha * np.sqrt(axis / np.maximum(1 - axis, NEAR * NEAR))
+        alpha, slope = np.broadcast_arrays(alpha, slope)
         shape = alpha.shape
-        alpha, sine = alpha.ravel(), sine.ravel()
-        m = np.stack([sine, 0 * sine, np.sqrt((1 - sine) * (1 + sine))], -1)
+        alpha, cosine = alpha.ravel(), 1 / np.hypot(slope.ravel(), 1)
+        m = np.stack([slope.ravel() * cosine, 0 * cosine, cosine], -1)
         widths = widths_of(block, self.reader)
         D = Machine().call(block, [dict.fromkeys(widths, alpha), m])
         return np.asarray(np.pi * alpha * alpha * D).reshape(shape)
@@ -188,13 +188,14 @@ class Distributions:
         widths = [np.exp(low * rng.random(FACETS)) for _ in names]
         if len(names) == 2:  # as wide along y as anisotropy makes them
             widths[1] = np.clip(widths[0] * rng.uniform(0.1, 10, FACETS), ALPHA_MIN, 1)
-        sine = np.minimum(widths[0] * np.exp(rng.uniform(-4, 4, FACETS)), 1)
+        slope = widths[0] * np.exp(rng.uniform(-4, 4, FACETS))
         phi = 2 * np.pi * rng.random(FACETS)
-        m = np.stack([sine * np.cos(phi), sine * np.sin(phi), np.sqrt(1 - sine * sine)], -1)
+        t = slope[:, None] * np.stack([np.cos(phi), np.sin(phi)], -1)
+        m = np.concatenate([t, np.ones((FACETS, 1))], -1) / np.hypot(slope, 1)[:, None]
         exact = Machine().call(block, [dict(zip(names, widths, strict=True)), m])
         machine = Machine({"distribution_table": table.look_up})
         numbers = [np.full(1, v, np.float64) for v in self.numbers(number)]
-        where = m if len(names) == 2 else sine * sine
+        where = t if len(names) == 2 else np.stack([slope * slope, np.ones(FACETS)], -1)
         found = machine.call(self.lookup(len(names)), [where, *widths, *numbers])
         peak = 1 / (np.pi * widths[0] * widths[-1])
         return float(np.max(np.abs(found - exact) / peak))

@@ -52,7 +52,7 @@ from gonio.export.tree import (
 )
 from gonio.lights.lookups import Lookups
 from gonio.model import Model
-from gonio.parts.frame import half_vector
+from gonio.parts.frame import half_vector, slopes
 
 
 def with_tables(
@@ -292,9 +292,9 @@ class _Work:
             wi, wo = m.arguments
             m, along = Operation("+", wi, wo, "vec3"), True
         if len(widths) == 1:
-            where = self._own(table_facets.sin2_along if along else table_facets.facet_sin2, m)
+            where = self._own(table_facets.tilt_along if along else table_facets.tilt, m)
         else:
-            where = self._own(table_facets.unit, m) if along else m
+            where = self._own(slopes if along else table_facets.facet_slopes, m)
         return Call(made, (where, *alphas, *numbers), "float")
 
     def _own(self, written: Any, vector: Expr) -> Expr:
@@ -325,11 +325,13 @@ def _assigned(statements: Iterable[Statement]) -> list[str]:
 
 def _named(reader: Reader, work: _Work, wanted: Sequence[Function]) -> None:
     """Put copies behind what they are copies of, under names that no other function has."""
-    looked_up = [
+    lookups = [
         f
         for f in reader.functions
         if (origin := reader.origin(f)) is not None and origin.__module__ == table_facets.__name__
     ]
+    called = _reached(lookups)
+    looked_up = [f for f in reader.functions if id(f) in called]
     used = _reached(wanted)
     placed: list[Function] = list(looked_up)
     taken = {f.name for f in reader.functions}

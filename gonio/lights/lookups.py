@@ -27,5 +27,5 @@ class Lookups:
         raise NotImplementedError
 
     def distribution_table(self, u: Float, row: Float) -> Float:
-        """Root of D over its peak, from the table: u is q / (1 + q) with q = (sine / width)^2."""
+        """Root of D over its peak, from the table: u is q / (1 + q) with q = (slope / width)^2."""
         raise NotImplementedError

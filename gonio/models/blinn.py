@@ -10,7 +10,6 @@ from gonio.claims import Claims, at_most
 from gonio.lang import INV_PI, PI, Color, Float, Sample, Vec2, Vec3
 from gonio.model import Model, param
 from gonio.parts.distribution import blinn_phong_alpha
-from gonio.parts.frame import half_vector
 from gonio.parts.image import ImageLobes
 from gonio.parts.lobes import average, cos_power, shares
 from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
@@ -53,7 +52,7 @@ class Blinn(Model):
 
     def highlight(self, wi: Vec3, wo: Vec3) -> Float:
         """The highlight without its weight."""
-        return cos_power(half_vector(wi, wo), self.shininess) / wi.z
+        return cos_power(wi + wo, self.shininess) / wi.z
 
     def highlight_albedo(self, split: Vec2) -> Color:
         """What the highlight reflects of light from everywhere, from its table's A and B."""

@@ -26,7 +26,7 @@ from gonio.lang import (
     vec3,
 )
 from gonio.model import Model, option, param
-from gonio.parts.distribution import GGX, GTR1, RoundGGX
+from gonio.parts.distribution import GGX, GTR1, RoundGGX, anisotropic_alpha
 from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
 from gonio.parts.fresnel import schlick_complement, schlick_weight, schlick_weight_half
 from gonio.parts.hemisphere import pdf_cosine, pdf_uniform, sample_cosine, sample_uniform
@@ -174,8 +174,8 @@ class Disney(Model):
     def _facets(self) -> GGX:
         """Those of the highlight."""
         alpha = self.roughness * self.roughness
-        aspect = sqrt(1 - 0.9 * self.anisotropic)
-        return GGX(maximum(alpha / aspect, ALPHA_DISNEY), maximum(alpha * aspect, ALPHA_DISNEY))
+        a = anisotropic_alpha(alpha, self.anisotropic)
+        return GGX(maximum(a.x, ALPHA_DISNEY), maximum(a.y, ALPHA_DISNEY))
 
     def _V(self, wi: Vec3, wo: Vec3) -> Float:
         """Masking of the highlight, G / (4 mu_i mu_o)."""

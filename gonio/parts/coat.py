@@ -45,7 +45,7 @@ def through_facets(facets: Round, wi: Vec3, wo: Vec3, masking: str, T: Color) ->
 def past_facets(T: Color, lost: Float) -> Color:
     """T12 t of Eq. 2 and 4 with lost = 1 - G."""
     # 1 - G F would lose the digits of a small T
-    return T * (lost + T * (1 - lost))
+    return T * (T + lost * (1 - T))
 
 
 # Visible normals need a G that is no larger than Smith's G1: with V-cavities the weights would grow like

@@ -7,8 +7,10 @@ direction sees. What Smith's masking needs of a distribution is `area`: all of t
 they face, as large as w sees them, the integral of |w . m| D(m). It is mu (1 + 2 Lambda), and
 gonio.parts.masking makes Lambda, G1 and G of it.
 
-Some also have D_along, which exports call in the place of D at a half vector. It does not make the vector
-unit, and has no derivatives where light and viewer are opposite and at the horizon.
+Some also have D_along, which exports call in the place of D at a half vector. It takes the vector's slopes
+in the place of making it unit, and has no derivatives where light and viewer are opposite and at the
+horizon. There h is as short as 2e-18: GPUs take the squares of its tangential part for 0, and slopes are
+what is left of a sharp highlight's shape.
 
 alpha is the width of the distribution of slopes, from ALPHA_MIN to 1: Disney's and Unity's "roughness" r is
 perceptual, alpha = r^2. Anisotropic ones have a width along x and one along y; the round ones are the same
@@ -58,8 +60,8 @@ from gonio.lang import (
     vec2,
     vec3,
 )
-from gonio.parts.frame import azimuth
-from gonio.parts.special import expm1, log1p_over, log_cos
+from gonio.parts.frame import azimuth, slopes, tangent2
+from gonio.parts.special import expm1, log1p_over, log_cos, log_cos_along
 
 # Sharpest facets: a float32 direction is good to 6e-8, a thousandth of this width, so the shape of the
 # highlight is still resolved. The peak of D, 3e7, and its derivatives fit into a float32.
@@ -123,8 +125,9 @@ def anisotropic_alpha(alpha: Float, anisotropy: Float) -> Vec2:
 
     Burley, appendix B, without its lower limit.
     """
-    aspect = sqrt(1 - 0.9 * anisotropy)
-    return vec2(alpha / aspect, alpha * aspect)
+    aspect2 = 1 - 0.9 * anisotropy
+    stretch = 1 / sqrt(aspect2)
+    return vec2(alpha * stretch, alpha * (aspect2 * stretch))
 
 
 def pdf_visible(facets: Facets, wo: Vec3, m: Vec3, bound: Float = 1) -> Float:
@@ -158,11 +161,13 @@ class GGX(NamedTuple):
 
     def D_along(self, h: Vec3) -> Float:
         """`D` at the normal along h, which need not be unit."""
-        x, y = 1 / self.alpha_x, 1 / self.alpha_y
-        # 1 / s from lengths, as their squares may leave a float32's range
-        r = length(h) / length(vec3(h.x * x, h.y * y, h.z))
-        r2 = r * r
-        return INV_PI * x * y * (r2 * r2)
+        t = slopes(h)
+        # By slopes, s is (1 + (x / alpha_x)^2 + (y / alpha_y)^2) / (1 + x^2 + y^2). Times the squares of
+        # both widths no width is a divisor, and the steepest slopes, 1e18, have squares.
+        x, y = self.alpha_y * t.x, self.alpha_x * t.y
+        a2 = self.alpha_x * self.alpha_y
+        r = a2 * (1 + (t.x * t.x + t.y * t.y)) / (a2 * a2 + x * x + y * y)
+        return INV_PI * a2 * (r * r)
 
     def area(self, w: Vec3) -> Float:
         """mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made."""
@@ -206,17 +211,15 @@ class RoundGGX(NamedTuple):
 
     def D(self, m: Vec3) -> Float:
         """Density of facets, in 1/sr. Walter et al., Eq. 33."""
-        return self._at(m.x * m.x + m.y * m.y)
+        a2 = self.alpha * self.alpha
+        s = a2 + (1 - a2) * (m.x * m.x + m.y * m.y)
+        return INV_PI * a2 / (s * s)
 
     def D_along(self, h: Vec3) -> Float:
         """`D` at the normal along h, which need not be unit."""
-        return self._at((h.x * h.x + h.y * h.y) / dot(h, h))
-
-    def _at(self, sin2: Float) -> Float:
-        """`D` of a squared sine."""
-        a2 = self.alpha * self.alpha
-        s = a2 + (1 - a2) * sin2
-        return INV_PI * a2 / (s * s)
+        a2, tan2 = self.alpha * self.alpha, tangent2(h)
+        r = (1 + tan2) / (a2 + tan2)
+        return INV_PI * a2 * (r * r)
 
     def area(self, w: Vec3) -> Float:
         """mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made."""
@@ -323,18 +326,17 @@ class RoundBeckmann(NamedTuple):
 
     def D(self, m: Vec3) -> Float:
         """Density of facets, in 1/sr. Walter et al., Eq. 25."""
-        return self._at(m.x * m.x + m.y * m.y, m.z * m.z)
+        inv_cos2 = 1 / maximum(m.z * m.z, COS2_MIN)
+        inv_a2 = 1 / (self.alpha * self.alpha)
+        sin2 = m.x * m.x + m.y * m.y
+        return INV_PI * inv_a2 * inv_cos2 * inv_cos2 * exp(-sin2 * inv_cos2 * inv_a2)
 
     def D_along(self, h: Vec3) -> Float:
         """`D` at the normal along h, which need not be unit."""
-        length2 = dot(h, h)
-        return self._at((h.x * h.x + h.y * h.y) / length2, h.z * h.z / length2)
-
-    def _at(self, sin2: Float, cos2: Float) -> Float:
-        """`D` of the squares of a sine and its cosine."""
-        inv_cos2 = 1 / maximum(cos2, COS2_MIN)
-        a2 = self.alpha * self.alpha
-        return INV_PI / a2 * inv_cos2 * inv_cos2 * exp(-sin2 * inv_cos2 / a2)
+        inv_a2, tan2 = 1 / (self.alpha * self.alpha), tangent2(h)
+        # The root of D, as 1 / cos^4 leaves a float32 where the exponential is 0
+        root = (1 + tan2) * exp(-0.5 * tan2 * inv_a2)
+        return INV_PI * inv_a2 * (root * root)
 
     def sine(self, w: Vec3) -> Float:
         """alpha sin(theta); at least MU_MIN."""
@@ -394,9 +396,17 @@ class BlinnPhong(NamedTuple):
 
     def D(self, m: Vec3) -> Float:
         """Density of facets, in 1/sr. Walter et al., Eq. 30."""
+        return self._at(log_cos(m))
+
+    def D_along(self, h: Vec3) -> Float:
+        """`D` at the normal along h, which need not be unit."""
+        return self._at(log_cos_along(h))
+
+    def _at(self, log_cosine: Float) -> Float:
+        """`D` of the logarithm of a cosine."""
         alpha = self.alpha
         a2 = alpha * alpha
-        return INV_PI / a2 * exp(2 * log_cos(m) * ((1 - alpha) * (1 + alpha) / a2))
+        return INV_PI / a2 * exp(2 * log_cosine * ((1 - alpha) * (1 + alpha) / a2))
 
     def sample(self, u: Vec2) -> Vec3:
         """A normal with density D m.z. Walter et al., Eq. 32 and 33: cos = u^(1 / (n + 2))."""
@@ -482,17 +492,14 @@ class GTR1(NamedTuple):
 
     def D_narrow(self, m: Vec3) -> Float:
         """`D` for alpha up to 0.5, where nothing cancels in its norm."""
-        return self._narrow_at(m.x * m.x + m.y * m.y)
+        a2 = self.alpha * self.alpha
+        below_one = 1 - a2
+        return INV_PI * below_one / (-log(a2) * (a2 + below_one * (m.x * m.x + m.y * m.y)))
 
     def D_narrow_along(self, h: Vec3) -> Float:
         """`D_narrow` at the normal along h, which need not be unit."""
-        return self._narrow_at((h.x * h.x + h.y * h.y) / dot(h, h))
-
-    def _narrow_at(self, sin2: Float) -> Float:
-        """`D_narrow` of a squared sine."""
-        a2 = self.alpha * self.alpha
-        below_one = 1 - a2
-        return INV_PI * below_one / (-log(a2) * (a2 + below_one * sin2))
+        a2, tan2 = self.alpha * self.alpha, tangent2(h)
+        return INV_PI * (1 - a2) * (1 + tan2) / (-log(a2) * (a2 + tan2))
 
     def sample(self, u: Vec2) -> Vec3:
         """A normal with density D m.z. Burley, Eq. 5."""

@@ -4,7 +4,7 @@ Source of `pdf_mirror`: Walter, Marschner, Li, Torrance, "Microfacet models for 
 surfaces", EGSR 2007.
 """
 
-from gonio.lang import Float, Vec2, Vec3, dot, fma, length, maximum, select, sqrt, vec2, vec3
+from gonio.lang import Float, Vec2, Vec3, dot, fma, maximum, select, sqrt, vec2, vec3
 
 # Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square
 # of its reciprocal still fits into a float32.
@@ -47,16 +47,33 @@ def tangential_cross(wi: Vec3, wo: Vec3) -> Float:
     return fma(wi.x, wo.y, -q) - error
 
 
+def length2(h: Vec3) -> Float:
+    """Squared length, added up from the tangential part, which is of use by itself: shaders share it."""
+    return (h.x * h.x + h.y * h.y) + h.z * h.z
+
+
 def half_vector(wi: Vec3, wo: Vec3) -> Vec3:
     """The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|."""
     h = wi + wo
-    return h / length(h)  # which `cos_half` needs as well
+    return h / sqrt(length2(h))  # which `cos_half` needs as well
+
+
+def slopes(h: Vec3) -> Vec2:
+    """Of the facet whose normal is along h, which is above the horizon and need not be unit."""
+    inv = 1 / h.z
+    return vec2(h.x * inv, h.y * inv)
+
+
+def tangent2(h: Vec3) -> Float:
+    """Squared tangent of that facet's angle."""
+    t = slopes(h)
+    return t.x * t.x + t.y * t.y
 
 
 def cos_half(wi: Vec3, wo: Vec3) -> Float:
     """wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo."""
     # 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo)
+    return 0.5 * sqrt(length2(wi + wo))
 
 
 def sin2_half(wi: Vec3, wo: Vec3) -> Float:

@@ -8,7 +8,6 @@ may be numbers or colours.
 from typing import NamedTuple
 
 from gonio.lang import (
-    MU_MIN,
     Color,
     Float,
     Vec3,
@@ -16,6 +15,7 @@ from gonio.lang import (
     fma,
     maximum,
     select,
+    smooth_sqrt,
     sqrt,
 )
 from gonio.parts.frame import cos_half, sin2_half
@@ -24,11 +24,11 @@ from gonio.parts.frame import cos_half, sin2_half
 # It is reached at the edge of total internal reflection, where the true derivative is infinite.
 ROOT_MIN = 1e-16
 
-# A trace of absorption, which keeps a conductor's roots from 0. By itself it reflects where the index is
-# matched in the horizon, (ABSORPTION_MIN / (2 mu^2))^2.
-ABSORPTION_MIN = 1e-19
+# A trace of absorption, which keeps a conductor's roots from 0, and their squares from where GPUs take them
+# for 0. By itself it reflects where the index is matched in the horizon, (ABSORPTION_MIN / (2 mu^2))^2.
+ABSORPTION_MIN = 1e-17
 
-# Brings numbers from 1e-19 to 1e7, and what their derivatives need, to where squares are float32 numbers.
+# Brings numbers from 1e-17 to 1e7, and what their derivatives need, to where squares are float32 numbers.
 SIZE_SCALE = 2.0**40
 
 # Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
@@ -52,26 +52,6 @@ def F_schlick_half(cos_h: Float, sin2_h: Float, f0: Color, f90: Color) -> Color:
     return f0 * schlick_complement(cos_h) + f90 * _weight(cos_h, sin2_h)
 
 
-def F_dielectric_entering(cos_theta: Float, eta: Color) -> Color:
-    """Exact reflectance of a dielectric with eta >= 1, which never reflects all light."""
-    # c^2 with its rounding error: at grazing angles little else is left
-    g2 = maximum(refracted_cos2(cos_theta, eta), MU_MIN * MU_MIN)
-    return _F_dielectric(cos_theta, 1 - cos_theta * cos_theta, eta, g2)
-
-
-def _F_dielectric(cos_theta: Float, sin2: Float, eta: Color, g2: Color) -> Color:
-    """The same from the squares of the sine and of g = eta cos(theta_t)."""
-    # r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
-    # difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2),
-    # so that the mean of both squares is a product.
-    c = cos_theta
-    g = sqrt(g2)
-    s, p = c + g, c * g
-    r_s = (eta - 1) * (eta + 1) / (s * s)
-    q = p + sin2
-    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q))
-
-
 def F_dielectric(cos_theta: Float, eta: Color) -> Color:
     """Exact reflectance of a dielectric. Below eta = 1 all light is reflected past the critical angle."""
     return F_dielectric_half(cos_theta, _sin2(cos_theta), eta)
@@ -81,7 +61,16 @@ def F_dielectric_half(cos_h: Float, sin2_h: Float, eta: Color) -> Color:
     """Exact reflectance of a dielectric at a facet, from both `cos_half` and `sin2_half`."""
     # Of a small index little but eta^2 - sin^2 is left near the normal
     g2 = select(cos_h > NEAR_NORMAL, eta * eta - sin2_h, refracted_cos2(cos_h, eta))
-    return select(g2 > ROOT_MIN, _F_dielectric(cos_h, sin2_h, eta, maximum(g2, ROOT_MIN)), 1)
+    # r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
+    # difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2),
+    # so that the mean of both squares is a product.
+    c = cos_h
+    g = sqrt(maximum(g2, ROOT_MIN))
+    s, p = c + g, c * g
+    r_s = (eta - 1) * (eta + 1) / (s * s)
+    q = p + sin2_h
+    F = r_s * r_s * ((p * p + sin2_h * sin2_h) / (q * q))
+    return select(g2 > ROOT_MIN, F, 1)
 
 
 def F_conductor(cos_theta: Float, eta: Color, k: Color) -> Color:
@@ -96,26 +85,44 @@ def F_conductor_half(cos_h: Float, sin2_h: Float, eta: Color, k: Color) -> Color
     contrast_re, half_im = (eta - 1) * (eta + 1) - k * k, eta * k + ABSORPTION_MIN
     c2 = c * c
     # The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
-    near = cos_h > NEAR_NORMAL
-    w_re = select(near, eta * eta - k * k, contrast_re) + select(near, -sin2_h, c2)
+    w_re = select(cos_h > NEAR_NORMAL, eta * eta - k * k - sin2_h, contrast_re + c2)
     im = 2 * half_im
     w_abs = _size(w_re, im)
     # Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    large = sqrt(0.5 * (w_abs + absolute(w_re)))
-    g_re = select(w_re > 0, large, half_im / large)
+    g2 = 0.5 * (w_abs + absolute(w_re))
+    g_re = select(w_re > 0, g2, half_im) * (1 / sqrt(g2))
     # |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2_h|^2 = p -+ cross sin2_h
     cross = 2 * c * g_re
     s_abs2 = c2 + w_abs + cross
     p = c2 * w_abs + sin2_h * sin2_h
-    # Quotients before their squares: for a matched index in the horizon these would leave a float32
-    r_re, r_im = contrast_re / s_abs2, im / s_abs2
-    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2_h))
+    return _reflected(contrast_re, im, s_abs2, p, p + cross * sin2_h)
+
+
+# Of the following functions exports take the second ones, whose derivatives leave a float32 for a matched
+# index in the horizon.
 
 
 def _size(re: Color, im: Color) -> Color:
-    """|re + i im| for im > 0, from 1e-19 to 1e7: squares as they are would leave a float32."""
+    """|re + i im| for im of at least 2 ABSORPTION_MIN."""
     x, y = SIZE_SCALE * re, SIZE_SCALE * im
     return sqrt(x * x + y * y) / SIZE_SCALE
+
+
+def _size_value(re: Color, im: Color) -> Color:
+    """|re + i im| for im of at least 2 ABSORPTION_MIN."""
+    return sqrt(re * re + im * im)
+
+
+def _reflected(re: Color, im: Color, s2: Color, p: Color, q: Color) -> Color:
+    """|re + i im|^2 / s2^2 p / q."""
+    r_re, r_im = re / s2, im / s2
+    return (r_re * r_re + r_im * r_im) * (p / q)
+
+
+def _reflected_value(re: Color, im: Color, s2: Color, p: Color, q: Color) -> Color:
+    """|re + i im|^2 / s2^2 p / q."""
+    # In two quotients, as the square of s2 is 1e-34 for a matched index in the horizon
+    return (re * re + im * im) / s2 * (p / (s2 * q))
 
 
 def _sin2(cos_theta: Float) -> Float:
@@ -167,19 +174,52 @@ def refracted_cos2(mu: Float, eta: Float) -> Float:
     return fma(mu, mu, (eta - 1) * (eta + 1))
 
 
+class Split(NamedTuple):
+    """What becomes of light at a surface."""
+
+    F: Color
+    """Is reflected."""
+    T: Color
+    """Enters."""
+
+
+class Entering(NamedTuple):
+    """What becomes of light at the surface of something denser."""
+
+    F: Float
+    """Is reflected."""
+    T: Float
+    """Enters."""
+
+
+def F_dielectric_entering(mu: Float, eta: Float) -> Float:
+    """`F_dielectric` of eta >= 1, which never reflects all light, at a cosine outside, mu > 0."""
+    return _split_entering(mu, eta).F
+
+
 def transmittance_entering(mu: Float, eta: Float) -> Float:
     """1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes."""
-    # 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2
-    # with q = c g + sin^2(theta)
-    g = sqrt(maximum(refracted_cos2(mu, eta), MU_MIN * MU_MIN))
-    s, p = mu + g, mu * g
-    q = p + (1 - mu * mu)
-    return 2 * p * (q * q + eta * eta) / (s * s * (q * q))
+    return _split_entering(mu, eta).T
+
+
+def _split_entering(mu: Float, eta: Float) -> Entering:
+    """F and T = 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside, mu > 0."""
+    # F as in `F_dielectric_half`; 1 - r_s^2 = 4 c g / s^2 with s = c + g, and 1 - r_p^2 =
+    # 4 c g eta^2 / (s q)^2 with q = c g + sin^2(theta). One quotient serves both.
+    c = mu
+    g = smooth_sqrt(refracted_cos2(c, eta))
+    s, p, sin2 = c + g, c * g, 1 - c * c
+    q = p + sin2
+    s2, q2 = s * s, q * q
+    inv = 1 / (s2 * q2)
+    r_s = (eta - 1) * (eta + 1) * (q2 * inv)
+    F = r_s * r_s * ((p * p + sin2 * sin2) * (s2 * inv))
+    return Entering(F, p * inv * (2 * (q2 + eta * eta)))
 
 
 def transmittance(mu: Float, eta: Float) -> Float:
     """1 - F of a smooth dielectric, 0 where it reflects totally."""
-    return select(refracted_cos2(mu, eta) > ROOT_MIN, transmittance_entering(mu, eta), 0)
+    return transmittance_half(mu, _sin2(mu), eta)
 
 
 def transmittance_schlick_half(cos_h: Float, sin2_h: Float, f0: Color, f90: Color) -> Color:
@@ -193,7 +233,7 @@ def transmittance_half(cos_h: Float, sin2_h: Float, eta: Color) -> Color:
     g2 = select(c > NEAR_NORMAL, eta * eta - sin2_h, refracted_cos2(c, eta))
     g = sqrt(maximum(g2, ROOT_MIN))
     s, q = c + g, c * g + sin2_h
-    # As in `transmittance_entering`; one quotient after the other, for small indices in the horizon
+    # As in `_split_entering`; one quotient after the other, for small indices in the horizon
     T = 2 * c * g / (s * s) * (1 + eta / q * (eta / q))
     return select(g2 > ROOT_MIN, T, 0)
 
@@ -204,11 +244,11 @@ def transmittance_conductor_half(cos_h: Float, sin2_h: Float, eta: Color, k: Col
     c = cos_h
     contrast_re, half_im = (eta - 1) * (eta + 1) - k * k, eta * k + ABSORPTION_MIN
     eps_re, im = (eta - k) * (eta + k), 2 * half_im
-    near = c > NEAR_NORMAL
-    w_re = select(near, eps_re, contrast_re) + select(near, -sin2_h, c * c)
+    w_re = select(c > NEAR_NORMAL, eps_re - sin2_h, contrast_re + c * c)
     w_abs = _size(w_re, im)
-    large = sqrt(0.5 * (w_abs + absolute(w_re)))
-    small = half_im / large
+    g2 = 0.5 * (w_abs + absolute(w_re))
+    inv = 1 / sqrt(g2)
+    large, small = g2 * inv, half_im * inv
     g_re, g_im = select(w_re > 0, large, small), select(w_re > 0, small, large)
     p_re, p_im = eps_re * c + g_re, im * c + g_im
     T_s = g_re / (c * c + w_abs + 2 * c * g_re)
@@ -227,15 +267,6 @@ def transmittance_lazanyi_conductor(cos_theta: Float, eta: Color, k: Color) -> C
     return 4 * eta / (above * above + k * k) * schlick_complement(cos_theta)
 
 
-class Split(NamedTuple):
-    """What becomes of light at a surface."""
-
-    F: Color
-    """Is reflected."""
-    T: Color
-    """Enters."""
-
-
 def split_conductor(cos_theta: Float, eta: Color, k: Color) -> Split:
     """`F_conductor` of what is denser than the medium above, and 1 - F, exact where it nearly vanishes."""
     # With eps = (eta + i k)^2 and g^2 = eps - 1 + c^2: 1 - R_s = 4 c Re(g) / |c + g|^2, and 1 - R_p is
@@ -246,18 +277,17 @@ def split_conductor(cos_theta: Float, eta: Color, k: Color) -> Split:
     c2, sin2 = c * c, _sin2(c)
     w_re = contrast_re + c2
     w_abs = _size(w_re, eps_im)
-    large = sqrt(0.5 * (w_abs + absolute(w_re)))
-    small = half_im / large
+    g2 = 0.5 * (w_abs + absolute(w_re))
+    inv = 1 / sqrt(g2)
+    large, small = g2 * inv, half_im * inv
     g_re, g_im = select(w_re > 0, large, small), select(w_re > 0, small, large)
     cross = 2 * c * g_re
     s_abs2 = c2 + w_abs + cross
     p = c2 * w_abs + sin2 * sin2
-    r_re, r_im = contrast_re / s_abs2, eps_im / s_abs2
     p_re, p_im = eps_re * c + g_re, eps_im * c + g_im
     T_p = (eps_re * g_re + eps_im * g_im) / (p_re * p_re + p_im * p_im)
-    return Split(
-        (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2)), 2 * c * (g_re / s_abs2 + T_p)
-    )
+    F = _reflected(contrast_re, eps_im, s_abs2, p, p + cross * sin2)
+    return Split(F, 2 * c * (g_re / s_abs2 + T_p))
 
 
 def F_below(cos_theta: Float, n1: Float, n2: Float) -> Float:
@@ -286,7 +316,7 @@ def transmittance_below(cos_theta: Float, n1: Float, n2: Float) -> Float:
 
 def _below(cos_theta: Float, n: Float) -> Float:
     """n times the cosine inside a layer of index n."""
-    return sqrt(maximum(refracted_cos2(cos_theta, n), MU_MIN * MU_MIN))
+    return smooth_sqrt(refracted_cos2(cos_theta, n))
 
 
 def f0_between(n1: Float, n2: Float) -> Float:

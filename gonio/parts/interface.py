@@ -51,7 +51,7 @@ SLANT_MIN = 0.3
 
 def refract(w: Vec3, excess: Float) -> Vec3:
     """The direction inside a layer with eta >= 1 that belongs to w outside."""
-    return vec3(w.x, w.y, smooth_sqrt(_eta2_cos2(w.z, excess))) / (1 + excess)
+    return vec3(w.x, w.y, smooth_sqrt(_eta2_cos2(w.z, excess))) * (1 / (1 + excess))
 
 
 def refracted_sum(wi: Vec3, wo: Vec3, excess: Float) -> Vec3:
@@ -89,7 +89,7 @@ def attenuation(sigma_a: Color, thickness: Float, wi: Vec3, wo: Vec3) -> Color:
 
     wi, wo: refracted directions. sigma_a: absorption per unit of the thickness d.
     """
-    return exp(-sigma_a * (thickness * (1 / wi.z + 1 / wo.z)))
+    return exp(-sigma_a * (thickness * ((wi.z + wo.z) / (wi.z * wo.z))))
 
 
 # --- diffuse light -------------------------------------------------------------------------------------

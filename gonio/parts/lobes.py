@@ -24,7 +24,7 @@ from gonio.lang import (
 )
 from gonio.parts.distribution import GGX, RoundGGX, pdf_visible
 from gonio.parts.frame import half_vector, mirror
-from gonio.parts.special import log_cos
+from gonio.parts.special import log_cos_along
 
 # Added to the first lobe's weight, so that two black lobes still leave something to choose and the
 # reciprocal of their sum has a derivative; no albedo that can be seen is that small.
@@ -105,6 +105,6 @@ def pdf_ggx_lobe(facets: GGX | RoundGGX, wi: Vec3, wo: Vec3) -> Float:
     return straight + select(exists, folded, 0)
 
 
-def cos_power(m: Vec3, exponent: Float) -> Float:
-    """(N.m)^exponent, exact for sharp lobes."""
-    return exp(exponent * log_cos(m))
+def cos_power(h: Vec3, exponent: Float) -> Float:
+    """(N.m)^exponent of the normal m along h, exact for sharp lobes."""
+    return exp(exponent * log_cos_along(h))

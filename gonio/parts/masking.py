@@ -16,12 +16,12 @@ Unreal Engine 4", SIGGRAPH 2013 course.
 from gonio.lang import (
     Float,
     Vec3,
-    dot,
     maximum,
     minimum,
     select,
 )
 from gonio.parts.distribution import Beckmann, Facets, RoundBeckmann, RoundGGX
+from gonio.parts.frame import length2
 
 SQRT_2_OVER_PI = 0.7978845608028654
 
@@ -48,7 +48,7 @@ def G_cook_torrance(wi: Vec3, wo: Vec3) -> Float:
     # 2 m.z / wo.m = 4 h.z / |h|^2, without a root
     h = wi + wo
     # The 4 comes last: V takes a quarter of it, and a compiler both away
-    return 4 * minimum(h.z * minimum(wi.z, wo.z) / dot(h, h), 0.25)
+    return 4 * minimum(h.z * minimum(wi.z, wo.z) / length2(h), 0.25)
 
 
 def lost_cook_torrance(wi: Vec3, wo: Vec3) -> Float:
@@ -57,13 +57,12 @@ def lost_cook_torrance(wi: Vec3, wo: Vec3) -> Float:
     low, high = minimum(wi.z, wo.z), maximum(wi.z, wo.z)
     # h.z^2 - 4 h.z low = h.z (high - 3 low); in two steps, both are exact where G is nearly 1
     rest = (high - 2 * low) - low
-    return maximum((h.x * h.x + h.y * h.y + h.z * rest) / dot(h, h), 0)
+    return maximum((h.x * h.x + h.y * h.y + h.z * rest) / length2(h), 0)
 
 
 def V_cook_torrance(wi: Vec3, wo: Vec3) -> Float:
     """G over 4 mu_i mu_o."""
-    # One quotient after the other: the derivative by the product of two small cosines would be infinite
-    return minimum(0.25 * G_cook_torrance(wi, wo) / wi.z / wo.z, V_MAX)
+    return minimum(0.25 * G_cook_torrance(wi, wo) / (wi.z * wo.z), V_MAX)
 
 
 def V_kelemen(cos_h: Float) -> Float:

@@ -3,6 +3,7 @@
 import math
 
 from gonio.lang import MU_MIN, Float, Vec3, exp, log, maximum, minimum, polynomial, select
+from gonio.parts.frame import tangent2
 
 # Below this the series needs few terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
 LOG1P_SMALL = 0.25
@@ -46,6 +47,14 @@ def log_cos(m: Vec3) -> Float:
     sin2 = m.x * m.x + m.y * m.y
     y = sin2 / (1 + m.z * m.z)
     return select(sin2 < LOG1P_SMALL, -y * _atanh_over(y), log(maximum(m.z, MU_MIN)))
+
+
+def log_cos_along(h: Vec3) -> Float:
+    """`log_cos` of the direction along h, which need not be unit."""
+    # log(cos) = -log(1 + tan^2) / 2, of which tan^2 / (2 + tan^2) is the y above
+    tan2 = tangent2(h)
+    y = tan2 / (2 + tan2)
+    return select(tan2 < LOG1P_SMALL, -y * _atanh_over(y), -0.5 * log(1 + tan2))
 
 
 def expm1(x: Float) -> Float:

@@ -40,10 +40,6 @@ inline float dot(Vec3 a, Vec3 b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-inline float length(Vec3 a) {
-    return sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
-}
-
 inline Vec3 normalize(Vec3 a) {
     float inv = 1.0f / sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
     return Vec3{a.x * inv, a.y * inv, a.z * inv};
@@ -135,10 +131,15 @@ struct AshikhminShirleyChoice {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+inline float ashikhmin_shirley_length2(Vec3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float ashikhmin_shirley_cos_half(Vec3 wi, Vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5f * length(wi + wo);
+    return 0.5f * sqrtf(ashikhmin_shirley_length2(wi + wo));
 }
 
 // 1 - ashikhmin_shirley_cos_half^2, the squared sine at which light meets the facet: of half the length of
@@ -178,7 +179,8 @@ inline Vec3 ashikhmin_shirley_eval_round(const AshikhminShirley& params, Vec3 wi
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 ashikhmin_shirley_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / length(h);  // which ashikhmin_shirley_cos_half needs as well
+    // which ashikhmin_shirley_cos_half needs as well
+    return h / sqrtf(ashikhmin_shirley_length2(h));
 }
 
 // atanh(y) / y for |y| < 1 / 7; with y = x / (2 + x) it is half of log(1 + x).

@@ -37,10 +37,15 @@ struct AshikhminShirleyChoice {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+inline float ashikhmin_shirley_length2(float3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float ashikhmin_shirley_cos_half(float3 wi, float3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(ashikhmin_shirley_length2(wi + wo));
 }
 
 // 1 - ashikhmin_shirley_cos_half^2, the squared sine at which light meets the facet: of half the length of
@@ -83,7 +88,8 @@ inline float3 ashikhmin_shirley_eval_round(AshikhminShirley params, float3 wi, f
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline float3 ashikhmin_shirley_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    return h / length(h);  // which ashikhmin_shirley_cos_half needs as well
+    // which ashikhmin_shirley_cos_half needs as well
+    return h / sqrt(ashikhmin_shirley_length2(h));
 }
 
 // atanh(y) / y for |y| < 1 / 7; with y = x / (2 + x) it is half of log(1 + x).

@@ -36,10 +36,6 @@ inline float dot(Vec3 a, Vec3 b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-inline float length(Vec3 a) {
-    return sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
-}
-
 inline Vec3 normalize(Vec3 a) {
     float inv = 1.0f / sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
     return Vec3{a.x * inv, a.y * inv, a.z * inv};
@@ -122,10 +118,16 @@ struct BlinnGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline Vec3 blinn_half_vector(Vec3 wi, Vec3 wo) {
-    Vec3 h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+inline Vec2 blinn_slopes(Vec3 h) {
+    float inv = 1.0f / h.z;
+    return Vec2{h.x * inv, h.y * inv};
+}
+
+// Squared tangent of that facet's angle.
+inline float blinn_tangent2(Vec3 h) {
+    Vec2 t = blinn_slopes(h);
+    return t.x * t.x + t.y * t.y;
 }
 
 // atanh(y) / y for |y| < 1 / 7; with y = x / (2 + x) it is half of log(1 + x).
@@ -134,22 +136,22 @@ inline float blinn_atanh_over(float y) {
     return 1.0f + y2 * (1.0f / 3.0f + y2 * (1.0f / 5.0f + y2 * (1.0f / 7.0f + y2 * (1.0f / 9.0f))));
 }
 
-// log(m.z) of a unit vector that is not below the horizon, exact where it is near the normal.
-inline float blinn_log_cos(Vec3 m) {
-    // log(cos) = -atanh(sin^2 / (1 + cos^2)): a sharp lobe needs the digits of the sine, not of the cosine
-    float sin2 = m.x * m.x + m.y * m.y;
-    float y = sin2 / (1.0f + m.z * m.z);
-    return sin2 < LOG1P_SMALL ? -y * blinn_atanh_over(y) : logf(fmaxf(m.z, mu_min));
+// `log_cos` of the direction along h, which need not be unit.
+inline float blinn_log_cos_along(Vec3 h) {
+    // log(cos) = -log(1 + tan^2) / 2, of which tan^2 / (2 + tan^2) is the y above
+    float tan2 = blinn_tangent2(h);
+    float y = tan2 / (2.0f + tan2);
+    return tan2 < LOG1P_SMALL ? -y * blinn_atanh_over(y) : -0.5f * logf(1.0f + tan2);
 }
 
-// (N.m)^exponent, exact for sharp lobes.
-inline float blinn_cos_power(Vec3 m, float exponent) {
-    return expf(exponent * blinn_log_cos(m));
+// (N.m)^exponent of the normal m along h, exact for sharp lobes.
+inline float blinn_cos_power(Vec3 h, float exponent) {
+    return expf(exponent * blinn_log_cos_along(h));
 }
 
 // The highlight without its weight.
 inline float blinn_highlight(const Blinn& params, Vec3 wi, Vec3 wo) {
-    return blinn_cos_power(blinn_half_vector(wi, wo), params.shininess) / wi.z;
+    return blinn_cos_power(wi + wo, params.shininess) / wi.z;
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -261,16 +263,22 @@ inline float blinn_pdf_cosine(Vec3 w) {
     return w.z * inv_pi;
 }
 
-// blinn_round_ggx_D of a squared sine.
-inline float blinn_round_ggx_at(BlinnRoundGGX round_ggx, float sin2) {
-    float a2 = round_ggx.alpha * round_ggx.alpha;
-    float s = a2 + (1.0f - a2) * sin2;
-    return inv_pi * a2 / (s * s);
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+inline float blinn_length2(Vec3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline Vec3 blinn_half_vector(Vec3 wi, Vec3 wo) {
+    Vec3 h = wi + wo;
+    return h / sqrtf(blinn_length2(h));  // which `cos_half` needs as well
 }
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 inline float blinn_round_ggx_D(BlinnRoundGGX round_ggx, Vec3 m) {
-    return blinn_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0f - a2) * (m.x * m.x + m.y * m.y);
+    return inv_pi * a2 / (s * s);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

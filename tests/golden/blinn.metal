@@ -46,10 +46,16 @@ struct BlinnGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline float3 blinn_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+inline float2 blinn_slopes(float3 h) {
+    float inv = 1.0 / h.z;
+    return float2(h.x * inv, h.y * inv);
+}
+
+// Squared tangent of that facet's angle.
+inline float blinn_tangent2(float3 h) {
+    float2 t = blinn_slopes(h);
+    return t.x * t.x + t.y * t.y;
 }
 
 // atanh(y) / y for |y| < 1 / 7; with y = x / (2 + x) it is half of log(1 + x).
@@ -58,25 +64,24 @@ inline float blinn_atanh_over(float y) {
     return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * (1.0 / 9.0))));
 }
 
-// log(m.z) of a unit vector that is not below the horizon, exact where it is near the normal.
-inline float blinn_log_cos(float3 m) {
+// `log_cos` of the direction along h, which need not be unit.
+inline float blinn_log_cos_along(float3 h) {
     // Below this the series needs few terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
     const float LOG1P_SMALL = 0.25;
-    const float mu_min = 1.0e-18;  // cosine of the horizon
-    // log(cos) = -atanh(sin^2 / (1 + cos^2)): a sharp lobe needs the digits of the sine, not of the cosine
-    float sin2 = m.x * m.x + m.y * m.y;
-    float y = sin2 / (1.0 + m.z * m.z);
-    return sin2 < LOG1P_SMALL ? -y * blinn_atanh_over(y) : log(max(m.z, mu_min));
+    // log(cos) = -log(1 + tan^2) / 2, of which tan^2 / (2 + tan^2) is the y above
+    float tan2 = blinn_tangent2(h);
+    float y = tan2 / (2.0 + tan2);
+    return tan2 < LOG1P_SMALL ? -y * blinn_atanh_over(y) : -0.5 * log(1.0 + tan2);
 }
 
-// (N.m)^exponent, exact for sharp lobes.
-inline float blinn_cos_power(float3 m, float exponent) {
-    return exp(exponent * blinn_log_cos(m));
+// (N.m)^exponent of the normal m along h, exact for sharp lobes.
+inline float blinn_cos_power(float3 h, float exponent) {
+    return exp(exponent * blinn_log_cos_along(h));
 }
 
 // The highlight without its weight.
 inline float blinn_highlight(Blinn params, float3 wi, float3 wo) {
-    return blinn_cos_power(blinn_half_vector(wi, wo), params.shininess) / wi.z;
+    return blinn_cos_power(wi + wo, params.shininess) / wi.z;
 }
 
 // BRDF value in 1/sr, without the cosine.
@@ -207,17 +212,23 @@ inline float blinn_pdf_cosine(float3 w) {
     return w.z * inv_pi;
 }
 
-// blinn_round_ggx_D of a squared sine.
-inline float blinn_round_ggx_at(BlinnRoundGGX round_ggx, float sin2) {
-    const float inv_pi = 0.31830987;
-    float a2 = round_ggx.alpha * round_ggx.alpha;
-    float s = a2 + (1.0 - a2) * sin2;
-    return inv_pi * a2 / (s * s);
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+inline float blinn_length2(float3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline float3 blinn_half_vector(float3 wi, float3 wo) {
+    float3 h = wi + wo;
+    return h / sqrt(blinn_length2(h));  // which `cos_half` needs as well
 }
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 inline float blinn_round_ggx_D(BlinnRoundGGX round_ggx, float3 m) {
-    return blinn_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
+    const float inv_pi = 0.31830987;
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0 - a2) * (m.x * m.x + m.y * m.y);
+    return inv_pi * a2 / (s * s);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

@@ -54,6 +54,12 @@ struct CarPaintRoundGGX {
     float alpha;  // width of the slopes
 };
 
+// What becomes of light at the surface of something denser.
+struct CarPaintEntering {
+    float F;  // Is reflected
+    float T;  // Enters
+};
+
 // Which of two lobes a sample is taken from.
 struct CarPaintChoice {
     bool is_first;  // Whether it is the first one
@@ -68,16 +74,21 @@ struct CarPaintGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+inline float car_paint_length2(float3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline float3 car_paint_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    return h / length(h);  // which car_paint_cos_half needs as well
+    return h / sqrt(car_paint_length2(h));  // which car_paint_cos_half needs as well
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float car_paint_cos_half(float3 wi, float3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(car_paint_length2(wi + wo));
 }
 
 inline CarPaintRoundGGX car_paint_facets(CarPaint params) {
@@ -91,39 +102,35 @@ inline float car_paint_refracted_cos2(float mu, float eta) {
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
-// The same from the squares of the sine and of g = eta cos(theta_t).
-inline float car_paint_F_dielectric(float cos_theta, float sin2, float eta, float g2) {
-    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
-    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
-    // that the mean of both squares is a product.
-    float c = cos_theta;
-    float g = sqrt(g2);
+// F and T = 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside, mu > 0.
+inline CarPaintEntering car_paint_split_entering(float mu, float eta) {
+    // F as in `F_dielectric_half`; 1 - r_s^2 = 4 c g / s^2 with s = c + g, and 1 - r_p^2 = 4 c g eta^2 / (s
+    // q)^2 with q = c g + sin^2(theta). One quotient serves both.
+    float c = mu;
+    float g = sqrt(car_paint_refracted_cos2(c, eta));
     float s = c + g;
     float p = c * g;
-    float r_s = (eta - 1.0) * (eta + 1.0) / (s * s);
+    float sin2 = 1.0 - c * c;
     float q = p + sin2;
-    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
+    float s2 = s * s;
+    float q2 = q * q;
+    float inv = 1.0 / (s2 * q2);
+    float r_s = (eta - 1.0) * (eta + 1.0) * (q2 * inv);
+    float F = r_s * r_s * ((p * p + sin2 * sin2) * (s2 * inv));
+    return CarPaintEntering{F, p * inv * (2.0 * (q2 + eta * eta))};
 }
 
-// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
-inline float car_paint_F_dielectric_entering(float cos_theta, float eta) {
-    const float mu_min = 1.0e-18;  // cosine of the horizon
-    // c^2 with its rounding error: at grazing angles little else is left
-    float g2 = max(car_paint_refracted_cos2(cos_theta, eta), mu_min * mu_min);
-    return car_paint_F_dielectric(cos_theta, 1.0 - cos_theta * cos_theta, eta, g2);
-}
-
-// car_paint_round_ggx_D of a squared sine.
-inline float car_paint_round_ggx_at(CarPaintRoundGGX round_ggx, float sin2) {
-    const float inv_pi = 0.31830987;
-    float a2 = round_ggx.alpha * round_ggx.alpha;
-    float s = a2 + (1.0 - a2) * sin2;
-    return inv_pi * a2 / (s * s);
+// `F_dielectric` of eta >= 1, which never reflects all light, at a cosine outside, mu > 0.
+inline float car_paint_F_dielectric_entering(float mu, float eta) {
+    return car_paint_split_entering(mu, eta).F;
 }
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 inline float car_paint_round_ggx_D(CarPaintRoundGGX round_ggx, float3 m) {
-    return car_paint_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
+    const float inv_pi = 0.31830987;
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0 - a2) * (m.x * m.x + m.y * m.y);
+    return inv_pi * a2 / (s * s);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
@@ -145,14 +152,7 @@ inline float car_paint_reflected_by(CarPaintRoundGGX facets, float3 wi, float3 w
 
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
 inline float car_paint_transmittance_entering(float mu, float eta) {
-    const float mu_min = 1.0e-18;  // cosine of the horizon
-    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2 with q
-    // = c g + sin^2(theta)
-    float g = sqrt(max(car_paint_refracted_cos2(mu, eta), mu_min * mu_min));
-    float s = mu + g;
-    float p = mu * g;
-    float q = p + (1.0 - mu * mu);
-    return 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
+    return car_paint_split_entering(mu, eta).T;
 }
 
 // eta^2 - 1.
@@ -168,7 +168,7 @@ inline float car_paint_eta2_cos2(float mu, float excess) {
 
 // The direction inside a layer with eta >= 1 that belongs to w outside.
 inline float3 car_paint_refract(float3 w, float excess) {
-    return float3(w.x, w.y, sqrt(car_paint_eta2_cos2(w.z, excess))) / (1.0 + excess);
+    return float3(w.x, w.y, sqrt(car_paint_eta2_cos2(w.z, excess))) * (1.0 / (1.0 + excess));
 }
 
 // eta times the sum of both refracted directions, which has their half vector's direction.
@@ -191,20 +191,23 @@ inline float car_paint_refracted_sin2_half(float3 wi, float3 wo, float excess) {
     return 0.25 * dot(apart, apart);
 }
 
-// |re + i im| for im > 0, from 1e-19 to 1e7: squares as they are would leave a float32.
-inline float3 car_paint_size(float3 re, float3 im) {
-    // Brings numbers from 1e-19 to 1e7, and what their derivatives need, to where squares are float32 numbers.
-    const float SIZE_SCALE = 1.0995116e12;
-    float3 x = SIZE_SCALE * re;
-    float3 y = SIZE_SCALE * im;
-    return sqrt(x * x + y * y) / SIZE_SCALE;
+// |re + i im| for im of at least 2 ABSORPTION_MIN.
+inline float3 car_paint_size_value(float3 re, float3 im) {
+    return sqrt(re * re + im * im);
+}
+
+// |re + i im|^2 / s2^2 p / q.
+inline float3 car_paint_reflected_value(float3 re, float3 im, float3 s2, float3 p, float3 q) {
+    // In two quotients, as the square of s2 is 1e-34 for a matched index in the horizon
+    return (re * re + im * im) / s2 * (p / (s2 * q));
 }
 
 // Exact reflectance of a conductor, eta + i k, at a facet, from both car_paint_cos_half and `sin2_half`.
 inline float3 car_paint_F_conductor_half(float cos_h, float sin2_h, float3 eta, float3 k) {
-    // A trace of absorption, which keeps a conductor's roots from 0. By itself it reflects where the index is
-    // matched in the horizon, (ABSORPTION_MIN / (2 mu^2))^2.
-    const float ABSORPTION_MIN = 1.0e-19;
+    // A trace of absorption, which keeps a conductor's roots from 0, and their squares from where GPUs
+    // take them for 0. By itself it reflects where the index is matched in the horizon, (ABSORPTION_MIN /
+    // (2 mu^2))^2.
+    const float ABSORPTION_MIN = 1.0e-17;
     // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
     const float NEAR_NORMAL = 0.75;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
@@ -213,21 +216,17 @@ inline float3 car_paint_F_conductor_half(float cos_h, float sin2_h, float3 eta, 
     float3 half_im = eta * k + ABSORPTION_MIN;
     float c2 = c * c;
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
-    bool near = cos_h > NEAR_NORMAL;
-    float3 w_re = (near ? eta * eta - k * k : contrast_re) + (near ? -sin2_h : c2);
+    float3 w_re = cos_h > NEAR_NORMAL ? eta * eta - k * k - sin2_h : contrast_re + c2;
     float3 im = 2.0 * half_im;
-    float3 w_abs = car_paint_size(w_re, im);
+    float3 w_abs = car_paint_size_value(w_re, im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    float3 large = sqrt(0.5 * (w_abs + abs(w_re)));
-    float3 g_re = select(half_im / large, large, w_re > float3(0.0));
+    float3 g2 = 0.5 * (w_abs + abs(w_re));
+    float3 g_re = select(half_im, g2, w_re > float3(0.0)) * (1.0 / sqrt(g2));
     // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2_h|^2 = p -+ cross sin2_h
     float3 cross = 2.0 * c * g_re;
     float3 s_abs2 = c2 + w_abs + cross;
     float3 p = c2 * w_abs + sin2_h * sin2_h;
-    // Quotients before their squares: for a matched index in the horizon these would leave a float32
-    float3 r_re = contrast_re / s_abs2;
-    float3 r_im = im / s_abs2;
-    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2_h));
+    return car_paint_reflected_value(contrast_re, im, s_abs2, p, p + cross * sin2_h);
 }
 
 // normalize(N_flake + max(distance, 1) N) with N_flake = normalize(slope_x, slope_y, 1).
@@ -289,7 +288,7 @@ inline float car_paint_flake(CarPaint params, float3 wi_t, float3 wo_t, float3 b
 //
 // wi, wo: refracted directions. sigma_a: absorption per unit of the thickness d.
 inline float3 car_paint_attenuation(float3 sigma_a, float thickness, float3 wi, float3 wo) {
-    return exp(-sigma_a * (thickness * (1.0 / wi.z + 1.0 / wo.z)));
+    return exp(-sigma_a * (thickness * ((wi.z + wo.z) / (wi.z * wo.z))));
 }
 
 // Eq. 2 with a tilted base: BRDF value in 1/sr, without the cosine.

@@ -51,6 +51,12 @@ struct CarPaintRoundGGX {
     alpha: f32,  // width of the slopes
 }
 
+// What becomes of light at the surface of something denser.
+struct CarPaintEntering {
+    F: f32,  // Is reflected
+    T: f32,  // Enters
+}
+
 // Which of two lobes a sample is taken from.
 struct CarPaintChoice {
     is_first: bool,  // Whether it is the first one
@@ -65,16 +71,21 @@ struct CarPaintGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+fn car_paint_length2(h: vec3f) -> f32 {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn car_paint_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / length(h);  // which car_paint_cos_half needs as well
+    return h / sqrt(car_paint_length2(h));  // which car_paint_cos_half needs as well
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn car_paint_cos_half(wi: vec3f, wo: vec3f) -> f32 {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(car_paint_length2(wi + wo));
 }
 
 fn car_paint_facets(params: CarPaint) -> CarPaintRoundGGX {
@@ -88,39 +99,35 @@ fn car_paint_refracted_cos2(mu: f32, eta: f32) -> f32 {
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
-// The same from the squares of the sine and of g = eta cos(theta_t).
-fn car_paint_F_dielectric(cos_theta: f32, sin2: f32, eta: f32, g2: f32) -> f32 {
-    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
-    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
-    // that the mean of both squares is a product.
-    let c = cos_theta;
-    let g = sqrt(g2);
+// F and T = 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside, mu > 0.
+fn car_paint_split_entering(mu: f32, eta: f32) -> CarPaintEntering {
+    // F as in `F_dielectric_half`; 1 - r_s^2 = 4 c g / s^2 with s = c + g, and 1 - r_p^2 = 4 c g eta^2 / (s
+    // q)^2 with q = c g + sin^2(theta). One quotient serves both.
+    let c = mu;
+    let g = sqrt(car_paint_refracted_cos2(c, eta));
     let s = c + g;
     let p = c * g;
-    let r_s = (eta - 1.0) * (eta + 1.0) / (s * s);
+    let sin2 = 1.0 - c * c;
     let q = p + sin2;
-    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
+    let s2 = s * s;
+    let q2 = q * q;
+    let inv = 1.0 / (s2 * q2);
+    let r_s = (eta - 1.0) * (eta + 1.0) * (q2 * inv);
+    let F = r_s * r_s * ((p * p + sin2 * sin2) * (s2 * inv));
+    return CarPaintEntering(F, p * inv * (2.0 * (q2 + eta * eta)));
 }
 
-// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
-fn car_paint_F_dielectric_entering(cos_theta: f32, eta: f32) -> f32 {
-    const mu_min = 1.0e-18;  // cosine of the horizon
-    // c^2 with its rounding error: at grazing angles little else is left
-    let g2 = max(car_paint_refracted_cos2(cos_theta, eta), mu_min * mu_min);
-    return car_paint_F_dielectric(cos_theta, 1.0 - cos_theta * cos_theta, eta, g2);
-}
-
-// car_paint_round_ggx_D of a squared sine.
-fn car_paint_round_ggx_at(round_ggx: CarPaintRoundGGX, sin2: f32) -> f32 {
-    const inv_pi = 0.31830987;
-    let a2 = round_ggx.alpha * round_ggx.alpha;
-    let s = a2 + (1.0 - a2) * sin2;
-    return inv_pi * a2 / (s * s);
+// `F_dielectric` of eta >= 1, which never reflects all light, at a cosine outside, mu > 0.
+fn car_paint_F_dielectric_entering(mu: f32, eta: f32) -> f32 {
+    return car_paint_split_entering(mu, eta).F;
 }
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 fn car_paint_round_ggx_D(round_ggx: CarPaintRoundGGX, m: vec3f) -> f32 {
-    return car_paint_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
+    const inv_pi = 0.31830987;
+    let a2 = round_ggx.alpha * round_ggx.alpha;
+    let s = a2 + (1.0 - a2) * (m.x * m.x + m.y * m.y);
+    return inv_pi * a2 / (s * s);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
@@ -142,14 +149,7 @@ fn car_paint_reflected_by(facets: CarPaintRoundGGX, wi: vec3f, wo: vec3f, m: vec
 
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
 fn car_paint_transmittance_entering(mu: f32, eta: f32) -> f32 {
-    const mu_min = 1.0e-18;  // cosine of the horizon
-    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2 with q
-    // = c g + sin^2(theta)
-    let g = sqrt(max(car_paint_refracted_cos2(mu, eta), mu_min * mu_min));
-    let s = mu + g;
-    let p = mu * g;
-    let q = p + (1.0 - mu * mu);
-    return 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
+    return car_paint_split_entering(mu, eta).T;
 }
 
 // eta^2 - 1.
@@ -165,7 +165,7 @@ fn car_paint_eta2_cos2(mu: f32, excess: f32) -> f32 {
 
 // The direction inside a layer with eta >= 1 that belongs to w outside.
 fn car_paint_refract(w: vec3f, excess: f32) -> vec3f {
-    return vec3f(w.x, w.y, sqrt(car_paint_eta2_cos2(w.z, excess))) / (1.0 + excess);
+    return vec3f(w.x, w.y, sqrt(car_paint_eta2_cos2(w.z, excess))) * (1.0 / (1.0 + excess));
 }
 
 // eta times the sum of both refracted directions, which has their half vector's direction.
@@ -188,20 +188,23 @@ fn car_paint_refracted_sin2_half(wi: vec3f, wo: vec3f, excess: f32) -> f32 {
     return 0.25 * dot(apart, apart);
 }
 
-// |re + i im| for im > 0, from 1e-19 to 1e7: squares as they are would leave a float32.
-fn car_paint_size(re: vec3f, im: vec3f) -> vec3f {
-    // Brings numbers from 1e-19 to 1e7, and what their derivatives need, to where squares are float32 numbers.
-    const SIZE_SCALE = 1.0995116e12;
-    let x = SIZE_SCALE * re;
-    let y = SIZE_SCALE * im;
-    return sqrt(x * x + y * y) / SIZE_SCALE;
+// |re + i im| for im of at least 2 ABSORPTION_MIN.
+fn car_paint_size_value(re: vec3f, im: vec3f) -> vec3f {
+    return sqrt(re * re + im * im);
+}
+
+// |re + i im|^2 / s2^2 p / q.
+fn car_paint_reflected_value(re: vec3f, im: vec3f, s2: vec3f, p: vec3f, q: vec3f) -> vec3f {
+    // In two quotients, as the square of s2 is 1e-34 for a matched index in the horizon
+    return (re * re + im * im) / s2 * (p / (s2 * q));
 }
 
 // Exact reflectance of a conductor, eta + i k, at a facet, from both car_paint_cos_half and `sin2_half`.
 fn car_paint_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3f) -> vec3f {
-    // A trace of absorption, which keeps a conductor's roots from 0. By itself it reflects where the index is
-    // matched in the horizon, (ABSORPTION_MIN / (2 mu^2))^2.
-    const ABSORPTION_MIN = 1.0e-19;
+    // A trace of absorption, which keeps a conductor's roots from 0, and their squares from where GPUs
+    // take them for 0. By itself it reflects where the index is matched in the horizon, (ABSORPTION_MIN /
+    // (2 mu^2))^2.
+    const ABSORPTION_MIN = 1.0e-17;
     // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
     const NEAR_NORMAL = 0.75;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
@@ -210,21 +213,17 @@ fn car_paint_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3f) -> 
     let half_im = eta * k + ABSORPTION_MIN;
     let c2 = c * c;
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
-    let near = cos_h > NEAR_NORMAL;
-    let w_re = select(contrast_re, eta * eta - k * k, near) + select(c2, -sin2_h, near);
+    let w_re = select(contrast_re + c2, eta * eta - k * k - sin2_h, cos_h > NEAR_NORMAL);
     let im = 2.0 * half_im;
-    let w_abs = car_paint_size(w_re, im);
+    let w_abs = car_paint_size_value(w_re, im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    let large = sqrt(0.5 * (w_abs + abs(w_re)));
-    let g_re = select(half_im / large, large, w_re > vec3f(0.0));
+    let g2 = 0.5 * (w_abs + abs(w_re));
+    let g_re = select(half_im, g2, w_re > vec3f(0.0)) * (1.0 / sqrt(g2));
     // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2_h|^2 = p -+ cross sin2_h
     let cross = 2.0 * c * g_re;
     let s_abs2 = c2 + w_abs + cross;
     let p = c2 * w_abs + sin2_h * sin2_h;
-    // Quotients before their squares: for a matched index in the horizon these would leave a float32
-    let r_re = contrast_re / s_abs2;
-    let r_im = im / s_abs2;
-    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2_h));
+    return car_paint_reflected_value(contrast_re, im, s_abs2, p, p + cross * sin2_h);
 }
 
 // normalize(N_flake + max(distance, 1) N) with N_flake = normalize(slope_x, slope_y, 1).
@@ -286,7 +285,7 @@ fn car_paint_flake(params: CarPaint, wi_t: vec3f, wo_t: vec3f, both: vec3f) -> f
 //
 // wi, wo: refracted directions. sigma_a: absorption per unit of the thickness d.
 fn car_paint_attenuation(sigma_a: vec3f, thickness: f32, wi: vec3f, wo: vec3f) -> vec3f {
-    return exp(-sigma_a * (thickness * (1.0 / wi.z + 1.0 / wo.z)));
+    return exp(-sigma_a * (thickness * ((wi.z + wo.z) / (wi.z * wo.z))));
 }
 
 // Eq. 2 with a tilted base: BRDF value in 1/sr, without the cosine.

@@ -33,10 +33,6 @@ inline float fract(float a) {
     return a - floorf(a);
 }
 
-inline float length(Vec3 a) {
-    return sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
-}
-
 inline Vec3 operator+(Vec3 a, Vec3 b) {
     return Vec3{a.x + b.x, a.y + b.y, a.z + b.z};
 }
@@ -75,10 +71,15 @@ struct Charlie {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+inline float charlie_length2(Vec3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 charlie_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / sqrtf(charlie_length2(h));  // which `cos_half` needs as well
 }
 
 // D / (4 (mu_i + mu_o - mu_i mu_o)): BRDF value in 1/sr, without the cosine.

@@ -27,10 +27,15 @@ struct Charlie {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+fn charlie_length2(h: vec3f) -> f32 {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn charlie_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / length(h);  // which `cos_half` needs as well
+    return h / sqrt(charlie_length2(h));  // which `cos_half` needs as well
 }
 
 // D / (4 (mu_i + mu_o - mu_i mu_o)): BRDF value in 1/sr, without the cosine.

@@ -177,10 +177,15 @@ inline Vec3 disney_f0(const Disney& params) {
     return lerp(dielectric, params.base_color, splat(params.metallic));
 }
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+inline float disney_length2(Vec3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float disney_cos_half(Vec3 wi, Vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5f * length(wi + wo);
+    return 0.5f * sqrtf(disney_length2(wi + wo));
 }
 
 // 1 - disney_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
@@ -226,16 +231,23 @@ inline DisneyGTR1 disney_coat(const Disney& params) {
     return DisneyGTR1{lerp(COAT_ALPHA_SATIN, COAT_ALPHA_GLOSS, params.clearcoat_gloss)};
 }
 
-// disney_gtr1_D_narrow of a squared sine.
-inline float disney_gtr1_narrow_at(DisneyGTR1 gtr1, float sin2) {
-    float a2 = gtr1.alpha * gtr1.alpha;
-    float below_one = 1.0f - a2;
-    return inv_pi * below_one / (-logf(a2) * (a2 + below_one * sin2));
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+inline Vec2 disney_slopes(Vec3 h) {
+    float inv = 1.0f / h.z;
+    return Vec2{h.x * inv, h.y * inv};
+}
+
+// Squared tangent of that facet's angle.
+inline float disney_tangent2(Vec3 h) {
+    Vec2 t = disney_slopes(h);
+    return t.x * t.x + t.y * t.y;
 }
 
 // disney_gtr1_D_narrow at the normal along h, which need not be unit.
 inline float disney_gtr1_D_narrow_along(DisneyGTR1 gtr1, Vec3 h) {
-    return disney_gtr1_narrow_at(gtr1, (h.x * h.x + h.y * h.y) / dot(h, h));
+    float a2 = gtr1.alpha * gtr1.alpha;
+    float tan2 = disney_tangent2(h);
+    return inv_pi * (1.0f - a2) * (1.0f + tan2) / (-logf(a2) * (a2 + tan2));
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
@@ -273,21 +285,32 @@ inline Vec3 disney_eval_round(const Disney& params, Vec3 wi, Vec3 wo) {
     return base + F_c * (D_c * V_c);
 }
 
+// Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
+//
+// Burley, appendix B, without its lower limit.
+inline Vec2 disney_anisotropic_alpha(float alpha, float anisotropy) {
+    float aspect2 = 1.0f - 0.9f * anisotropy;
+    float stretch = 1.0f / sqrtf(aspect2);
+    return Vec2{alpha * stretch, alpha * (aspect2 * stretch)};
+}
+
 // Those of the highlight.
 inline DisneyGGX disney_facets(const Disney& params) {
     float alpha = params.roughness * params.roughness;
-    float aspect = sqrtf(1.0f - 0.9f * params.anisotropic);
-    return DisneyGGX{fmaxf(alpha / aspect, ALPHA_DISNEY), fmaxf(alpha * aspect, ALPHA_DISNEY)};
+    Vec2 a = disney_anisotropic_alpha(alpha, params.anisotropic);
+    return DisneyGGX{fmaxf(a.x, ALPHA_DISNEY), fmaxf(a.y, ALPHA_DISNEY)};
 }
 
 // disney_ggx_D at the normal along h, which need not be unit.
 inline float disney_ggx_D_along(DisneyGGX ggx, Vec3 h) {
-    float x = 1.0f / ggx.alpha_x;
-    float y = 1.0f / ggx.alpha_y;
-    // 1 / s from lengths, as their squares may leave a float32's range
-    float r = length(h) / length(Vec3{h.x * x, h.y * y, h.z});
-    float r2 = r * r;
-    return inv_pi * x * y * (r2 * r2);
+    Vec2 t = disney_slopes(h);
+    // By slopes, s is (1 + (x / alpha_x)^2 + (y / alpha_y)^2) / (1 + x^2 + y^2). Times the squares of both
+    // widths no width is a divisor, and the steepest slopes, 1e18, have squares.
+    float x = ggx.alpha_y * t.x;
+    float y = ggx.alpha_x * t.y;
+    float a2 = ggx.alpha_x * ggx.alpha_y;
+    float r = a2 * (1.0f + (t.x * t.x + t.y * t.y)) / (a2 * a2 + x * x + y * y);
+    return inv_pi * a2 * (r * r);
 }
 
 // Masking of the highlight, G / (4 mu_i mu_o).
@@ -315,7 +338,7 @@ inline Vec3 disney_eval(const Disney& params, Vec3 wi, Vec3 wo) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 disney_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / length(h);  // which disney_cos_half needs as well
+    return h / sqrtf(disney_length2(h));  // which disney_cos_half needs as well
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -456,7 +479,9 @@ inline Vec3 disney_sample_cosine(Vec2 u) {
 
 // `D` for alpha up to 0.5, where nothing cancels in its norm.
 inline float disney_gtr1_D_narrow(DisneyGTR1 gtr1, Vec3 m) {
-    return disney_gtr1_narrow_at(gtr1, m.x * m.x + m.y * m.y);
+    float a2 = gtr1.alpha * gtr1.alpha;
+    float below_one = 1.0f - a2;
+    return inv_pi * below_one / (-logf(a2) * (a2 + below_one * (m.x * m.x + m.y * m.y)));
 }
 
 // Density of disney_mirror in 1/sr, if m has the given density and cos_h = wo . m.

@@ -79,10 +79,15 @@ float3 disney_f0(Disney params) {
         float3(params.metallic, params.metallic, params.metallic));
 }
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+float disney_length2(float3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float disney_cos_half(float3 wi, float3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(disney_length2(wi + wo));
 }
 
 // 1 - disney_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
@@ -133,17 +138,24 @@ DisneyGTR1 disney_coat(Disney params) {
     return result;
 }
 
-// disney_gtr1_D_narrow of a squared sine.
-float disney_gtr1_narrow_at(DisneyGTR1 gtr1, float sin2) {
-    const float inv_pi = 0.31830987;
-    float a2 = gtr1.alpha * gtr1.alpha;
-    float below_one = 1.0 - a2;
-    return inv_pi * below_one / (-log(a2) * (a2 + below_one * sin2));
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+float2 disney_slopes(float3 h) {
+    float inv = 1.0 / h.z;
+    return float2(h.x * inv, h.y * inv);
+}
+
+// Squared tangent of that facet's angle.
+float disney_tangent2(float3 h) {
+    float2 t = disney_slopes(h);
+    return t.x * t.x + t.y * t.y;
 }
 
 // disney_gtr1_D_narrow at the normal along h, which need not be unit.
 float disney_gtr1_D_narrow_along(DisneyGTR1 gtr1, float3 h) {
-    return disney_gtr1_narrow_at(gtr1, (h.x * h.x + h.y * h.y) / dot(h, h));
+    const float inv_pi = 0.31830987;
+    float a2 = gtr1.alpha * gtr1.alpha;
+    float tan2 = disney_tangent2(h);
+    return inv_pi * (1.0 - a2) * (1.0 + tan2) / (-log(a2) * (a2 + tan2));
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
@@ -187,26 +199,37 @@ float3 disney_eval_round(Disney params, float3 wi, float3 wo) {
     return base + F_c * (D_c * V_c);
 }
 
+// Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
+//
+// Burley, appendix B, without its lower limit.
+float2 disney_anisotropic_alpha(float alpha, float anisotropy) {
+    float aspect2 = 1.0 - 0.9 * anisotropy;
+    float stretch = 1.0 / sqrt(aspect2);
+    return float2(alpha * stretch, alpha * (aspect2 * stretch));
+}
+
 // Those of the highlight.
 DisneyGGX disney_facets(Disney params) {
     const float ALPHA_DISNEY = 0.001;  // smallest width of the highlight
     float alpha = params.roughness * params.roughness;
-    float aspect = sqrt(1.0 - 0.9 * params.anisotropic);
+    float2 a = disney_anisotropic_alpha(alpha, params.anisotropic);
     DisneyGGX result;
-    result.alpha_x = max(alpha / aspect, ALPHA_DISNEY);
-    result.alpha_y = max(alpha * aspect, ALPHA_DISNEY);
+    result.alpha_x = max(a.x, ALPHA_DISNEY);
+    result.alpha_y = max(a.y, ALPHA_DISNEY);
     return result;
 }
 
 // disney_ggx_D at the normal along h, which need not be unit.
 float disney_ggx_D_along(DisneyGGX ggx, float3 h) {
     const float inv_pi = 0.31830987;
-    float x = 1.0 / ggx.alpha_x;
-    float y = 1.0 / ggx.alpha_y;
-    // 1 / s from lengths, as their squares may leave a float32's range
-    float r = length(h) / length(float3(h.x * x, h.y * y, h.z));
-    float r2 = r * r;
-    return inv_pi * x * y * (r2 * r2);
+    float2 t = disney_slopes(h);
+    // By slopes, s is (1 + (x / alpha_x)^2 + (y / alpha_y)^2) / (1 + x^2 + y^2). Times the squares of both
+    // widths no width is a divisor, and the steepest slopes, 1e18, have squares.
+    float x = ggx.alpha_y * t.x;
+    float y = ggx.alpha_x * t.y;
+    float a2 = ggx.alpha_x * ggx.alpha_y;
+    float r = a2 * (1.0 + (t.x * t.x + t.y * t.y)) / (a2 * a2 + x * x + y * y);
+    return inv_pi * a2 * (r * r);
 }
 
 // Masking of the highlight, G / (4 mu_i mu_o).
@@ -238,7 +261,7 @@ float3 disney_eval(Disney params, float3 wi, float3 wo) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 float3 disney_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    return h / length(h);  // which disney_cos_half needs as well
+    return h / sqrt(disney_length2(h));  // which disney_cos_half needs as well
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -406,7 +429,10 @@ float3 disney_sample_cosine(float2 u) {
 
 // `D` for alpha up to 0.5, where nothing cancels in its norm.
 float disney_gtr1_D_narrow(DisneyGTR1 gtr1, float3 m) {
-    return disney_gtr1_narrow_at(gtr1, m.x * m.x + m.y * m.y);
+    const float inv_pi = 0.31830987;
+    float a2 = gtr1.alpha * gtr1.alpha;
+    float below_one = 1.0 - a2;
+    return inv_pi * below_one / (-log(a2) * (a2 + below_one * (m.x * m.x + m.y * m.y)));
 }
 
 // Density of disney_mirror in 1/sr, if m has the given density and cos_h = wo . m.

@@ -76,10 +76,15 @@ fn disney_f0(params: Disney) -> vec3f {
     return mix(dielectric, params.base_color, vec3f(params.metallic));
 }
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+fn disney_length2(h: vec3f) -> f32 {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn disney_cos_half(wi: vec3f, wo: vec3f) -> f32 {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(disney_length2(wi + wo));
 }
 
 // 1 - disney_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
@@ -127,17 +132,24 @@ fn disney_coat(params: Disney) -> DisneyGTR1 {
     return DisneyGTR1(mix(COAT_ALPHA_SATIN, COAT_ALPHA_GLOSS, params.clearcoat_gloss));
 }
 
-// disney_gtr1_D_narrow of a squared sine.
-fn disney_gtr1_narrow_at(gtr1: DisneyGTR1, sin2: f32) -> f32 {
-    const inv_pi = 0.31830987;
-    let a2 = gtr1.alpha * gtr1.alpha;
-    let below_one = 1.0 - a2;
-    return inv_pi * below_one / (-log(a2) * (a2 + below_one * sin2));
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+fn disney_slopes(h: vec3f) -> vec2f {
+    let inv = 1.0 / h.z;
+    return vec2f(h.x * inv, h.y * inv);
+}
+
+// Squared tangent of that facet's angle.
+fn disney_tangent2(h: vec3f) -> f32 {
+    let t = disney_slopes(h);
+    return t.x * t.x + t.y * t.y;
 }
 
 // disney_gtr1_D_narrow at the normal along h, which need not be unit.
 fn disney_gtr1_D_narrow_along(gtr1: DisneyGTR1, h: vec3f) -> f32 {
-    return disney_gtr1_narrow_at(gtr1, (h.x * h.x + h.y * h.y) / dot(h, h));
+    const inv_pi = 0.31830987;
+    let a2 = gtr1.alpha * gtr1.alpha;
+    let tan2 = disney_tangent2(h);
+    return inv_pi * (1.0 - a2) * (1.0 + tan2) / (-log(a2) * (a2 + tan2));
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
@@ -179,23 +191,34 @@ fn disney_eval_round(params: Disney, wi: vec3f, wo: vec3f) -> vec3f {
     return base + F_c * (D_c * V_c);
 }
 
+// Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
+//
+// Burley, appendix B, without its lower limit.
+fn disney_anisotropic_alpha(alpha: f32, anisotropy: f32) -> vec2f {
+    let aspect2 = 1.0 - 0.9 * anisotropy;
+    let stretch = 1.0 / sqrt(aspect2);
+    return vec2f(alpha * stretch, alpha * (aspect2 * stretch));
+}
+
 // Those of the highlight.
 fn disney_facets(params: Disney) -> DisneyGGX {
     const ALPHA_DISNEY = 0.001;  // smallest width of the highlight
     let alpha = params.roughness * params.roughness;
-    let aspect = sqrt(1.0 - 0.9 * params.anisotropic);
-    return DisneyGGX(max(alpha / aspect, ALPHA_DISNEY), max(alpha * aspect, ALPHA_DISNEY));
+    let a = disney_anisotropic_alpha(alpha, params.anisotropic);
+    return DisneyGGX(max(a.x, ALPHA_DISNEY), max(a.y, ALPHA_DISNEY));
 }
 
 // disney_ggx_D at the normal along h, which need not be unit.
 fn disney_ggx_D_along(ggx: DisneyGGX, h: vec3f) -> f32 {
     const inv_pi = 0.31830987;
-    let x = 1.0 / ggx.alpha_x;
-    let y = 1.0 / ggx.alpha_y;
-    // 1 / s from lengths, as their squares may leave a float32's range
-    let r = length(h) / length(vec3f(h.x * x, h.y * y, h.z));
-    let r2 = r * r;
-    return inv_pi * x * y * (r2 * r2);
+    let t = disney_slopes(h);
+    // By slopes, s is (1 + (x / alpha_x)^2 + (y / alpha_y)^2) / (1 + x^2 + y^2). Times the squares of both
+    // widths no width is a divisor, and the steepest slopes, 1e18, have squares.
+    let x = ggx.alpha_y * t.x;
+    let y = ggx.alpha_x * t.y;
+    let a2 = ggx.alpha_x * ggx.alpha_y;
+    let r = a2 * (1.0 + (t.x * t.x + t.y * t.y)) / (a2 * a2 + x * x + y * y);
+    return inv_pi * a2 * (r * r);
 }
 
 // Masking of the highlight, G / (4 mu_i mu_o).
@@ -224,7 +247,7 @@ fn disney_eval(params: Disney, wi: vec3f, wo: vec3f) -> vec3f {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn disney_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / length(h);  // which disney_cos_half needs as well
+    return h / sqrt(disney_length2(h));  // which disney_cos_half needs as well
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -387,7 +410,10 @@ fn disney_sample_cosine(u: vec2f) -> vec3f {
 
 // `D` for alpha up to 0.5, where nothing cancels in its norm.
 fn disney_gtr1_D_narrow(gtr1: DisneyGTR1, m: vec3f) -> f32 {
-    return disney_gtr1_narrow_at(gtr1, m.x * m.x + m.y * m.y);
+    const inv_pi = 0.31830987;
+    let a2 = gtr1.alpha * gtr1.alpha;
+    let below_one = 1.0 - a2;
+    return inv_pi * below_one / (-log(a2) * (a2 + below_one * (m.x * m.x + m.y * m.y)));
 }
 
 // Density of disney_mirror in 1/sr, if m has the given density and cos_h = wo . m.

@@ -41,10 +41,6 @@ inline float dot(Vec3 a, Vec3 b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-inline float length(Vec3 a) {
-    return sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
-}
-
 inline Vec3 normalize(Vec3 a) {
     float inv = 1.0f / sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
     return Vec3{a.x * inv, a.y * inv, a.z * inv};
@@ -146,10 +142,15 @@ inline Vec3 metallic_roughness_f0(const MetallicRoughness& params) {
     return lerp(splat(F0_DIELECTRIC), params.base_color, splat(params.metallic));
 }
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+inline float metallic_roughness_length2(Vec3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float metallic_roughness_cos_half(Vec3 wi, Vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5f * length(wi + wo);
+    return 0.5f * sqrtf(metallic_roughness_length2(wi + wo));
 }
 
 // 1 - metallic_roughness_cos_half^2, the squared sine at which light meets the facet: of half the length of
@@ -185,16 +186,24 @@ inline float metallic_roughness_alpha(const MetallicRoughness& params) {
     return fmaxf(params.roughness * params.roughness, ALPHA_MIN);
 }
 
-// metallic_roughness_round_ggx_D of a squared sine.
-inline float metallic_roughness_round_ggx_at(MetallicRoughnessRoundGGX round_ggx, float sin2) {
-    float a2 = round_ggx.alpha * round_ggx.alpha;
-    float s = a2 + (1.0f - a2) * sin2;
-    return inv_pi * a2 / (s * s);
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+inline Vec2 metallic_roughness_slopes(Vec3 h) {
+    float inv = 1.0f / h.z;
+    return Vec2{h.x * inv, h.y * inv};
+}
+
+// Squared tangent of that facet's angle.
+inline float metallic_roughness_tangent2(Vec3 h) {
+    Vec2 t = metallic_roughness_slopes(h);
+    return t.x * t.x + t.y * t.y;
 }
 
 // metallic_roughness_round_ggx_D at the normal along h, which need not be unit.
 inline float metallic_roughness_round_ggx_D_along(MetallicRoughnessRoundGGX round_ggx, Vec3 h) {
-    return metallic_roughness_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float tan2 = metallic_roughness_tangent2(h);
+    float r = (1.0f + tan2) / (a2 + tan2);
+    return inv_pi * a2 * (r * r);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
@@ -236,7 +245,8 @@ inline Vec3 metallic_roughness_eval(const MetallicRoughness& params, Vec3 wi, Ve
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 metallic_roughness_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / length(h);  // which metallic_roughness_cos_half needs as well
+    // which metallic_roughness_cos_half needs as well
+    return h / sqrtf(metallic_roughness_length2(h));
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -349,7 +359,9 @@ inline float metallic_roughness_pdf_cosine(Vec3 w) {
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 inline float metallic_roughness_round_ggx_D(MetallicRoughnessRoundGGX round_ggx, Vec3 m) {
-    return metallic_roughness_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0f - a2) * (m.x * m.x + m.y * m.y);
+    return inv_pi * a2 / (s * s);
 }
 
 // Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.

@@ -54,10 +54,15 @@ inline float3 metallic_roughness_f0(MetallicRoughness params) {
     return mix(float3(F0_DIELECTRIC), params.base_color, float3(params.metallic));
 }
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+inline float metallic_roughness_length2(float3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float metallic_roughness_cos_half(float3 wi, float3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(metallic_roughness_length2(wi + wo));
 }
 
 // 1 - metallic_roughness_cos_half^2, the squared sine at which light meets the facet: of half the length of
@@ -96,18 +101,26 @@ inline float metallic_roughness_alpha(MetallicRoughness params) {
     return max(params.roughness * params.roughness, ALPHA_MIN);
 }
 
-// metallic_roughness_round_ggx_D of a squared sine.
-inline float metallic_roughness_round_ggx_at(MetallicRoughnessRoundGGX round_ggx, float sin2) {
-    const float inv_pi = 0.31830987;
-    float a2 = round_ggx.alpha * round_ggx.alpha;
-    float s = a2 + (1.0 - a2) * sin2;
-    return inv_pi * a2 / (s * s);
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+inline float2 metallic_roughness_slopes(float3 h) {
+    float inv = 1.0 / h.z;
+    return float2(h.x * inv, h.y * inv);
+}
+
+// Squared tangent of that facet's angle.
+inline float metallic_roughness_tangent2(float3 h) {
+    float2 t = metallic_roughness_slopes(h);
+    return t.x * t.x + t.y * t.y;
 }
 
 // metallic_roughness_round_ggx_D at the normal along h, which need not be unit.
 inline float metallic_roughness_round_ggx_D_along(MetallicRoughnessRoundGGX round_ggx,
     float3 h) {
-    return metallic_roughness_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
+    const float inv_pi = 0.31830987;
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float tan2 = metallic_roughness_tangent2(h);
+    float r = (1.0 + tan2) / (a2 + tan2);
+    return inv_pi * a2 * (r * r);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
@@ -151,7 +164,8 @@ inline float3 metallic_roughness_eval(MetallicRoughness params, float3 wi, float
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline float3 metallic_roughness_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    return h / length(h);  // which metallic_roughness_cos_half needs as well
+    // which metallic_roughness_cos_half needs as well
+    return h / sqrt(metallic_roughness_length2(h));
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -281,7 +295,10 @@ inline float metallic_roughness_pdf_cosine(float3 w) {
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 inline float metallic_roughness_round_ggx_D(MetallicRoughnessRoundGGX round_ggx, float3 m) {
-    return metallic_roughness_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
+    const float inv_pi = 0.31830987;
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0 - a2) * (m.x * m.x + m.y * m.y);
+    return inv_pi * a2 / (s * s);
 }
 
 // Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.

@@ -51,10 +51,15 @@ fn metallic_roughness_f0(params: MetallicRoughness) -> vec3f {
     return mix(vec3f(F0_DIELECTRIC), params.base_color, vec3f(params.metallic));
 }
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+fn metallic_roughness_length2(h: vec3f) -> f32 {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn metallic_roughness_cos_half(wi: vec3f, wo: vec3f) -> f32 {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(metallic_roughness_length2(wi + wo));
 }
 
 // 1 - metallic_roughness_cos_half^2, the squared sine at which light meets the facet: of half the length of
@@ -93,17 +98,25 @@ fn metallic_roughness_alpha(params: MetallicRoughness) -> f32 {
     return max(params.roughness * params.roughness, ALPHA_MIN);
 }
 
-// metallic_roughness_round_ggx_D of a squared sine.
-fn metallic_roughness_round_ggx_at(round_ggx: MetallicRoughnessRoundGGX, sin2: f32) -> f32 {
-    const inv_pi = 0.31830987;
-    let a2 = round_ggx.alpha * round_ggx.alpha;
-    let s = a2 + (1.0 - a2) * sin2;
-    return inv_pi * a2 / (s * s);
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+fn metallic_roughness_slopes(h: vec3f) -> vec2f {
+    let inv = 1.0 / h.z;
+    return vec2f(h.x * inv, h.y * inv);
+}
+
+// Squared tangent of that facet's angle.
+fn metallic_roughness_tangent2(h: vec3f) -> f32 {
+    let t = metallic_roughness_slopes(h);
+    return t.x * t.x + t.y * t.y;
 }
 
 // metallic_roughness_round_ggx_D at the normal along h, which need not be unit.
 fn metallic_roughness_round_ggx_D_along(round_ggx: MetallicRoughnessRoundGGX, h: vec3f) -> f32 {
-    return metallic_roughness_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
+    const inv_pi = 0.31830987;
+    let a2 = round_ggx.alpha * round_ggx.alpha;
+    let tan2 = metallic_roughness_tangent2(h);
+    let r = (1.0 + tan2) / (a2 + tan2);
+    return inv_pi * a2 * (r * r);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
@@ -147,7 +160,8 @@ fn metallic_roughness_eval(params: MetallicRoughness, wi: vec3f, wo: vec3f) -> v
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn metallic_roughness_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / length(h);  // which metallic_roughness_cos_half needs as well
+    // which metallic_roughness_cos_half needs as well
+    return h / sqrt(metallic_roughness_length2(h));
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -276,7 +290,10 @@ fn metallic_roughness_pdf_cosine(w: vec3f) -> f32 {
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 fn metallic_roughness_round_ggx_D(round_ggx: MetallicRoughnessRoundGGX, m: vec3f) -> f32 {
-    return metallic_roughness_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
+    const inv_pi = 0.31830987;
+    let a2 = round_ggx.alpha * round_ggx.alpha;
+    let s = a2 + (1.0 - a2) * (m.x * m.x + m.y * m.y);
+    return inv_pi * a2 / (s * s);
 }
 
 // Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.

@@ -111,6 +111,10 @@ inline Vec3 operator/(Vec3 a, float b) {
     return Vec3{a.x / b, a.y / b, a.z / b};
 }
 
+inline Vec3 operator/(float a, Vec3 b) {
+    return Vec3{a / b.x, a / b.y, a / b.z};
+}
+
 inline Bool3 operator>(Vec3 a, Vec3 b) {
     return Bool3{a.x > b.x, a.y > b.y, a.z > b.z};
 }
@@ -131,11 +135,10 @@ inline Vec3 exp(Vec3 a) {
     return Vec3{expf(a.x), expf(a.y), expf(a.z)};
 }
 
-// A trace of absorption, which keeps a conductor's roots from 0. By itself it reflects where the index is
-// matched in the horizon, (ABSORPTION_MIN / (2 mu^2))^2.
-constexpr float ABSORPTION_MIN = 1.0e-19f;
-// Brings numbers from 1e-19 to 1e7, and what their derivatives need, to where squares are float32 numbers.
-constexpr float SIZE_SCALE = 1.0995116e12f;
+// A trace of absorption, which keeps a conductor's roots from 0, and their squares from where GPUs
+// take them for 0. By itself it reflects where the index is matched in the horizon, (ABSORPTION_MIN /
+// (2 mu^2))^2.
+constexpr float ABSORPTION_MIN = 1.0e-17f;
 // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
 constexpr float NEAR_NORMAL = 0.75f;
 constexpr float two_pi = 6.2831855f;
@@ -227,16 +230,21 @@ struct PatinaGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+inline float patina_length2(Vec3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 patina_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / length(h);  // which patina_cos_half needs as well
+    return h / sqrtf(patina_length2(h));  // which patina_cos_half needs as well
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float patina_cos_half(Vec3 wi, Vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5f * length(wi + wo);
+    return 0.5f * sqrtf(patina_length2(wi + wo));
 }
 
 // 1 - patina_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
@@ -245,11 +253,15 @@ inline float patina_sin2_half(Vec3 wi, Vec3 wo) {
     return 0.25f * dot(apart, apart);
 }
 
-// |re + i im| for im > 0, from 1e-19 to 1e7: squares as they are would leave a float32.
-inline Vec3 patina_size(Vec3 re, Vec3 im) {
-    Vec3 x = SIZE_SCALE * re;
-    Vec3 y = SIZE_SCALE * im;
-    return sqrt(x * x + y * y) / SIZE_SCALE;
+// |re + i im| for im of at least 2 ABSORPTION_MIN.
+inline Vec3 patina_size_value(Vec3 re, Vec3 im) {
+    return sqrt(re * re + im * im);
+}
+
+// |re + i im|^2 / s2^2 p / q.
+inline Vec3 patina_reflected_value(Vec3 re, Vec3 im, Vec3 s2, Vec3 p, Vec3 q) {
+    // In two quotients, as the square of s2 is 1e-34 for a matched index in the horizon
+    return (re * re + im * im) / s2 * (p / (s2 * q));
 }
 
 // Exact reflectance of a conductor, eta + i k, at a facet, from both patina_cos_half and patina_sin2_half.
@@ -260,21 +272,17 @@ inline Vec3 patina_F_conductor_half(float cos_h, float sin2_h, Vec3 eta, Vec3 k)
     Vec3 half_im = eta * k + ABSORPTION_MIN;
     float c2 = c * c;
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
-    bool near = cos_h > NEAR_NORMAL;
-    Vec3 w_re = (near ? eta * eta - k * k : contrast_re) + (near ? -sin2_h : c2);
+    Vec3 w_re = cos_h > NEAR_NORMAL ? eta * eta - k * k - sin2_h : contrast_re + c2;
     Vec3 im = 2.0f * half_im;
-    Vec3 w_abs = patina_size(w_re, im);
+    Vec3 w_abs = patina_size_value(w_re, im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    Vec3 large = sqrt(0.5f * (w_abs + absolute(w_re)));
-    Vec3 g_re = select(w_re > splat(0.0f), large, half_im / large);
+    Vec3 g2 = 0.5f * (w_abs + absolute(w_re));
+    Vec3 g_re = select(w_re > splat(0.0f), g2, half_im) * (1.0f / sqrt(g2));
     // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2_h|^2 = p -+ cross sin2_h
     Vec3 cross = 2.0f * c * g_re;
     Vec3 s_abs2 = c2 + w_abs + cross;
     Vec3 p = c2 * w_abs + sin2_h * sin2_h;
-    // Quotients before their squares: for a matched index in the horizon these would leave a float32
-    Vec3 r_re = contrast_re / s_abs2;
-    Vec3 r_im = im / s_abs2;
-    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2_h));
+    return patina_reflected_value(contrast_re, im, s_abs2, p, p + cross * sin2_h);
 }
 
 // The metal's reflectance, as far as it has tarnished.
@@ -315,16 +323,11 @@ inline PatinaRoundGGX patina_bare_facets(const Patina& params) {
     return PatinaRoundGGX{patina_metal_alpha(params)};
 }
 
-// patina_round_ggx_D of a squared sine.
-inline float patina_round_ggx_at(PatinaRoundGGX round_ggx, float sin2) {
-    float a2 = round_ggx.alpha * round_ggx.alpha;
-    float s = a2 + (1.0f - a2) * sin2;
-    return inv_pi * a2 / (s * s);
-}
-
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 inline float patina_round_ggx_D(PatinaRoundGGX round_ggx, Vec3 m) {
-    return patina_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0f - a2) * (m.x * m.x + m.y * m.y);
+    return inv_pi * a2 / (s * s);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
@@ -370,21 +373,21 @@ inline PatinaSplit patina_split_conductor(float cos_theta, Vec3 eta, Vec3 k) {
     float c2 = c * c;
     float sin2 = patina_sin2(c);
     Vec3 w_re = contrast_re + c2;
-    Vec3 w_abs = patina_size(w_re, eps_im);
-    Vec3 large = sqrt(0.5f * (w_abs + absolute(w_re)));
-    Vec3 small = half_im / large;
+    Vec3 w_abs = patina_size_value(w_re, eps_im);
+    Vec3 g2 = 0.5f * (w_abs + absolute(w_re));
+    Vec3 inv = 1.0f / sqrt(g2);
+    Vec3 large = g2 * inv;
+    Vec3 small = half_im * inv;
     Vec3 g_re = select(w_re > splat(0.0f), large, small);
     Vec3 g_im = select(w_re > splat(0.0f), small, large);
     Vec3 cross = 2.0f * c * g_re;
     Vec3 s_abs2 = c2 + w_abs + cross;
     Vec3 p = c2 * w_abs + sin2 * sin2;
-    Vec3 r_re = contrast_re / s_abs2;
-    Vec3 r_im = eps_im / s_abs2;
     Vec3 p_re = eps_re * c + g_re;
     Vec3 p_im = eps_im * c + g_im;
     Vec3 T_p = (eps_re * g_re + eps_im * g_im) / (p_re * p_re + p_im * p_im);
-    return PatinaSplit{(r_re * r_re + r_im * r_im) * (p / (p + cross * sin2)),
-        2.0f * c * (g_re / s_abs2 + T_p)};
+    Vec3 F = patina_reflected_value(contrast_re, eps_im, s_abs2, p, p + cross * sin2);
+    return PatinaSplit{F, 2.0f * c * (g_re / s_abs2 + T_p)};
 }
 
 inline PatinaRoundGGX patina_facets(const Patina& params) {
@@ -407,7 +410,7 @@ inline float patina_lost_smith_correlated(PatinaRoundGGX facets, Vec3 wi, Vec3 w
 // T12 t of Eq. 2 and 4 with lost = 1 - G.
 inline Vec3 patina_past_facets(Vec3 T, float lost) {
     // 1 - G F would lose the digits of a small T
-    return T * (lost + T * (1.0f - lost));
+    return T * (T + lost * (1.0f - T));
 }
 
 // T12 t of Eq. 2 and 4 with t = (1 - G) + T21 G, T21 = T12 = T at the half vector.
@@ -428,14 +431,14 @@ inline float patina_eta2_cos2(float mu, float excess) {
 
 // The direction inside a layer with eta >= 1 that belongs to w outside.
 inline Vec3 patina_refract(Vec3 w, float excess) {
-    return Vec3{w.x, w.y, sqrtf(patina_eta2_cos2(w.z, excess))} / (1.0f + excess);
+    return Vec3{w.x, w.y, sqrtf(patina_eta2_cos2(w.z, excess))} * (1.0f / (1.0f + excess));
 }
 
 // exp(-sigma_a d (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
 // wi, wo: refracted directions. sigma_a: absorption per unit of the thickness d.
 inline Vec3 patina_attenuation(Vec3 sigma_a, float thickness, Vec3 wi, Vec3 wo) {
-    return exp(-sigma_a * (thickness * (1.0f / wi.z + 1.0f / wo.z)));
+    return exp(-sigma_a * (thickness * ((wi.z + wo.z) / (wi.z * wo.z))));
 }
 
 // eta times the sum of both refracted directions, which has their half vector's direction.

@@ -80,16 +80,21 @@ struct PatinaGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+inline float patina_length2(float3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline float3 patina_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    return h / length(h);  // which patina_cos_half needs as well
+    return h / sqrt(patina_length2(h));  // which patina_cos_half needs as well
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float patina_cos_half(float3 wi, float3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(patina_length2(wi + wo));
 }
 
 // 1 - patina_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
@@ -98,20 +103,23 @@ inline float patina_sin2_half(float3 wi, float3 wo) {
     return 0.25 * dot(apart, apart);
 }
 
-// |re + i im| for im > 0, from 1e-19 to 1e7: squares as they are would leave a float32.
-inline float3 patina_size(float3 re, float3 im) {
-    // Brings numbers from 1e-19 to 1e7, and what their derivatives need, to where squares are float32 numbers.
-    const float SIZE_SCALE = 1.0995116e12;
-    float3 x = SIZE_SCALE * re;
-    float3 y = SIZE_SCALE * im;
-    return sqrt(x * x + y * y) / SIZE_SCALE;
+// |re + i im| for im of at least 2 ABSORPTION_MIN.
+inline float3 patina_size_value(float3 re, float3 im) {
+    return sqrt(re * re + im * im);
+}
+
+// |re + i im|^2 / s2^2 p / q.
+inline float3 patina_reflected_value(float3 re, float3 im, float3 s2, float3 p, float3 q) {
+    // In two quotients, as the square of s2 is 1e-34 for a matched index in the horizon
+    return (re * re + im * im) / s2 * (p / (s2 * q));
 }
 
 // Exact reflectance of a conductor, eta + i k, at a facet, from both patina_cos_half and patina_sin2_half.
 inline float3 patina_F_conductor_half(float cos_h, float sin2_h, float3 eta, float3 k) {
-    // A trace of absorption, which keeps a conductor's roots from 0. By itself it reflects where the index is
-    // matched in the horizon, (ABSORPTION_MIN / (2 mu^2))^2.
-    const float ABSORPTION_MIN = 1.0e-19;
+    // A trace of absorption, which keeps a conductor's roots from 0, and their squares from where GPUs
+    // take them for 0. By itself it reflects where the index is matched in the horizon, (ABSORPTION_MIN /
+    // (2 mu^2))^2.
+    const float ABSORPTION_MIN = 1.0e-17;
     // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
     const float NEAR_NORMAL = 0.75;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
@@ -120,21 +128,17 @@ inline float3 patina_F_conductor_half(float cos_h, float sin2_h, float3 eta, flo
     float3 half_im = eta * k + ABSORPTION_MIN;
     float c2 = c * c;
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
-    bool near = cos_h > NEAR_NORMAL;
-    float3 w_re = (near ? eta * eta - k * k : contrast_re) + (near ? -sin2_h : c2);
+    float3 w_re = cos_h > NEAR_NORMAL ? eta * eta - k * k - sin2_h : contrast_re + c2;
     float3 im = 2.0 * half_im;
-    float3 w_abs = patina_size(w_re, im);
+    float3 w_abs = patina_size_value(w_re, im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    float3 large = sqrt(0.5 * (w_abs + abs(w_re)));
-    float3 g_re = select(half_im / large, large, w_re > float3(0.0));
+    float3 g2 = 0.5 * (w_abs + abs(w_re));
+    float3 g_re = select(half_im, g2, w_re > float3(0.0)) * (1.0 / sqrt(g2));
     // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2_h|^2 = p -+ cross sin2_h
     float3 cross = 2.0 * c * g_re;
     float3 s_abs2 = c2 + w_abs + cross;
     float3 p = c2 * w_abs + sin2_h * sin2_h;
-    // Quotients before their squares: for a matched index in the horizon these would leave a float32
-    float3 r_re = contrast_re / s_abs2;
-    float3 r_im = im / s_abs2;
-    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2_h));
+    return patina_reflected_value(contrast_re, im, s_abs2, p, p + cross * sin2_h);
 }
 
 // The metal's reflectance, as far as it has tarnished.
@@ -175,17 +179,12 @@ inline PatinaRoundGGX patina_bare_facets(Patina params) {
     return PatinaRoundGGX{patina_metal_alpha(params)};
 }
 
-// patina_round_ggx_D of a squared sine.
-inline float patina_round_ggx_at(PatinaRoundGGX round_ggx, float sin2) {
-    const float inv_pi = 0.31830987;
-    float a2 = round_ggx.alpha * round_ggx.alpha;
-    float s = a2 + (1.0 - a2) * sin2;
-    return inv_pi * a2 / (s * s);
-}
-
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 inline float patina_round_ggx_D(PatinaRoundGGX round_ggx, float3 m) {
-    return patina_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
+    const float inv_pi = 0.31830987;
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0 - a2) * (m.x * m.x + m.y * m.y);
+    return inv_pi * a2 / (s * s);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
@@ -221,7 +220,7 @@ inline float patina_sin2(float cos_theta) {
 
 // `F_conductor` of what is denser than the medium above, and 1 - F, exact where it nearly vanishes.
 inline PatinaSplit patina_split_conductor(float cos_theta, float3 eta, float3 k) {
-    const float ABSORPTION_MIN = 1.0e-19;
+    const float ABSORPTION_MIN = 1.0e-17;
     // With eps = (eta + i k)^2 and g^2 = eps - 1 + c^2: 1 - R_s = 4 c Re(g) / |c + g|^2, and 1 - R_p is 4 c
     // Re(conj(g) eps) / |eps c + g|^2. The roots are those of F.
     float c = cos_theta;
@@ -232,21 +231,21 @@ inline PatinaSplit patina_split_conductor(float cos_theta, float3 eta, float3 k)
     float c2 = c * c;
     float sin2 = patina_sin2(c);
     float3 w_re = contrast_re + c2;
-    float3 w_abs = patina_size(w_re, eps_im);
-    float3 large = sqrt(0.5 * (w_abs + abs(w_re)));
-    float3 small = half_im / large;
+    float3 w_abs = patina_size_value(w_re, eps_im);
+    float3 g2 = 0.5 * (w_abs + abs(w_re));
+    float3 inv = 1.0 / sqrt(g2);
+    float3 large = g2 * inv;
+    float3 small = half_im * inv;
     float3 g_re = select(small, large, w_re > float3(0.0));
     float3 g_im = select(large, small, w_re > float3(0.0));
     float3 cross = 2.0 * c * g_re;
     float3 s_abs2 = c2 + w_abs + cross;
     float3 p = c2 * w_abs + sin2 * sin2;
-    float3 r_re = contrast_re / s_abs2;
-    float3 r_im = eps_im / s_abs2;
     float3 p_re = eps_re * c + g_re;
     float3 p_im = eps_im * c + g_im;
     float3 T_p = (eps_re * g_re + eps_im * g_im) / (p_re * p_re + p_im * p_im);
-    return PatinaSplit{(r_re * r_re + r_im * r_im) * (p / (p + cross * sin2)),
-        2.0 * c * (g_re / s_abs2 + T_p)};
+    float3 F = patina_reflected_value(contrast_re, eps_im, s_abs2, p, p + cross * sin2);
+    return PatinaSplit{F, 2.0 * c * (g_re / s_abs2 + T_p)};
 }
 
 inline PatinaRoundGGX patina_facets(Patina params) {
@@ -269,7 +268,7 @@ inline float patina_lost_smith_correlated(PatinaRoundGGX facets, float3 wi, floa
 // T12 t of Eq. 2 and 4 with lost = 1 - G.
 inline float3 patina_past_facets(float3 T, float lost) {
     // 1 - G F would lose the digits of a small T
-    return T * (lost + T * (1.0 - lost));
+    return T * (T + lost * (1.0 - T));
 }
 
 // T12 t of Eq. 2 and 4 with t = (1 - G) + T21 G, T21 = T12 = T at the half vector.
@@ -290,14 +289,14 @@ inline float patina_eta2_cos2(float mu, float excess) {
 
 // The direction inside a layer with eta >= 1 that belongs to w outside.
 inline float3 patina_refract(float3 w, float excess) {
-    return float3(w.x, w.y, sqrt(patina_eta2_cos2(w.z, excess))) / (1.0 + excess);
+    return float3(w.x, w.y, sqrt(patina_eta2_cos2(w.z, excess))) * (1.0 / (1.0 + excess));
 }
 
 // exp(-sigma_a d (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
 // wi, wo: refracted directions. sigma_a: absorption per unit of the thickness d.
 inline float3 patina_attenuation(float3 sigma_a, float thickness, float3 wi, float3 wo) {
-    return exp(-sigma_a * (thickness * (1.0 / wi.z + 1.0 / wo.z)));
+    return exp(-sigma_a * (thickness * ((wi.z + wo.z) / (wi.z * wo.z))));
 }
 
 // eta times the sum of both refracted directions, which has their half vector's direction.

@@ -77,16 +77,21 @@ struct PatinaGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+fn patina_length2(h: vec3f) -> f32 {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn patina_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / length(h);  // which patina_cos_half needs as well
+    return h / sqrt(patina_length2(h));  // which patina_cos_half needs as well
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn patina_cos_half(wi: vec3f, wo: vec3f) -> f32 {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(patina_length2(wi + wo));
 }
 
 // 1 - patina_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
@@ -95,20 +100,23 @@ fn patina_sin2_half(wi: vec3f, wo: vec3f) -> f32 {
     return 0.25 * dot(apart, apart);
 }
 
-// |re + i im| for im > 0, from 1e-19 to 1e7: squares as they are would leave a float32.
-fn patina_size(re: vec3f, im: vec3f) -> vec3f {
-    // Brings numbers from 1e-19 to 1e7, and what their derivatives need, to where squares are float32 numbers.
-    const SIZE_SCALE = 1.0995116e12;
-    let x = SIZE_SCALE * re;
-    let y = SIZE_SCALE * im;
-    return sqrt(x * x + y * y) / SIZE_SCALE;
+// |re + i im| for im of at least 2 ABSORPTION_MIN.
+fn patina_size_value(re: vec3f, im: vec3f) -> vec3f {
+    return sqrt(re * re + im * im);
+}
+
+// |re + i im|^2 / s2^2 p / q.
+fn patina_reflected_value(re: vec3f, im: vec3f, s2: vec3f, p: vec3f, q: vec3f) -> vec3f {
+    // In two quotients, as the square of s2 is 1e-34 for a matched index in the horizon
+    return (re * re + im * im) / s2 * (p / (s2 * q));
 }
 
 // Exact reflectance of a conductor, eta + i k, at a facet, from both patina_cos_half and patina_sin2_half.
 fn patina_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3f) -> vec3f {
-    // A trace of absorption, which keeps a conductor's roots from 0. By itself it reflects where the index is
-    // matched in the horizon, (ABSORPTION_MIN / (2 mu^2))^2.
-    const ABSORPTION_MIN = 1.0e-19;
+    // A trace of absorption, which keeps a conductor's roots from 0, and their squares from where GPUs
+    // take them for 0. By itself it reflects where the index is matched in the horizon, (ABSORPTION_MIN /
+    // (2 mu^2))^2.
+    const ABSORPTION_MIN = 1.0e-17;
     // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
     const NEAR_NORMAL = 0.75;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
@@ -117,21 +125,17 @@ fn patina_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3f) -> vec
     let half_im = eta * k + ABSORPTION_MIN;
     let c2 = c * c;
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
-    let near = cos_h > NEAR_NORMAL;
-    let w_re = select(contrast_re, eta * eta - k * k, near) + select(c2, -sin2_h, near);
+    let w_re = select(contrast_re + c2, eta * eta - k * k - sin2_h, cos_h > NEAR_NORMAL);
     let im = 2.0 * half_im;
-    let w_abs = patina_size(w_re, im);
+    let w_abs = patina_size_value(w_re, im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    let large = sqrt(0.5 * (w_abs + abs(w_re)));
-    let g_re = select(half_im / large, large, w_re > vec3f(0.0));
+    let g2 = 0.5 * (w_abs + abs(w_re));
+    let g_re = select(half_im, g2, w_re > vec3f(0.0)) * (1.0 / sqrt(g2));
     // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2_h|^2 = p -+ cross sin2_h
     let cross = 2.0 * c * g_re;
     let s_abs2 = c2 + w_abs + cross;
     let p = c2 * w_abs + sin2_h * sin2_h;
-    // Quotients before their squares: for a matched index in the horizon these would leave a float32
-    let r_re = contrast_re / s_abs2;
-    let r_im = im / s_abs2;
-    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2_h));
+    return patina_reflected_value(contrast_re, im, s_abs2, p, p + cross * sin2_h);
 }
 
 // The metal's reflectance, as far as it has tarnished.
@@ -172,17 +176,12 @@ fn patina_bare_facets(params: Patina) -> PatinaRoundGGX {
     return PatinaRoundGGX(patina_metal_alpha(params));
 }
 
-// patina_round_ggx_D of a squared sine.
-fn patina_round_ggx_at(round_ggx: PatinaRoundGGX, sin2: f32) -> f32 {
-    const inv_pi = 0.31830987;
-    let a2 = round_ggx.alpha * round_ggx.alpha;
-    let s = a2 + (1.0 - a2) * sin2;
-    return inv_pi * a2 / (s * s);
-}
-
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 fn patina_round_ggx_D(round_ggx: PatinaRoundGGX, m: vec3f) -> f32 {
-    return patina_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
+    const inv_pi = 0.31830987;
+    let a2 = round_ggx.alpha * round_ggx.alpha;
+    let s = a2 + (1.0 - a2) * (m.x * m.x + m.y * m.y);
+    return inv_pi * a2 / (s * s);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
@@ -218,7 +217,7 @@ fn patina_sin2(cos_theta: f32) -> f32 {
 
 // `F_conductor` of what is denser than the medium above, and 1 - F, exact where it nearly vanishes.
 fn patina_split_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> PatinaSplit {
-    const ABSORPTION_MIN = 1.0e-19;
+    const ABSORPTION_MIN = 1.0e-17;
     // With eps = (eta + i k)^2 and g^2 = eps - 1 + c^2: 1 - R_s = 4 c Re(g) / |c + g|^2, and 1 - R_p is 4 c
     // Re(conj(g) eps) / |eps c + g|^2. The roots are those of F.
     let c = cos_theta;
@@ -229,21 +228,21 @@ fn patina_split_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> PatinaSplit {
     let c2 = c * c;
     let sin2 = patina_sin2(c);
     let w_re = contrast_re + c2;
-    let w_abs = patina_size(w_re, eps_im);
-    let large = sqrt(0.5 * (w_abs + abs(w_re)));
-    let small = half_im / large;
+    let w_abs = patina_size_value(w_re, eps_im);
+    let g2 = 0.5 * (w_abs + abs(w_re));
+    let inv = 1.0 / sqrt(g2);
+    let large = g2 * inv;
+    let small = half_im * inv;
     let g_re = select(small, large, w_re > vec3f(0.0));
     let g_im = select(large, small, w_re > vec3f(0.0));
     let cross = 2.0 * c * g_re;
     let s_abs2 = c2 + w_abs + cross;
     let p = c2 * w_abs + sin2 * sin2;
-    let r_re = contrast_re / s_abs2;
-    let r_im = eps_im / s_abs2;
     let p_re = eps_re * c + g_re;
     let p_im = eps_im * c + g_im;
     let T_p = (eps_re * g_re + eps_im * g_im) / (p_re * p_re + p_im * p_im);
-    return PatinaSplit((r_re * r_re + r_im * r_im) * (p / (p + cross * sin2)),
-        2.0 * c * (g_re / s_abs2 + T_p));
+    let F = patina_reflected_value(contrast_re, eps_im, s_abs2, p, p + cross * sin2);
+    return PatinaSplit(F, 2.0 * c * (g_re / s_abs2 + T_p));
 }
 
 fn patina_facets(params: Patina) -> PatinaRoundGGX {
@@ -266,7 +265,7 @@ fn patina_lost_smith_correlated(facets: PatinaRoundGGX, wi: vec3f, wo: vec3f) ->
 // T12 t of Eq. 2 and 4 with lost = 1 - G.
 fn patina_past_facets(T: vec3f, lost: f32) -> vec3f {
     // 1 - G F would lose the digits of a small T
-    return T * (lost + T * (1.0 - lost));
+    return T * (T + lost * (1.0 - T));
 }
 
 // T12 t of Eq. 2 and 4 with t = (1 - G) + T21 G, T21 = T12 = T at the half vector.
@@ -287,14 +286,14 @@ fn patina_eta2_cos2(mu: f32, excess: f32) -> f32 {
 
 // The direction inside a layer with eta >= 1 that belongs to w outside.
 fn patina_refract(w: vec3f, excess: f32) -> vec3f {
-    return vec3f(w.x, w.y, sqrt(patina_eta2_cos2(w.z, excess))) / (1.0 + excess);
+    return vec3f(w.x, w.y, sqrt(patina_eta2_cos2(w.z, excess))) * (1.0 / (1.0 + excess));
 }
 
 // exp(-sigma_a d (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
 // wi, wo: refracted directions. sigma_a: absorption per unit of the thickness d.
 fn patina_attenuation(sigma_a: vec3f, thickness: f32, wi: vec3f, wo: vec3f) -> vec3f {
-    return exp(-sigma_a * (thickness * (1.0 / wi.z + 1.0 / wo.z)));
+    return exp(-sigma_a * (thickness * ((wi.z + wo.z) / (wi.z * wo.z))));
 }
 
 // eta times the sum of both refracted directions, which has their half vector's direction.

@@ -59,10 +59,15 @@ struct SgdChoice {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+float sgd_length2(vec3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 sgd_half_vector(vec3 wi, vec3 wo) {
     vec3 h = wi + wo;
-    return h / length(h);  // which sgd_cos_half needs as well
+    return h / sqrt(sgd_length2(h));  // which sgd_cos_half needs as well
 }
 
 // 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
@@ -126,7 +131,7 @@ vec3 sgd_D(Sgd params, vec3 m) {
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float sgd_cos_half(vec3 wi, vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(sgd_length2(wi + wo));
 }
 
 // Schlick's with a slope.

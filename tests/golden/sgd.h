@@ -46,10 +46,6 @@ inline float dot(Vec3 a, Vec3 b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-inline float length(Vec3 a) {
-    return sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
-}
-
 inline Vec3 normalize(Vec3 a) {
     float inv = 1.0f / sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
     return Vec3{a.x * inv, a.y * inv, a.z * inv};
@@ -216,10 +212,15 @@ struct SgdChoice {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+inline float sgd_length2(Vec3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 sgd_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / length(h);  // which sgd_cos_half needs as well
+    return h / sqrtf(sgd_length2(h));  // which sgd_cos_half needs as well
 }
 
 // 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
@@ -264,7 +265,7 @@ inline Vec3 sgd_D(const Sgd& params, Vec3 m) {
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float sgd_cos_half(Vec3 wi, Vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5f * length(wi + wo);
+    return 0.5f * sqrtf(sgd_length2(wi + wo));
 }
 
 // Schlick's with a slope.

@@ -63,10 +63,15 @@ struct SgdChoice {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+float sgd_length2(float3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 float3 sgd_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    return h / length(h);  // which sgd_cos_half needs as well
+    return h / sqrt(sgd_length2(h));  // which sgd_cos_half needs as well
 }
 
 // 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
@@ -133,7 +138,7 @@ float3 sgd_D(Sgd params, float3 m) {
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float sgd_cos_half(float3 wi, float3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(sgd_length2(wi + wo));
 }
 
 // Schlick's with a slope.

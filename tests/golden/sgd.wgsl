@@ -59,10 +59,15 @@ struct SgdChoice {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+fn sgd_length2(h: vec3f) -> f32 {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn sgd_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / length(h);  // which sgd_cos_half needs as well
+    return h / sqrt(sgd_length2(h));  // which sgd_cos_half needs as well
 }
 
 // 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
@@ -125,7 +130,7 @@ fn sgd_D(params: Sgd, m: vec3f) -> vec3f {
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn sgd_cos_half(wi: vec3f, wo: vec3f) -> f32 {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(sgd_length2(wi + wo));
 }
 
 // Schlick's with a slope.

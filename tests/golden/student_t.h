@@ -41,10 +41,6 @@ inline float dot(Vec3 a, Vec3 b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-inline float length(Vec3 a) {
-    return sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
-}
-
 inline Vec3 normalize(Vec3 a) {
     float inv = 1.0f / sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
     return Vec3{a.x * inv, a.y * inv, a.z * inv};
@@ -110,10 +106,15 @@ struct StudentT {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+inline float student_t_length2(Vec3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float student_t_cos_half(Vec3 wi, Vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5f * length(wi + wo);
+    return 0.5f * sqrtf(student_t_length2(wi + wo));
 }
 
 // 1 - student_t_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
@@ -139,7 +140,7 @@ inline float student_t_schlick_weight_half(Vec3 wi, Vec3 wo) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 student_t_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / length(h);  // which student_t_cos_half needs as well
+    return h / sqrtf(student_t_length2(h));  // which student_t_cos_half needs as well
 }
 
 // atanh(y) / y for |y| < 1 / 7; with y = x / (2 + x) it is half of log(1 + x).
@@ -179,13 +180,12 @@ inline float student_t_G_cook_torrance(Vec3 wi, Vec3 wo) {
     // 2 m.z / wo.m = 4 h.z / |h|^2, without a root
     Vec3 h = wi + wo;
     // The 4 comes last: V takes a quarter of it, and a compiler both away
-    return 4.0f * fminf(h.z * fminf(wi.z, wo.z) / dot(h, h), 0.25f);
+    return 4.0f * fminf(h.z * fminf(wi.z, wo.z) / student_t_length2(h), 0.25f);
 }
 
 // G over 4 mu_i mu_o.
 inline float student_t_V_cook_torrance(Vec3 wi, Vec3 wo) {
-    // One quotient after the other: the derivative by the product of two small cosines would be infinite
-    return fminf(0.25f * student_t_G_cook_torrance(wi, wo) / wi.z / wo.z, V_MAX);
+    return fminf(0.25f * student_t_G_cook_torrance(wi, wo) / (wi.z * wo.z), V_MAX);
 }
 
 // D G / (4 mu_i mu_o): the highlight without F.

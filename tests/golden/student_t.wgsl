@@ -28,10 +28,15 @@ struct StudentT {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+fn student_t_length2(h: vec3f) -> f32 {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn student_t_cos_half(wi: vec3f, wo: vec3f) -> f32 {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(student_t_length2(wi + wo));
 }
 
 // 1 - student_t_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
@@ -57,7 +62,7 @@ fn student_t_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn student_t_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / length(h);  // which student_t_cos_half needs as well
+    return h / sqrt(student_t_length2(h));  // which student_t_cos_half needs as well
 }
 
 // atanh(y) / y for |y| < 1 / 7; with y = x / (2 + x) it is half of log(1 + x).
@@ -102,7 +107,7 @@ fn student_t_G_cook_torrance(wi: vec3f, wo: vec3f) -> f32 {
     // 2 m.z / wo.m = 4 h.z / |h|^2, without a root
     let h = wi + wo;
     // The 4 comes last: V takes a quarter of it, and a compiler both away
-    return 4.0 * min(h.z * min(wi.z, wo.z) / dot(h, h), 0.25);
+    return 4.0 * min(h.z * min(wi.z, wo.z) / student_t_length2(h), 0.25);
 }
 
 // G over 4 mu_i mu_o.
@@ -110,8 +115,7 @@ fn student_t_V_cook_torrance(wi: vec3f, wo: vec3f) -> f32 {
     // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
     // it still is a float32. It is reached at cosines of 5e-16.
     const V_MAX = 1.0e30;
-    // One quotient after the other: the derivative by the product of two small cosines would be infinite
-    return min(0.25 * student_t_G_cook_torrance(wi, wo) / wi.z / wo.z, V_MAX);
+    return min(0.25 * student_t_G_cook_torrance(wi, wo) / (wi.z * wo.z), V_MAX);
 }
 
 // D G / (4 mu_i mu_o): the highlight without F.

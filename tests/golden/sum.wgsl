@@ -82,10 +82,15 @@ fn sum_first_eval_above(params: SumFirst) -> vec3f {
     return params.rho * inv_pi;
 }
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+fn sum_length2(h: vec3f) -> f32 {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn sum_cos_half(wi: vec3f, wo: vec3f) -> f32 {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(sum_length2(wi + wo));
 }
 
 // 1 - sum_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
@@ -94,20 +99,23 @@ fn sum_sin2_half(wi: vec3f, wo: vec3f) -> f32 {
     return 0.25 * dot(apart, apart);
 }
 
-// |re + i im| for im > 0, from 1e-19 to 1e7: squares as they are would leave a float32.
-fn sum_size(re: vec3f, im: vec3f) -> vec3f {
-    // Brings numbers from 1e-19 to 1e7, and what their derivatives need, to where squares are float32 numbers.
-    const SIZE_SCALE = 1.0995116e12;
-    let x = SIZE_SCALE * re;
-    let y = SIZE_SCALE * im;
-    return sqrt(x * x + y * y) / SIZE_SCALE;
+// |re + i im| for im of at least 2 ABSORPTION_MIN.
+fn sum_size_value(re: vec3f, im: vec3f) -> vec3f {
+    return sqrt(re * re + im * im);
+}
+
+// |re + i im|^2 / s2^2 p / q.
+fn sum_reflected_value(re: vec3f, im: vec3f, s2: vec3f, p: vec3f, q: vec3f) -> vec3f {
+    // In two quotients, as the square of s2 is 1e-34 for a matched index in the horizon
+    return (re * re + im * im) / s2 * (p / (s2 * q));
 }
 
 // Exact reflectance of a conductor, eta + i k, at a facet, from both sum_cos_half and sum_sin2_half.
 fn sum_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3f) -> vec3f {
-    // A trace of absorption, which keeps a conductor's roots from 0. By itself it reflects where the index is
-    // matched in the horizon, (ABSORPTION_MIN / (2 mu^2))^2.
-    const ABSORPTION_MIN = 1.0e-19;
+    // A trace of absorption, which keeps a conductor's roots from 0, and their squares from where GPUs
+    // take them for 0. By itself it reflects where the index is matched in the horizon, (ABSORPTION_MIN /
+    // (2 mu^2))^2.
+    const ABSORPTION_MIN = 1.0e-17;
     // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
     const NEAR_NORMAL = 0.75;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
@@ -116,29 +124,26 @@ fn sum_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3f) -> vec3f 
     let half_im = eta * k + ABSORPTION_MIN;
     let c2 = c * c;
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
-    let near = cos_h > NEAR_NORMAL;
-    let w_re = select(contrast_re, eta * eta - k * k, near) + select(c2, -sin2_h, near);
+    let w_re = select(contrast_re + c2, eta * eta - k * k - sin2_h, cos_h > NEAR_NORMAL);
     let im = 2.0 * half_im;
-    let w_abs = sum_size(w_re, im);
+    let w_abs = sum_size_value(w_re, im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    let large = sqrt(0.5 * (w_abs + abs(w_re)));
-    let g_re = select(half_im / large, large, w_re > vec3f(0.0));
+    let g2 = 0.5 * (w_abs + abs(w_re));
+    let g_re = select(half_im, g2, w_re > vec3f(0.0)) * (1.0 / sqrt(g2));
     // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2_h|^2 = p -+ cross sin2_h
     let cross = 2.0 * c * g_re;
     let s_abs2 = c2 + w_abs + cross;
     let p = c2 * w_abs + sin2_h * sin2_h;
-    // Quotients before their squares: for a matched index in the horizon these would leave a float32
-    let r_re = contrast_re / s_abs2;
-    let r_im = im / s_abs2;
-    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2_h));
+    return sum_reflected_value(contrast_re, im, s_abs2, p, p + cross * sin2_h);
 }
 
 // Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
 //
 // Burley, appendix B, without its lower limit.
 fn sum_anisotropic_alpha(alpha: f32, anisotropy: f32) -> vec2f {
-    let aspect = sqrt(1.0 - 0.9 * anisotropy);
-    return vec2f(alpha / aspect, alpha * aspect);
+    let aspect2 = 1.0 - 0.9 * anisotropy;
+    let stretch = 1.0 / sqrt(aspect2);
+    return vec2f(alpha * stretch, alpha * (aspect2 * stretch));
 }
 
 // D and its widths.
@@ -147,15 +152,23 @@ fn sum_second_facets(params: SumSecond) -> SumGGX {
     return SumGGX(a.x, a.y);
 }
 
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+fn sum_slopes(h: vec3f) -> vec2f {
+    let inv = 1.0 / h.z;
+    return vec2f(h.x * inv, h.y * inv);
+}
+
 // sum_ggx_D at the normal along h, which need not be unit.
 fn sum_ggx_D_along(ggx: SumGGX, h: vec3f) -> f32 {
     const inv_pi = 0.31830987;
-    let x = 1.0 / ggx.alpha_x;
-    let y = 1.0 / ggx.alpha_y;
-    // 1 / s from lengths, as their squares may leave a float32's range
-    let r = length(h) / length(vec3f(h.x * x, h.y * y, h.z));
-    let r2 = r * r;
-    return inv_pi * x * y * (r2 * r2);
+    let t = sum_slopes(h);
+    // By slopes, s is (1 + (x / alpha_x)^2 + (y / alpha_y)^2) / (1 + x^2 + y^2). Times the squares of both
+    // widths no width is a divisor, and the steepest slopes, 1e18, have squares.
+    let x = ggx.alpha_y * t.x;
+    let y = ggx.alpha_x * t.y;
+    let a2 = ggx.alpha_x * ggx.alpha_y;
+    let r = a2 * (1.0 + (t.x * t.x + t.y * t.y)) / (a2 * a2 + x * x + y * y);
+    return inv_pi * a2 * (r * r);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
@@ -201,7 +214,7 @@ fn sum_eval(params: Sum, wi: vec3f, wo: vec3f) -> vec3f {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn sum_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / length(h);  // which sum_cos_half needs as well
+    return h / sqrt(sum_length2(h));  // which sum_cos_half needs as well
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.

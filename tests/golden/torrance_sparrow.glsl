@@ -48,10 +48,15 @@ struct TorranceSparrowGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+float torrance_sparrow_length2(vec3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float torrance_sparrow_cos_half(vec3 wi, vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(torrance_sparrow_length2(wi + wo));
 }
 
 // 1 - torrance_sparrow_cos_half^2, the squared sine at which light meets the facet: of half the length of
@@ -61,21 +66,24 @@ float torrance_sparrow_sin2_half(vec3 wi, vec3 wo) {
     return 0.25 * dot(apart, apart);
 }
 
-// |re + i im| for im > 0, from 1e-19 to 1e7: squares as they are would leave a float32.
-vec3 torrance_sparrow_size(vec3 re, vec3 im) {
-    // Brings numbers from 1e-19 to 1e7, and what their derivatives need, to where squares are float32 numbers.
-    const float SIZE_SCALE = 1.0995116e12;
-    vec3 x = SIZE_SCALE * re;
-    vec3 y = SIZE_SCALE * im;
-    return sqrt(x * x + y * y) / SIZE_SCALE;
+// |re + i im| for im of at least 2 ABSORPTION_MIN.
+vec3 torrance_sparrow_size_value(vec3 re, vec3 im) {
+    return sqrt(re * re + im * im);
+}
+
+// |re + i im|^2 / s2^2 p / q.
+vec3 torrance_sparrow_reflected_value(vec3 re, vec3 im, vec3 s2, vec3 p, vec3 q) {
+    // In two quotients, as the square of s2 is 1e-34 for a matched index in the horizon
+    return (re * re + im * im) / s2 * (p / (s2 * q));
 }
 
 // Exact reflectance of a conductor, eta + i k, at a facet, from both torrance_sparrow_cos_half
 // and torrance_sparrow_sin2_half.
 vec3 torrance_sparrow_F_conductor_half(float cos_h, float sin2_h, vec3 eta, vec3 k) {
-    // A trace of absorption, which keeps a conductor's roots from 0. By itself it reflects where the index is
-    // matched in the horizon, (ABSORPTION_MIN / (2 mu^2))^2.
-    const float ABSORPTION_MIN = 1.0e-19;
+    // A trace of absorption, which keeps a conductor's roots from 0, and their squares from where GPUs
+    // take them for 0. By itself it reflects where the index is matched in the horizon, (ABSORPTION_MIN /
+    // (2 mu^2))^2.
+    const float ABSORPTION_MIN = 1.0e-17;
     // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
     const float NEAR_NORMAL = 0.75;
     // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
@@ -84,29 +92,26 @@ vec3 torrance_sparrow_F_conductor_half(float cos_h, float sin2_h, vec3 eta, vec3
     vec3 half_im = eta * k + ABSORPTION_MIN;
     float c2 = c * c;
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
-    bool near = cos_h > NEAR_NORMAL;
-    vec3 w_re = mix(contrast_re, eta * eta - k * k, bvec3(near)) + (near ? -sin2_h : c2);
+    vec3 w_re = mix(contrast_re + c2, eta * eta - k * k - sin2_h, bvec3(cos_h > NEAR_NORMAL));
     vec3 im = 2.0 * half_im;
-    vec3 w_abs = torrance_sparrow_size(w_re, im);
+    vec3 w_abs = torrance_sparrow_size_value(w_re, im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    vec3 large = sqrt(0.5 * (w_abs + abs(w_re)));
-    vec3 g_re = mix(half_im / large, large, greaterThan(w_re, vec3(0.0)));
+    vec3 g2 = 0.5 * (w_abs + abs(w_re));
+    vec3 g_re = mix(half_im, g2, greaterThan(w_re, vec3(0.0))) * (1.0 / sqrt(g2));
     // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2_h|^2 = p -+ cross sin2_h
     vec3 cross = 2.0 * c * g_re;
     vec3 s_abs2 = c2 + w_abs + cross;
     vec3 p = c2 * w_abs + sin2_h * sin2_h;
-    // Quotients before their squares: for a matched index in the horizon these would leave a float32
-    vec3 r_re = contrast_re / s_abs2;
-    vec3 r_im = im / s_abs2;
-    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2_h));
+    return torrance_sparrow_reflected_value(contrast_re, im, s_abs2, p, p + cross * sin2_h);
 }
 
 // Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
 //
 // Burley, appendix B, without its lower limit.
 vec2 torrance_sparrow_anisotropic_alpha(float alpha, float anisotropy) {
-    float aspect = sqrt(1.0 - 0.9 * anisotropy);
-    return vec2(alpha / aspect, alpha * aspect);
+    float aspect2 = 1.0 - 0.9 * anisotropy;
+    float stretch = 1.0 / sqrt(aspect2);
+    return vec2(alpha * stretch, alpha * (aspect2 * stretch));
 }
 
 // D and its widths.
@@ -115,15 +120,23 @@ TorranceSparrowGGX torrance_sparrow_facets(TorranceSparrow params) {
     return TorranceSparrowGGX(a.x, a.y);
 }
 
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+vec2 torrance_sparrow_slopes(vec3 h) {
+    float inv = 1.0 / h.z;
+    return vec2(h.x * inv, h.y * inv);
+}
+
 // torrance_sparrow_ggx_D at the normal along h, which need not be unit.
 float torrance_sparrow_ggx_D_along(TorranceSparrowGGX ggx, vec3 h) {
     const float inv_pi = 0.31830987;
-    float x = 1.0 / ggx.alpha_x;
-    float y = 1.0 / ggx.alpha_y;
-    // 1 / s from lengths, as their squares may leave a float32's range
-    float r = length(h) / length(vec3(h.x * x, h.y * y, h.z));
-    float r2 = r * r;
-    return inv_pi * x * y * (r2 * r2);
+    vec2 t = torrance_sparrow_slopes(h);
+    // By slopes, s is (1 + (x / alpha_x)^2 + (y / alpha_y)^2) / (1 + x^2 + y^2). Times the squares of both
+    // widths no width is a divisor, and the steepest slopes, 1e18, have squares.
+    float x = ggx.alpha_y * t.x;
+    float y = ggx.alpha_x * t.y;
+    float a2 = ggx.alpha_x * ggx.alpha_y;
+    float r = a2 * (1.0 + (t.x * t.x + t.y * t.y)) / (a2 * a2 + x * x + y * y);
+    return inv_pi * a2 * (r * r);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
@@ -165,7 +178,7 @@ vec3 torrance_sparrow_eval(TorranceSparrow params, vec3 wi, vec3 wo) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 torrance_sparrow_half_vector(vec3 wi, vec3 wo) {
     vec3 h = wi + wo;
-    return h / length(h);  // which torrance_sparrow_cos_half needs as well
+    return h / sqrt(torrance_sparrow_length2(h));  // which torrance_sparrow_cos_half needs as well
 }
 
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.

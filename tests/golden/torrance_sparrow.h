@@ -100,6 +100,10 @@ inline Vec3 operator/(Vec3 a, float b) {
     return Vec3{a.x / b, a.y / b, a.z / b};
 }
 
+inline Vec3 operator/(float a, Vec3 b) {
+    return Vec3{a / b.x, a / b.y, a / b.z};
+}
+
 inline Bool3 operator>(Vec3 a, Vec3 b) {
     return Bool3{a.x > b.x, a.y > b.y, a.z > b.z};
 }
@@ -112,11 +116,10 @@ inline Vec3 sqrt(Vec3 a) {
     return Vec3{sqrtf(a.x), sqrtf(a.y), sqrtf(a.z)};
 }
 
-// A trace of absorption, which keeps a conductor's roots from 0. By itself it reflects where the index is
-// matched in the horizon, (ABSORPTION_MIN / (2 mu^2))^2.
-constexpr float ABSORPTION_MIN = 1.0e-19f;
-// Brings numbers from 1e-19 to 1e7, and what their derivatives need, to where squares are float32 numbers.
-constexpr float SIZE_SCALE = 1.0995116e12f;
+// A trace of absorption, which keeps a conductor's roots from 0, and their squares from where GPUs
+// take them for 0. By itself it reflects where the index is matched in the horizon, (ABSORPTION_MIN /
+// (2 mu^2))^2.
+constexpr float ABSORPTION_MIN = 1.0e-17f;
 // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
 constexpr float NEAR_NORMAL = 0.75f;
 constexpr float two_pi = 6.2831855f;
@@ -160,10 +163,15 @@ struct TorranceSparrowGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+inline float torrance_sparrow_length2(Vec3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float torrance_sparrow_cos_half(Vec3 wi, Vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5f * length(wi + wo);
+    return 0.5f * sqrtf(torrance_sparrow_length2(wi + wo));
 }
 
 // 1 - torrance_sparrow_cos_half^2, the squared sine at which light meets the facet: of half the length of
@@ -173,11 +181,15 @@ inline float torrance_sparrow_sin2_half(Vec3 wi, Vec3 wo) {
     return 0.25f * dot(apart, apart);
 }
 
-// |re + i im| for im > 0, from 1e-19 to 1e7: squares as they are would leave a float32.
-inline Vec3 torrance_sparrow_size(Vec3 re, Vec3 im) {
-    Vec3 x = SIZE_SCALE * re;
-    Vec3 y = SIZE_SCALE * im;
-    return sqrt(x * x + y * y) / SIZE_SCALE;
+// |re + i im| for im of at least 2 ABSORPTION_MIN.
+inline Vec3 torrance_sparrow_size_value(Vec3 re, Vec3 im) {
+    return sqrt(re * re + im * im);
+}
+
+// |re + i im|^2 / s2^2 p / q.
+inline Vec3 torrance_sparrow_reflected_value(Vec3 re, Vec3 im, Vec3 s2, Vec3 p, Vec3 q) {
+    // In two quotients, as the square of s2 is 1e-34 for a matched index in the horizon
+    return (re * re + im * im) / s2 * (p / (s2 * q));
 }
 
 // Exact reflectance of a conductor, eta + i k, at a facet, from both torrance_sparrow_cos_half
@@ -189,29 +201,26 @@ inline Vec3 torrance_sparrow_F_conductor_half(float cos_h, float sin2_h, Vec3 et
     Vec3 half_im = eta * k + ABSORPTION_MIN;
     float c2 = c * c;
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
-    bool near = cos_h > NEAR_NORMAL;
-    Vec3 w_re = (near ? eta * eta - k * k : contrast_re) + (near ? -sin2_h : c2);
+    Vec3 w_re = cos_h > NEAR_NORMAL ? eta * eta - k * k - sin2_h : contrast_re + c2;
     Vec3 im = 2.0f * half_im;
-    Vec3 w_abs = torrance_sparrow_size(w_re, im);
+    Vec3 w_abs = torrance_sparrow_size_value(w_re, im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
-    Vec3 large = sqrt(0.5f * (w_abs + absolute(w_re)));
-    Vec3 g_re = select(w_re > splat(0.0f), large, half_im / large);
+    Vec3 g2 = 0.5f * (w_abs + absolute(w_re));
+    Vec3 g_re = select(w_re > splat(0.0f), g2, half_im) * (1.0f / sqrt(g2));
     // |c + g|^2 = c^2 + |w| + cross, and |c g -+ sin2_h|^2 = p -+ cross sin2_h
     Vec3 cross = 2.0f * c * g_re;
     Vec3 s_abs2 = c2 + w_abs + cross;
     Vec3 p = c2 * w_abs + sin2_h * sin2_h;
-    // Quotients before their squares: for a matched index in the horizon these would leave a float32
-    Vec3 r_re = contrast_re / s_abs2;
-    Vec3 r_im = im / s_abs2;
-    return (r_re * r_re + r_im * r_im) * (p / (p + cross * sin2_h));
+    return torrance_sparrow_reflected_value(contrast_re, im, s_abs2, p, p + cross * sin2_h);
 }
 
 // Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
 //
 // Burley, appendix B, without its lower limit.
 inline Vec2 torrance_sparrow_anisotropic_alpha(float alpha, float anisotropy) {
-    float aspect = sqrtf(1.0f - 0.9f * anisotropy);
-    return Vec2{alpha / aspect, alpha * aspect};
+    float aspect2 = 1.0f - 0.9f * anisotropy;
+    float stretch = 1.0f / sqrtf(aspect2);
+    return Vec2{alpha * stretch, alpha * (aspect2 * stretch)};
 }
 
 // D and its widths.
@@ -220,14 +229,22 @@ inline TorranceSparrowGGX torrance_sparrow_facets(const TorranceSparrow& params)
     return TorranceSparrowGGX{a.x, a.y};
 }
 
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+inline Vec2 torrance_sparrow_slopes(Vec3 h) {
+    float inv = 1.0f / h.z;
+    return Vec2{h.x * inv, h.y * inv};
+}
+
 // torrance_sparrow_ggx_D at the normal along h, which need not be unit.
 inline float torrance_sparrow_ggx_D_along(TorranceSparrowGGX ggx, Vec3 h) {
-    float x = 1.0f / ggx.alpha_x;
-    float y = 1.0f / ggx.alpha_y;
-    // 1 / s from lengths, as their squares may leave a float32's range
-    float r = length(h) / length(Vec3{h.x * x, h.y * y, h.z});
-    float r2 = r * r;
-    return inv_pi * x * y * (r2 * r2);
+    Vec2 t = torrance_sparrow_slopes(h);
+    // By slopes, s is (1 + (x / alpha_x)^2 + (y / alpha_y)^2) / (1 + x^2 + y^2). Times the squares of both
+    // widths no width is a divisor, and the steepest slopes, 1e18, have squares.
+    float x = ggx.alpha_y * t.x;
+    float y = ggx.alpha_x * t.y;
+    float a2 = ggx.alpha_x * ggx.alpha_y;
+    float r = a2 * (1.0f + (t.x * t.x + t.y * t.y)) / (a2 * a2 + x * x + y * y);
+    return inv_pi * a2 * (r * r);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
@@ -268,7 +285,7 @@ inline Vec3 torrance_sparrow_eval(const TorranceSparrow& params, Vec3 wi, Vec3 w
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 torrance_sparrow_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / length(h);  // which torrance_sparrow_cos_half needs as well
+    return h / sqrtf(torrance_sparrow_length2(h));  // which torrance_sparrow_cos_half needs as well
 }
 
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.

@@ -46,10 +46,15 @@ struct TriaceBlinnPhongGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+float triace_blinn_phong_length2(vec3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float triace_blinn_phong_cos_half(vec3 wi, vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(triace_blinn_phong_length2(wi + wo));
 }
 
 // 1 - triace_blinn_phong_cos_half^2, the squared sine at which light meets the facet: of half the length of
@@ -74,10 +79,16 @@ float triace_blinn_phong_schlick_weight_half(vec3 wi, vec3 wo) {
         triace_blinn_phong_sin2_half(wi, wo));
 }
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-vec3 triace_blinn_phong_half_vector(vec3 wi, vec3 wo) {
-    vec3 h = wi + wo;
-    return h / length(h);  // which triace_blinn_phong_cos_half needs as well
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+vec2 triace_blinn_phong_slopes(vec3 h) {
+    float inv = 1.0 / h.z;
+    return vec2(h.x * inv, h.y * inv);
+}
+
+// Squared tangent of that facet's angle.
+float triace_blinn_phong_tangent2(vec3 h) {
+    vec2 t = triace_blinn_phong_slopes(h);
+    return t.x * t.x + t.y * t.y;
 }
 
 // atanh(y) / y for |y| < 1 / 7; with y = x / (2 + x) it is half of log(1 + x).
@@ -86,27 +97,26 @@ float triace_blinn_phong_atanh_over(float y) {
     return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * (1.0 / 9.0))));
 }
 
-// log(m.z) of a unit vector that is not below the horizon, exact where it is near the normal.
-float triace_blinn_phong_log_cos(vec3 m) {
+// `log_cos` of the direction along h, which need not be unit.
+float triace_blinn_phong_log_cos_along(vec3 h) {
     // Below this the series needs few terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
     const float LOG1P_SMALL = 0.25;
-    const float mu_min = 1.0e-18;  // cosine of the horizon
-    // log(cos) = -atanh(sin^2 / (1 + cos^2)): a sharp lobe needs the digits of the sine, not of the cosine
-    float sin2 = m.x * m.x + m.y * m.y;
-    float y = sin2 / (1.0 + m.z * m.z);
-    return sin2 < LOG1P_SMALL ? -y * triace_blinn_phong_atanh_over(y) : log(max(m.z, mu_min));
+    // log(cos) = -log(1 + tan^2) / 2, of which tan^2 / (2 + tan^2) is the y above
+    float tan2 = triace_blinn_phong_tangent2(h);
+    float y = tan2 / (2.0 + tan2);
+    return tan2 < LOG1P_SMALL ? -y * triace_blinn_phong_atanh_over(y) : -0.5 * log(1.0 + tan2);
 }
 
-// (N.m)^exponent, exact for sharp lobes.
-float triace_blinn_phong_cos_power(vec3 m, float exponent) {
-    return exp(exponent * triace_blinn_phong_log_cos(m));
+// (N.m)^exponent of the normal m along h, exact for sharp lobes.
+float triace_blinn_phong_cos_power(vec3 h, float exponent) {
+    return exp(exponent * triace_blinn_phong_log_cos_along(h));
 }
 
 // (0.0397436 n + 0.0856832) (N.H)^n / max(mu_i, mu_o): Eq. 1's highlight without Fresnel.
 float triace_blinn_phong_blinn_phong_highlight(vec3 wi, vec3 wo, float shininess) {
     const float NORM_SLOPE = 0.0397436;  // Eq. 1: the normalisation as a linear function of n.
     const float NORM_OFFSET = 0.0856832;
-    float power = triace_blinn_phong_cos_power(triace_blinn_phong_half_vector(wi, wo), shininess);
+    float power = triace_blinn_phong_cos_power(wi + wo, shininess);
     return (NORM_SLOPE * shininess + NORM_OFFSET) * power / max(wi.z, wo.z);
 }
 
@@ -249,17 +259,19 @@ float triace_blinn_phong_pdf_cosine(vec3 w) {
     return w.z * inv_pi;
 }
 
-// triace_blinn_phong_round_ggx_D of a squared sine.
-float triace_blinn_phong_round_ggx_at(TriaceBlinnPhongRoundGGX round_ggx, float sin2) {
-    const float inv_pi = 0.31830987;
-    float a2 = round_ggx.alpha * round_ggx.alpha;
-    float s = a2 + (1.0 - a2) * sin2;
-    return inv_pi * a2 / (s * s);
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+vec3 triace_blinn_phong_half_vector(vec3 wi, vec3 wo) {
+    vec3 h = wi + wo;
+    // which triace_blinn_phong_cos_half needs as well
+    return h / sqrt(triace_blinn_phong_length2(h));
 }
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 float triace_blinn_phong_round_ggx_D(TriaceBlinnPhongRoundGGX round_ggx, vec3 m) {
-    return triace_blinn_phong_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
+    const float inv_pi = 0.31830987;
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0 - a2) * (m.x * m.x + m.y * m.y);
+    return inv_pi * a2 / (s * s);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

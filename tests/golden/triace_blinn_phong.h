@@ -42,10 +42,6 @@ inline float dot(Vec3 a, Vec3 b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-inline float length(Vec3 a) {
-    return sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
-}
-
 inline Vec3 normalize(Vec3 a) {
     float inv = 1.0f / sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
     return Vec3{a.x * inv, a.y * inv, a.z * inv};
@@ -85,11 +81,11 @@ inline Vec3 lerp(Vec3 a, Vec3 b, Vec3 c) {
 
 // Below this the series needs few terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
 constexpr float LOG1P_SMALL = 0.25f;
+constexpr float NORM_SLOPE = 0.0397436f;  // Eq. 1: the normalisation as a linear function of n.
+constexpr float NORM_OFFSET = 0.0856832f;
 constexpr float two_pi = 6.2831855f;
 constexpr float inv_pi = 0.31830987f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
-constexpr float NORM_SLOPE = 0.0397436f;  // Eq. 1: the normalisation as a linear function of n.
-constexpr float NORM_OFFSET = 0.0856832f;
 // Added to the first lobe's weight, so that two black lobes still leave something to choose and the
 // reciprocal of their sum has a derivative; no albedo that can be seen is that small.
 constexpr float BLACK = 1.0e-12f;
@@ -142,10 +138,15 @@ struct TriaceBlinnPhongGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+inline float triace_blinn_phong_length2(Vec3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float triace_blinn_phong_cos_half(Vec3 wi, Vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5f * length(wi + wo);
+    return 0.5f * sqrtf(triace_blinn_phong_length2(wi + wo));
 }
 
 // 1 - triace_blinn_phong_cos_half^2, the squared sine at which light meets the facet: of half the length of
@@ -170,10 +171,16 @@ inline float triace_blinn_phong_schlick_weight_half(Vec3 wi, Vec3 wo) {
         triace_blinn_phong_sin2_half(wi, wo));
 }
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline Vec3 triace_blinn_phong_half_vector(Vec3 wi, Vec3 wo) {
-    Vec3 h = wi + wo;
-    return h / length(h);  // which triace_blinn_phong_cos_half needs as well
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+inline Vec2 triace_blinn_phong_slopes(Vec3 h) {
+    float inv = 1.0f / h.z;
+    return Vec2{h.x * inv, h.y * inv};
+}
+
+// Squared tangent of that facet's angle.
+inline float triace_blinn_phong_tangent2(Vec3 h) {
+    Vec2 t = triace_blinn_phong_slopes(h);
+    return t.x * t.x + t.y * t.y;
 }
 
 // atanh(y) / y for |y| < 1 / 7; with y = x / (2 + x) it is half of log(1 + x).
@@ -182,22 +189,22 @@ inline float triace_blinn_phong_atanh_over(float y) {
     return 1.0f + y2 * (1.0f / 3.0f + y2 * (1.0f / 5.0f + y2 * (1.0f / 7.0f + y2 * (1.0f / 9.0f))));
 }
 
-// log(m.z) of a unit vector that is not below the horizon, exact where it is near the normal.
-inline float triace_blinn_phong_log_cos(Vec3 m) {
-    // log(cos) = -atanh(sin^2 / (1 + cos^2)): a sharp lobe needs the digits of the sine, not of the cosine
-    float sin2 = m.x * m.x + m.y * m.y;
-    float y = sin2 / (1.0f + m.z * m.z);
-    return sin2 < LOG1P_SMALL ? -y * triace_blinn_phong_atanh_over(y) : logf(fmaxf(m.z, mu_min));
+// `log_cos` of the direction along h, which need not be unit.
+inline float triace_blinn_phong_log_cos_along(Vec3 h) {
+    // log(cos) = -log(1 + tan^2) / 2, of which tan^2 / (2 + tan^2) is the y above
+    float tan2 = triace_blinn_phong_tangent2(h);
+    float y = tan2 / (2.0f + tan2);
+    return tan2 < LOG1P_SMALL ? -y * triace_blinn_phong_atanh_over(y) : -0.5f * logf(1.0f + tan2);
 }
 
-// (N.m)^exponent, exact for sharp lobes.
-inline float triace_blinn_phong_cos_power(Vec3 m, float exponent) {
-    return expf(exponent * triace_blinn_phong_log_cos(m));
+// (N.m)^exponent of the normal m along h, exact for sharp lobes.
+inline float triace_blinn_phong_cos_power(Vec3 h, float exponent) {
+    return expf(exponent * triace_blinn_phong_log_cos_along(h));
 }
 
 // (0.0397436 n + 0.0856832) (N.H)^n / max(mu_i, mu_o): Eq. 1's highlight without Fresnel.
 inline float triace_blinn_phong_blinn_phong_highlight(Vec3 wi, Vec3 wo, float shininess) {
-    float power = triace_blinn_phong_cos_power(triace_blinn_phong_half_vector(wi, wo), shininess);
+    float power = triace_blinn_phong_cos_power(wi + wo, shininess);
     return (NORM_SLOPE * shininess + NORM_OFFSET) * power / fmaxf(wi.z, wo.z);
 }
 
@@ -324,16 +331,18 @@ inline float triace_blinn_phong_pdf_cosine(Vec3 w) {
     return w.z * inv_pi;
 }
 
-// triace_blinn_phong_round_ggx_D of a squared sine.
-inline float triace_blinn_phong_round_ggx_at(TriaceBlinnPhongRoundGGX round_ggx, float sin2) {
-    float a2 = round_ggx.alpha * round_ggx.alpha;
-    float s = a2 + (1.0f - a2) * sin2;
-    return inv_pi * a2 / (s * s);
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+inline Vec3 triace_blinn_phong_half_vector(Vec3 wi, Vec3 wo) {
+    Vec3 h = wi + wo;
+    // which triace_blinn_phong_cos_half needs as well
+    return h / sqrtf(triace_blinn_phong_length2(h));
 }
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 inline float triace_blinn_phong_round_ggx_D(TriaceBlinnPhongRoundGGX round_ggx, Vec3 m) {
-    return triace_blinn_phong_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0f - a2) * (m.x * m.x + m.y * m.y);
+    return inv_pi * a2 / (s * s);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

@@ -46,10 +46,15 @@ struct TriaceBlinnPhongGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+fn triace_blinn_phong_length2(h: vec3f) -> f32 {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn triace_blinn_phong_cos_half(wi: vec3f, wo: vec3f) -> f32 {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(triace_blinn_phong_length2(wi + wo));
 }
 
 // 1 - triace_blinn_phong_cos_half^2, the squared sine at which light meets the facet: of half the length of
@@ -74,10 +79,16 @@ fn triace_blinn_phong_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
         triace_blinn_phong_sin2_half(wi, wo));
 }
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-fn triace_blinn_phong_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    let h = wi + wo;
-    return h / length(h);  // which triace_blinn_phong_cos_half needs as well
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+fn triace_blinn_phong_slopes(h: vec3f) -> vec2f {
+    let inv = 1.0 / h.z;
+    return vec2f(h.x * inv, h.y * inv);
+}
+
+// Squared tangent of that facet's angle.
+fn triace_blinn_phong_tangent2(h: vec3f) -> f32 {
+    let t = triace_blinn_phong_slopes(h);
+    return t.x * t.x + t.y * t.y;
 }
 
 // atanh(y) / y for |y| < 1 / 7; with y = x / (2 + x) it is half of log(1 + x).
@@ -86,27 +97,27 @@ fn triace_blinn_phong_atanh_over(y: f32) -> f32 {
     return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * (1.0 / 9.0))));
 }
 
-// log(m.z) of a unit vector that is not below the horizon, exact where it is near the normal.
-fn triace_blinn_phong_log_cos(m: vec3f) -> f32 {
+// `log_cos` of the direction along h, which need not be unit.
+fn triace_blinn_phong_log_cos_along(h: vec3f) -> f32 {
     // Below this the series needs few terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
     const LOG1P_SMALL = 0.25;
-    const mu_min = 1.0e-18;  // cosine of the horizon
-    // log(cos) = -atanh(sin^2 / (1 + cos^2)): a sharp lobe needs the digits of the sine, not of the cosine
-    let sin2 = m.x * m.x + m.y * m.y;
-    let y = sin2 / (1.0 + m.z * m.z);
-    return select(log(max(m.z, mu_min)), -y * triace_blinn_phong_atanh_over(y), sin2 < LOG1P_SMALL);
+    // log(cos) = -log(1 + tan^2) / 2, of which tan^2 / (2 + tan^2) is the y above
+    let tan2 = triace_blinn_phong_tangent2(h);
+    let y = tan2 / (2.0 + tan2);
+    return select(-0.5 * log(1.0 + tan2), -y * triace_blinn_phong_atanh_over(y),
+        tan2 < LOG1P_SMALL);
 }
 
-// (N.m)^exponent, exact for sharp lobes.
-fn triace_blinn_phong_cos_power(m: vec3f, exponent: f32) -> f32 {
-    return exp(exponent * triace_blinn_phong_log_cos(m));
+// (N.m)^exponent of the normal m along h, exact for sharp lobes.
+fn triace_blinn_phong_cos_power(h: vec3f, exponent: f32) -> f32 {
+    return exp(exponent * triace_blinn_phong_log_cos_along(h));
 }
 
 // (0.0397436 n + 0.0856832) (N.H)^n / max(mu_i, mu_o): Eq. 1's highlight without Fresnel.
 fn triace_blinn_phong_blinn_phong_highlight(wi: vec3f, wo: vec3f, shininess: f32) -> f32 {
     const NORM_SLOPE = 0.0397436;  // Eq. 1: the normalisation as a linear function of n.
     const NORM_OFFSET = 0.0856832;
-    let power = triace_blinn_phong_cos_power(triace_blinn_phong_half_vector(wi, wo), shininess);
+    let power = triace_blinn_phong_cos_power(wi + wo, shininess);
     return (NORM_SLOPE * shininess + NORM_OFFSET) * power / max(wi.z, wo.z);
 }
 
@@ -251,17 +262,19 @@ fn triace_blinn_phong_pdf_cosine(w: vec3f) -> f32 {
     return w.z * inv_pi;
 }
 
-// triace_blinn_phong_round_ggx_D of a squared sine.
-fn triace_blinn_phong_round_ggx_at(round_ggx: TriaceBlinnPhongRoundGGX, sin2: f32) -> f32 {
-    const inv_pi = 0.31830987;
-    let a2 = round_ggx.alpha * round_ggx.alpha;
-    let s = a2 + (1.0 - a2) * sin2;
-    return inv_pi * a2 / (s * s);
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn triace_blinn_phong_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    let h = wi + wo;
+    // which triace_blinn_phong_cos_half needs as well
+    return h / sqrt(triace_blinn_phong_length2(h));
 }
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 fn triace_blinn_phong_round_ggx_D(round_ggx: TriaceBlinnPhongRoundGGX, m: vec3f) -> f32 {
-    return triace_blinn_phong_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
+    const inv_pi = 0.31830987;
+    let a2 = round_ggx.alpha * round_ggx.alpha;
+    let s = a2 + (1.0 - a2) * (m.x * m.x + m.y * m.y);
+    return inv_pi * a2 / (s * s);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

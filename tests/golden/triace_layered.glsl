@@ -34,6 +34,12 @@ struct TriaceLayered {
     float thickness;  // thickness of the upper layer, in the unit of sigma_a; 0 to 1, default 1
 };
 
+// What becomes of light at the surface of something denser.
+struct TriaceLayeredEntering {
+    float F;  // Is reflected
+    float T;  // Enters
+};
+
 // What Fresnel leaves of the lower layer's reflection, both crossings of the upper surface included.
 struct TriaceLayeredBottomFresnel {
     float glossy;  // Factor of the glossy reflection (Eq. 4 or 5)
@@ -65,10 +71,15 @@ struct TriaceLayeredGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+float triace_layered_length2(vec3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float triace_layered_cos_half(vec3 wi, vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(triace_layered_length2(wi + wo));
 }
 
 // Reflectance of a dielectric at normal incidence, ((eta - 1) / (eta + 1))^2.
@@ -98,10 +109,16 @@ float triace_layered_schlick_weight_half(vec3 wi, vec3 wo) {
     return triace_layered_weight(triace_layered_cos_half(wi, wo), triace_layered_sin2_half(wi, wo));
 }
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-vec3 triace_layered_half_vector(vec3 wi, vec3 wo) {
-    vec3 h = wi + wo;
-    return h / length(h);  // which triace_layered_cos_half needs as well
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+vec2 triace_layered_slopes(vec3 h) {
+    float inv = 1.0 / h.z;
+    return vec2(h.x * inv, h.y * inv);
+}
+
+// Squared tangent of that facet's angle.
+float triace_layered_tangent2(vec3 h) {
+    vec2 t = triace_layered_slopes(h);
+    return t.x * t.x + t.y * t.y;
 }
 
 // atanh(y) / y for |y| < 1 / 7; with y = x / (2 + x) it is half of log(1 + x).
@@ -110,27 +127,26 @@ float triace_layered_atanh_over(float y) {
     return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * (1.0 / 9.0))));
 }
 
-// log(m.z) of a unit vector that is not below the horizon, exact where it is near the normal.
-float triace_layered_log_cos(vec3 m) {
+// `log_cos` of the direction along h, which need not be unit.
+float triace_layered_log_cos_along(vec3 h) {
     // Below this the series needs few terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
     const float LOG1P_SMALL = 0.25;
-    const float mu_min = 1.0e-18;  // cosine of the horizon
-    // log(cos) = -atanh(sin^2 / (1 + cos^2)): a sharp lobe needs the digits of the sine, not of the cosine
-    float sin2 = m.x * m.x + m.y * m.y;
-    float y = sin2 / (1.0 + m.z * m.z);
-    return sin2 < LOG1P_SMALL ? -y * triace_layered_atanh_over(y) : log(max(m.z, mu_min));
+    // log(cos) = -log(1 + tan^2) / 2, of which tan^2 / (2 + tan^2) is the y above
+    float tan2 = triace_layered_tangent2(h);
+    float y = tan2 / (2.0 + tan2);
+    return tan2 < LOG1P_SMALL ? -y * triace_layered_atanh_over(y) : -0.5 * log(1.0 + tan2);
 }
 
-// (N.m)^exponent, exact for sharp lobes.
-float triace_layered_cos_power(vec3 m, float exponent) {
-    return exp(exponent * triace_layered_log_cos(m));
+// (N.m)^exponent of the normal m along h, exact for sharp lobes.
+float triace_layered_cos_power(vec3 h, float exponent) {
+    return exp(exponent * triace_layered_log_cos_along(h));
 }
 
 // (0.0397436 n + 0.0856832) (N.H)^n / max(mu_i, mu_o): Eq. 1's highlight without Fresnel.
 float triace_layered_blinn_phong_highlight(vec3 wi, vec3 wo, float shininess) {
     const float NORM_SLOPE = 0.0397436;  // Eq. 1: the normalisation as a linear function of n.
     const float NORM_OFFSET = 0.0856832;
-    float power = triace_layered_cos_power(triace_layered_half_vector(wi, wo), shininess);
+    float power = triace_layered_cos_power(wi + wo, shininess);
     return (NORM_SLOPE * shininess + NORM_OFFSET) * power / max(wi.z, wo.z);
 }
 
@@ -141,44 +157,37 @@ float triace_layered_refracted_cos2(float mu, float eta) {
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
-// The same from the squares of the sine and of g = eta cos(theta_t).
-float triace_layered_F_dielectric(float cos_theta, float sin2, float eta, float g2) {
-    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
-    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
-    // that the mean of both squares is a product.
-    float c = cos_theta;
-    float g = sqrt(g2);
+// F and T = 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside, mu > 0.
+TriaceLayeredEntering triace_layered_split_entering(float mu, float eta) {
+    // F as in `F_dielectric_half`; 1 - r_s^2 = 4 c g / s^2 with s = c + g, and 1 - r_p^2 = 4 c g eta^2 / (s
+    // q)^2 with q = c g + sin^2(theta). One quotient serves both.
+    float c = mu;
+    float g = sqrt(triace_layered_refracted_cos2(c, eta));
     float s = c + g;
     float p = c * g;
-    float r_s = (eta - 1.0) * (eta + 1.0) / (s * s);
+    float sin2 = 1.0 - c * c;
     float q = p + sin2;
-    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
+    float s2 = s * s;
+    float q2 = q * q;
+    float inv = 1.0 / (s2 * q2);
+    float r_s = (eta - 1.0) * (eta + 1.0) * (q2 * inv);
+    float F = r_s * r_s * ((p * p + sin2 * sin2) * (s2 * inv));
+    return TriaceLayeredEntering(F, p * inv * (2.0 * (q2 + eta * eta)));
 }
 
-// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
-float triace_layered_F_dielectric_entering(float cos_theta, float eta) {
-    const float mu_min = 1.0e-18;  // cosine of the horizon
-    // c^2 with its rounding error: at grazing angles little else is left
-    float g2 = max(triace_layered_refracted_cos2(cos_theta, eta), mu_min * mu_min);
-    return triace_layered_F_dielectric(cos_theta, 1.0 - cos_theta * cos_theta, eta, g2);
+// `F_dielectric` of eta >= 1, which never reflects all light, at a cosine outside, mu > 0.
+float triace_layered_F_dielectric_entering(float mu, float eta) {
+    return triace_layered_split_entering(mu, eta).F;
 }
 
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
 float triace_layered_transmittance_entering(float mu, float eta) {
-    const float mu_min = 1.0e-18;  // cosine of the horizon
-    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2 with q
-    // = c g + sin^2(theta)
-    float g = sqrt(max(triace_layered_refracted_cos2(mu, eta), mu_min * mu_min));
-    float s = mu + g;
-    float p = mu * g;
-    float q = p + (1.0 - mu * mu);
-    return 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
+    return triace_layered_split_entering(mu, eta).T;
 }
 
 // n times the cosine inside a layer of index n.
 float triace_layered_below(float cos_theta, float n) {
-    const float mu_min = 1.0e-18;  // cosine of the horizon
-    return sqrt(max(triace_layered_refracted_cos2(cos_theta, n), mu_min * mu_min));
+    return sqrt(triace_layered_refracted_cos2(cos_theta, n));
 }
 
 float triace_layered_sin2(float cos_theta) {
@@ -241,14 +250,14 @@ float triace_layered_eta2_cos2(float mu, float excess) {
 
 // The direction inside a layer with eta >= 1 that belongs to w outside.
 vec3 triace_layered_refract(vec3 w, float excess) {
-    return vec3(w.x, w.y, sqrt(triace_layered_eta2_cos2(w.z, excess))) / (1.0 + excess);
+    return vec3(w.x, w.y, sqrt(triace_layered_eta2_cos2(w.z, excess))) * (1.0 / (1.0 + excess));
 }
 
 // exp(-sigma_a d (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
 // wi, wo: refracted directions. sigma_a: absorption per unit of the thickness d.
 vec3 triace_layered_attenuation(vec3 sigma_a, float thickness, vec3 wi, vec3 wo) {
-    return exp(-sigma_a * (thickness * (1.0 / wi.z + 1.0 / wo.z)));
+    return exp(-sigma_a * (thickness * ((wi.z + wo.z) / (wi.z * wo.z))));
 }
 
 // Eq. 2 or 3.
@@ -421,17 +430,18 @@ vec3 triace_layered_sample_cosine(vec2 u) {
     return vec3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// triace_layered_round_ggx_D of a squared sine.
-float triace_layered_round_ggx_at(TriaceLayeredRoundGGX round_ggx, float sin2) {
-    const float inv_pi = 0.31830987;
-    float a2 = round_ggx.alpha * round_ggx.alpha;
-    float s = a2 + (1.0 - a2) * sin2;
-    return inv_pi * a2 / (s * s);
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+vec3 triace_layered_half_vector(vec3 wi, vec3 wo) {
+    vec3 h = wi + wo;
+    return h / sqrt(triace_layered_length2(h));  // which triace_layered_cos_half needs as well
 }
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 float triace_layered_round_ggx_D(TriaceLayeredRoundGGX round_ggx, vec3 m) {
-    return triace_layered_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
+    const float inv_pi = 0.31830987;
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0 - a2) * (m.x * m.x + m.y * m.y);
+    return inv_pi * a2 / (s * s);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

@@ -35,6 +35,12 @@ struct TriaceLayered {
     thickness: f32,  // thickness of the upper layer, in the unit of sigma_a; 0 to 1, default 1
 }
 
+// What becomes of light at the surface of something denser.
+struct TriaceLayeredEntering {
+    F: f32,  // Is reflected
+    T: f32,  // Enters
+}
+
 // What Fresnel leaves of the lower layer's reflection, both crossings of the upper surface included.
 struct TriaceLayeredBottomFresnel {
     glossy: f32,  // Factor of the glossy reflection (Eq. 4 or 5)
@@ -66,10 +72,15 @@ struct TriaceLayeredGGX {
 
 // ---- evaluation ----------------------------------------------------------------------------
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+fn triace_layered_length2(h: vec3f) -> f32 {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn triace_layered_cos_half(wi: vec3f, wo: vec3f) -> f32 {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(triace_layered_length2(wi + wo));
 }
 
 // Reflectance of a dielectric at normal incidence, ((eta - 1) / (eta + 1))^2.
@@ -99,10 +110,16 @@ fn triace_layered_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
     return triace_layered_weight(triace_layered_cos_half(wi, wo), triace_layered_sin2_half(wi, wo));
 }
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-fn triace_layered_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    let h = wi + wo;
-    return h / length(h);  // which triace_layered_cos_half needs as well
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+fn triace_layered_slopes(h: vec3f) -> vec2f {
+    let inv = 1.0 / h.z;
+    return vec2f(h.x * inv, h.y * inv);
+}
+
+// Squared tangent of that facet's angle.
+fn triace_layered_tangent2(h: vec3f) -> f32 {
+    let t = triace_layered_slopes(h);
+    return t.x * t.x + t.y * t.y;
 }
 
 // atanh(y) / y for |y| < 1 / 7; with y = x / (2 + x) it is half of log(1 + x).
@@ -111,27 +128,26 @@ fn triace_layered_atanh_over(y: f32) -> f32 {
     return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * (1.0 / 9.0))));
 }
 
-// log(m.z) of a unit vector that is not below the horizon, exact where it is near the normal.
-fn triace_layered_log_cos(m: vec3f) -> f32 {
+// `log_cos` of the direction along h, which need not be unit.
+fn triace_layered_log_cos_along(h: vec3f) -> f32 {
     // Below this the series needs few terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
     const LOG1P_SMALL = 0.25;
-    const mu_min = 1.0e-18;  // cosine of the horizon
-    // log(cos) = -atanh(sin^2 / (1 + cos^2)): a sharp lobe needs the digits of the sine, not of the cosine
-    let sin2 = m.x * m.x + m.y * m.y;
-    let y = sin2 / (1.0 + m.z * m.z);
-    return select(log(max(m.z, mu_min)), -y * triace_layered_atanh_over(y), sin2 < LOG1P_SMALL);
+    // log(cos) = -log(1 + tan^2) / 2, of which tan^2 / (2 + tan^2) is the y above
+    let tan2 = triace_layered_tangent2(h);
+    let y = tan2 / (2.0 + tan2);
+    return select(-0.5 * log(1.0 + tan2), -y * triace_layered_atanh_over(y), tan2 < LOG1P_SMALL);
 }
 
-// (N.m)^exponent, exact for sharp lobes.
-fn triace_layered_cos_power(m: vec3f, exponent: f32) -> f32 {
-    return exp(exponent * triace_layered_log_cos(m));
+// (N.m)^exponent of the normal m along h, exact for sharp lobes.
+fn triace_layered_cos_power(h: vec3f, exponent: f32) -> f32 {
+    return exp(exponent * triace_layered_log_cos_along(h));
 }
 
 // (0.0397436 n + 0.0856832) (N.H)^n / max(mu_i, mu_o): Eq. 1's highlight without Fresnel.
 fn triace_layered_blinn_phong_highlight(wi: vec3f, wo: vec3f, shininess: f32) -> f32 {
     const NORM_SLOPE = 0.0397436;  // Eq. 1: the normalisation as a linear function of n.
     const NORM_OFFSET = 0.0856832;
-    let power = triace_layered_cos_power(triace_layered_half_vector(wi, wo), shininess);
+    let power = triace_layered_cos_power(wi + wo, shininess);
     return (NORM_SLOPE * shininess + NORM_OFFSET) * power / max(wi.z, wo.z);
 }
 
@@ -142,44 +158,37 @@ fn triace_layered_refracted_cos2(mu: f32, eta: f32) -> f32 {
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
-// The same from the squares of the sine and of g = eta cos(theta_t).
-fn triace_layered_F_dielectric(cos_theta: f32, sin2: f32, eta: f32, g2: f32) -> f32 {
-    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
-    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
-    // that the mean of both squares is a product.
-    let c = cos_theta;
-    let g = sqrt(g2);
+// F and T = 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside, mu > 0.
+fn triace_layered_split_entering(mu: f32, eta: f32) -> TriaceLayeredEntering {
+    // F as in `F_dielectric_half`; 1 - r_s^2 = 4 c g / s^2 with s = c + g, and 1 - r_p^2 = 4 c g eta^2 / (s
+    // q)^2 with q = c g + sin^2(theta). One quotient serves both.
+    let c = mu;
+    let g = sqrt(triace_layered_refracted_cos2(c, eta));
     let s = c + g;
     let p = c * g;
-    let r_s = (eta - 1.0) * (eta + 1.0) / (s * s);
+    let sin2 = 1.0 - c * c;
     let q = p + sin2;
-    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
+    let s2 = s * s;
+    let q2 = q * q;
+    let inv = 1.0 / (s2 * q2);
+    let r_s = (eta - 1.0) * (eta + 1.0) * (q2 * inv);
+    let F = r_s * r_s * ((p * p + sin2 * sin2) * (s2 * inv));
+    return TriaceLayeredEntering(F, p * inv * (2.0 * (q2 + eta * eta)));
 }
 
-// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
-fn triace_layered_F_dielectric_entering(cos_theta: f32, eta: f32) -> f32 {
-    const mu_min = 1.0e-18;  // cosine of the horizon
-    // c^2 with its rounding error: at grazing angles little else is left
-    let g2 = max(triace_layered_refracted_cos2(cos_theta, eta), mu_min * mu_min);
-    return triace_layered_F_dielectric(cos_theta, 1.0 - cos_theta * cos_theta, eta, g2);
+// `F_dielectric` of eta >= 1, which never reflects all light, at a cosine outside, mu > 0.
+fn triace_layered_F_dielectric_entering(mu: f32, eta: f32) -> f32 {
+    return triace_layered_split_entering(mu, eta).F;
 }
 
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
 fn triace_layered_transmittance_entering(mu: f32, eta: f32) -> f32 {
-    const mu_min = 1.0e-18;  // cosine of the horizon
-    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2 with q
-    // = c g + sin^2(theta)
-    let g = sqrt(max(triace_layered_refracted_cos2(mu, eta), mu_min * mu_min));
-    let s = mu + g;
-    let p = mu * g;
-    let q = p + (1.0 - mu * mu);
-    return 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
+    return triace_layered_split_entering(mu, eta).T;
 }
 
 // n times the cosine inside a layer of index n.
 fn triace_layered_below(cos_theta: f32, n: f32) -> f32 {
-    const mu_min = 1.0e-18;  // cosine of the horizon
-    return sqrt(max(triace_layered_refracted_cos2(cos_theta, n), mu_min * mu_min));
+    return sqrt(triace_layered_refracted_cos2(cos_theta, n));
 }
 
 fn triace_layered_sin2(cos_theta: f32) -> f32 {
@@ -243,14 +252,14 @@ fn triace_layered_eta2_cos2(mu: f32, excess: f32) -> f32 {
 
 // The direction inside a layer with eta >= 1 that belongs to w outside.
 fn triace_layered_refract(w: vec3f, excess: f32) -> vec3f {
-    return vec3f(w.x, w.y, sqrt(triace_layered_eta2_cos2(w.z, excess))) / (1.0 + excess);
+    return vec3f(w.x, w.y, sqrt(triace_layered_eta2_cos2(w.z, excess))) * (1.0 / (1.0 + excess));
 }
 
 // exp(-sigma_a d (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
 // wi, wo: refracted directions. sigma_a: absorption per unit of the thickness d.
 fn triace_layered_attenuation(sigma_a: vec3f, thickness: f32, wi: vec3f, wo: vec3f) -> vec3f {
-    return exp(-sigma_a * (thickness * (1.0 / wi.z + 1.0 / wo.z)));
+    return exp(-sigma_a * (thickness * ((wi.z + wo.z) / (wi.z * wo.z))));
 }
 
 // Eq. 2 or 3.
@@ -424,17 +433,18 @@ fn triace_layered_sample_cosine(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// triace_layered_round_ggx_D of a squared sine.
-fn triace_layered_round_ggx_at(round_ggx: TriaceLayeredRoundGGX, sin2: f32) -> f32 {
-    const inv_pi = 0.31830987;
-    let a2 = round_ggx.alpha * round_ggx.alpha;
-    let s = a2 + (1.0 - a2) * sin2;
-    return inv_pi * a2 / (s * s);
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn triace_layered_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    let h = wi + wo;
+    return h / sqrt(triace_layered_length2(h));  // which triace_layered_cos_half needs as well
 }
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 fn triace_layered_round_ggx_D(round_ggx: TriaceLayeredRoundGGX, m: vec3f) -> f32 {
-    return triace_layered_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
+    const inv_pi = 0.31830987;
+    let a2 = round_ggx.alpha * round_ggx.alpha;
+    let s = a2 + (1.0 - a2) * (m.x * m.x + m.y * m.y);
+    return inv_pi * a2 / (s * s);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

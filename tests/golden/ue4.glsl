@@ -55,10 +55,15 @@ vec3 ue4_f0(Ue4 params) {
     return mix(vec3(F0_SPECULAR * params.specular), params.base_color, vec3(params.metallic));
 }
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+float ue4_length2(vec3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float ue4_cos_half(vec3 wi, vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(ue4_length2(wi + wo));
 }
 
 // 1 - ue4_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
@@ -88,17 +93,25 @@ float ue4_alpha(Ue4 params) {
     return max(params.roughness * params.roughness, ALPHA_MIN);
 }
 
-// ue4_round_ggx_D of a squared sine.
-float ue4_round_ggx_at(Ue4RoundGGX round_ggx, float sin2) {
-    const float inv_pi = 0.31830987;
-    float a2 = round_ggx.alpha * round_ggx.alpha;
-    float s = a2 + (1.0 - a2) * sin2;
-    return inv_pi * a2 / (s * s);
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+vec2 ue4_slopes(vec3 h) {
+    float inv = 1.0 / h.z;
+    return vec2(h.x * inv, h.y * inv);
+}
+
+// Squared tangent of that facet's angle.
+float ue4_tangent2(vec3 h) {
+    vec2 t = ue4_slopes(h);
+    return t.x * t.x + t.y * t.y;
 }
 
 // ue4_round_ggx_D at the normal along h, which need not be unit.
 float ue4_round_ggx_D_along(Ue4RoundGGX round_ggx, vec3 h) {
-    return ue4_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
+    const float inv_pi = 0.31830987;
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float tan2 = ue4_tangent2(h);
+    float r = (1.0 + tan2) / (a2 + tan2);
+    return inv_pi * a2 * (r * r);
 }
 
 // k = (r + 1)^2 / 8 of Unreal Engine 4's punctual lights; r is the perceptual roughness.
@@ -135,7 +148,7 @@ vec3 ue4_eval(Ue4 params, vec3 wi, vec3 wo) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 ue4_half_vector(vec3 wi, vec3 wo) {
     vec3 h = wi + wo;
-    return h / length(h);  // which ue4_cos_half needs as well
+    return h / sqrt(ue4_length2(h));  // which ue4_cos_half needs as well
 }
 
 // (1 - cos_theta)^5 of Schlick's approximation.
@@ -255,7 +268,10 @@ float ue4_pdf_cosine(vec3 w) {
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 float ue4_round_ggx_D(Ue4RoundGGX round_ggx, vec3 m) {
-    return ue4_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
+    const float inv_pi = 0.31830987;
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0 - a2) * (m.x * m.x + m.y * m.y);
+    return inv_pi * a2 / (s * s);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

@@ -43,10 +43,6 @@ inline float dot(Vec3 a, Vec3 b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-inline float length(Vec3 a) {
-    return sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
-}
-
 inline Vec3 normalize(Vec3 a) {
     float inv = 1.0f / sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
     return Vec3{a.x * inv, a.y * inv, a.z * inv};
@@ -142,10 +138,15 @@ inline Vec3 ue4_f0(const Ue4& params) {
     return lerp(splat(F0_SPECULAR * params.specular), params.base_color, splat(params.metallic));
 }
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+inline float ue4_length2(Vec3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float ue4_cos_half(Vec3 wi, Vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5f * length(wi + wo);
+    return 0.5f * sqrtf(ue4_length2(wi + wo));
 }
 
 // 1 - ue4_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
@@ -172,16 +173,24 @@ inline float ue4_alpha(const Ue4& params) {
     return fmaxf(params.roughness * params.roughness, ALPHA_MIN);
 }
 
-// ue4_round_ggx_D of a squared sine.
-inline float ue4_round_ggx_at(Ue4RoundGGX round_ggx, float sin2) {
-    float a2 = round_ggx.alpha * round_ggx.alpha;
-    float s = a2 + (1.0f - a2) * sin2;
-    return inv_pi * a2 / (s * s);
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+inline Vec2 ue4_slopes(Vec3 h) {
+    float inv = 1.0f / h.z;
+    return Vec2{h.x * inv, h.y * inv};
+}
+
+// Squared tangent of that facet's angle.
+inline float ue4_tangent2(Vec3 h) {
+    Vec2 t = ue4_slopes(h);
+    return t.x * t.x + t.y * t.y;
 }
 
 // ue4_round_ggx_D at the normal along h, which need not be unit.
 inline float ue4_round_ggx_D_along(Ue4RoundGGX round_ggx, Vec3 h) {
-    return ue4_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float tan2 = ue4_tangent2(h);
+    float r = (1.0f + tan2) / (a2 + tan2);
+    return inv_pi * a2 * (r * r);
 }
 
 // k = (r + 1)^2 / 8 of Unreal Engine 4's punctual lights; r is the perceptual roughness.
@@ -216,7 +225,7 @@ inline Vec3 ue4_eval(const Ue4& params, Vec3 wi, Vec3 wo) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 ue4_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / length(h);  // which ue4_cos_half needs as well
+    return h / sqrtf(ue4_length2(h));  // which ue4_cos_half needs as well
 }
 
 // (1 - cos_theta)^5 of Schlick's approximation.
@@ -320,7 +329,9 @@ inline float ue4_pdf_cosine(Vec3 w) {
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 inline float ue4_round_ggx_D(Ue4RoundGGX round_ggx, Vec3 m) {
-    return ue4_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0f - a2) * (m.x * m.x + m.y * m.y);
+    return inv_pi * a2 / (s * s);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

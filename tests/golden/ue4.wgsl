@@ -55,10 +55,15 @@ fn ue4_f0(params: Ue4) -> vec3f {
     return mix(vec3f(F0_SPECULAR * params.specular), params.base_color, vec3f(params.metallic));
 }
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+fn ue4_length2(h: vec3f) -> f32 {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn ue4_cos_half(wi: vec3f, wo: vec3f) -> f32 {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(ue4_length2(wi + wo));
 }
 
 // 1 - ue4_cos_half^2, the squared sine at which light meets the facet: of half the length of wi - wo.
@@ -88,17 +93,25 @@ fn ue4_alpha(params: Ue4) -> f32 {
     return max(params.roughness * params.roughness, ALPHA_MIN);
 }
 
-// ue4_round_ggx_D of a squared sine.
-fn ue4_round_ggx_at(round_ggx: Ue4RoundGGX, sin2: f32) -> f32 {
-    const inv_pi = 0.31830987;
-    let a2 = round_ggx.alpha * round_ggx.alpha;
-    let s = a2 + (1.0 - a2) * sin2;
-    return inv_pi * a2 / (s * s);
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+fn ue4_slopes(h: vec3f) -> vec2f {
+    let inv = 1.0 / h.z;
+    return vec2f(h.x * inv, h.y * inv);
+}
+
+// Squared tangent of that facet's angle.
+fn ue4_tangent2(h: vec3f) -> f32 {
+    let t = ue4_slopes(h);
+    return t.x * t.x + t.y * t.y;
 }
 
 // ue4_round_ggx_D at the normal along h, which need not be unit.
 fn ue4_round_ggx_D_along(round_ggx: Ue4RoundGGX, h: vec3f) -> f32 {
-    return ue4_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
+    const inv_pi = 0.31830987;
+    let a2 = round_ggx.alpha * round_ggx.alpha;
+    let tan2 = ue4_tangent2(h);
+    let r = (1.0 + tan2) / (a2 + tan2);
+    return inv_pi * a2 * (r * r);
 }
 
 // k = (r + 1)^2 / 8 of Unreal Engine 4's punctual lights; r is the perceptual roughness.
@@ -135,7 +148,7 @@ fn ue4_eval(params: Ue4, wi: vec3f, wo: vec3f) -> vec3f {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn ue4_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / length(h);  // which ue4_cos_half needs as well
+    return h / sqrt(ue4_length2(h));  // which ue4_cos_half needs as well
 }
 
 // (1 - cos_theta)^5 of Schlick's approximation.
@@ -255,7 +268,10 @@ fn ue4_pdf_cosine(w: vec3f) -> f32 {
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 fn ue4_round_ggx_D(round_ggx: Ue4RoundGGX, m: vec3f) -> f32 {
-    return ue4_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
+    const inv_pi = 0.31830987;
+    let a2 = round_ggx.alpha * round_ggx.alpha;
+    let s = a2 + (1.0 - a2) * (m.x * m.x + m.y * m.y);
+    return inv_pi * a2 / (s * s);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

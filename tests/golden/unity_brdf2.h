@@ -43,10 +43,6 @@ inline float dot(Vec3 a, Vec3 b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-inline float length(Vec3 a) {
-    return sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
-}
-
 inline Vec3 normalize(Vec3 a) {
     float inv = 1.0f / sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
     return Vec3{a.x * inv, a.y * inv, a.z * inv};
@@ -143,16 +139,21 @@ inline Vec3 unity_brdf2_specular(const UnityBrdf2& params) {
     return lerp(splat(F0_DIELECTRIC), params.base_color, splat(params.metallic));
 }
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+inline float unity_brdf2_length2(Vec3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 unity_brdf2_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / length(h);  // which unity_brdf2_cos_half needs as well
+    return h / sqrtf(unity_brdf2_length2(h));  // which unity_brdf2_cos_half needs as well
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float unity_brdf2_cos_half(Vec3 wi, Vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5f * length(wi + wo);
+    return 0.5f * sqrtf(unity_brdf2_length2(wi + wo));
 }
 
 // The highlight without its colour.
@@ -280,16 +281,11 @@ inline float unity_brdf2_pdf_cosine(Vec3 w) {
     return w.z * inv_pi;
 }
 
-// unity_brdf2_round_ggx_D of a squared sine.
-inline float unity_brdf2_round_ggx_at(UnityBrdf2RoundGGX round_ggx, float sin2) {
-    float a2 = round_ggx.alpha * round_ggx.alpha;
-    float s = a2 + (1.0f - a2) * sin2;
-    return inv_pi * a2 / (s * s);
-}
-
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 inline float unity_brdf2_round_ggx_D(UnityBrdf2RoundGGX round_ggx, Vec3 m) {
-    return unity_brdf2_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0f - a2) * (m.x * m.x + m.y * m.y);
+    return inv_pi * a2 / (s * s);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

@@ -60,16 +60,21 @@ inline float3 unity_brdf2_specular(UnityBrdf2 params) {
     return mix(float3(F0_DIELECTRIC), params.base_color, float3(params.metallic));
 }
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+inline float unity_brdf2_length2(float3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline float3 unity_brdf2_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    return h / length(h);  // which unity_brdf2_cos_half needs as well
+    return h / sqrt(unity_brdf2_length2(h));  // which unity_brdf2_cos_half needs as well
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float unity_brdf2_cos_half(float3 wi, float3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(unity_brdf2_length2(wi + wo));
 }
 
 // The highlight without its colour.
@@ -221,17 +226,12 @@ inline float unity_brdf2_pdf_cosine(float3 w) {
     return w.z * inv_pi;
 }
 
-// unity_brdf2_round_ggx_D of a squared sine.
-inline float unity_brdf2_round_ggx_at(UnityBrdf2RoundGGX round_ggx, float sin2) {
-    const float inv_pi = 0.31830987;
-    float a2 = round_ggx.alpha * round_ggx.alpha;
-    float s = a2 + (1.0 - a2) * sin2;
-    return inv_pi * a2 / (s * s);
-}
-
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 inline float unity_brdf2_round_ggx_D(UnityBrdf2RoundGGX round_ggx, float3 m) {
-    return unity_brdf2_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
+    const float inv_pi = 0.31830987;
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0 - a2) * (m.x * m.x + m.y * m.y);
+    return inv_pi * a2 / (s * s);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

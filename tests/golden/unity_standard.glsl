@@ -63,10 +63,15 @@ vec3 unity_standard_f0(UnityStandard params) {
     return mix(vec3(F0_DIELECTRIC), params.base_color, vec3(params.metallic));
 }
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+float unity_standard_length2(vec3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float unity_standard_cos_half(vec3 wi, vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(unity_standard_length2(wi + wo));
 }
 
 // 1 - unity_standard_cos_half^2, the squared sine at which light meets the facet: of half the length of wi
@@ -100,17 +105,25 @@ float unity_standard_alpha(UnityStandard params) {
     return max(params.roughness * params.roughness, ALPHA_UNITY);
 }
 
-// unity_standard_round_ggx_D of a squared sine.
-float unity_standard_round_ggx_at(UnityStandardRoundGGX round_ggx, float sin2) {
-    const float inv_pi = 0.31830987;
-    float a2 = round_ggx.alpha * round_ggx.alpha;
-    float s = a2 + (1.0 - a2) * sin2;
-    return inv_pi * a2 / (s * s);
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+vec2 unity_standard_slopes(vec3 h) {
+    float inv = 1.0 / h.z;
+    return vec2(h.x * inv, h.y * inv);
+}
+
+// Squared tangent of that facet's angle.
+float unity_standard_tangent2(vec3 h) {
+    vec2 t = unity_standard_slopes(h);
+    return t.x * t.x + t.y * t.y;
 }
 
 // unity_standard_round_ggx_D at the normal along h, which need not be unit.
 float unity_standard_round_ggx_D_along(UnityStandardRoundGGX round_ggx, vec3 h) {
-    return unity_standard_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
+    const float inv_pi = 0.31830987;
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float tan2 = unity_standard_tangent2(h);
+    float r = (1.0 + tan2) / (a2 + tan2);
+    return inv_pi * a2 * (r * r);
 }
 
 // D V: the highlight without F.
@@ -145,7 +158,7 @@ vec3 unity_standard_eval(UnityStandard params, vec3 wi, vec3 wo) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 unity_standard_half_vector(vec3 wi, vec3 wo) {
     vec3 h = wi + wo;
-    return h / length(h);  // which unity_standard_cos_half needs as well
+    return h / sqrt(unity_standard_length2(h));  // which unity_standard_cos_half needs as well
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -261,7 +274,10 @@ float unity_standard_pdf_cosine(vec3 w) {
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 float unity_standard_round_ggx_D(UnityStandardRoundGGX round_ggx, vec3 m) {
-    return unity_standard_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
+    const float inv_pi = 0.31830987;
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0 - a2) * (m.x * m.x + m.y * m.y);
+    return inv_pi * a2 / (s * s);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

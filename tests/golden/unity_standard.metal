@@ -66,10 +66,15 @@ inline float3 unity_standard_f0(UnityStandard params) {
     return mix(float3(F0_DIELECTRIC), params.base_color, float3(params.metallic));
 }
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+inline float unity_standard_length2(float3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float unity_standard_cos_half(float3 wi, float3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(unity_standard_length2(wi + wo));
 }
 
 // 1 - unity_standard_cos_half^2, the squared sine at which light meets the facet: of half the length of wi
@@ -103,17 +108,25 @@ inline float unity_standard_alpha(UnityStandard params) {
     return max(params.roughness * params.roughness, ALPHA_UNITY);
 }
 
-// unity_standard_round_ggx_D of a squared sine.
-inline float unity_standard_round_ggx_at(UnityStandardRoundGGX round_ggx, float sin2) {
-    const float inv_pi = 0.31830987;
-    float a2 = round_ggx.alpha * round_ggx.alpha;
-    float s = a2 + (1.0 - a2) * sin2;
-    return inv_pi * a2 / (s * s);
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+inline float2 unity_standard_slopes(float3 h) {
+    float inv = 1.0 / h.z;
+    return float2(h.x * inv, h.y * inv);
+}
+
+// Squared tangent of that facet's angle.
+inline float unity_standard_tangent2(float3 h) {
+    float2 t = unity_standard_slopes(h);
+    return t.x * t.x + t.y * t.y;
 }
 
 // unity_standard_round_ggx_D at the normal along h, which need not be unit.
 inline float unity_standard_round_ggx_D_along(UnityStandardRoundGGX round_ggx, float3 h) {
-    return unity_standard_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
+    const float inv_pi = 0.31830987;
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float tan2 = unity_standard_tangent2(h);
+    float r = (1.0 + tan2) / (a2 + tan2);
+    return inv_pi * a2 * (r * r);
 }
 
 // D V: the highlight without F.
@@ -148,7 +161,7 @@ inline float3 unity_standard_eval(UnityStandard params, float3 wi, float3 wo) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline float3 unity_standard_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    return h / length(h);  // which unity_standard_cos_half needs as well
+    return h / sqrt(unity_standard_length2(h));  // which unity_standard_cos_half needs as well
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -269,7 +282,10 @@ inline float unity_standard_pdf_cosine(float3 w) {
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 inline float unity_standard_round_ggx_D(UnityStandardRoundGGX round_ggx, float3 m) {
-    return unity_standard_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
+    const float inv_pi = 0.31830987;
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float s = a2 + (1.0 - a2) * (m.x * m.x + m.y * m.y);
+    return inv_pi * a2 / (s * s);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

@@ -63,10 +63,15 @@ fn unity_standard_f0(params: UnityStandard) -> vec3f {
     return mix(vec3f(F0_DIELECTRIC), params.base_color, vec3f(params.metallic));
 }
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+fn unity_standard_length2(h: vec3f) -> f32 {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn unity_standard_cos_half(wi: vec3f, wo: vec3f) -> f32 {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(unity_standard_length2(wi + wo));
 }
 
 // 1 - unity_standard_cos_half^2, the squared sine at which light meets the facet: of half the length of wi
@@ -100,17 +105,25 @@ fn unity_standard_alpha(params: UnityStandard) -> f32 {
     return max(params.roughness * params.roughness, ALPHA_UNITY);
 }
 
-// unity_standard_round_ggx_D of a squared sine.
-fn unity_standard_round_ggx_at(round_ggx: UnityStandardRoundGGX, sin2: f32) -> f32 {
-    const inv_pi = 0.31830987;
-    let a2 = round_ggx.alpha * round_ggx.alpha;
-    let s = a2 + (1.0 - a2) * sin2;
-    return inv_pi * a2 / (s * s);
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+fn unity_standard_slopes(h: vec3f) -> vec2f {
+    let inv = 1.0 / h.z;
+    return vec2f(h.x * inv, h.y * inv);
+}
+
+// Squared tangent of that facet's angle.
+fn unity_standard_tangent2(h: vec3f) -> f32 {
+    let t = unity_standard_slopes(h);
+    return t.x * t.x + t.y * t.y;
 }
 
 // unity_standard_round_ggx_D at the normal along h, which need not be unit.
 fn unity_standard_round_ggx_D_along(round_ggx: UnityStandardRoundGGX, h: vec3f) -> f32 {
-    return unity_standard_round_ggx_at(round_ggx, (h.x * h.x + h.y * h.y) / dot(h, h));
+    const inv_pi = 0.31830987;
+    let a2 = round_ggx.alpha * round_ggx.alpha;
+    let tan2 = unity_standard_tangent2(h);
+    let r = (1.0 + tan2) / (a2 + tan2);
+    return inv_pi * a2 * (r * r);
 }
 
 // D V: the highlight without F.
@@ -145,7 +158,7 @@ fn unity_standard_eval(params: UnityStandard, wi: vec3f, wo: vec3f) -> vec3f {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn unity_standard_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / length(h);  // which unity_standard_cos_half needs as well
+    return h / sqrt(unity_standard_length2(h));  // which unity_standard_cos_half needs as well
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -262,7 +275,10 @@ fn unity_standard_pdf_cosine(w: vec3f) -> f32 {
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
 fn unity_standard_round_ggx_D(round_ggx: UnityStandardRoundGGX, m: vec3f) -> f32 {
-    return unity_standard_round_ggx_at(round_ggx, m.x * m.x + m.y * m.y);
+    const inv_pi = 0.31830987;
+    let a2 = round_ggx.alpha * round_ggx.alpha;
+    let s = a2 + (1.0 - a2) * (m.x * m.x + m.y * m.y);
+    return inv_pi * a2 / (s * s);
 }
 
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.

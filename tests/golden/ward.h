@@ -37,10 +37,6 @@ inline float dot(Vec3 a, Vec3 b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-inline float length(Vec3 a) {
-    return sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
-}
-
 inline Vec3 normalize(Vec3 a) {
     float inv = 1.0f / sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
     return Vec3{a.x * inv, a.y * inv, a.z * inv};
@@ -126,10 +122,15 @@ inline Vec3 ward_eval_round(const Ward& params) {
     return params.rho * inv_pi;
 }
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+inline float ward_length2(Vec3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 ward_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / length(h);  // which ward_cos_half needs as well
+    return h / sqrtf(ward_length2(h));  // which ward_cos_half needs as well
 }
 
 inline WardBeckmann ward_facets(const Ward& params) {
@@ -230,7 +231,7 @@ inline float ward_pdf_cosine(Vec3 w) {
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float ward_cos_half(Vec3 wi, Vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5f * length(wi + wo);
+    return 0.5f * sqrtf(ward_length2(wi + wo));
 }
 
 // Density of ward_mirror in 1/sr, if m has the given density and cos_h = wo . m.

@@ -46,10 +46,15 @@ float3 ward_eval_round(Ward params) {
     return params.rho * inv_pi;
 }
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+float ward_length2(float3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 float3 ward_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    return h / length(h);  // which ward_cos_half needs as well
+    return h / sqrt(ward_length2(h));  // which ward_cos_half needs as well
 }
 
 WardBeckmann ward_facets(Ward params) {
@@ -178,7 +183,7 @@ float ward_pdf_cosine(float3 w) {
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float ward_cos_half(float3 wi, float3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(ward_length2(wi + wo));
 }
 
 // Density of ward_mirror in 1/sr, if m has the given density and cos_h = wo . m.

@@ -46,10 +46,15 @@ fn ward_eval_round(params: Ward) -> vec3f {
     return params.rho * inv_pi;
 }
 
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+fn ward_length2(h: vec3f) -> f32 {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn ward_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / length(h);  // which ward_cos_half needs as well
+    return h / sqrt(ward_length2(h));  // which ward_cos_half needs as well
 }
 
 fn ward_facets(params: Ward) -> WardBeckmann {
@@ -171,7 +176,7 @@ fn ward_pdf_cosine(w: vec3f) -> f32 {
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 fn ward_cos_half(wi: vec3f, wo: vec3f) -> f32 {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(ward_length2(wi + wo));
 }
 
 // Density of ward_mirror in 1/sr, if m has the given density and cos_h = wo . m.

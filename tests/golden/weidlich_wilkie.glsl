@@ -43,6 +43,12 @@ struct WeidlichWilkie {
     WeidlichWilkieBase base;  // what lies below; its indices are relative to the coat
 };
 
+// What becomes of light at the surface of something denser.
+struct WeidlichWilkieEntering {
+    float F;  // Is reflected
+    float T;  // Enters
+};
+
 // WeidlichWilkieBeckmann facets of the same width in all directions.
 struct WeidlichWilkieRoundBeckmann {
     float alpha;  // width of the slopes
@@ -75,20 +81,25 @@ float weidlich_wilkie_eta2_cos2(float mu, float excess) {
 
 // The direction inside a layer with eta >= 1 that belongs to w outside.
 vec3 weidlich_wilkie_refract(vec3 w, float excess) {
-    return vec3(w.x, w.y, sqrt(weidlich_wilkie_eta2_cos2(w.z, excess))) / (1.0 + excess);
+    return vec3(w.x, w.y, sqrt(weidlich_wilkie_eta2_cos2(w.z, excess))) * (1.0 / (1.0 + excess));
 }
 
 // exp(-sigma_a d (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
 // wi, wo: refracted directions. sigma_a: absorption per unit of the thickness d.
 vec3 weidlich_wilkie_attenuation(vec3 sigma_a, float thickness, vec3 wi, vec3 wo) {
-    return exp(-sigma_a * (thickness * (1.0 / wi.z + 1.0 / wo.z)));
+    return exp(-sigma_a * (thickness * ((wi.z + wo.z) / (wi.z * wo.z))));
+}
+
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+float weidlich_wilkie_length2(vec3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 float weidlich_wilkie_cos_half(vec3 wi, vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * length(wi + wo);
+    return 0.5 * sqrt(weidlich_wilkie_length2(wi + wo));
 }
 
 // eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
@@ -98,16 +109,27 @@ float weidlich_wilkie_refracted_cos2(float mu, float eta) {
     return fma(mu, mu, (eta - 1.0) * (eta + 1.0));
 }
 
+// F and T = 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside, mu > 0.
+WeidlichWilkieEntering weidlich_wilkie_split_entering(float mu, float eta) {
+    // F as in `F_dielectric_half`; 1 - r_s^2 = 4 c g / s^2 with s = c + g, and 1 - r_p^2 = 4 c g eta^2 / (s
+    // q)^2 with q = c g + sin^2(theta). One quotient serves both.
+    float c = mu;
+    float g = sqrt(weidlich_wilkie_refracted_cos2(c, eta));
+    float s = c + g;
+    float p = c * g;
+    float sin2 = 1.0 - c * c;
+    float q = p + sin2;
+    float s2 = s * s;
+    float q2 = q * q;
+    float inv = 1.0 / (s2 * q2);
+    float r_s = (eta - 1.0) * (eta + 1.0) * (q2 * inv);
+    float F = r_s * r_s * ((p * p + sin2 * sin2) * (s2 * inv));
+    return WeidlichWilkieEntering(F, p * inv * (2.0 * (q2 + eta * eta)));
+}
+
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
 float weidlich_wilkie_transmittance_entering(float mu, float eta) {
-    const float mu_min = 1.0e-18;  // cosine of the horizon
-    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2 with q
-    // = c g + sin^2(theta)
-    float g = sqrt(max(weidlich_wilkie_refracted_cos2(mu, eta), mu_min * mu_min));
-    float s = mu + g;
-    float p = mu * g;
-    float q = p + (1.0 - mu * mu);
-    return 2.0 * p * (q * q + eta * eta) / (s * s * (q * q));
+    return weidlich_wilkie_split_entering(mu, eta).T;
 }
 
 // 1 - G of V-grooves, 1 - 4 h.z min(mu_i, mu_o) / |h|^2 with h = wi + wo, exact where G is nearly 1.
@@ -117,13 +139,13 @@ float weidlich_wilkie_lost_cook_torrance(vec3 wi, vec3 wo) {
     float high = max(wi.z, wo.z);
     // h.z^2 - 4 h.z low = h.z (high - 3 low); in two steps, both are exact where G is nearly 1
     float rest = high - 2.0 * low - low;
-    return max((h.x * h.x + h.y * h.y + h.z * rest) / dot(h, h), 0.0);
+    return max((h.x * h.x + h.y * h.y + h.z * rest) / weidlich_wilkie_length2(h), 0.0);
 }
 
 // T12 t of Eq. 2 and 4 with lost = 1 - G.
 float weidlich_wilkie_past_facets(float T, float lost) {
     // 1 - G F would lose the digits of a small T
-    return T * (lost + T * (1.0 - lost));
+    return T * (T + lost * (1.0 - T));
 }
 
 // T12 t: what the surface lets in and out again.
@@ -139,49 +161,36 @@ vec3 weidlich_wilkie_base_eval_above(WeidlichWilkieBase params) {
     return params.rho * inv_pi;
 }
 
-// The same from the squares of the sine and of g = eta cos(theta_t).
-float weidlich_wilkie_F_dielectric(float cos_theta, float sin2, float eta, float g2) {
-    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
-    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
-    // that the mean of both squares is a product.
-    float c = cos_theta;
-    float g = sqrt(g2);
-    float s = c + g;
-    float p = c * g;
-    float r_s = (eta - 1.0) * (eta + 1.0) / (s * s);
-    float q = p + sin2;
-    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
-}
-
-// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
-float weidlich_wilkie_F_dielectric_entering(float cos_theta, float eta) {
-    const float mu_min = 1.0e-18;  // cosine of the horizon
-    // c^2 with its rounding error: at grazing angles little else is left
-    float g2 = max(weidlich_wilkie_refracted_cos2(cos_theta, eta), mu_min * mu_min);
-    return weidlich_wilkie_F_dielectric(cos_theta, 1.0 - cos_theta * cos_theta, eta, g2);
+// `F_dielectric` of eta >= 1, which never reflects all light, at a cosine outside, mu > 0.
+float weidlich_wilkie_F_dielectric_entering(float mu, float eta) {
+    return weidlich_wilkie_split_entering(mu, eta).F;
 }
 
 WeidlichWilkieRoundBeckmann weidlich_wilkie_facets(WeidlichWilkie params) {
     return WeidlichWilkieRoundBeckmann(params.alpha);
 }
 
-// weidlich_wilkie_round_beckmann_D of the squares of a sine and its cosine.
-float weidlich_wilkie_round_beckmann_at(WeidlichWilkieRoundBeckmann round_beckmann, float sin2,
-    float cos2) {
-    // Square of the cosine below which exp(-tan^2 / alpha^2) is 0 in any precision, for alpha up to 3.2.
-    const float COS2_MIN = 1.0e-6;
-    const float inv_pi = 0.31830987;
-    float inv_cos2 = 1.0 / max(cos2, COS2_MIN);
-    float a2 = round_beckmann.alpha * round_beckmann.alpha;
-    return inv_pi / a2 * inv_cos2 * inv_cos2 * exp(-sin2 * inv_cos2 / a2);
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+vec2 weidlich_wilkie_slopes(vec3 h) {
+    float inv = 1.0 / h.z;
+    return vec2(h.x * inv, h.y * inv);
+}
+
+// Squared tangent of that facet's angle.
+float weidlich_wilkie_tangent2(vec3 h) {
+    vec2 t = weidlich_wilkie_slopes(h);
+    return t.x * t.x + t.y * t.y;
 }
 
 // weidlich_wilkie_round_beckmann_D at the normal along h, which need not be unit.
 float weidlich_wilkie_round_beckmann_D_along(WeidlichWilkieRoundBeckmann round_beckmann,
     vec3 h) {
-    float length2 = dot(h, h);
-    return weidlich_wilkie_round_beckmann_at(round_beckmann, (h.x * h.x + h.y * h.y) / length2,
-        h.z * h.z / length2);
+    const float inv_pi = 0.31830987;
+    float inv_a2 = 1.0 / (round_beckmann.alpha * round_beckmann.alpha);
+    float tan2 = weidlich_wilkie_tangent2(h);
+    // The root of D, as 1 / cos^4 leaves a float32 where the exponential is 0
+    float root = (1.0 + tan2) * exp(-0.5 * tan2 * inv_a2);
+    return inv_pi * inv_a2 * (root * root);
 }
 
 // Of V-grooves: min(1, 2 m.z mu_o / wo.m, 2 m.z mu_i / wo.m).
@@ -189,7 +198,7 @@ float weidlich_wilkie_G_cook_torrance(vec3 wi, vec3 wo) {
     // 2 m.z / wo.m = 4 h.z / |h|^2, without a root
     vec3 h = wi + wo;
     // The 4 comes last: V takes a quarter of it, and a compiler both away
-    return 4.0 * min(h.z * min(wi.z, wo.z) / dot(h, h), 0.25);
+    return 4.0 * min(h.z * min(wi.z, wo.z) / weidlich_wilkie_length2(h), 0.25);
 }
 
 // G over 4 mu_i mu_o.
@@ -197,8 +206,7 @@ float weidlich_wilkie_V_cook_torrance(vec3 wi, vec3 wo) {
     // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
     // it still is a float32. It is reached at cosines of 5e-16.
     const float V_MAX = 1.0e30;
-    // One quotient after the other: the derivative by the product of two small cosines would be infinite
-    return min(0.25 * weidlich_wilkie_G_cook_torrance(wi, wo) / wi.z / wo.z, V_MAX);
+    return min(0.25 * weidlich_wilkie_G_cook_torrance(wi, wo) / (wi.z * wo.z), V_MAX);
 }
 
 // Eq. 2: BRDF value in 1/sr, without the cosine.
@@ -223,7 +231,7 @@ vec3 weidlich_wilkie_eval(WeidlichWilkie params, vec3 wi, vec3 wo) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 weidlich_wilkie_half_vector(vec3 wi, vec3 wo) {
     vec3 h = wi + wo;
-    return h / length(h);  // which weidlich_wilkie_cos_half needs as well
+    return h / sqrt(weidlich_wilkie_length2(h));  // which weidlich_wilkie_cos_half needs as well
 }
 
 // A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
@@ -426,7 +434,13 @@ float weidlich_wilkie_base_pdf_leaving(vec3 wi, vec3 wo, float excess) {
 
 // Density of facets, in 1/sr. Walter et al., Eq. 25.
 float weidlich_wilkie_round_beckmann_D(WeidlichWilkieRoundBeckmann round_beckmann, vec3 m) {
-    return weidlich_wilkie_round_beckmann_at(round_beckmann, m.x * m.x + m.y * m.y, m.z * m.z);
+    // Square of the cosine below which exp(-tan^2 / alpha^2) is 0 in any precision, for alpha up to 3.2.
+    const float COS2_MIN = 1.0e-6;
+    const float inv_pi = 0.31830987;
+    float inv_cos2 = 1.0 / max(m.z * m.z, COS2_MIN);
+    float inv_a2 = 1.0 / (round_beckmann.alpha * round_beckmann.alpha);
+    float sin2 = m.x * m.x + m.y * m.y;
+    return inv_pi * inv_a2 * inv_cos2 * inv_cos2 * exp(-sin2 * inv_cos2 * inv_a2);
 }
 
 // Density of weidlich_wilkie_round_beckmann_sample in 1/sr.

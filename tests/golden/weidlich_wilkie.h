@@ -49,10 +49,6 @@ inline float dot(Vec3 a, Vec3 b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-inline float length(Vec3 a) {
-    return sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
-}
-
 inline Vec3 normalize(Vec3 a) {
     float inv = 1.0f / sqrtf(a.x * a.x + a.y * a.y + a.z * a.z);
     return Vec3{a.x * inv, a.y * inv, a.z * inv};
@@ -93,10 +89,6 @@ inline Vec3 exp(Vec3 a) {
 constexpr float two_pi = 6.2831855f;
 constexpr float inv_pi = 0.31830987f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
-// Square of the cosine below which exp(-tan^2 / alpha^2) is 0 in any precision, for alpha up to 3.2.
-constexpr float COS2_MIN = 1.0e-6f;
-// Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-constexpr float RANDOM_MARGIN = 5.9604645e-8f;
 // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
 // it still is a float32. It is reached at cosines of 5e-16.
 constexpr float V_MAX = 1.0e30f;
@@ -121,6 +113,10 @@ constexpr float LEAVE_MIN = 1.0e-12f;
 // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
 // its reciprocal still fits into a float32.
 constexpr float SIN2_MIN = 1.0e-18f;
+// Square of the cosine below which exp(-tan^2 / alpha^2) is 0 in any precision, for alpha up to 3.2.
+constexpr float COS2_MIN = 1.0e-6f;
+// Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+constexpr float RANDOM_MARGIN = 5.9604645e-8f;
 // Steps of the rule in weidlich_wilkie_albedo: a Fibonacci number, and the golden ratio.
 constexpr float ALBEDO_SAMPLES = 987.0f;
 constexpr float GOLDEN = 0.618034f;
@@ -148,6 +144,12 @@ struct WeidlichWilkie {
     Vec3 sigma_a;  // absorption of the coat per unit of thickness; 0 to 10, default (0, 0, 0)
     float thickness;  // thickness of the coat, in the unit of sigma_a; 0 to 1, default 1
     WeidlichWilkieBase base;  // what lies below; its indices are relative to the coat
+};
+
+// What becomes of light at the surface of something denser.
+struct WeidlichWilkieEntering {
+    float F;  // Is reflected
+    float T;  // Enters
 };
 
 // WeidlichWilkieBeckmann facets of the same width in all directions.
@@ -182,20 +184,25 @@ inline float weidlich_wilkie_eta2_cos2(float mu, float excess) {
 
 // The direction inside a layer with eta >= 1 that belongs to w outside.
 inline Vec3 weidlich_wilkie_refract(Vec3 w, float excess) {
-    return Vec3{w.x, w.y, sqrtf(weidlich_wilkie_eta2_cos2(w.z, excess))} / (1.0f + excess);
+    return Vec3{w.x, w.y, sqrtf(weidlich_wilkie_eta2_cos2(w.z, excess))} * (1.0f / (1.0f + excess));
 }
 
 // exp(-sigma_a d (1 / mu_i + 1 / mu_o)): what is left of light after its way in and out (Bouguer).
 //
 // wi, wo: refracted directions. sigma_a: absorption per unit of the thickness d.
 inline Vec3 weidlich_wilkie_attenuation(Vec3 sigma_a, float thickness, Vec3 wi, Vec3 wo) {
-    return exp(-sigma_a * (thickness * (1.0f / wi.z + 1.0f / wo.z)));
+    return exp(-sigma_a * (thickness * ((wi.z + wo.z) / (wi.z * wo.z))));
+}
+
+// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
+inline float weidlich_wilkie_length2(Vec3 h) {
+    return h.x * h.x + h.y * h.y + h.z * h.z;
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
 inline float weidlich_wilkie_cos_half(Vec3 wi, Vec3 wo) {
     // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5f * length(wi + wo);
+    return 0.5f * sqrtf(weidlich_wilkie_length2(wi + wo));
 }
 
 // eta^2 cos^2(theta_t) = mu^2 + eta^2 - 1; negative where light is reflected totally.
@@ -205,15 +212,27 @@ inline float weidlich_wilkie_refracted_cos2(float mu, float eta) {
     return fmaf(mu, mu, (eta - 1.0f) * (eta + 1.0f));
 }
 
+// F and T = 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside, mu > 0.
+inline WeidlichWilkieEntering weidlich_wilkie_split_entering(float mu, float eta) {
+    // F as in `F_dielectric_half`; 1 - r_s^2 = 4 c g / s^2 with s = c + g, and 1 - r_p^2 = 4 c g eta^2 / (s
+    // q)^2 with q = c g + sin^2(theta). One quotient serves both.
+    float c = mu;
+    float g = sqrtf(weidlich_wilkie_refracted_cos2(c, eta));
+    float s = c + g;
+    float p = c * g;
+    float sin2 = 1.0f - c * c;
+    float q = p + sin2;
+    float s2 = s * s;
+    float q2 = q * q;
+    float inv = 1.0f / (s2 * q2);
+    float r_s = (eta - 1.0f) * (eta + 1.0f) * (q2 * inv);
+    float F = r_s * r_s * ((p * p + sin2 * sin2) * (s2 * inv));
+    return WeidlichWilkieEntering{F, p * inv * (2.0f * (q2 + eta * eta))};
+}
+
 // 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside; exact where it nearly vanishes.
 inline float weidlich_wilkie_transmittance_entering(float mu, float eta) {
-    // 1 - r_s^2 = 4 c g / s^2 with g = eta cos(theta_t) and s = c + g; 1 - r_p^2 = 4 c g eta^2 / (s q)^2 with q
-    // = c g + sin^2(theta)
-    float g = sqrtf(fmaxf(weidlich_wilkie_refracted_cos2(mu, eta), mu_min * mu_min));
-    float s = mu + g;
-    float p = mu * g;
-    float q = p + (1.0f - mu * mu);
-    return 2.0f * p * (q * q + eta * eta) / (s * s * (q * q));
+    return weidlich_wilkie_split_entering(mu, eta).T;
 }
 
 // 1 - G of V-grooves, 1 - 4 h.z min(mu_i, mu_o) / |h|^2 with h = wi + wo, exact where G is nearly 1.
@@ -223,13 +242,13 @@ inline float weidlich_wilkie_lost_cook_torrance(Vec3 wi, Vec3 wo) {
     float high = fmaxf(wi.z, wo.z);
     // h.z^2 - 4 h.z low = h.z (high - 3 low); in two steps, both are exact where G is nearly 1
     float rest = high - 2.0f * low - low;
-    return fmaxf((h.x * h.x + h.y * h.y + h.z * rest) / dot(h, h), 0.0f);
+    return fmaxf((h.x * h.x + h.y * h.y + h.z * rest) / weidlich_wilkie_length2(h), 0.0f);
 }
 
 // T12 t of Eq. 2 and 4 with lost = 1 - G.
 inline float weidlich_wilkie_past_facets(float T, float lost) {
     // 1 - G F would lose the digits of a small T
-    return T * (lost + T * (1.0f - lost));
+    return T * (T + lost * (1.0f - T));
 }
 
 // T12 t: what the surface lets in and out again.
@@ -244,45 +263,35 @@ inline Vec3 weidlich_wilkie_base_eval_above(const WeidlichWilkieBase& params) {
     return params.rho * inv_pi;
 }
 
-// The same from the squares of the sine and of g = eta cos(theta_t).
-inline float weidlich_wilkie_F_dielectric(float cos_theta, float sin2, float eta, float g2) {
-    // r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
-    // difference leaves eta^2 - 1 as a factor: nothing cancels. And r_p = r_s (c g - sin2) / (c g + sin2), so
-    // that the mean of both squares is a product.
-    float c = cos_theta;
-    float g = sqrtf(g2);
-    float s = c + g;
-    float p = c * g;
-    float r_s = (eta - 1.0f) * (eta + 1.0f) / (s * s);
-    float q = p + sin2;
-    return r_s * r_s * ((p * p + sin2 * sin2) / (q * q));
-}
-
-// Exact reflectance of a dielectric with eta >= 1, which never reflects all light.
-inline float weidlich_wilkie_F_dielectric_entering(float cos_theta, float eta) {
-    // c^2 with its rounding error: at grazing angles little else is left
-    float g2 = fmaxf(weidlich_wilkie_refracted_cos2(cos_theta, eta), mu_min * mu_min);
-    return weidlich_wilkie_F_dielectric(cos_theta, 1.0f - cos_theta * cos_theta, eta, g2);
+// `F_dielectric` of eta >= 1, which never reflects all light, at a cosine outside, mu > 0.
+inline float weidlich_wilkie_F_dielectric_entering(float mu, float eta) {
+    return weidlich_wilkie_split_entering(mu, eta).F;
 }
 
 inline WeidlichWilkieRoundBeckmann weidlich_wilkie_facets(const WeidlichWilkie& params) {
     return WeidlichWilkieRoundBeckmann{params.alpha};
 }
 
-// weidlich_wilkie_round_beckmann_D of the squares of a sine and its cosine.
-inline float weidlich_wilkie_round_beckmann_at(WeidlichWilkieRoundBeckmann round_beckmann,
-    float sin2, float cos2) {
-    float inv_cos2 = 1.0f / fmaxf(cos2, COS2_MIN);
-    float a2 = round_beckmann.alpha * round_beckmann.alpha;
-    return inv_pi / a2 * inv_cos2 * inv_cos2 * expf(-sin2 * inv_cos2 / a2);
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+inline Vec2 weidlich_wilkie_slopes(Vec3 h) {
+    float inv = 1.0f / h.z;
+    return Vec2{h.x * inv, h.y * inv};
+}
+
+// Squared tangent of that facet's angle.
+inline float weidlich_wilkie_tangent2(Vec3 h) {
+    Vec2 t = weidlich_wilkie_slopes(h);
+    return t.x * t.x + t.y * t.y;
 }
 
 // weidlich_wilkie_round_beckmann_D at the normal along h, which need not be unit.
 inline float weidlich_wilkie_round_beckmann_D_along(WeidlichWilkieRoundBeckmann round_beckmann,
     Vec3 h) {
-    float length2 = dot(h, h);
-    return weidlich_wilkie_round_beckmann_at(round_beckmann, (h.x * h.x + h.y * h.y) / length2,
-        h.z * h.z / length2);
+    float inv_a2 = 1.0f / (round_beckmann.alpha * round_beckmann.alpha);
+    float tan2 = weidlich_wilkie_tangent2(h);
+    // The root of D, as 1 / cos^4 leaves a float32 where the exponential is 0
+    float root = (1.0f + tan2) * expf(-0.5f * tan2 * inv_a2);
+    return inv_pi * inv_a2 * (root * root);
 }
 
 // Of V-grooves: min(1, 2 m.z mu_o / wo.m, 2 m.z mu_i / wo.m).
@@ -290,13 +299,12 @@ inline float weidlich_wilkie_G_cook_torrance(Vec3 wi, Vec3 wo) {
     // 2 m.z / wo.m = 4 h.z / |h|^2, without a root
     Vec3 h = wi + wo;
     // The 4 comes last: V takes a quarter of it, and a compiler both away
-    return 4.0f * fminf(h.z * fminf(wi.z, wo.z) / dot(h, h), 0.25f);
+    return 4.0f * fminf(h.z * fminf(wi.z, wo.z) / weidlich_wilkie_length2(h), 0.25f);
 }
 
 // G over 4 mu_i mu_o.
 inline float weidlich_wilkie_V_cook_torrance(Vec3 wi, Vec3 wo) {
-    // One quotient after the other: the derivative by the product of two small cosines would be infinite
-    return fminf(0.25f * weidlich_wilkie_G_cook_torrance(wi, wo) / wi.z / wo.z, V_MAX);
+    return fminf(0.25f * weidlich_wilkie_G_cook_torrance(wi, wo) / (wi.z * wo.z), V_MAX);
 }
 
 // Eq. 2: BRDF value in 1/sr, without the cosine.
@@ -320,7 +328,7 @@ inline Vec3 weidlich_wilkie_eval(const WeidlichWilkie& params, Vec3 wi, Vec3 wo)
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 weidlich_wilkie_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / length(h);  // which weidlich_wilkie_cos_half needs as well
+    return h / sqrtf(weidlich_wilkie_length2(h));  // which weidlich_wilkie_cos_half needs as well
 }
 
 // A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
@@ -497,7 +505,10 @@ inline float weidlich_wilkie_base_pdf_leaving(Vec3 wi, Vec3 wo, float excess) {
 // Density of facets, in 1/sr. Walter et al., Eq. 25.
 inline float weidlich_wilkie_round_beckmann_D(WeidlichWilkieRoundBeckmann round_beckmann,
     Vec3 m) {
-    return weidlich_wilkie_round_beckmann_at(round_beckmann, m.x * m.x + m.y * m.y, m.z * m.z);
+    float inv_cos2 = 1.0f / fmaxf(m.z * m.z, COS2_MIN);
+    float inv_a2 = 1.0f / (round_beckmann.alpha * round_beckmann.alpha);
+    float sin2 = m.x * m.x + m.y * m.y;
+    return inv_pi * inv_a2 * inv_cos2 * inv_cos2 * expf(-sin2 * inv_cos2 * inv_a2);
 }
 
 // Density of weidlich_wilkie_round_beckmann_sample in 1/sr.

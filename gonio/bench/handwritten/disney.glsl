@@ -80,7 +80,10 @@ vec3 disney_eval(Disney params, vec3 wi, vec3 wo) {
     // Clearcoat: its alpha is at most 0.1, so that nothing cancels in the norm of GTR1; 0.07957747 = 1 / (4 pi)
     float a = mix(0.1, 0.001, params.clearcoat_gloss);
     float a2 = a * a;
-    float D_norm = log(a2) * (hxy + a2 * hh.z) * disney_smith(wi.z, 0.0625) * disney_smith(wo.z, 0.0625);
-    float coat = 0.0795774715 * params.clearcoat * mix(0.04, 1.0, F_H) * (a2 - 1.0) * length2 / D_norm;
+    // By slopes: between opposite directions at the horizon all squares here are 0 on a GPU
+    vec2 slopes = h.xy * (1.0 / h.z);
+    float tan2 = dot(slopes, slopes);
+    float D_norm = log(a2) * (tan2 + a2) * disney_smith(wi.z, 0.0625) * disney_smith(wo.z, 0.0625);
+    float coat = 0.0795774715 * params.clearcoat * mix(0.04, 1.0, F_H) * (a2 - 1.0) * (1.0 + tan2) / D_norm;
     return base + highlight + coat;
 }

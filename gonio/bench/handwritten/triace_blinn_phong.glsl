@@ -16,20 +16,20 @@ vec3 triace_blinn_phong_eval(TriaceBlinnPhong params, vec3 wi, vec3 wo) {
     }
     vec3 h = wi + wo;
     vec3 apart = wi - wo;
-    float z2 = h.z * h.z;
-    float sin2 = dot(h.xy, h.xy);
-    float length2 = sin2 + z2;
 
     // 1 - cos, of the half vector with wi, from its squared sine
-    float k = 0.25 * dot(apart, apart) / (1.0 + 0.5 * sqrt(length2));
+    float k = 0.25 * dot(apart, apart) / (1.0 + 0.5 * sqrt(dot(h, h)));
     float k2 = k * k;
     vec3 F = mix(params.f0, vec3(1.0), k2 * k2 * k);
 
-    // log(N.H) = -atanh(y), by its series near the normal
-    float y = sin2 / (length2 + z2);
+    // log(N.H) = -atanh(y), by its series near the normal. Of slopes: between opposite directions at the
+    // horizon the squares of h.xy are 0 on a GPU.
+    vec2 slopes = h.xy * (1.0 / h.z);
+    float tan2 = dot(slopes, slopes);
+    float y = tan2 / (2.0 + tan2);
     float y2 = y * y;
     float near = -y * (1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 / 9.0))));
-    float log_cos = y < 0.14 ? near : 0.5 * log(z2 / length2);
+    float log_cos = y < 0.14 ? near : -0.5 * log(1.0 + tan2);
     float highlight = exp(params.shininess * log_cos) / max(wi.z, wo.z);
     highlight *= 0.0397436 * params.shininess + 0.0856832;
 

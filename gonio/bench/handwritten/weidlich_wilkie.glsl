@@ -40,11 +40,13 @@ vec2 weidlich_wilkie_coat(vec3 wi, vec3 wo, float contrast, float eta2, float al
     // 1 - G keeps its digits near G = 1
     float lost = max((hxy2 + h.z * (max(wi.z, wo.z) - 2.0 * low - low)) / length2, 0.0);
 
-    // Beckmann; below cos^2 = 1e-6 its exponential is 0
-    float a2 = alpha * alpha;
-    float inv_z2 = 1.0 / max(hz2, 1.0e-6 * length2);
-    float inv_cos2 = length2 * inv_z2;
-    float D = 0.3183098862 * inv_cos2 * inv_cos2 * exp(-hxy2 * inv_z2 / a2) / a2;
+    // Beckmann, of slopes: between opposite directions at the horizon the squares of h.xy are 0 on a GPU. The
+    // square of 1 / cos^4 and the exponential are taken last, as the first alone leaves a float32.
+    vec2 slopes = h.xy * (1.0 / h.z);
+    float tan2 = dot(slopes, slopes);
+    float inv_a2 = 1.0 / (alpha * alpha);
+    float root = (1.0 + tan2) * exp(-0.5 * tan2 * inv_a2);
+    float D = 0.3183098862 * inv_a2 * root * root;
 
     // Fresnel: with r_s = contrast / s^2, s = c + g, and r_p = r_s (p - s2) / q, p = c g, q = p + s2, both the mean
     // F of their squares and T = 1 - F are products, which keep their digits
@@ -58,7 +60,8 @@ vec2 weidlich_wilkie_coat(vec3 wi, vec3 wo, float contrast, float eta2, float al
     float inv = 1.0 / (s * q2);
     float F = contrast * contrast * (p * p + s2 * s2) * inv / s;
     float T = 2.0 * p * (q2 + eta2) * inv;
-    return vec2(0.25 * F * D * G / (wi.z * wo.z), T * (lost + G * T));
+    // Bounded: where both directions are at the horizon, D alone needs the rest of a float32
+    return vec2(F * D * min(0.25 * G / (wi.z * wo.z), 1.0e30), T * (lost + G * T));
 }
 
 vec3 weidlich_wilkie_eval(WeidlichWilkie params, vec3 wi, vec3 wo) {

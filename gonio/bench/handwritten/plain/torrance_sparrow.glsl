@@ -1,6 +1,7 @@
 // The shader in torrance_sparrow.glsl with F as engines have it (Lagarde, "Memo on Fresnel equations", 2013):
-// without the scale and the trace of absorption, so that F of a metal whose index is nearly that of air is off
-// by its own size at grazing angles. `gonio cost --by-hand` tells what that saves.
+// without the trace of absorption, so that F of a metal whose index is nearly that of air is off by its own
+// size at grazing angles; and with D of squares, which GPUs take for 0 between opposite directions in the
+// horizon. `gonio cost --by-hand` tells what that saves.
 
 struct TorranceSparrow {
     float alpha;
