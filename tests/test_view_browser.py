@@ -617,6 +617,13 @@ def test_a_saved_file_is_read_again_and_an_error_leaves_the_picture(
         assert "mine.py, line 16" in error
         assert "the last model that worked" in error
         assert found.value("gonio.sides[0].program != null")
+        # The end of the server is told where nothing is asked of it
+        viewer.shutdown()
+        viewer.server_close()
+        found.until("gonio.notes.some((n) => n.title.includes('has stopped'))")
+        assert found.value("gonio.sides[0].program != null")
+        found.run("gonio.setParameter('rho', [0.25, 0.25, 0.25])")
+        assert found.value("gonio.sides[0].values.get('rho')[0]") == 0.25
         tabs.close()
     finally:
         viewer.shutdown()

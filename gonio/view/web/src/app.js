@@ -1,6 +1,5 @@
 // The page's state and what changes it. What is drawn from it stands in ui/, how pictures grow in renderer.js.
 import { render } from "lit-html";
-import { coated, visible, without } from "./layer_texts.js";
 import { measure, packRows } from "./passes/measure.js";
 import { graphics, Renderer } from "./renderer.js";
 import { surface } from "./scene/surface.js";
@@ -10,6 +9,9 @@ import { drawMap } from "./ui/charts.js";
 import { keyboard } from "./ui/keys.js";
 import { layersOf } from "./ui/layers.js";
 import { pageOf, parts } from "./ui/page.js";
+
+const STOPPED =
+    "The picture and its sliders go on. New models, choices and code need it: start it again, and paste this page's link behind its address.";
 
 export class App {
     constructor(root, source, options = {}) {
@@ -265,7 +267,7 @@ export class App {
     /** The model that is drawn: without the layers that are hidden. */
     async #active(side) {
         if (!side.hidden.size) return { payload: side.payload, path: (p) => p };
-        const { text, path } = visible(side),
+        const { text, path } = (await this.#shared()).visible(side),
             payload = await this.source.model(text);
         return { payload: { ...payload, hooks: [] }, path };
     }
@@ -286,7 +288,13 @@ export class App {
         }
     }
 
-    async #fileChanged({ file }) {
+    async #fileChanged({ file, ended }) {
+        if (ended !== undefined) {
+            // Once, whichever of the tabs noticed it
+            if (this.ended) this.dismiss(this.ended);
+            this.ended = ended && this.say("gonio view has stopped.", STOPPED, "warn");
+            return;
+        }
         for (const side of this.sides) {
             if (side.payload?.name !== file) continue;
             if (await this.#take(side, side.text())) this.say(`${file} was read again.`, "", "info", 3000);
@@ -419,7 +427,8 @@ export class App {
         if (Object.keys(choices).length) this.setOptions(choices);
     }
 
-    addCoat() {
+    async addCoat() {
+        const { coated } = await this.#shared();
         for (const side of this.#editing()) {
             const text = coated(side, this.start.catalogue);
             if (!text) {
@@ -435,7 +444,8 @@ export class App {
         }
     }
 
-    removeLayer(layer) {
+    async removeLayer(layer) {
+        const { without } = await this.#shared();
         for (const side of this.#editing()) {
             const text = without(side, layer);
             if (!text) continue;
@@ -503,6 +513,7 @@ export class App {
         this.notes = [...this.notes.slice(-2), note];
         if (life) setTimeout(() => this.dismiss(note), life);
         this.update();
+        return note;
     }
     dismiss(note) {
         this.notes = this.notes.filter((n) => n !== note);

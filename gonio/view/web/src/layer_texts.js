@@ -1,5 +1,5 @@
 // Changes of layers as texts in gonio's notation.
-import { layersOf } from "./ui/layers.js";
+import { layersOf } from "./ui/shared.js";
 
 const COAT = "alpha=0.02,transmission=both_ways,solid_angle=compressed";
 const joined = (name, parts) => name + (parts.length ? `:${parts.join(",")}` : "");

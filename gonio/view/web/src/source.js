@@ -91,14 +91,19 @@ export class Server {
     }
 
     async #listen(changed) {
-        for (;;) {
+        for (let ended = false; ; ) {
+            const answer = await fetch("/api/changes", {
+                method: "POST",
+                body: "{}",
+                headers: { "Content-Type": "application/json", "X-Gonio-Token": this.token },
+            }).catch(() => null);
+            if (answer && !answer.ok) return;
+            // One that breaks may come back; one that nobody takes does not
+            if (!answer !== ended) {
+                ended = !answer;
+                changed({ ended });
+            }
             try {
-                const answer = await fetch("/api/changes", {
-                    method: "POST",
-                    body: "{}",
-                    headers: { "Content-Type": "application/json", "X-Gonio-Token": this.token },
-                });
-                if (!answer.ok) return;
                 const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
                 for (let rest = ""; ; ) {
                     const { value, done } = await reader.read();
@@ -108,9 +113,9 @@ export class Server {
                     for (const part of parts) if (part.startsWith("data: ")) changed(JSON.parse(part.slice(6)));
                 }
             } catch {
-                /* the server has ended, or sleeps */
+                /* it has ended, or sleeps */
             }
-            await new Promise((resolve) => setTimeout(resolve, 2000));
+            await new Promise((resolve) => setTimeout(resolve, 1500));
         }
     }
 }

@@ -3,7 +3,7 @@ import { html, svg } from "lit-html";
 import { direction, packRows } from "../passes/measure.js";
 import { albedo, axes, CHANNELS, chart, line, path, pick, polar } from "./charts.js";
 import { icon } from "./icons.js";
-import { layersPanel } from "./layers.js";
+import { layersOf, layersPanel } from "./layers.js";
 import { fixed } from "./numbers.js";
 import { layerPanel } from "./panel.js";
 
@@ -333,6 +333,7 @@ export const parts = {
     chart,
     direction,
     html,
+    layersOf,
     line,
     mapCanvases,
     packRows,
