@@ -72,7 +72,8 @@ def twice(x, k=TWO):
 
 def several(x, *, shift=0.25):
     first = x + shift
-    second = x * first
+    # Not equal to the first at x = 1, a direction's square, where < would be a matter of rounding
+    second = 1.5 * x * first
     return first, second
 
 

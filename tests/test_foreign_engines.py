@@ -10,7 +10,7 @@ from support.tolerances import SINGLE
 
 import gonio
 from gonio import foreign
-from gonio.check.report import PASS
+from gonio.check.report import NOTE, PASS
 from gonio.export.prove import tools
 from gonio.foreign import partly, registry, roles, source, sums
 from gonio.foreign.function import probe
@@ -481,3 +481,36 @@ vec3 lit(vec3 N, vec3 V, vec3 L) { return mat.base.rgb * mat.rough * texture(lut
         "mat.base": "base",
         "mat.rough": "rough",
     }
+
+
+POINTED = """
+#include <cmath>
+struct Vec { float x, y, z; };
+struct Two { float x, y; };
+float f(const Vec* wo, const Vec& wi) { return wi.z > 0 && wo->z > 0 ? 0.318309886f : 0; }
+float density(const Vec& wo, const Vec& wi) { return 0.318309886f * wi.z; }
+bool drawn(const Vec& wo, Two u, Vec* wi) {
+    float r = std::sqrt(u.x), phi = 6.28318531f * u.y;
+    *wi = Vec{r * std::cos(phi), r * std::sin(phi), std::sqrt(1 - u.x)};
+    return true;
+}
+float weighed(const Vec& wo, Vec* wi, Two u, float* pdf) {
+    drawn(wo, u, wi);
+    *pdf = density(wo, *wi);
+    return 1;
+}
+"""
+
+
+@needs_gxx
+@pytest.mark.parametrize("sampler", ["drawn", "weighed"])
+def test_samplers_write_through_pointers_and_say_whether_there_is_a_sample(
+    tmp_path: Path, sampler: str
+) -> None:
+    path = tmp_path / "a.cpp"
+    path.write_text(POINTED, encoding="utf-8")
+    code = foreign.load(f"{path}#f", returns="f", sample=sampler, pdf="density")
+    sampling = foreign.check(code, only=["sampling"])[-1]
+    assert all(f.verdict in (PASS, NOTE) for f in sampling.findings)
+    by_name = {f.what: f for f in sampling.findings}
+    assert by_name["mean weight off albedo"].verdict == PASS

@@ -23,6 +23,9 @@ class Variable:
     array: str = ""
     """What stands between the brackets of an array."""
     pointer: bool = False
+    """Whether it may be an array: a pointer to numbers."""
+    address: bool = False
+    """Whether the address of one value is given: a pointer to a vector, a struct or a density."""
     default: tuple[float, ...] = ()
     low: float | None = None
     high: float | None = None
@@ -191,6 +194,13 @@ def plain_type(text: str) -> str:
     return re.sub(r"\s+", "", text).rstrip("&*")
 
 
+# A pointer to these is an array mostly, but for densities of samples.
+_NUMBERS = re.compile(
+    r"(?:\w*::)?(?:float|double|half|int|unsigned|char|bool|void|real|Float|Real)\w*"
+)
+_DENSITY = re.compile(r"pdf|dens|prob", re.I)
+
+
 def _argument(piece: str, language: str) -> Variable:
     """One argument as it is written."""
     piece = re.sub(r"\[\[.*?\]\]|@\w+(\([^)]*\))?", " ", piece, flags=re.S)
@@ -213,11 +223,19 @@ def _argument(piece: str, language: str) -> Variable:
     words = [w for w in words if w not in _QUALIFIERS and w not in ("out", "inout")]
     name = words[-1] if len(words) > 1 else ""
     kind = words[-2] if len(words) > 1 else words[0] if words else ""
+    single = not _NUMBERS.fullmatch(kind) or _DENSITY.search(name)
+    address = bool(pointer and single and not array and language in ("cpp", "cuda", "msl"))
     default = (
         (float(given.rstrip("fF")),) if re.fullmatch(r"[-+]?[\d.]+(e[-+]?\d+)?[fF]?", given) else ()
     )
     return Variable(
-        name, plain_type(kind), written, array[1].strip() if array else "", pointer, default
+        name,
+        plain_type(kind),
+        written,
+        array[1].strip() if array else "",
+        pointer and not address,
+        address,
+        default,
     )
 
 

@@ -111,7 +111,7 @@ def statements(source: Source, function: Function, matched: Matched) -> list[str
         column += leaf.width
     lines += object_
     given = ", ".join(
-        f"&{names[a.name]}" if a.pointer and language == "wgsl" else names[a.name]
+        f"&{names[a.name]}" if a.address or (a.pointer and language == "wgsl") else names[a.name]
         for a in function.arguments
     )
     call = f"{function.name}({given})"
@@ -258,7 +258,9 @@ def _sampled(source: Source, function: Function, names: Mapping[str, str]) -> li
     if not chosen:
         raise ForeignError(f"{source.path}: {function.signature} gives back no direction.")
     densities = [p for p in numbers if re.search(r"pdf|dens|prob", p[0].place, re.I)]
-    densities = densities or (numbers if len(numbers) == 1 else [])
+    # What is whole says whether there is a sample, or which lobe it is of
+    real = [p for p in numbers if not p[0].whole]
+    densities = densities or (real if len(real) == 1 else [])
     return _parts(*chosen[0])[:3] + [p[1] for p in densities[:1]]
 
 
