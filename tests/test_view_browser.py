@@ -470,6 +470,18 @@ def test_a_refused_option_says_why_and_what_would_allow_it(shown: Shown) -> None
     shown.run("await gonio.show('eon')")
 
 
+def test_options_show_their_values_where_another_model_had_others(shown: Shown) -> None:
+    for text in ("car_paint", "weidlich_wilkie", "torrance_sparrow"):
+        shown.run("await gonio.show(given, 'a')", text)
+        shown.until(
+            f"gonio.root.querySelectorAll('.opt select').length && gonio.sides[0].payload.name === '{text}'"
+        )
+        empty = shown.value(
+            "[...gonio.root.querySelectorAll('.opt select')].filter((s) => !s.value).length"
+        )
+        assert empty == 0
+
+
 def test_a_hidden_coat_shows_what_is_below(shown: Shown) -> None:
     state = {"env": "studio", "furnace": False, "shape": "sphere"}
     shown.run("await gonio.show('weidlich_wilkie:base=eon,base.rho=0.9/0.5/0.2')")

@@ -758,6 +758,8 @@ export class App {
     draw() {
         if (!this.start) return;
         render(pageOf(this), this.root);
+        // A choice is set when its values are there, which come after it
+        for (const s of this.root.querySelectorAll("[data-value]")) s.value = s.dataset.value;
         const stage = this.root.querySelector(".canvas");
         if (this.gpu && stage && this.gpu.canvas.parentNode !== stage) {
             stage.replaceChildren(this.gpu.canvas);

@@ -252,7 +252,7 @@ function optionRow(app, side, option) {
     };
     const remedy = Object.entries(trial?.remedy ?? {});
     return html`<div class="opt" title=${option.doc}><span class=${value !== start ? "ch" : ""}>${name}${app.differs(option.path) ? html`<i class="diffdot" role="img" aria-label="differs"></i>` : ""}</span>
-        <select aria-label=${option.path} .value=${value} @change=${choose}>${option.values.map((v) => html`<option value=${v.value} ?selected=${v.value === value}>${v.value}${v.allowed ? "" : " – refused"}</option>`)}</select>
+        <select aria-label=${option.path} data-value=${value} @change=${choose}>${option.values.map((v) => html`<option value=${v.value} ?selected=${v.value === value}>${v.value}${v.allowed ? "" : " – refused"}</option>`)}</select>
         ${value !== start ? html`<button class="rs" aria-label=${`Reset ${option.path}`} title="Reset" @click=${() => app.setOptions({ [option.path]: start })}>${icon("reset")}</button>` : html`<span></span>`}
         ${
             trial
