@@ -514,3 +514,15 @@ def test_samplers_write_through_pointers_and_say_whether_there_is_a_sample(
     assert all(f.verdict in (PASS, NOTE) for f in sampling.findings)
     by_name = {f.what: f for f in sampling.findings}
     assert by_name["mean weight off albedo"].verdict == PASS
+
+
+def test_two_versions_without_a_number_at_one_place_are_equal_there(tmp_path: Path) -> None:
+    text = "def f(wi, wo, r=0.5):\n    return 0.3 * r / r * (1 + GAIN * wi[:, 2] ** 2)\n"
+    codes = []
+    for name, gain in (("a", "0.0"), ("b", "0.5")):
+        path = tmp_path / f"{name}.py"
+        path.write_text(text.replace("GAIN", gain), encoding="utf-8")
+        codes.append(foreign.load(f"{path}#f", returns="f"))
+    assert foreign.compare(codes[0], codes[0]).largest == 0
+    found = foreign.compare(*codes)
+    assert found.largest == pytest.approx(1 / 3, rel=COARSE)  # 0.45 and 0.3 at the normal
