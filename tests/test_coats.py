@@ -150,6 +150,19 @@ def test_a_coloured_coat_refuses_a_series_of_one_index() -> None:
         WeidlichWilkie(fresnel="conductor", bounces="diffuse")
 
 
+@pytest.mark.parametrize("eta", [1.5, 2.0])
+def test_a_base_that_gains_energy_has_a_series_of_bounces_all_the_same(eta: float) -> None:
+    """Its mean albedo is taken as 1: more would have no sum, and values below zero."""
+    mirror = gonio.model("torrance_sparrow", fresnel="schlick", f0=1, alpha=0.2)
+    inner = WeidlichWilkie(eta=eta, base=mirror, roughness_clamp="off")
+    assert min(inner.mean_albedo()) > 1.3
+    coat = WeidlichWilkie(interface="smooth", base=inner)
+    wi, wo = random_directions(200, 1), random_directions(200, 2)
+    ratio = coat.replace(bounces="diffuse").eval(wi, wo) / coat.eval(wi, wo)
+    # Walsh's reflectance from inside, n = 1.5: 0.5964
+    np.testing.assert_allclose(ratio, 1 / (1 - 0.5964), rtol=1e-3)  # four digits are known
+
+
 def test_a_coloured_coat_of_equal_channels_is_the_plain_one() -> None:
     wi, wo = random_directions(200, 1), random_directions(200, 2)
     base = gonio.model("torrance_sparrow", alpha=0.3)

@@ -13,7 +13,7 @@ surface.
 from gonio.albedos.quadrature import NumericAlbedo
 from gonio.claims import Claims, Place, at_most, kink
 from gonio.fields import ModelError
-from gonio.lang import Color, Float, Sample, Vec2, Vec3, exp, maximum, safe_sqrt, select
+from gonio.lang import Color, Float, Sample, Vec2, Vec3, exp, maximum, minimum, safe_sqrt, select
 from gonio.model import Model, child, option, param
 from gonio.parts.coat import attenuation_least, optical_depth, past_facets, usual_cos_half
 from gonio.parts.distribution import ALPHA_MIN, BlinnPhong, Gaussian, RoundBeckmann, RoundGGX
@@ -120,7 +120,8 @@ class WeidlichWilkie(Model):
         "and 1.98 over a mirror (eta^2 = 2.25). transmission='both_ways' with solid_angle='compressed' "
         "stays below 1.",
         "bounces='diffuse' is exact for a smooth coat over Lambert; over rough white EON it gains up to "
-        "6 %, and over a mirror it does not apply and gains up to 140 %.",
+        "6 %, and over a mirror it does not apply and gains up to 140 %. Of a base that reflects more than "
+        "it receives it takes a mean albedo of 1.",
         "bounces='diffuse' needs the base's mean albedo: a base without a closed form is integrated at "
         "every point, which takes minutes.",
         "A rough coat loses what its facets reflect more than once: at eta 1.5, alpha 0.3 and 75 degrees a "
@@ -175,7 +176,7 @@ class WeidlichWilkie(Model):
         below = self._below().eval_above(wi_t, wo_t) * (kept * through)
         if self.bounces == "diffuse":
             back = diffuse_return(self._optical_depth(), self.eta)
-            below = below / (1 - self.base.mean_albedo() * back)
+            below = below / (1 - self._returned() * back)
         if self.interface == "smooth":
             return below
         F = self._F(cos_half(wi, wo), sin2_half(wi, wo))
@@ -199,7 +200,7 @@ class WeidlichWilkie(Model):
         slant = 2 / (1 + safe_sqrt(1 - 1 / (self.eta * self.eta)))
         matte = through * compression * exp(-tau * (slant + 1 / wo_t.z))
         if self.bounces == "diffuse":
-            matte = matte / (1 - self.base.mean_albedo() * diffuse_return(tau, self.eta))
+            matte = matte / (1 - self._returned() * diffuse_return(tau, self.eta))
         reflected = self._F_outside(wo.z) if self.interface == "rough" else 0
         least = self.alpha if self.interface == "rough" and self.roughness_clamp == "on" else 0
         c = critical_cosine(self.eta - 1)
@@ -360,6 +361,11 @@ class WeidlichWilkie(Model):
         if self.masking == "smith_correlated":
             return lost_smith_correlated(self._masked(), wi, wo)
         return lost_smith(self._masked(), wi, wo)
+
+    def _returned(self) -> Color:
+        """What the base sends back of light from all sides."""
+        # With a base that gains energy, as a coat does as printed, the series has no sum
+        return minimum(self.base.mean_albedo(), 1)
 
     def _compression(self) -> Float:
         if self.solid_angle == "compressed":
