@@ -27,7 +27,9 @@ OFF_NORMAL = 1e-6
 # turn, it counts if it is gone at wi moved so far, to either side, as well.
 EDGE, BESIDE = 0.999, 1e-3
 
-# So many roundings are tried where the density seems to change.
+# So many roundings are tried where the density seems to change. It may do so by its nature: where wi is
+# within 1e-12 of opposite to a grazing wo, samples that left below the horizon and were turned up again
+# come from facets of every tilt, seen edge-on, and the last bits of wi say from which.
 SHAKES = 8
 
 Turn = Callable[[Array], Array]
