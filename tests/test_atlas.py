@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from gonio.bake.atlas import fresnel_atlas
-from gonio.bake.tables import distribution_table
+from gonio.bake.tables import distribution_table, fresnel_error, fresnel_table
 from gonio.cli import main
 from gonio.images import read_image
 from gonio.parts.metals import metal
@@ -64,6 +64,22 @@ def test_what_is_no_material_is_one_line(tmp_path: Path) -> None:
         fresnel_atlas(MATERIALS, bits=10)
     with pytest.raises(ValueError, match="no material"):
         fresnel_atlas({})
+
+
+@pytest.mark.parametrize(
+    "arguments", [["atlas", "Cu", "0.5"], ["atlas", ".999"], ["fresnel", "--eta", "1.5,0.5,2"]]
+)
+def test_light_from_inside_a_dielectric_is_refused(arguments: list[str], tmp_path: Path) -> None:
+    """Total reflection begins between two entries: sin(30 degrees) = 0.5."""
+    target = tmp_path / ("atlas.png" if arguments[0] == "atlas" else "f.npy")
+    done = CliRunner().invoke(main, ["bake", *arguments, "-o", str(target)])
+    assert done.exit_code != 0
+    assert "is below 1: light from inside" in done.output
+    assert done.output.count("\n") == 1
+    assert not target.exists()
+    # What is refused is what a table cannot hold: a metal's index may be below 1
+    assert fresnel_error(fresnel_table(0.5), 0.5).largest > 0.1
+    assert fresnel_atlas({"Ag": metal("Ag")}).errors["Ag"].largest < 3e-3
 
 
 def test_a_distribution_of_16_bits_is_off_by_half_a_step_and_says_so(tmp_path: Path) -> None:

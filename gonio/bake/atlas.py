@@ -18,7 +18,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gonio.bake.tables import FRESNEL_ENTRIES, Table, TableError, fresnel_error, fresnel_table
+from gonio.bake.tables import (
+    FRESNEL_ENTRIES,
+    Table,
+    TableError,
+    check_index,
+    fresnel_error,
+    fresnel_table,
+)
 from gonio.images import BITS, codes_of, write_codes
 
 
@@ -59,12 +66,14 @@ def fresnel_atlas(
         bits: 8 or 16.
 
     Raises:
-        ValueError: no material, or an argument out of its range.
+        ValueError: no material, an argument out of its range, or light from inside a dielectric.
     """
     if bits not in BITS:
         raise ValueError(f"bits={bits} is out of range; allowed are 8 and 16.")
     if not materials:
         raise ValueError("no material; name one, such as Cu or 1.5.")
+    for index in materials.values():
+        check_index(**index)
     rows, errors = [], {}
     for name, index in materials.items():
         table = np.broadcast_to(fresnel_table(**index, entries=entries), (entries, 3))

@@ -86,6 +86,25 @@ def fresnel_table(eta: ArrayLike, k: ArrayLike = 0.0, entries: int = FRESNEL_ENT
     return np.asarray(_exact_fresnel(np.linspace(0, 1, entries), eta, k), np.float32)
 
 
+def check_index(eta: ArrayLike, k: ArrayLike = 0.0) -> None:
+    """Refuse light that comes from inside a dielectric, before any of its table is made.
+
+    Where it begins to be reflected totally, F has an upright tangent at a cosine between two entries: with
+    index 0.5 a row of 128 is off by 0.18, and 16 times as many entries leave a quarter of that.
+
+    Raises:
+        ValueError: an index below 1 without extinction.
+    """
+    eta, k = np.broadcast_arrays(np.asarray(eta, float), k)
+    if (inside := (eta > 0) & (eta < 1) & (k == 0)).any():
+        index = float(eta[inside].flat[0])
+        raise ValueError(
+            f"index {index:g} is below 1: light from inside a dielectric is totally reflected from an "
+            "angle on, which a table cannot hold; give at least 1 (the same surface from outside has "
+            f"{1 / index:.4g})."
+        )
+
+
 def look_up_fresnel(table: Table, cos_theta: ArrayLike) -> Floats:
     """F from a table, interpolated between two entries; shape (..., channels)."""
     return _interpolated(table, np.clip(cos_theta, 0, 1) * (len(table) - 1))

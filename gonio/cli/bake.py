@@ -60,6 +60,7 @@ def fresnel(eta: str | None, k: str | None, metal: str | None, entries: int, out
         index: dict[str, Any] = dict(metals.metal(metal))
     else:
         index = {"eta": _parse_index(str(eta)), "k": _parse_numbers("--k", k or "0")}
+    tables.check_index(**index)
     table = tables.fresnel_table(**index, entries=entries)
     tables.write_table(output, table)
     error = tables.fresnel_error(table, **index)
@@ -92,7 +93,8 @@ def atlas(materials: tuple[str, ...], entries: int, bits: str, output: str) -> N
     """Write the exact Fresnel reflectance of MATERIALs, a row for each, over cosines from 0 to 1.
 
     A MATERIAL is a metal's symbol, such as Cu, a dielectric's name, such as water, or an index, such as
-    1.5. Says what rounding and interpolation cost each row.
+    1.5, relative to the side that the light comes from: 1 or more. Says what rounding and interpolation
+    cost each row.
 
     \b
     Examples:

@@ -14,7 +14,7 @@ from gonio.export import FUNCTIONS, export
 from gonio.export.buffer import RESOURCES
 from gonio.export.files import exports, manifests, write
 from gonio.export.host import OBJECTS
-from gonio.export.selection import Selection, choose, chosen_languages, named, tables_of
+from gonio.export.selection import Selection, by_rows, choose, chosen_languages, named, tables_of
 from gonio.export.targets import TARGETS
 from gonio.export.text import LOOKUPS
 from gonio.lights.catalogue import listed
@@ -54,6 +54,12 @@ from gonio.lights.catalogue import listed
     multiple=True,
     metavar="NAME,...",
     help="Look up fresnel, distribution or both in tables, in place of the functions (docs/real_time.md).",
+)
+@click.option(
+    "--by-row",
+    "by_row",
+    metavar="NAME",
+    help="With --table: one function for all MODELs, NAME_eval, whose parameter row says which it is.",
 )
 @click.option(
     "--bits",
@@ -103,6 +109,7 @@ def command(
     materials: bool,
     lit: tuple[str, ...],
     tables: tuple[str, ...],
+    by_row: str | None,
     bits: str,
     lookups: str,
     only: str | None,
@@ -137,6 +144,7 @@ def command(
       gonio export ue4 --to hlsl --lit                  with lights
       gonio export ue4 --to glsl --lit directional,image --prove
       gonio export gold --to glsl --table fresnel,distribution -o host/
+      gonio export gold copper --to glsl --table fresnel --by-row metals -o host/
     """
     lights = listed(lit) if lit else None
     if lights and not (models or everything or materials):
@@ -156,6 +164,10 @@ def command(
     functions = [name.strip() for name in only.split(",")] if only else usual_functions
     _check_lookups(ctx, lookups, to, lit=lights is not None, tables=bool(tables))
     request = tables_of(tables, int(bits), selection.found) if tables else None
+    if by_row is not None:
+        if request is None:
+            raise click.UsageError("--by-row is for materials in a table; give --table fresnel.")
+        selection, request = by_rows(selection, by_row, request)
     if load and not to:
         raise click.UsageError("--load adds to a text; say in which language with --to.")
     if prove:

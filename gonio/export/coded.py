@@ -7,7 +7,7 @@ tables are float32 in a buffer: `gonio.table`, `gonio.export.buffer`.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,9 @@ from numpy.typing import NDArray
 from gonio.export.tree import ExportError
 from gonio.images import BITS
 from gonio.messages import did_you_mean
+
+if TYPE_CHECKING:
+    from gonio.model import Model
 
 Array = NDArray[np.float64]
 
@@ -40,6 +43,8 @@ class Request:
     """Paths of parameters that textures or the mesh give, which no table can know."""
     places: int = PLACES
     """Sines, and widths, of D."""
+    materials: tuple[tuple[str, Model], ...] = ()
+    """Those that a model with a row chooses among, by name (`gonio.export.by_row`); none of others."""
 
     def __post_init__(self) -> None:
         """Refuse what there is not."""

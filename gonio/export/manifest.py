@@ -107,7 +107,8 @@ def manifest(
         range, scale and byte offset of each; under "options" each value with the reason why it is refused,
         if it is, and with the changes that would allow it; under "models" what lies inside; under "hooks"
         what a host gives per point; under "lit" what `shade` takes and what the host binds; under "buffer"
-        the tables that it binds; under "tables" those of F and D: files, rows and errors.
+        the tables that it binds; under "tables" those of F and D: files, rows and errors; under "materials"
+        those of a model with a row.
         docs/embedding.md explains every entry.
 
     Raises:
@@ -141,6 +142,7 @@ def manifest(
         **({"lit": _lit(entry)} if lit is not None else {}),
         **({"buffer": buffer.described(entry.reading)} if buffer is not None else {}),
         **({"tables": _tables(atlas or made.tables)} if made.tables is not None else {}),
+        **({"materials": _materials(tables)} if tables is not None and tables.materials else {}),
     }
 
 
@@ -162,6 +164,20 @@ def _tables(tables: Tables) -> list[dict[str, Any]]:
             ],
         }
         for file, table in tables.files().items()
+    ]
+
+
+def _materials(tables: Request) -> list[dict[str, Any]]:
+    """Those that the parameter row chooses among, with all that a host gives besides."""
+    return [
+        {
+            "row": row,
+            "name": name,
+            "parameters": {
+                path: _numbers(declared, value) for path, declared, value in material.parameters()
+            },
+        }
+        for row, (name, material) in enumerate(tables.materials)
     ]
 
 

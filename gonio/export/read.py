@@ -106,7 +106,7 @@ class Reader:
 
     def model(self, model: Model, prefix: str, title: str = "") -> Struct:
         """The struct of a model's parameters; models that differ in their numbers only share it."""
-        key = _kind(model)
+        key = same_code(model)
         if not title and key in self._models:
             return self._models[key]
         if reason := getattr(model, "not_exported", ""):
@@ -382,12 +382,12 @@ def described(cls: type) -> tuple[tuple[str, ...], dict[str, str]]:
     return (), {}
 
 
-def _kind(model: Model) -> Any:
+def same_code(model: Model) -> Any:
     """What makes the code of two models the same: class, options, and the kinds of inner models."""
     return (
         model.written,
         *(
-            _kind(value) if isinstance(value, Model) else value
+            same_code(value) if isinstance(value, Model) else value
             for name, declared in model.fields.items()
             if not isinstance(declared, Parameter)
             for value in [getattr(model, name)]

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from gonio.export import materialx
+from gonio.export.by_row import together
 from gonio.export.coded import Request
 from gonio.export.targets import TARGETS
 from gonio.export.tree import ExportError
@@ -122,6 +123,25 @@ def chosen_languages(names: Sequence[str], output: str | None = None) -> list[st
     if "all" in found:
         return [*TARGETS, materialx.NAME]
     return list(dict.fromkeys(found))
+
+
+def by_rows(selection: Selection, name: str, tables: Request) -> tuple[Selection, Request]:
+    """Models as one with a parameter that chooses the row, and the tables with all of their rows.
+
+    Raises:
+        ExportError: models that are not the same, or a material that a picture or the mesh drives.
+    """
+    for own, what in selection.found.items():
+        if isinstance(what, Material) and (
+            what.textures or what.driven_by_maps() or what.normal_map
+        ):
+            raise ExportError(
+                f"{own} has parameters that come from a picture or the mesh, of which no row is; export it "
+                "without --by-row."
+            )
+    model = together(selection.models)
+    request = replace(tables, materials=tuple(selection.models.items()))
+    return Selection({name: model}, {name: model}, selection.notes), request
 
 
 def tables_of(names: Sequence[str], bits: int, found: Mapping[str, Model | Material]) -> Request:

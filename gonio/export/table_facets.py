@@ -1,5 +1,7 @@
 """D from a table, in the language of models: what stands in the place of a distribution's own D.
 
+And the row of F, where a parameter chooses it.
+
 Source: Elek, "Layered materials in real-time rendering", CESCG 2010, section 3.1: one table over the
 facet's angle and the width. His angles are stretched by the eighth power, so that sharp highlights do not
 fall between two entries. Here the slope is met in units of the width, as q / (1 + q) with q =
@@ -8,7 +10,19 @@ the width, and no power or logarithm is left. The table holds the root of pi alp
 that is a straight line between 1 and alpha^2.
 """
 
-from gonio.lang import INV_PI, MU_MIN, Float, Vec2, Vec3, maximum, minimum, safe_sqrt, vec2
+from gonio.lang import (
+    INV_PI,
+    MU_MIN,
+    Float,
+    Vec2,
+    Vec3,
+    clamp,
+    fract,
+    maximum,
+    minimum,
+    safe_sqrt,
+    vec2,
+)
 from gonio.lights.lookups import Lookups
 from gonio.parts.frame import tangent2
 
@@ -51,6 +65,12 @@ def tabled_D_anisotropic(
     width = safe_sqrt(minimum(a4 * (t.x * t.x + t.y * t.y) / n, 1))
     root = host.distribution_table(n / (n + a4), first + last * width)
     return scale * INV_PI / a2 * (root * root)
+
+
+def nearest_row(row: Float, last: Float) -> Float:
+    """The whole number nearest to a row: the middle of a texel, where a filter mixes nothing in."""
+    up = clamp(row, 0, last) + 0.5
+    return up - fract(up)
 
 
 def facet_slopes(m: Vec3) -> Vec2:

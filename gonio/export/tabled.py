@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from gonio.export import table_facets
+from gonio.export import by_row, table_facets
 from gonio.export.calls import ALONG
 from gonio.export.coded import DISTRIBUTION, FRESNEL, Request, Tables
 from gonio.export.evaluate import UNKNOWN, Known, Machine
@@ -47,9 +47,11 @@ from gonio.export.tree import (
     Statement,
     Struct,
     Type,
+    Variable,
     rebuilt,
     walk,
 )
+from gonio.fields import Parameter
 from gonio.lights.lookups import Lookups
 from gonio.model import Model
 from gonio.parts.frame import half_vector, slopes
@@ -78,10 +80,12 @@ def with_tables(
     changed += [*lights, *(f for f in wanted if f.method == "shade")]  # which call eval
     if not changed:
         raise ExportError("tables stand for functions that eval calls; export that as well.")
+    if request.materials:
+        by_row.check(request, [f.method for f in wanted])
     fixed = _fixed(reader, changed, request)
     work = _Work(reader, request)
     for function in changed:
-        work.change(function, _given(function, request.varying))
+        work.change(function, _given(function, request), root=True)
     for kind in request.kinds:
         if not (work.rows if kind == FRESNEL else work.facets.blocks):
             names = " and ".join(dict.fromkeys(r.model.name for r in roots if r.model))
@@ -97,11 +101,13 @@ def with_tables(
     )
 
 
-def _given(function: Function, varying: frozenset[str]) -> list[Known]:
-    """What is known of a model's function's arguments: the parameters."""
+def _given(function: Function, request: Request) -> list[Known]:
+    """What is known of a model's function's arguments: the parameters, of all materials."""
     assert function.owner is not None
     assert function.owner.model is not None
-    known = _parameters(function.owner.model, varying)
+    known = _parameters(function.owner.model, request.varying)
+    if request.materials:
+        known = by_row.of_all([_parameters(m, request.varying) for _, m in request.materials])
     return [known if name == SELF else UNKNOWN for name, _ in function.parameters]
 
 
@@ -113,7 +119,8 @@ def _fixed(reader: Reader, wanted: Sequence[Function], request: Request) -> froz
     def rows(varying: frozenset[str]) -> set[str]:
         work = _Work(reader, replace(request, kinds=(FRESNEL,)))
         for function in wanted:
-            work.change(replace(function), _given(function, varying))
+            given = _given(function, replace(request, varying=varying))
+            work.change(replace(function), given, root=True)
         return {row.name for row in work.rows}
 
     every = rows(request.varying)
@@ -143,19 +150,30 @@ def _missing(kind: str, work: _Work) -> str:
 def _parameters(model: Model, varying: frozenset[str], prefix: str = "") -> dict[str, Known]:
     """The values of a model's parameters, inner models as dicts; UNKNOWN where they vary."""
     found: dict[str, Known] = {}
-    for name in model.fields:
+    for name, declared in model.fields.items():
         value = getattr(model, name)
         if isinstance(value, Model):
             found[name] = _parameters(value, varying, f"{prefix}{name}.")
-        elif isinstance(value, tuple):
-            found[name] = np.asarray([value], np.float64)
-        elif isinstance(value, (int, float)) and not isinstance(value, bool):
-            found[name] = np.full(1, value, np.float64)
+        elif isinstance(value, (int, float, tuple)) and isinstance(declared, Parameter):
+            shape = (1, 3) if declared.width == 3 else (1,)
+            found[name] = np.broadcast_to(np.asarray(value, np.float64), shape)
         else:
             found[name] = UNKNOWN
         if f"{prefix}{name}" in varying:
             found[name] = UNKNOWN
     return found
+
+
+@dataclass
+class _Picked:
+    """What a function looks up."""
+
+    row: Variable
+    """What it calls the row, where a parameter chooses that."""
+    what: list[Any] = field(default_factory=list)
+    """Tables, and copies of functions: what tells copies of this one apart."""
+    chosen: bool = False
+    """Whether it needs the row."""
 
 
 @dataclass
@@ -169,15 +187,22 @@ class _Work:
     made: dict[int, list[Function]] = field(default_factory=dict)
     """Copies that look up, by the function that they are copies of."""
     _done: dict[Any, Function] = field(default_factory=dict)
+    _chosen: dict[int, Function] = field(default_factory=dict)
+    """Copies that have the row as their last argument."""
 
     def __post_init__(self) -> None:
         """Begin without any facets."""
         self.facets = Distributions(self.reader, self.request)
 
-    def change(self, function: Function, given: Sequence[Known]) -> list[Any]:
-        """Put lookups into a function's body; returns what it calls now, for telling copies apart."""
-        picked: list[Any] = []
+    def change(
+        self, function: Function, given: Sequence[Known], *, root: bool = False
+    ) -> list[Any]:
+        """Put lookups into a function's body; returns what it calls now, for telling copies apart.
+
+        `root`: of those that are changed in place, and have the model's parameters.
+        """
         names = [name for name, _ in function.parameters]
+        picked = _Picked(_unused([*names, *_assigned(function.body)]))
         values: dict[str, Known] = dict(zip(names, given, strict=True))
         machine = Machine()
 
@@ -207,9 +232,21 @@ class _Work:
             return found
 
         function.body = tuple(statement(s) for s in function.body)
-        return picked
+        if picked.chosen:
+            self._let_in(function, picked.row, root)
+        return picked.what
 
-    def _call(self, call: Call, given: Sequence[Known], picked: list[Any]) -> Expr:
+    def _let_in(self, function: Function, row: Variable, root: bool) -> None:
+        """Give a function the row: from the parameters of the model, or as its last argument."""
+        if root:
+            nearest: Any = table_facets.nearest_row
+            read = self.reader.function_for(nearest, ["float", "float"])
+            by_row.begin(function, row, read, len(self.request.materials))
+        else:
+            function.parameters = (*function.parameters, (row.name, "float"))
+            self._chosen[id(function)] = function
+
+    def _call(self, call: Call, given: Sequence[Known], picked: _Picked) -> Expr:
         function = call.function
         if FRESNEL in self.request.kinds and (angles := angles_of(function, self.reader)):
             return self._looked_up_F(call, given, angles, picked)
@@ -218,9 +255,13 @@ class _Work:
         if function.external:
             return call
         copy = self._copy(function, given)
-        if copy is not function:
-            picked.append(id(copy))
-        return replace(call, function=copy)
+        if copy is function:
+            return call
+        picked.what.append(id(copy))
+        if id(copy) not in self._chosen:
+            return replace(call, function=copy)
+        picked.chosen = True
+        return replace(call, function=copy, arguments=(*call.arguments, picked.row))
 
     def _copy(self, function: Function, given: Sequence[Known]) -> Function:
         """A function as it looks up for what is known of its arguments; itself if it looks up nothing."""
@@ -241,7 +282,7 @@ class _Work:
     # --- F -------------------------------------------------------------------------------------------
 
     def _looked_up_F(
-        self, call: Call, given: Sequence[Known], angles: int, picked: list[Any]
+        self, call: Call, given: Sequence[Known], angles: int, picked: _Picked
     ) -> Expr:
         function = call.function
         index = tuple(given[angles:])
@@ -264,25 +305,48 @@ class _Work:
         member: str,
         cosine: Expr,
         kind: Type,
-        picked: list[Any],
+        picked: _Picked,
     ) -> Expr:
-        name = row_name(function, index, member)
-        number = next((i for i, row in enumerate(self.rows) if row.name == name), len(self.rows))
+        made = self._rows_of(function, index, member)
+        step, names = len(made), [row.name for row in made]
+        known = (
+            [row.name for row in self.rows[i : i + step]] for i in range(0, len(self.rows), step)
+        )
+        number = step * next(
+            (i for i, old in enumerate(known) if old == names), len(self.rows) // step
+        )
         if number == len(self.rows):
-            self.rows.append(FresnelRow(function, index, member, name))
-        picked.append(("F", number))
+            self.rows += made
+        picked.what.append(("F", number))
+        row: Expr = Number(number)
+        if self.request.materials:
+            row = Operation("+", picked.row, row, "float") if number else picked.row
+            picked.chosen = True
         lookup = self.reader.lookup(vars(Lookups)["fresnel_table"])
-        found = Call(lookup, (cosine, Number(number)), "vec3")
+        found = Call(lookup, (cosine, row), "vec3")
         return Access(found, "x", "float") if kind == "float" else found
+
+    def _rows_of(
+        self, function: Function, index: tuple[Known, ...], member: str
+    ) -> list[FresnelRow]:
+        """The row of one place that looks F up; with materials to choose among, one for each of them."""
+        if not self.request.materials:
+            return [FresnelRow(function, index, member, row_name(function, index, member))]
+        made = []
+        for number, (material, _) in enumerate(self.request.materials):
+            own = by_row.of_one(index, number)
+            name = f"{material}: {row_name(function, own, member)}"
+            made.append(FresnelRow(function, own, member, name))
+        return made
 
     # --- D -------------------------------------------------------------------------------------------
 
-    def _looked_up_D(self, call: Call, widths: Sequence[str], picked: list[Any]) -> Expr:
+    def _looked_up_D(self, call: Call, widths: Sequence[str], picked: _Picked) -> Expr:
         function = call.function
         if not any(function is block for block in self.facets.blocks):
             self.facets.blocks.append(function)
         number = next(i for i, block in enumerate(self.facets.blocks) if block is function)
-        picked.append(("D", number))
+        picked.what.append(("D", number))
         made = self.facets.lookup(len(widths))
         facets, m = call.arguments
         alphas = [Access(facets, name, "float") for name in widths]
@@ -300,6 +364,12 @@ class _Work:
     def _own(self, written: Any, vector: Expr) -> Expr:
         function = self.reader.function_for(written, ["vec3"])
         return Call(function, (vector,), function.result)
+
+
+def _unused(names: Sequence[str]) -> Variable:
+    """A number that none of the names stands for."""
+    own = (by_row.ROW, *(f"{by_row.ROW}_{i}" for i in range(2, 1000)))
+    return Variable(next(name for name in own if name not in names), "float")
 
 
 def _mark(value: Known) -> Any:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from gonio.export import materialx
+from gonio.export.by_row import at_row
 from gonio.export.coded import ARRAY_PLACES, Request
 from gonio.export.entry import Export
 from gonio.export.host import OBJECTS
@@ -90,4 +91,8 @@ def _table_errors(name: str, model: Model, tables: Request, rows: int) -> list[s
     made = export({name: model}, "cpp", only=["eval"], tables=tables)[0]
     assert made.tables is not None
     lines = [line for one in made.tables.all for line in one.said()]
-    return [f"{name}: {line}" for line in [*lines, price(model, made, rows)]]
+    if not tables.materials:
+        return [f"{name}: {line}" for line in [*lines, price(model, made, rows)]]
+    for row, (own, material) in enumerate(tables.materials):
+        lines.append(f"{own}: {price(at_row(model, material, row), made, rows)}")
+    return [f"{name}: {line}" for line in lines]
