@@ -17,7 +17,13 @@ from click.testing import CliRunner
 from MaterialX import PyMaterialXGenOsl, PyMaterialXGenShader
 from support import materialx as support
 from support.materialx import FIS, PREFILTER, Job, Rows, generate, load, points, written
-from support.tolerances import DOUBLE_DIVIDED, SINGLE, SINGLE_LONG
+from support.tolerances import (
+    DOUBLE_DIVIDED,
+    SINGLE,
+    SINGLE_LONG,
+    SINGLE_PROMISED,
+    single_promised,
+)
 
 import gonio
 from gonio.check.variants import value_at
@@ -34,14 +40,6 @@ MODELS = list(gonio.models())
 
 VIEW = (0.3, -0.2, 0.9)
 LIGHT = (0.48, 0.36, 0.8)
-
-# Relative; besides what rounding does to directions and inside the model.
-RELATIVE = 1e-5
-
-
-def tolerance(model: Model) -> float:
-    """RELATIVE, or what the model says of its own float32 values."""
-    return model.claims.size("float32", {}) or RELATIVE
 
 
 def nested() -> Model:
@@ -253,14 +251,14 @@ def test_drawn_points_have_the_colours_of_the_model(name: str, target: str, tmp_
     wi, wo = local(given, VIEW, LIGHT)
     for model, got in zip(models, support.drawn(tmp_path, given, jobs), strict=True):
         found = support.compare(
-            lambda *_, model=model: model, wi, wo, got / weight, tolerance(model)
+            lambda *_, model=model: model, wi, wo, got / weight, single_promised(model)
         )
         assert not len(found.wrong), (
             f"{len(found.wrong)} points, such as {found.wrong[:3]}; {model}"
         )
         if model is first:
             assert np.isfinite(found.error).mean() > 0.5
-            assert np.nanquantile(found.error, 0.99) < RELATIVE
+            assert np.nanquantile(found.error, 0.99) < SINGLE_PROMISED
 
 
 @pytest.mark.parametrize("language", ["slang", "msl"])
@@ -294,11 +292,11 @@ def test_node_functions_in_slang_and_metal_reflect_as_the_model_does(
         wi,
         frame.wo,
         got / 0.625,
-        tolerance(model),
+        single_promised(model),
     )
     assert not len(found.wrong), f"{len(found.wrong)} rows, such as {found.wrong[:3]}"
     assert np.isfinite(found.error[::2]).mean() > 0.3
-    assert np.nanquantile(found.error[::2], 0.99) < RELATIVE
+    assert np.nanquantile(found.error[::2], 0.99) < SINGLE_PROMISED
 
 
 BREAKS = {
@@ -335,7 +333,7 @@ def test_broken_code_has_other_colours(case: str, tmp_path: Path) -> None:
         shader = generate(load(tmp_path / f"{name}.mtlx"), f"gonio_{name}", "glsl")
         job = Job(shader, VIEW, uniforms(model, name, 0.625), LIGHT, samples=1)
         got = support.drawn(tmp_path, given, [job])[0] / 0.625
-        return len(support.compare(lambda *_: model, wi, wo, got, RELATIVE).wrong)
+        return len(support.compare(lambda *_: model, wi, wo, got, SINGLE_PROMISED).wrong)
 
     written(tmp_path, name, model)
     assert missed() == 0

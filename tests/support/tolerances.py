@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import math
+
+from gonio.model import Model
+
 DOUBLE = 1e-12
 """One formula in two orders of operations, in double precision: some thousand roundings of 1e-16."""
 
@@ -26,11 +30,25 @@ NUMERIC_ALBEDO = 1e-5
 NINE_DIGITS = 1e-8
 """Numbers that are written with nine digits: in files of `gonio plot`, and constants of exported texts."""
 
+SINGLE_UNPROMISED = 1e-4
+"""Where a model promises nothing, because its terms may cancel: they do not at most parameters."""
+
 HALF = 1e-3
 """What is stored as half floats, whose steps are 1e-3 of the value at most: half a step, and a little."""
 
 MISTAKE = 1e-3
 """Broken things have to be further off than this, which no tolerance beside it comes near."""
+
+
+def single_promised(model: Model) -> float:
+    """What a model with its options says of its own single precision."""
+    options = {
+        name: getattr(model, name) for name, f in model.fields.items() if hasattr(f, "values")
+    }
+    size = model.claims.size("float32", options)
+    if size is None:
+        return SINGLE_PROMISED
+    return size if math.isfinite(size) else SINGLE_UNPROMISED
 
 
 def decimals(count: int) -> float:
