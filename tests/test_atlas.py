@@ -82,6 +82,18 @@ def test_light_from_inside_a_dielectric_is_refused(arguments: list[str], tmp_pat
     assert fresnel_atlas({"Ag": metal("Ag")}).errors["Ag"].largest < 3e-3
 
 
+def test_a_row_that_turns_within_an_entry_says_what_helps(tmp_path: Path) -> None:
+    """F of air falls from 1 to a quarter between the first two of 128 cosines."""
+    said = []
+    for entries in ("128", "2048"):
+        command = ["bake", "atlas", "air", "1.5", "--entries", entries, "--bits", "16"]
+        done = CliRunner().invoke(main, [*command, "-o", str(tmp_path / "atlas.png")])
+        assert done.exit_code == 0, done.output
+        said.append(done.output.splitlines())
+    assert "more --entries" in said[0][0]
+    assert not any("more --entries" in line for line in (said[0][1], *said[1]))
+
+
 def test_a_distribution_of_16_bits_is_off_by_half_a_step_and_says_so(tmp_path: Path) -> None:
     target = tmp_path / "ggx.exr"
     command = ["bake", "distribution", "ggx", "--size", "64", "-o", str(target)]

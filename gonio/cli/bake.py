@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from gonio.cli.program import FloatRange, complete, echo_json, json_option, progress
+
+if TYPE_CHECKING:
+    from gonio.bake.tables import TableError
+
+# An error of F that shows; rows of metals and glass have a fifth of it, 8 bits included.
+SEEN = 0.02
 
 
 @click.group(
@@ -64,7 +70,13 @@ def fresnel(eta: str | None, k: str | None, metal: str | None, entries: int, out
     table = tables.fresnel_table(**index, entries=entries)
     tables.write_table(output, table)
     error = tables.fresnel_error(table, **index)
-    click.echo(f"{output}: largest error {error.largest:.2g}, at {error.at:.1f} degrees")
+    click.echo(f"{output}: {_said(error)}")
+
+
+def _said(error: TableError) -> str:
+    """How far a table of F is off, and what to do where that shows."""
+    said = f"largest error {error.largest:.2g}, at {error.at:.1f} degrees"
+    return said if error.largest < SEEN else f"{said}; more --entries make it less"
 
 
 def _parse_index(text: str) -> list[float]:
@@ -109,10 +121,7 @@ def atlas(materials: tuple[str, ...], entries: int, bits: str, output: str) -> N
     made = atlases.fresnel_atlas(indices, entries=entries, bits=int(bits))
     made.write(output)
     for row, name in enumerate(made.names):
-        error = made.errors[name]
-        click.echo(
-            f"row {row}, {name}: largest error {error.largest:.2g}, at {error.at:.1f} degrees"
-        )
+        click.echo(f"row {row}, {name}: {_said(made.errors[name])}")
     click.echo(output)
 
 
