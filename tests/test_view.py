@@ -367,6 +367,13 @@ def test_a_saved_page_is_small_and_asks_for_nothing() -> None:
     assert not re.search(r'(src|href)="(?!data:)', markup)
 
 
+def test_a_saved_page_may_hold_more_than_it_opens_with() -> None:
+    names, held = page.Names(), ["eon", "lambert", "gold"]
+    data = data_of(page.saved(names, held, opens=["gold"]))
+    assert (data["show"], list(data["models"])) == (["gold"], held)
+    assert data_of(page.saved(names, held))["show"] == held
+
+
 def test_a_saved_page_has_the_exporters_text_for_every_choice() -> None:
     names = page.Names()
     data = data_of(page.saved(names, ["eon"], pool(names, ["eon"])))

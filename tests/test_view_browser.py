@@ -446,6 +446,31 @@ def test_a_dragged_slider_compiles_nothing_and_shows_in_the_link(shown: Shown) -
     shown.until("gonio.sides[0].text() === 'eon'")
 
 
+def test_a_reset_is_undone_by_itself_and_a_drag_as_a_whole(shown: Shown) -> None:
+    value = "gonio.sides[0].values.get('roughness')[0]"
+    shown.run("await gonio.show('eon:roughness=0.5')")
+    shown.run("for (const v of [0.1, 0.2, 0.3]) gonio.setParameter('roughness', [v])")
+    shown.run("gonio.resetParameter('roughness')")
+    start = shown.value(value)
+    assert start != 0.3
+    found = [shown.run(f"await gonio.step({by}); return {value}") for by in (-1, -1, 1, 1)]
+    assert found == [0.3, 0.5, 0.3, start]
+
+
+def test_plots_keep_their_letters_where_sides_are_swapped_meanwhile(shown: Shown) -> None:
+    shown.run("await gonio.show('eon:roughness=0.5'); await gonio.follow('eon:roughness=0.5')")
+    settled = "!gonio.busyMeasuring && gonio.plots().length === 2"
+    shown.until(settled)
+    shown.run("""
+      gonio.set({ theta: 31 });
+      while (!gonio.busyMeasuring) await new Promise((q) => setTimeout(q, 0));
+      gonio.swap();
+    """)
+    shown.until(f"{settled} && gonio.plots().every((p) => p.key.endsWith('|31'))")
+    assert shown.value("gonio.plots().map((p) => p.letter)") == ["A", "B"]
+    shown.run("gonio.set({ theta: 45 }); await gonio.follow('')")
+
+
 def test_a_number_out_of_range_is_refused_and_the_picture_stays(shown: Shown) -> None:
     field = shown.page.get_by_label("roughness, value")
     field.fill("1.4")

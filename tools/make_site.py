@@ -54,16 +54,18 @@ def _linked_files(page: Path, folder: Path) -> list[Path]:
     return [path for path in found if path.is_file() and path.suffix != ".md"]
 
 
+# What the live page opens with: flakes under a clear coat show at once what a sampled BRDF is good for.
+LIVE_START = ("car_paint_red_strong",)
+
+
 def live_page(path: Path, *, quick: bool) -> None:
-    """The viewer in one file, with all models and materials, or with one model."""
+    """The viewer in one file, with all models and materials, or with those alone that it opens with."""
     from gonio.materials import library
     from gonio.model import models as registry
     from gonio.view import page
 
-    shown = [*registry(), *library()]
-    if quick:
-        shown = shown[:1]
-    path.write_text(page.saved(page.Names(), shown), encoding="utf-8")
+    held = LIVE_START if quick else (*registry(), *library())
+    path.write_text(page.saved(page.Names(), held, opens=LIVE_START), encoding="utf-8")
 
 
 # The site's theme puts a tree of all pages on each of them, which takes almost half of the time.

@@ -80,8 +80,14 @@ from gonio.lights.catalogue import listed
     metavar="NAME,...",
     help="Of eval, sample, pdf, albedo (default: all; with --lit eval).",
 )
-@click.option("--embed", is_flag=True, help="Also a function that gives the parameters' values.")
-@click.option("--load", is_flag=True, help="Also a function that takes the values from a buffer.")
+@click.option(
+    "--embed", is_flag=True, help="Also NAME_material(), which gives the parameters' values."
+)
+@click.option(
+    "--load",
+    is_flag=True,
+    help="Also NAME_load(values): the parameters from an array of four-component vectors.",
+)
 @click.option("--manifest", is_flag=True, help="Also a JSON file for programs that embed the text.")
 @click.option("--prefix", metavar="NAME", help="Of what the models share (default: the model).")
 @click.option("--prove", is_flag=True, help="Compile, run and compare with the model; no file.")

@@ -366,11 +366,25 @@ def file(name: str = SCRIPT) -> str:
     return (WEB / name).read_text(encoding="utf-8")
 
 
-def saved(names: Names, texts: Iterable[str], extra: Mapping[str, Any] | None = None) -> str:
-    """One file with everything in it, which works from file://."""
-    shown = list(texts)
+def saved(
+    names: Names,
+    texts: Iterable[str],
+    extra: Mapping[str, Any] | None = None,
+    *,
+    opens: Iterable[str] = (),
+) -> str:
+    """One file with everything in it, which works from file://.
+
+    Args:
+        names: what may be shown.
+        texts: the models that it holds.
+        extra: more data for the page, such as the pool of `variants`.
+        opens: those of the texts, one or two, that it opens with; without any the first two.
+    """
+    held = list(texts)
+    shown = list(opens) or held
     files = {name: file(name) for name in FILES if name != SCRIPT}
-    data = start(names, shown) | {"saved": True, "files": files} | dict(extra or {})
+    data = start(names, held) | {"show": shown, "saved": True, "files": files} | dict(extra or {})
     viewer = file().replace("</script", "<\\/script")
     return document(
         f"{', '.join(shown)} – gonio view".encode(errors="replace").decode(),

@@ -351,7 +351,8 @@ export class App {
         this.setParameters({ [path]: value });
     }
 
-    setParameters(values) {
+    /** Change numbers; what has one name within a second is one step of undo, and what has none its own. */
+    setParameters(values, name = Object.keys(values).join()) {
         this.fieldError = null;
         for (const side of this.#editing()) {
             for (const [path, value] of Object.entries(values))
@@ -359,14 +360,14 @@ export class App {
             this.state[side.letter.toLowerCase()] = side.text();
         }
         this.moved();
-        this.#remember(Object.keys(values).join());
+        this.#remember(name);
         this.options.changed?.(this);
         this.update();
     }
 
     resetParameter(path) {
         const p = this.edited().parameter(path);
-        this.setParameter(path, this.edited().startOf(path, p.default));
+        this.setParameters({ [path]: this.edited().startOf(path, p.default) }, "");
     }
 
     async setOptions(changes) {
@@ -423,7 +424,7 @@ export class App {
             const start = side.startOf(o.path, o.default);
             if (inside(o.path) && side.options.get(o.path) !== start) choices[o.path] = start;
         }
-        this.setParameters(numbers);
+        this.setParameters(numbers, "");
         if (Object.keys(choices).length) this.setOptions(choices);
     }
 
@@ -645,19 +646,20 @@ export class App {
         try {
             for (const side of this.sides) {
                 if (!side.program) continue;
+                const { letter } = side; // sides may be swapped meanwhile
                 const key = `${side.active.payload.text}|${JSON.stringify([...side.values])}|${this.state.theta}`;
                 const needsLobe = ["lobe", "weights"].includes(this.state.view);
-                if (this.data[side.letter]?.key !== key)
-                    this.data[side.letter] = {
+                if (this.data[letter]?.key !== key)
+                    this.data[letter] = {
                         ...(await measure(this.gpu, side, this.state.theta)),
-                        letter: side.letter,
+                        letter,
                         key,
                     };
                 const { lobe } = needsLobe ? await this.#shared() : {};
-                if (needsLobe && this.lobes[side.letter]?.key !== key)
-                    this.lobes[side.letter] = {
+                if (needsLobe && this.lobes[letter]?.key !== key)
+                    this.lobes[letter] = {
                         ...(await lobe(this.gpu, side, this.state.theta)),
-                        letter: side.letter,
+                        letter,
                         key,
                     };
             }

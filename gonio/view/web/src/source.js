@@ -142,10 +142,12 @@ export class Saved {
     async model(text) {
         const [name, rest = ""] = [text.split(":")[0], text.slice(text.indexOf(":") + 1)];
         const base = this.data.models[text] ?? Object.values(this.data.models).find((m) => m.name === name);
-        if (!base)
+        if (!base) {
+            const held = Object.keys(this.data.models);
             throw new Error(
-                `This saved page holds ${this.data.show.join(" and ")} alone; 'gonio view' has all models.`,
+                `This saved page holds ${held.length > 4 ? `${held.length} others` : held.join(" and ")} alone; 'gonio view' has all models.`,
             );
+        }
         const pieces = new Map(
             text.includes(":")
                 ? rest
