@@ -145,7 +145,9 @@ export class Saved {
         if (!base) {
             const held = Object.keys(this.data.models);
             throw new Error(
-                `This saved page holds ${held.length > 4 ? `${held.length} others` : held.join(" and ")} alone; 'gonio view' has all models.`,
+                held.length > 4
+                    ? `This saved page holds ${held.length} models and materials, but not this one.`
+                    : `This saved page holds ${held.join(" and ")} alone; 'gonio view' has all models.`,
             );
         }
         const pieces = new Map(
