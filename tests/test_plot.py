@@ -318,6 +318,16 @@ def test_drawing_leaves_pyplot_alone(tmp_path):
     assert pyplot.get_fignums() == []
 
 
+@pytest.mark.parametrize(("alpha", "own"), [(0.05, True), (1.0, False)])
+def test_lobes_of_very_different_sizes_have_scales_of_their_own(alpha: float, own: bool) -> None:
+    coat = gonio.model("weidlich_wilkie", alpha=alpha)
+    made = polar([coat], theta_o=(0, 80))
+    figure = made.figure()
+    widths = [panel.get_xlim()[1] for panel in figure.axes[:2]]
+    said = any("a scale of its own" in text.get_text() for text in figure.texts)
+    assert said == (widths[0] != widths[1]) == own
+
+
 def test_an_odd_number_of_panels_leaves_an_empty_one():
     figure = polar([gonio.Lambert()], theta_o=(0, 45, 80)).figure()
     assert [a.get_title() for a in figure.axes].count("") == 1

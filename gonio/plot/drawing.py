@@ -22,6 +22,9 @@ from gonio.plot.style import (
     new_figure,
 )
 
+# Half discs have scales of their own where one's lobes would be so much smaller than another's.
+UNEVEN = 5
+
 
 def draw_polar(
     labels: list[str],
@@ -43,10 +46,12 @@ def draw_polar(
     width = panel_width * across
     figure = new_figure(width, 0.57 * panel_width * down + 0.6 + legend_height(width, labels))
     panels = figure.subplots(down, across, squeeze=False).ravel()
-    ticks = _radial_ticks(float(values.max()))
+    highest = [float(values[:, k].max()) for k in range(len(angles))]
+    uneven = min(highest) * UNEVEN < max(highest)
     theta = np.radians(theta_i)
     handles = []
     for k, (panel, angle) in enumerate(zip(panels, angles, strict=False)):
+        ticks = _radial_ticks(highest[k] if uneven else max(highest))
         _half_disc(panel, ticks, angle if phi == 0 else None, _quantity(cosine))
         handles = [
             panel.plot(r * -np.sin(theta), r * np.cos(theta), zorder=4, **s.line())[0]
@@ -58,7 +63,12 @@ def draw_polar(
     draw_head(
         figure,
         title or f"Lobes {_quantity(cosine)} in the plane {_plane(phi)}",
-        (shared, note, _negative_note(values)),
+        (
+            shared,
+            note,
+            _negative_note(values),
+            "each viewer has a scale of its own" if uneven else "",
+        ),
     )
     draw_legend(figure, handles, labels)
     return figure
