@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import importlib
+import inspect
 import math
+import pkgutil
 from typing import Any
 
 import drjit as dr
@@ -11,6 +14,8 @@ import pytest
 from support.tolerances import DOUBLE, SINGLE, SINGLE_PROMISED, decimals
 
 import gonio.mitsuba  # noqa: F401  before Mitsuba, so that a usable LLVM is found
+from gonio import parts
+from gonio.export.calls import VALUE
 from gonio.parts import fresnel, metals
 
 Float, Float64 = dr.llvm.ad.Float, dr.llvm.ad.Float64
@@ -285,3 +290,27 @@ def test_an_unknown_metal_names_the_nearest() -> None:
         metals.metal("Gold")
     with pytest.raises(ValueError, match="known are Ag, Al"):
         metals.metal("xyz123")
+
+
+def twins() -> list[tuple[Any, Any]]:
+    """Functions of gonio.parts, and those that exports call in their place."""
+    found = []
+    for module in pkgutil.iter_modules(parts.__path__, f"{parts.__name__}."):
+        names = vars(importlib.import_module(module.name))
+        found += [
+            (names[name.removesuffix(VALUE)], function)
+            for name, function in names.items()
+            if name.endswith(VALUE) and inspect.isfunction(function)
+        ]
+    return found
+
+
+def test_what_exports_call_has_the_value_of_what_they_call_it_for() -> None:
+    rng = np.random.default_rng(3)
+    assert twins()
+    for function, twin in twins():
+        assert inspect.signature(function) == inspect.signature(twin)
+        count = len(inspect.signature(twin).parameters)
+        # Both are made for numbers of at least a trace of absorption, and up to 1e7
+        given = [Float64(10.0 ** rng.uniform(-16, 7, 1000)) for _ in range(count)]
+        np.testing.assert_allclose(numbers(twin(*given)), numbers(function(*given)), rtol=DOUBLE)
