@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,10 +19,12 @@ from support.tolerances import DOUBLE, DOUBLE_DIVIDED, DOUBLE_SHORT, SINGLE, dec
 import gonio
 from gonio import check
 from gonio.check import (
+    albedo,
     continuity,
     energy,
     finite,
     hemisphere,
+    monotonicity,
     product_rules,
     sampling,
     statistics,
@@ -66,6 +69,11 @@ from gonio.parts.hemisphere import pdf_cosine, sample_cosine
 
 BROKEN = Path(__file__).parent / "broken"
 QUICK = EFFORTS["quick"]
+
+# Where it does not matter how well is searched.
+TINY = replace(
+    QUICK, population=64, rounds=2, albedos=8, confirmed=4, integrals=8, pairs=64, cases=64
+)
 
 
 @pytest.fixture
@@ -421,7 +429,20 @@ def test_product_rules_know_that_white_surfaces_reflect_everything(name: str) ->
     assert found.error[known].max() < 2e-5
 
 
-class Spike(Model, register=False):
+class Cosine(Model, register=False):
+    """What is sampled like Lambert."""
+
+    def sample(self, wo: Vec3, u: Vec2) -> Sample:
+        """By the cosine."""
+        wi = sample_cosine(u)
+        return Sample(wi, pdf_cosine(wi))
+
+    def pdf(self, wi: Vec3, wo: Vec3) -> Float:
+        """Of `sample`."""
+        return pdf_cosine(wi)
+
+
+class Spike(Cosine, register=False):
     """Lambert of 0.5 and a lobe that the sampler does not know, around a direction beside wo's or wi's."""
 
     height: Float = param(0.5, 0, 100, "of the lobe, in 1/sr")
@@ -434,15 +455,6 @@ class Spike(Model, register=False):
         t = (wi - middle) / self.width
         value = 0.5 * INV_PI + self.height * exp(-dot(t, t))
         return vec3(value, value, value)
-
-    def sample(self, wo: Vec3, u: Vec2) -> Sample:
-        """By the cosine."""
-        wi = sample_cosine(u)
-        return Sample(wi, pdf_cosine(wi))
-
-    def pdf(self, wi: Vec3, wo: Vec3) -> Float:
-        """Of `sample`."""
-        return pdf_cosine(wi)
 
 
 @pytest.mark.parametrize("around", ["mirror", "wo"])
@@ -457,6 +469,74 @@ def test_product_rules_leave_alone_what_they_might_overlook(around: str, width: 
     # The product's second order in the width
     allowed = 2e-5 + 2 * 0.5 * np.pi * width**3
     assert np.all(np.abs(found.total[known, 0] - exact[known]) < allowed)
+
+
+class Gaining(Cosine, register=False):
+    """Lambert that gives back more than it gets, and the more the larger a parameter is."""
+
+    rho: Float = param(1, 0, 1, "albedo, but for the gain")
+    claims = Claims(falls=("rho",))
+
+    def eval(self, wi: Vec3, wo: Vec3) -> Color:
+        """A twentieth too much."""
+        return vec3(1, 1, 1) * (1.05 * INV_PI * self.rho)
+
+    def albedo(self, wo: Vec3) -> Color:
+        """As if nothing were gained."""
+        return vec3(1, 1, 1) * self.rho
+
+    def mean_albedo(self) -> Color:
+        """As if nothing were gained."""
+        return vec3(1, 1, 1) * self.rho
+
+
+def _agreeing(value: float) -> Callable[..., product_rules.Albedos]:
+    """Product rules that agree with each other, and are wrong."""
+
+    def found(subject: Any, parameters: Any, wo: Any, *_: Any) -> product_rules.Albedos:
+        count = len(parameters)
+        total = np.full((count, 3), value) + np.linspace(0, 0.01, count)[:, None]
+        return product_rules.Albedos(total, np.full(count, 1e-6))
+
+    return found
+
+
+@pytest.mark.parametrize("told", [0.5, 1.5])
+def test_no_model_fails_and_no_gain_passes_because_product_rules_agree_and_are_wrong(
+    told: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They err by up to 1e-3 at kinks and jumps. What decides is integrated adaptively."""
+    for module in (energy, albedo):
+        monkeypatch.setattr(module, "albedos", _agreeing(told))
+    gain = energy.largest(ModelSubject(Gaining(), frozenset({"rho"})), TINY)
+    assert gain.verdict == FAIL
+    # That of the integrals that count
+    assert gain.measured == pytest.approx(1.05, abs=1.5e-5)
+    white = ModelSubject(gonio.model("lambert", rho=1), frozenset({"rho"}))
+    assert energy.largest(white, TINY).verdict == PASS
+    assert not albedo.check(ModelSubject(gonio.model("lambert")), TINY).failed
+    eon = ModelSubject(gonio.model("eon"))
+    assert eon.claims.falls
+    assert not monotonicity.check(eon, TINY).failed
+
+
+def test_what_is_wrong_fails_after_the_look_with_care_as_well() -> None:
+    """A mean that grows, and closed forms that are a twentieth too low."""
+    subject = ModelSubject(Gaining())
+    assert [f.verdict for f in albedo.check(subject, TINY).findings] == [FAIL, FAIL]
+    (growth,) = monotonicity.check(subject, TINY).findings
+    assert growth.verdict == FAIL
+
+
+def test_nothing_below_zero_is_zero_with_its_usual_sign() -> None:
+    """Minus zero reads like a departure."""
+    (lowest,) = (
+        f
+        for f in finite.check(ModelSubject(gonio.model("lambert")), TINY).findings
+        if f.what.startswith("below zero")
+    )
+    assert lowest.measured == 0
+    assert math.copysign(1, lowest.measured) == 1
 
 
 @given(

@@ -64,14 +64,19 @@ def _directional(subject: Subject, effort: Effort) -> Finding:
     true, error = _integrals(subject, parameters, wo, 2e-6 if closed else ROUGHLY)
     off = _off(own, true) - error
     limit = CLOSED if closed else NUMERIC
-    suspect = np.flatnonzero(~(off < 0.5 * limit))[:SUSPECTS]
-    if len(suspect):
-        careful = CAREFULLY[0 if closed else 1]
+    careful = CAREFULLY[0 if closed else 1]
+    sure = np.zeros(len(off), bool)
+    while True:  # until the worst one has been integrated with care, or is none
+        order = np.argsort(-np.where(np.isnan(off), np.inf, off), kind="stable")
+        row = int(order[0])
+        if sure[row] or off[row] < 0.5 * limit:
+            break
+        suspect = order[~sure[order] & ~(off[order] < 0.5 * limit)][:SUSPECTS]
         true[suspect], error[suspect] = _integrals(
             subject, parameters[suspect], wo[suspect], careful
         )
         off[suspect] = _off(own[suspect], true[suspect]) - error[suspect]
-    row = int(np.argmax(np.where(np.isnan(off), np.inf, off)))
+        sure[suspect] = True
     measured = float(np.maximum(off[row], 0)) if not np.isnan(off[row]) else float("nan")
     # Whether a kink falls between two nodes is luck
     verdict, text = judge(
@@ -95,7 +100,7 @@ def _directional(subject: Subject, effort: Effort) -> Finding:
     )
 
 
-# At most so many albedos are integrated again with care: closed forms, and the others to a fortieth of what
+# So many albedos at once are integrated again with care: closed forms, and the others to a fortieth of what
 # is allowed. From which tolerance on product rules do.
 SUSPECTS, CAREFULLY, WITH_RULES = 6, (1e-8, 4e-7), 1e-6
 
@@ -130,10 +135,12 @@ def _mean(subject: Subject) -> Finding:
     rows = np.stack([subject.default(), rng.random(len(subject.parameters))])
     worst, worst_row = 0.0, rows[0]
     for row in rows:
-        E, _ = _integrals(subject, np.tile(row, (len(wo), 1)), wo, ROUGHLY)
-        true = (E * weight[:, None]).sum(axis=0)
         own = kernels.mean_albedo(subject, row[None])[0]
-        off = float(np.abs(own - true).max())
+        for tolerance in (ROUGHLY, CAREFULLY[0]):
+            E, _ = _integrals(subject, np.tile(row, (len(wo), 1)), wo, tolerance)
+            off = float(np.abs(own - (E * weight[:, None]).sum(axis=0)).max())
+            if off <= MEAN:
+                break
         if not off <= worst:
             worst, worst_row = off, row
     verdict = PASS if worst <= MEAN else FAIL

@@ -18,7 +18,7 @@ import numpy as np
 from gonio.check import hemisphere
 from gonio.check.adversarial import hard_parameters, special_parts
 from gonio.check.kernels import reflect, sample
-from gonio.check.product_rules import Albedos, albedos
+from gonio.check.product_rules import albedos
 from gonio.check.report import FAIL, NOTE, PASS, UNSURE, Effort, Finding, Report, judge
 from gonio.check.search import maximise
 from gonio.check.subject import (
@@ -46,14 +46,16 @@ FEW = 6
 # many points are looked at once.
 ROUGHLY, SHALLOW, SKETCHY = 2e-5, 5, 2
 
-# From which tolerance on product rules come first, and which of the best so far others have to reach.
+# From which tolerance on `precise` tries product rules first, and which of the best so far others have to
+# reach in the search.
 WITH_RULES, BEATEN = 1e-5, 3
 
 # Tolerances below this ask for more digits than float32 has: cells would be cut for its roundings.
 SINGLE = 1e-6
 
-# The integrals that count: tolerance, how often cells are cut, and for how many of the best finds. The
-# second one is for what is within so many of the first one's errors of a limit.
+# The integrals that count, all adaptive, because product rules may agree and be off by 1e-3: tolerance, how
+# often cells are cut, and for how many of the best finds. The second one is for what is within so many of
+# the first one's errors of a limit.
 INTEGRATED = ((1.5e-5, 9, 2), (SINGLE, hemisphere.LEVELS, 2))
 CLEARLY = 10.0
 
@@ -190,7 +192,9 @@ def precise(
     tolerance: float = 1e-6,
     levels: int = hemisphere.LEVELS,
 ) -> Array:
-    """Albedos of points, (points, 3), by adaptive integration."""
+    """Albedos of points, (points, 3): by adaptive integration, from WITH_RULES on as `albedos` has them."""
+    if tolerance >= WITH_RULES:
+        return albedos(subject, parameters, wo, tolerance, levels).total
     return _integrated(subject, parameters, wo, tolerance, levels).total
 
 
@@ -200,21 +204,17 @@ def _integrated(
     wo: Array,
     tolerance: float,
     levels: int = hemisphere.LEVELS,
-    floor: float = -np.inf,
-) -> hemisphere.Integrals | Albedos:
+) -> hemisphere.Integrals:
+    """The same always by adaptive integration: what a verdict rests on."""
     if subject.float32:
         tolerance = max(tolerance, SINGLE)
-    if tolerance < WITH_RULES:
-        cut = hemisphere.partition(subject, parameters, wo)
-        return hemisphere.integrate(
-            subject, parameters, wo, cut, tolerance, levels, albedo_only=True
-        )
-    return albedos(subject, parameters, wo, tolerance, levels, floor)
+    cut = hemisphere.partition(subject, parameters, wo)
+    return hemisphere.integrate(subject, parameters, wo, cut, tolerance, levels, albedo_only=True)
 
 
-def _at_least(found: hemisphere.Integrals | Albedos) -> Array:
+def _at_least(total: Array, error: Array) -> Array:
     """The largest channel of each point, less the integral's error: so that no search looks for errors."""
-    return np.asarray(found.total.max(axis=1) - 2 * found.error)
+    return np.asarray(total.max(axis=1) - 2 * error)
 
 
 class _Contest:
@@ -228,7 +228,8 @@ class _Contest:
     def __call__(self, points: Array, levels: int = SHALLOW) -> Array:
         """What is far below the best so far is not integrated with care."""
         at = viewer(self.subject, points, self.low)
-        found = _at_least(_integrated(self.subject, *at, ROUGHLY, levels, float(self.best[0])))
+        rough = albedos(self.subject, *at, ROUGHLY, levels, float(self.best[0]))
+        found = _at_least(rough.total, rough.error)
         found = np.where(np.isnan(found), np.inf, found)
         self.best = np.sort(np.append(self.best, found))[-BEATEN:]
         return found
@@ -277,7 +278,7 @@ def largest(subject: Subject, effort: Effort, low: float = MU_LOW) -> Finding:
     for tolerance, levels, count in INTEGRATED:
         parameters, wo = viewer(subject, points[:count], low)
         found = _integrated(subject, parameters, wo, tolerance, levels)
-        least = _at_least(found)
+        least = _at_least(found.total, found.error)
         order = np.argsort(-np.where(np.isnan(least), np.inf, least), kind="stable")
         best, points = int(order[0]), points[:count][order]
         measured, error = float(found.total[best].max()), 2 * float(found.error[best])

@@ -258,7 +258,8 @@ def _lowest(subject: Subject, cases: Cases, effort: Effort) -> Finding:
     )
     parameters, wi, wo = pairs(subject, points[:1])
     case = (parameters[0], wi[0], wo[0])
-    lowest = max(float(values[0]), 0.0) if not np.isinf(values[0]) else float("nan")
+    # 0 first: of two equal numbers `max` takes that one, and the other may be -0
+    lowest = max(0.0, float(values[0])) if not np.isinf(values[0]) else float("nan")
     double = True
     if lowest == 0 and not subject.float32:
         f, _ = evaluate(

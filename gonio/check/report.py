@@ -44,7 +44,7 @@ class Effort:
     tests: int
     """Rows at which it is tested with many: the default ones, and the most suspicious of the others.
 
-    None if it is that of another variant, which has been tested."""
+    0 if another variant has the same sampler, and has been tested."""
     samples: int
     """Samples of each of these tests."""
     derivatives: bool

@@ -464,9 +464,8 @@ def _wasted(subject: Subject, effort: Effort) -> Finding:
         starts=starts(subject)[: effort.albedos // 2],
         special=special_parts(subject),
     )
-    found = waste(subject, points[:8], MORE)
-    worst = points[int(np.argmax(found))][None]
-    measured = float(waste(subject, worst, MANY)[0]) if found.max() > 0 else 0.0
+    worst = points[int(np.argmax(waste(subject, points[:8], MORE)))][None]
+    measured = float(waste(subject, worst, MANY)[0])
     parameters, wo = viewer(subject, worst)
     if not subject.claiming:
         verdict, text = NOTE, "samples without a direction"

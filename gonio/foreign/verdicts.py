@@ -253,7 +253,7 @@ def _finite(subject: ForeignSubject, effort: Effort) -> list[Finding]:
     findings.append(
         Finding(
             "below zero, times pi",
-            min(lowest * np.pi, 0.0),
+            max(0.0, -lowest * np.pi),  # 0 first: the other may be -0
             verdict,
             "light is not negative",
             "",
