@@ -331,7 +331,28 @@ def test_a_file_is_evaluated_by_its_path(tmp_path: Path) -> None:
     assert json.loads(result.stdout)["albedo"][0] == pytest.approx(0.3, abs=SINGLE)
 
 
+def test_a_search_writes_what_is_asked_for_and_refuses_what_it_does_not_search(
+    tmp_path: Path,
+) -> None:
+    xml, code = tmp_path / "found.xml", tmp_path / "matte.glsl"
+    words = ["check", "lambert", "--fuzz", "1e3"]
+    found = CliRunner().invoke(main, [*words, "--json", "--junit", str(xml)])
+    assert found.exit_code == 0, found.output
+    assert [(r["model"], r["check"]) for r in json.loads(found.stdout)] == [("lambert", "fuzz")]
+    assert 'classname="gonio.check.lambert" name="fuzz"' in xml.read_text(encoding="utf-8")
+    code.write_text("vec3 brdf(vec3 L, vec3 V, vec3 N) { return vec3(0.1); }\n", encoding="utf-8")
+    refused = CliRunner().invoke(main, ["check", f"{code}#brdf", "--fuzz", "1e3"])
+    assert refused.exit_code == 2
+    assert "check matte.glsl#brdf without it" in refused.stderr
+
+
 def test_the_command_starts_without_what_it_does_not_need() -> None:
-    code = "import sys, gonio.cli; print('mitsuba' in sys.modules, 'gonio.check' in sys.modules)"
+    """Whether a name is one of code is asked of all; what runs code loads with the first code."""
+    code = (
+        "import sys, gonio.cli.eval, gonio.cli.plot, gonio.cli.view, gonio.cli.compare\n"
+        "print({'mitsuba', 'gonio.check', 'gonio.foreign.compiling'} & set(sys.modules))\n"
+        "import gonio.cli.check\n"
+        "print({'gonio.fit', 'gonio.export', 'gonio.foreign.identity'} & set(sys.modules))\n"
+    )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert found.stdout.split() == ["False", "False"]
+    assert found.stdout.split() == ["set()", "set()"]

@@ -18,9 +18,8 @@ from gonio.check.subject import ModelSubject, Subject
 from gonio.cli._code import Code
 from gonio.files import check_place, replacing
 from gonio.foreign import Foreign, ForeignError, is_foreign
-from gonio.foreign import check as check_code
-from gonio.foreign import identify as identify_code
 from gonio.foreign.verdicts import VERDICTS
+from gonio.foreign.verdicts import check as check_code
 from gonio.measured import is_data_file
 
 if TYPE_CHECKING:
@@ -77,9 +76,11 @@ class Plan:
             if wanted or not self.only:
                 reports += check_code(foreign, effort, wanted, progress)
             if self.identify:
-                found = identify_code(foreign, thorough=effort == "thorough", progress=progress)
+                from gonio.foreign import identify
+
+                found = identify(foreign, thorough=effort == "thorough", progress=progress)
                 reports.append(found.report(foreign.name))
-        return self._written(reports)
+        return self.written(reports)
 
     def share(self, run: Run, effort: str = "normal") -> Result:
         """The same by tasks: each check of each model is one.
@@ -87,13 +88,12 @@ class Plan:
         Raises:
             UsageError: something in the plan that is no model of gonio's kind.
         """
-        others = [*self.files, *(foreign.name for foreign in self.code)]
         if (
-            others
+            self.others
             or self.notes
             or any(not isinstance(s, ModelSubject) for g in self.groups for s in g)
         ):
-            what = others[0] if others else "--mitsuba"
+            what = self.others[0] if self.others else "--mitsuba"
             raise click.UsageError(
                 f"--cluster and --run-dir are for models and materials; check {what} without them"
             )
@@ -101,9 +101,15 @@ class Plan:
 
         wanted = [name for name in self.only if name in CHECKS]
         groups = self.groups if wanted or not self.only else []
-        return self._written(checks.reports(run, groups, effort, wanted))
+        return self.written(checks.reports(run, groups, effort, wanted))
 
-    def _written(self, reports: list[Report]) -> Result:
+    @property
+    def others(self) -> list[str]:
+        """Names of what is no model and no material."""
+        return [*self.files, *(foreign.name for foreign in self.code)]
+
+    def written(self, reports: list[Report]) -> Result:
+        """Write the files that are asked for."""
         written = []
         if self.junit_file is not None:
             with replacing(self.junit_file) as temporary:

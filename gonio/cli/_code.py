@@ -9,8 +9,9 @@ from typing import Any
 
 import click
 
+from gonio import foreign
 from gonio.cli.program import FloatRange, plain_materials
-from gonio.foreign import Foreign, ForeignError, as_model, is_foreign, load
+from gonio.foreign import Foreign, ForeignError, is_foreign
 from gonio.materials import Material, notation
 from gonio.model import Model
 
@@ -79,7 +80,7 @@ class Code:
                 found += plain_materials([text], params)
                 continue
             if name not in loaded:
-                loaded[name] = as_model(self.load(name))
+                loaded[name] = foreign.as_model(self.load(name))
             rest = text.removeprefix(name).removeprefix(":")
             pieces = rest.split(",") if rest else []
             named = {piece.partition("=")[0].strip() for piece in pieces}
@@ -91,7 +92,7 @@ class Code:
 
     def load(self, text: str) -> Foreign:
         """The function that a text and the options name, running."""
-        return load(
+        return foreign.load(
             text,
             function=self.function,
             mapping=self.mapping,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,7 +15,7 @@ from gonio.check import fuzz as fuzz_search
 from gonio.check.lines import lines, unjudged
 from gonio.check.report import Report
 from gonio.cli import _baseline as baselines
-from gonio.cli._check_plan import Plan, check_places, plan
+from gonio.cli._check_plan import Plan, Result, check_places, plan
 from gonio.cli._cluster import cluster_options, run_of
 from gonio.cli._code import Code, code_options
 from gonio.cli.program import complete, echo_json, json_option, param_option, progress
@@ -49,6 +50,16 @@ def _fuzz(
         known = fuzz_search.load(Path(state)) if state is not None else states
         fuzz_search.record(record, known)
     return fuzz_search.reports(states), whole
+
+
+def _show(result: Result, as_json: bool, since: Sequence[str] = ()) -> None:
+    """Print what was found and written, and what has changed since an earlier run."""
+    if as_json:
+        echo_json(data(result.reports))
+        for line in since:
+            click.echo(line, err=True)
+    else:
+        click.echo("\n".join([*lines(result.reports), *since, *map(str, result.written)]))
 
 
 @click.command("check", short_help="Measure whether a model is what it claims to be.")
@@ -143,10 +154,14 @@ def command(
     if fuzz is not None:
         if only or effort or picture or baseline:
             raise click.UsageError(
-                "--fuzz is a search of its own; it goes with no effort, --only or --baseline"
+                "--fuzz is a search of its own; it goes with no effort, --only, --plot or --baseline"
+            )
+        if planned.others:
+            raise click.UsageError(
+                f"--fuzz searches models and materials; check {planned.others[0]} without it"
             )
         reports, whole = _fuzz(planned, fuzz, resume, record, shared)
-        click.echo("\n".join(lines(reports)))
+        _show(planned.written(reports), as_json)
         return 0 if whole and not failed(reports) else 1
     before = None if baseline is None else baselines.load(baseline, list)
     if resume or record:
@@ -161,12 +176,7 @@ def command(
             result = planned.run(effort or "normal", step)
     change = None if before is None else baselines.checks(before, data(result.reports))
     since = change.lines(str(baseline)) if change is not None else []
-    if as_json:
-        echo_json(data(result.reports))
-        for line in since:
-            click.echo(line, err=True)
-    else:
-        click.echo("\n".join([*lines(result.reports), *since, *map(str, result.written)]))
+    _show(result, as_json, since)
     bad = (
         bool(change.worse)
         if change is not None

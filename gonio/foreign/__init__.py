@@ -11,13 +11,20 @@
 The code is compiled by its own compiler and runs in a process of its own, with limits of time and memory.
 """
 
-from gonio.foreign.compared import Comparison, compare
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
 from gonio.foreign.function import Foreign, Returns, is_foreign
-from gonio.foreign.identity import Identity, identify
-from gonio.foreign.loading import load
-from gonio.foreign.model import as_model
 from gonio.foreign.source import ForeignError
-from gonio.foreign.verdicts import check
+
+if TYPE_CHECKING:
+    from gonio.foreign.compared import Comparison, compare
+    from gonio.foreign.identity import Identity, identify
+    from gonio.foreign.loading import load
+    from gonio.foreign.model import as_model
+    from gonio.foreign.verdicts import check
 
 __all__ = [
     "Comparison",
@@ -32,3 +39,21 @@ __all__ = [
     "is_foreign",
     "load",
 ]
+
+# Where the others are: commands ask of every name whether it is code, and most never meet any.
+_PLACES = {
+    "Comparison": "compared",
+    "Identity": "identity",
+    "as_model": "model",
+    "check": "verdicts",
+    "compare": "compared",
+    "identify": "identity",
+    "load": "loading",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """What loads only when it is used."""
+    if name not in _PLACES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(f"{__name__}.{_PLACES[name]}"), name)

@@ -100,7 +100,7 @@ def terms(c: Cosines, colours: dict[str, Array]) -> Iterator[tuple[str, Array, b
     yield "1 - Schlick's Fresnel of V.H, F0 = 0.04", 1 - schlick(c.d, fixed), True
     yield (
         "Schlick's Fresnel with F0 and F90 exchanged, 0.04",
-        schlick(c.d, fixed / 0.04, 0.04),
+        schlick(c.d, np.ones_like(fixed), fixed),
         False,
     )
     for where, cosine in (("N.V", c.o), ("N.L", c.i), ("N.H", c.h)):
@@ -127,7 +127,7 @@ def terms(c: Cosines, colours: dict[str, Array]) -> Iterator[tuple[str, Array, b
                     True,
                 )
         yield f"1 - Schlick's Fresnel of V.H, F0 = {name}", 1 - schlick(c.d, f0), True
-        exchanged = 1 + (f0 - 1) * (1 - np.clip(c.d, 0, 1)) ** 5
+        exchanged = schlick(c.d, np.ones_like(f0), f0)
         yield f"Schlick's Fresnel with F0 and F90 exchanged, {name}", exchanged, False
         gauss = f0 + (1 - f0) * gaussian
         yield f"Schlick's Fresnel as a spherical Gaussian, F0 = {name}", gauss, True

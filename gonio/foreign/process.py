@@ -1,4 +1,4 @@
-"""Compiling foreign code, and the process that it runs in, with limits of time and memory."""
+"""The process that foreign code runs in, with limits of time and memory."""
 
 from __future__ import annotations
 
@@ -16,12 +16,10 @@ from typing import IO
 import numpy as np
 from numpy.typing import NDArray
 
-from gonio.export.prove import tools
-from gonio.export.prove.native import FLAGS
-from gonio.foreign.harness import OUTPUTS, OWN
-from gonio.foreign.library import wrapper
+from gonio.foreign.complaints import refused
+from gonio.foreign.harness import OUTPUTS
 from gonio.foreign.loops import COUNTING, CUT, TURNS
-from gonio.foreign.source import FILE_LINES, ForeignError, Source
+from gonio.foreign.source import ForeignError, Source
 from gonio.foreign.textures import write as write_textures
 
 Singles = NDArray[np.float32]
@@ -35,10 +33,6 @@ ROWS = 1 << 18
 
 # Seconds in which the process has to be there, with its shader compiled.
 START = 120.0
-
-CUDA = Path(__file__).with_name("cuda")
-METAL = Path(__file__).with_name("metal")
-OSL = Path(__file__).with_name("osl_words.h")
 
 
 class Running:
@@ -76,14 +70,14 @@ class Running:
         folder = Path(self._folder.name)
         try:
             write_textures(folder, source, dict(textures or {}))
-            kind, file = _compiled(source, text, folder, include, defines)
+            # Most commands ask only whether a name is one of code; compilers bring all of gonio.export
+            from gonio.foreign.compiling import compiled
+
+            kind, file = compiled(source, text, folder, include, defines)
             self._command = [sys.executable, "-P", str(Path(__file__).with_name("_worker.py"))]
             self._command += [kind, str(file), str(columns), str(memory)]
             self._text = text
             self.device = ""
-        except tools.ProofError as error:
-            self._folder.cleanup()
-            raise ForeignError(str(error)) from None
         except ForeignError:
             self._folder.cleanup()
             raise
@@ -109,7 +103,7 @@ class Running:
             state, _, rest = words.partition(" ")
             if state == "error":
                 message = self._answers.read(int(rest)).decode()
-                raise _refused(self.source, message)
+                raise refused(self.source, message)
         if state != "ok":
             raise ForeignError(self._ended(limit.over, START, "while it was loaded"))
         self.device = rest
@@ -162,7 +156,7 @@ class Running:
         said = self._errors.read_text(errors="replace").strip() or "no message"
         last = said.splitlines()[-1]
         if self.source.language == "python" and code == 1:
-            return str(_refused(self.source, last))
+            return str(refused(self.source, last))
         if code >= 0 and self.source.language != "python":
             return f"{path}: the code ended its process by itself (exit code {code}) {when}."
         if "MemoryError" in last or "bad_alloc" in last or "ENOMEM" in last:
@@ -213,145 +207,3 @@ def _stop(process: subprocess.Popen[bytes], folder: tempfile.TemporaryDirectory[
             with contextlib.suppress(OSError):
                 pipe.close()
     folder.cleanup()
-
-
-def _compiled(
-    source: Source, text: str, folder: Path, include: Sequence[str | Path], defines: Sequence[str]
-) -> tuple[str, Path]:
-    """The kind of worker and its file."""
-    language = source.language
-    if language in ("glsl", "essl", "brdf"):
-        tools.program("moderngl", "runs GLSL")
-        (folder / "shader.frag").write_text(text, encoding="utf-8")
-        return "opengl", folder / "shader.frag"
-    if language == "python":
-        (folder / "job.json").write_text(text, encoding="utf-8")
-        return "python", folder / "job.json"
-    if language == "wgsl":
-        tools.program("wgpu", "compiles and runs WGSL")
-        (folder / "shader.wgsl").write_text(text, encoding="utf-8")
-        return "webgpu", folder / "shader.wgsl"
-    gxx = tools.program("g++", "compiles what is to be run")
-    folders = [str(Path(p).resolve()) for p in (source.path.parent, *include)]
-    options = [f"-I{p}" for p in folders] + [f"-D{d}" for d in defines]
-    more: list[str] = []
-    if language in ("hlsl", "slang"):
-        slangc = tools.program("slangc", "compiles Slang and HLSL to C++")
-        (folder / "code.slang").write_text(text, encoding="utf-8")
-        command = [slangc, "code.slang", "-target", "cpp", "-o", "code.cpp"]
-        for p in folders:
-            command += ["-I", p]
-        _run([*command, *(f"-D{d}" for d in (*source.macros, *defines))], folder, source)
-        options = []
-    else:
-        if language == "library":
-            return "native", _linked(gxx, source, text, folder)
-        (folder / "code.cpp").write_text(text, encoding="utf-8")
-        kinds = {
-            "cuda": ["-include", str(CUDA / "cuda_runtime.h"), f"-I{CUDA}"],
-            "msl": ["-fsingle-precision-constant", "-Wno-attributes", "-x", "c++", f"-I{METAL}"],
-            "osl": ["-include", str(OSL), "-fsingle-precision-constant"],
-        }
-        more = kinds.get(language, [])
-        if language in ("cpp", "cuda"):  # members of classes are set, private ones too
-            more = [*more, "-fno-access-control"]
-        if source.path.suffix == ".c":  # C converts pointers that C++ does not
-            more = ["-fpermissive"]
-        more = [*more, "-Dmain=gonio_unused_main"]
-    command = [gxx, *FLAGS, "-w", *more, *options, "code.cpp", "-o", "library.so"]
-    _run(command, folder, source)
-    return "native", folder / "library.so"
-
-
-def _linked(gxx: str, source: Source, text: str, folder: Path) -> Path:
-    """A library of calls into the user's compiled library: as C declares the function, or as C++ does."""
-    library = source.path.resolve()
-    options = [str(library), f"-Wl,-rpath,{library.parent}", "-Wl,--no-undefined"]
-    said = ""
-    for head in wrapper(source):
-        (folder / "code.cpp").write_text(head + text, encoding="utf-8")
-        command = [gxx, *FLAGS, "-w", "code.cpp", "-o", "library.so", *options]
-        done = tools.run(command, folder)
-        if done.returncode == 0:
-            return folder / "library.so"
-        said = said or done.stdout + done.stderr
-    if "undefined reference" in said:
-        raise ForeignError(
-            f"{source.path} has no function {source.entry!r}; 'nm -D' shows what it has."
-        )
-    lines = [line for line in said.splitlines() if "error" in line] or ["no message"]
-    raise ForeignError(f"{source.path} cannot be called so: {lines[0].strip()}")
-
-
-def _run(command: Sequence[str], folder: Path, source: Source) -> None:
-    done = tools.run(command, folder)
-    if done.returncode != 0:
-        raise _refused(source, done.stdout + done.stderr)
-
-
-# What compilers write: g++ FILE:12:3:, slangc FILE(12) or, from 2026 on, --> FILE:12:3 below the message,
-# Mesa 0:12(3), NVIDIA 0(12), naga wgsl:12:3.
-_PLACES = (
-    re.compile(r"^\s*(?P<file>[^\s:()]*?\.\w+|harness):(?P<line>\d+)(?::\d+)?:.*\berror\b"),
-    re.compile(r"^\s*(?P<file>[^\s:()]*?\.\w+)\((?P<line>\d+)[^)]*\).*\berror\b"),
-    re.compile(r"(?:^|ERROR:\s*)\d+:(?P<line>\d+)(?:\(\d+\))?:"),
-    re.compile(r"^\d+\((?P<line>\d+)\)\s*:"),
-    re.compile(r"wgsl:(?P<line>\d+):\d+"),
-    re.compile(r"^\s*-+>\s*(?P<file>[^\s:()]*?\.\w+):(?P<line>\d+)(?::\d+)?\s*$"),
-)
-
-
-def _refused(source: Source, message: str) -> ForeignError:
-    """The first complaint of a compiler, at the line of the user's file."""
-    lines = [line for line in message.splitlines() if line.strip()]
-    errors = [line for line in lines if re.search(r"\berror\b", line, re.I)] or lines
-    # wgpu puts naga's sentence below its own
-    errors = [line for line in errors if line.strip() != "Validation Error"] or errors
-    # slangc says only below what is undefined
-    below = next((m[1] for line in lines if (m := re.match(r"\s*\|\s*\^+\s*(.+)", line))), "")
-    if below and errors[0].startswith("error["):
-        errors = [f"error: {below}", *errors]
-    if source.entry:
-        said = (
-            re.sub(r"^.*?\berror\b[^:]*:\s*", "", errors[0], flags=re.I) if errors else "no message"
-        )
-        return ForeignError(f"{source.path}: the generated code does not compile: {said.strip()}")
-    for line in [*errors, *lines]:
-        for pattern in _PLACES:
-            if match := pattern.search(line):
-                return ForeignError(_quoted(source, match, line, errors[0]))
-    return ForeignError(
-        f"{source.path} does not compile: {errors[0].strip() if errors else 'no message'}"
-    )
-
-
-def _quoted(source: Source, match: re.Match[str], line: str, first: str) -> str:
-    groups = match.groupdict()
-    number = int(groups["line"])
-    path: Path | None = source.path
-    k, counted = divmod(number, FILE_LINES)
-    if k == OWN:
-        path = None
-    elif k:
-        path, number = source.files[k], counted
-    elif groups.get("file"):
-        name = Path(groups["file"])
-        if name.name in ("harness", "code.cpp"):
-            path = None
-        elif name.name != source.path.name:
-            path = name
-    said = re.sub(r"^.*?\berror\b[^:]*:\s*", "", first, flags=re.I).strip() or line.strip()
-    if path is None and re.search(
-        r"no matching function for call to .(?:\w+::)*(\w+)::\1\(\)", said
-    ):
-        return (
-            f"{source.path}: the class has a constructor that wants arguments; write a function of the "
-            "directions and parameters that makes one and calls it."
-        )
-    if path is None:
-        return f"{source.path} does not take the arguments that were read from it: {said}"
-    try:
-        text = path.read_text(encoding="utf-8", errors="replace").splitlines()[number - 1].strip()
-    except (OSError, IndexError):
-        text = ""
-    return f"{path}:{number}: {said}" + (f"  |  {text}" if text else "")

@@ -25,8 +25,10 @@ GRID = np.geomspace(2e-3, 1.6, 40)
 # So many of the best combinations of each distribution are gone down from, in so many steps.
 BEST, STEPS = 6, 40
 
-# The parameter is held at such parts of its range; the first tells the product.
-HELD = (0.55, 0.08, 0.25, 0.4, 0.7, 0.85, 1.0)
+# The parameter is held at such parts of its range; the first tells the product. A range that ends above
+# WIDE is one of exponents, and the parts grow by factors.
+HELD, WIDE = (0.55, 0.08, 0.25, 0.4, 0.7, 0.85, 1.0), 10
+GROWING = (0.1, 0.003, 0.01, 0.03, 0.3, 0.6, 1.0)
 
 # A formula is one if it is so near to all widths, and coefficients are shown in so many digits.
 FORMULA, DIGITS = 2e-3, 3
@@ -105,7 +107,7 @@ def _made(seen: Asked, alpha: float, held: Array, only: int | None = None) -> li
 def _searched(foreign: Unscaled, name: str) -> Product | None:
     """The product whose width a number gives, whatever the relation between both."""
     p = foreign.parameters[name]
-    parts = HELD if p.high <= 10 else (0.1, 0.003, 0.01, 0.03, 0.3, 0.6, 1.0)
+    parts = HELD if p.high <= WIDE else GROWING
     with np.errstate(all="ignore"):
         seen = terms.asked(foreign, {name: _value(p, parts[0])})
         if seen is None or seen.stretched:
@@ -128,7 +130,7 @@ def _searched(foreign: Unscaled, name: str) -> Product | None:
             made = _product(there, name, f, combination, width)
             if misfit < terms.EXACT:
                 pairs.append((value, width, made.constant))
-    if len(pairs) < len(HELD) // 2:
+    if len(pairs) < len(parts) // 2:  # too few for a relation
         return None
     r, alpha, constant = np.array(sorted(pairs)).T
     text = formula(name, r, alpha)
