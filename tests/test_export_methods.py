@@ -20,12 +20,14 @@ from support.methods import by_python, made, rows
 
 from gonio.export import ExportError, export
 from gonio.export.prove.runners import RUNNERS
-from gonio.export.targets import TARGETS
 from gonio.model import Model
 
 # Seconds for each language in the long run, and how many methods are compiled together.
 LONG = 60
 TOGETHER = 12
+
+# Run as GLSL, and a second time by way of SPIR-V.
+WRITTEN_AS = {"spirv": "glsl"}
 
 # Nine of ten rows are nearer than this: a condition that the last bit decides may be any way.
 NEAR = 2e-4
@@ -228,7 +230,7 @@ def outcomes(bodies: list[str], language: str, folder: Path) -> list[str]:
             continue
         name = f"method{len(exports)}"
         try:
-            exports += export({name: model}, language, only=["eval"])
+            exports += export({name: model}, WRITTEN_AS.get(language, language), only=["eval"])
         except ExportError as error:
             placed = re.match(r"\S+\.py:\d+:\d+: .+\n.*\n\s*\^+$", str(error))
             found.append("refused" if placed else f"without a place: {error}")
@@ -242,12 +244,14 @@ def outcomes(bodies: list[str], language: str, folder: Path) -> list[str]:
     for model, made_, given_, values in zip(models, exports, inputs, results.outputs, strict=True):
         assert isinstance(values, np.ndarray), f"{values}\n{made_.source}"
         right = by_python(model, made_, given_)
+        # Roots and powers of negative numbers have no value in Python either
+        has_value = np.isfinite(right).all(1)
         off = np.abs(values - right).max(1) / (1 + np.abs(right).max(1))
-        assert np.quantile(off, 0.9) < NEAR, made_.source
+        assert np.quantile(off[has_value], 0.9) < NEAR, made_.source
     return found
 
 
-@pytest.mark.parametrize("language", TARGETS)
+@pytest.mark.parametrize("language", RUNNERS)
 def test_random_methods_mean_the_same_or_are_refused(
     language: str, tmp_path: Path, request: pytest.FixtureRequest
 ) -> None:

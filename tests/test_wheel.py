@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import email
 import importlib.metadata
 import os
 import re
@@ -147,6 +148,38 @@ def test_the_version_stands_in_one_place(dist: Path) -> None:
     texts = [*(ROOT / "gonio").rglob("*.py"), ROOT / "CITATION.cff", ROOT / "README.md"]
     quoted = re.compile(rf"(?<![\d.]){re.escape(project['version'])}(?![\d.])")
     assert [p.name for p in texts if quoted.search(p.read_text(encoding="utf-8"))] == []
+
+
+def test_readers_of_a_package_index_can_follow_every_link(dist: Path) -> None:
+    (wheel,) = dist.glob("*.whl")
+    archive = zipfile.ZipFile(wheel)
+    (name,) = (n for n in archive.namelist() if n.endswith(".dist-info/METADATA"))
+    page = email.message_from_bytes(archive.read(name)).get_payload()
+    links = re.findall(r"\]\(([^)]*)\)", page)
+    assert len(links) == len(re.findall(r"\]\(", (ROOT / "README.md").read_text(encoding="utf-8")))
+    assert [link for link in links if not link.startswith("https://")] == []
+    own = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["urls"]
+    places = [link.removeprefix(own["Repository"]) for link in links if own["Repository"] in link]
+    files = [re.sub(r"^/(raw|blob)/main/|#.*", "", place) for place in places]
+    assert len(files) > 30
+    assert [file for file in files if not (ROOT / file).is_file()] == []
+    pictures = [place for place in places if place.endswith(".png")]
+    assert pictures
+    assert all(place.startswith("/raw/") for place in pictures)
+
+
+def test_the_licence_names_what_the_scripts_contain() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    heads = [
+        path.read_text(encoding="utf-8").partition("*/")[0]
+        for path in (ROOT / "gonio" / "view" / "web").glob("*.js")
+    ]
+    assert heads
+    for sentence, licence in {
+        "BSD 3-Clause License": "BSD-3-Clause",
+        "Permission is hereby granted, free of charge": "MIT",
+    }.items():
+        assert any(sentence in head for head in heads) == (licence in project["license"])
 
 
 def test_the_wheel_lists_and_exports(programs: Path, tmp_path: Path) -> None:
