@@ -282,6 +282,16 @@ def test_random_methods_mean_the_same_or_are_refused(
     assert counts["same"] > counts.get("refused", 0) / 4
 
 
+def test_functions_of_numbers_alone_have_a_type_in_wgsl(tmp_path: Path) -> None:
+    # naga computes most functions of constants itself, but not mix, and refuses one that has no type
+    body = (
+        "a = lang.lerp(-1.5, K, 0.25) * wi\n"
+        "b = lang.maximum(lang.lerp(lang.minimum(K, 2 * K), -K, 0.5), 0.1) * wo\n"
+        "return self.rho * lang.lerp(0.5, TWO, 0.25) + a + b + lang.lerp(wi.z, 1, 0.25)"
+    )
+    assert outcomes([body], "wgsl", tmp_path) == ["same"]
+
+
 def test_a_printer_that_forgets_a_swap_is_caught(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

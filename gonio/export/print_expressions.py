@@ -271,6 +271,8 @@ class ExpressionPrinter:
         if spelling is None:
             raise ExportError(f"{self.target.title} has no {expr.name!r}.")
         texts = [self.expr(a) for a in arguments]
+        if expr.name in self.target.untyped and all(map(_is_constant, arguments)):
+            texts[0] = self.target.to_float.format(texts[0])
         if expr.type == "vec3" and f"{expr.name}3" in self.target.helpers:
             self._need(f"{expr.name}3")
             return f"{expr.name}({', '.join(texts)})", POSTFIX
@@ -329,6 +331,17 @@ def _is_plain(expr: Expr) -> bool:
     if isinstance(expr, (Access, Negation, Splat)):
         return _is_plain(expr.value)
     return isinstance(expr, (Number, Constant, Variable))
+
+
+def _is_constant(expr: Expr) -> bool:
+    """Whether it is a number made of numbers alone, without a variable."""
+    if isinstance(expr, Negation):
+        return _is_constant(expr.value)
+    if isinstance(expr, Operation):
+        return _is_constant(expr.left) and _is_constant(expr.right)
+    if isinstance(expr, Builtin):
+        return all(map(_is_constant, expr.arguments))
+    return isinstance(expr, (Number, Constant))
 
 
 def _signed(expr: Expr) -> bool:

@@ -156,6 +156,8 @@ class Target:
     """Whether a loop may end at a named number; Slang's derivatives have to see how many steps it has."""
     constants_in_file: bool = False
     """Whether named numbers stand once in the file, in a namespace where they clash with no others."""
+    untyped: frozenset[str] = frozenset()
+    """Functions that compilers leave undone, and refuse, where all arguments are numbers without a type."""
     mixed: bool = True
     """Whether a vector and a number can be added, multiplied ..."""
     result_struct_members: bool = True
@@ -276,6 +278,7 @@ WGSL = Target(
     loop="for (var {index} = 0; {index} < {count}; {index}++) {{",
     to_float="f32({0})",
     whole="i32",
+    untyped=frozenset({"lerp"}),  # naga, of wgpu and Firefox; the standard allows it
 )
 
 MSL = Target(
