@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import erf, sqrt
+from math import erf, hypot, sqrt
 from typing import Any
 
 import mitsuba as mi
@@ -12,9 +12,10 @@ from support.tolerances import DOUBLE, SINGLE, SINGLE_PROMISED
 
 import gonio
 import gonio.mitsuba
+from gonio.cluster import pictures
 from gonio.materials import load_material
 from gonio.render import diffusion
-from gonio.render.diffusion import diffuse_on_screen, skin_profile
+from gonio.render.diffusion import diffuse_on_screen, reach_in_pixels, skin_profile
 
 SPACING = 0.2  # millimetres from pixel to pixel
 
@@ -103,6 +104,38 @@ def test_a_pixel_that_shows_more_surface_counts_more() -> None:
     assert more == pytest.approx(2 * plain / (1 + plain), rel=SINGLE)
 
 
+def test_it_is_the_sum_over_all_pairs_of_pixels() -> None:
+    # Two bent surfaces side by side, with gaps between them, uneven areas, and light that is all noise
+    rng = np.random.default_rng(5)
+    positions, areas, surface = plane(11, 13)
+    positions[..., 2] = np.cumsum(rng.uniform(-0.3, 0.3, surface.shape), axis=1)
+    areas = rng.uniform(0.2, 3, surface.shape)
+    surface[:, 7:] = 2
+    surface[rng.random(surface.shape) < 0.2] = 0
+    surface[:2], surface[:, -1] = 0, 0
+    light = rng.random((*surface.shape, 3))
+    millimetre = 0.15
+    found = diffuse_on_screen(light, positions, areas, surface, millimetre)
+    radius = reach_in_pixels(positions, surface, millimetre)
+    assert 3 <= radius <= 8
+    steps = np.linalg.norm(np.diff(positions, axis=1), axis=-1)
+    own = np.median(steps[(surface[:, 1:] == surface[:, :-1]) & (surface[:, 1:] > 0)]) / 2
+    expected = light.copy()
+    for here in zip(*np.nonzero(surface), strict=True):
+        total, weights = np.zeros(3), np.zeros(3)
+        for there in np.ndindex(surface.shape):
+            apart = max(np.linalg.norm(positions[here] - positions[there]), own) / millimetre
+            close = hypot(here[0] - there[0], here[1] - there[1]) <= radius
+            if close and surface[here] == surface[there] and apart < diffusion.REACH:
+                total += skin_profile(apart) * areas[there] * light[there]
+                weights += skin_profile(apart) * areas[there]
+        expected[here] = total / weights
+    np.testing.assert_allclose(found, expected, rtol=DOUBLE)
+    # One that took the other pixel's area for the neighbours above would be far off
+    swapped = diffuse_on_screen(light, positions, areas[::-1, ::-1], surface, millimetre)
+    assert np.abs(swapped - expected).max() > 0.05
+
+
 def test_without_reach_nothing_changes() -> None:
     positions, areas, surface = plane()
     light = np.random.default_rng(0).random((*surface.shape, 3))
@@ -123,9 +156,21 @@ def test_the_diffuse_part_alone_is_spread() -> None:
     assert spread.mean() == pytest.approx(plain.mean(), rel=OVER_THE_RIM)
 
 
+def rendered(done: int, total: int) -> None:
+    raise AssertionError("This is refused before anything is rendered.")
+
+
+# What is asked of a picture that is shared out.
+SHARED: Any = {"environment": "studio", "size": (96, 96), "spp": 1}
+
+
 def test_what_cannot_be_spread_gets_one_clear_line() -> None:
     with pytest.raises(ValueError, match="gold has no diffuse colour rho"):
         gonio.render(load_material("gold"), diffusion=0.01, size=(8, 8), spp=1)
+    with pytest.raises(ValueError, match="pixels, allowed are 40; make the millimetre or"):
+        gonio.render("eon", diffusion=3, size=(96, 96), spp=1, progress=rendered)
+    with pytest.raises(ValueError, match="pixels, allowed are 40; make the millimetre or"):
+        pictures.tasks(gonio.model("eon"), {**SHARED, "diffusion": 3})
     positions, areas, surface = plane()
     light = np.zeros((*surface.shape, 3))
     with pytest.raises(ValueError, match="over 65 pixels, allowed are 40; make the millimetre or"):

@@ -53,7 +53,8 @@ from gonio.cli.program import (
     type=FloatRange(0, 10),
     default=0.0,
     metavar="MM",
-    help="For skin: a millimetre in units of the ball's radius, such as 0.01.",
+    help="Diffuse light wanders as in skin, red the farthest: a millimetre in units of the ball's radius, "
+    "such as 0.01.",
 )
 @click.option(
     "--sampler",

@@ -20,7 +20,7 @@ from gonio.cluster.run import Run
 from gonio.cluster.task import Failure, Task
 from gonio.materials import Material
 from gonio.model import Model
-from gonio.render import diffused, scene, without_diffuse
+from gonio.render import check_diffusion, diffused, scene, without_diffuse
 from gonio.render.light import is_own
 from gonio.render.passes import Pixels, Share, render_share, shares
 from gonio.render.picture import Picture, describe
@@ -46,8 +46,13 @@ def tasks(shown: Shown, arguments: Mapping[str, Any]) -> list[Task]:
         given["environment"] = Path(given["environment"])
     if given.get("mesh") is not None:
         given["mesh"] = Path(given["mesh"])
+    layers = [shown]
+    if diffusion:
+        layers.append(without_diffuse(shown))
+        plain = {k: v for k, v in given.items() if k != "seed"}
+        check_diffusion(scene(shown, **plain), diffusion)
     found = []
-    for layer in [shown, without_diffuse(shown)] if diffusion else [shown]:
+    for layer in layers:
         for part in shares(given["size"], given["spp"])[0]:
             samples = f"samples {part.spp_before} to {part.spp_before + part.spp}"
             rows = f"rows {part.top} to {part.top + part.rows}"

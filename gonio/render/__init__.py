@@ -19,7 +19,7 @@ from gonio.materials import Material, load
 from gonio.model import Model
 from gonio.reference import Stack
 from gonio.render import denoise as denoising
-from gonio.render.diffusion import diffuse_on_screen
+from gonio.render.diffusion import diffuse_on_screen, reach_in_pixels
 from gonio.render.growth import add_to, textured
 from gonio.render.passes import Pixels, Progress, integrate, ready_mitsuba
 from gonio.render.picture import Picture
@@ -54,8 +54,8 @@ def render(
         environment: "studio", "sun", "front", "side", "white", "sunsky", or a path to .exr or .hdr.
         mesh: a path to .obj, .ply, .stl, .glb or .gltf instead of the ball.
         furnace: put the object into radiance 1 from everywhere; what loses no energy disappears.
-        diffusion: how long a millimetre is in the scene's units, to let the light in skin wander on the
-            screen (see `gonio.render.diffusion`); 0 for other materials.
+        diffusion: how long a millimetre is in the scene's units, to let diffuse light wander on the screen
+            as it does in skin, red the farthest (see `gonio.render.diffusion`); 0 for other materials.
         sampler: how paths are continued: by the model's "own" sampler, or "cosine" or "uniform" to see
             the difference in noise. Options of models, such as EON's sampler, choose among their own.
         size: width and height in pixels.
@@ -124,17 +124,18 @@ def render(
         whole = integrate(loaded, spp, seed, progress, alpha=alpha, **until)
         return finished(whole).view(Picture)
     without = built(without_diffuse(material))
+    check_diffusion(loaded, diffusion)
 
-    def half(first: int) -> Progress:
+    def third(first: int) -> Progress:
         def step(done: int, total: int) -> None:
             if progress is not None:
-                progress(first * total + done, 2 * total)
+                progress(first * total + done, 3 * total)
 
         return step
 
-    full = integrate(loaded, spp, seed, half(0), alpha=alpha, **until)
-    glossy = integrate(without, spp, seed, half(1), **until)
-    return diffused(finished(full), finished(glossy), loaded, diffusion)
+    full = integrate(loaded, spp, seed, third(0), alpha=alpha, **until)
+    glossy = integrate(without, spp, seed, third(1), **until)
+    return diffused(finished(full), finished(glossy), loaded, diffusion, third(2))
 
 
 def scene(
@@ -170,7 +171,23 @@ def scene(
     return mi.load_dict(placed, optimize=False)
 
 
-def diffused(full: Any, glossy: Any, loaded: Any, millimetre: float) -> Picture:
+def check_diffusion(loaded: Any, millimetre: float) -> None:
+    """Refuse, before the work, light that would wander farther than is reckoned with.
+
+    Args:
+        loaded: the scene.
+        millimetre: in the scene's units.
+
+    Raises:
+        ValueError: as `gonio.render.diffusion.reach_in_pixels`.
+    """
+    points, _, surface = _seen(loaded)
+    reach_in_pixels(points, surface, millimetre)
+
+
+def diffused(
+    full: Any, glossy: Any, loaded: Any, millimetre: float, progress: Progress | None = None
+) -> Picture:
     """A picture whose diffuse light has wandered on the screen.
 
     Args:
@@ -178,8 +195,9 @@ def diffused(full: Any, glossy: Any, loaded: Any, millimetre: float) -> Picture:
         glossy: the same with black diffuse reflection.
         loaded: the scene of either.
         millimetre: in the scene's units.
+        progress: called while the light spreads.
     """
-    spread = diffuse_on_screen(full[..., :3] - glossy, *_seen(loaded), millimetre=millimetre)
+    spread = diffuse_on_screen(full[..., :3] - glossy, *_seen(loaded), millimetre, progress)
     return np.concatenate([glossy + spread, full[..., 3:]], axis=2, dtype=np.float32).view(Picture)
 
 

@@ -12,6 +12,8 @@ rendering of human skin", EGSR 2007, for how far light of each colour gets.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -44,7 +46,12 @@ def skin_profile(distance: ArrayLike) -> Floats:
 
 
 def diffuse_on_screen(
-    light: ArrayLike, positions: ArrayLike, areas: ArrayLike, surface: ArrayLike, millimetre: float
+    light: ArrayLike,
+    positions: ArrayLike,
+    areas: ArrayLike,
+    surface: ArrayLike,
+    millimetre: float,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Floats:
     """Spread diffusely reflected light over the pixels that show points nearby on the same surface.
 
@@ -54,37 +61,68 @@ def diffuse_on_screen(
         areas: of surface that each pixel shows, up to a factor, shape (height, width).
         surface: number of the surface seen, 0 for none, shape (height, width).
         millimetre: in the unit of `positions`.
+        progress: called after each row of neighbours with what is done and the whole.
 
     Raises:
-        ValueError: a millimetre that is not above 0, or that reaches over more than RADIUS_MAX pixels.
+        ValueError: as `reach_in_pixels`.
     """
-    L, P = np.asarray(light, np.float64), np.asarray(positions, np.float64)
-    A, number = np.asarray(areas, np.float64), np.asarray(surface)
-    if not millimetre > 0:
-        raise ValueError(f"millimetre={millimetre} is out of range; allowed is above 0.")
-    radius = _radius(P, number, REACH * millimetre)
-    if radius > RADIUS_MAX:
-        raise ValueError(
-            f"light would spread over {radius} pixels, allowed are {RADIUS_MAX}; "
-            "make the millimetre or the picture smaller."
-        )
+    whole, number = np.array(light, np.float64), np.asarray(surface)
+    radius = reach_in_pixels(positions, number, millimetre)
+    if not number.any():
+        return whole
+    shown = tuple(slice(at.min(), at.max() + 1) for at in np.nonzero(number))
+    P, number = np.asarray(positions, np.float64)[shown], number[shown]
+    L, A = whole[shown], np.asarray(areas, np.float64)[shown]
     height, width = number.shape
-    total, weights = np.zeros(L.shape), np.zeros(L.shape)
     # The pixel itself stands for the places in it, half a pixel away on the mean.
     own = _spacing(P, number) / 2
-    for down in range(-radius, radius + 1):
-        for right in range(-radius, radius + 1):
+    weights = skin_profile(np.broadcast_to(own / millimetre, number.shape)) * A[..., None]
+    weights *= (own / millimetre < REACH) & (number > 0)[..., None]
+    total = weights * L
+    # Light goes both ways between two pixels: half of the neighbours are enough.
+    for down in range(radius + 1):
+        for right in range(-radius if down else 1, radius + 1):
             if down * down + right * right > radius * radius:
                 continue
             here = _window(height, -down), _window(width, -right)
             there = _window(height, down), _window(width, right)
             apart = np.linalg.norm(P[here] - P[there], axis=-1)
             apart = np.maximum(apart, own) / millimetre
-            near = (number[here] == number[there]) & (number[here] > 0) & (apart < REACH)
-            weight = skin_profile(apart) * (A[there] * near)[..., None]
-            total[here] += weight * L[there]
-            weights[here] += weight
-    return np.where(weights > 0, total / np.where(weights > 0, weights, 1), L)
+            near = np.nonzero(
+                (number[here] == number[there]) & (number[here] > 0) & (apart < REACH)
+            )
+            share = skin_profile(apart[near])
+            for to, by in ((here, there), (there, here)):
+                weight = share * A[by][near][:, None]
+                total[to][near] += weight * L[by][near]
+                weights[to][near] += weight
+        if progress is not None:
+            progress(down + 1, radius + 1)
+    whole[shown] = np.where(weights > 0, total / np.where(weights > 0, weights, 1), L)
+    return whole
+
+
+def reach_in_pixels(positions: ArrayLike, surface: ArrayLike, millimetre: float) -> int:
+    """How many pixels light gets to each side.
+
+    Args:
+        positions: the points seen, shape (height, width, 3).
+        surface: number of the surface seen, 0 for none, shape (height, width).
+        millimetre: in the unit of `positions`.
+
+    Raises:
+        ValueError: a millimetre that is not above 0, or that reaches over more than RADIUS_MAX pixels.
+    """
+    if not millimetre > 0:
+        raise ValueError(f"millimetre={millimetre} is out of range; allowed is above 0.")
+    spacing = _spacing(np.asarray(positions, np.float64), np.asarray(surface))
+    radius = int(np.ceil(REACH * millimetre / spacing)) if spacing > 0 else 0
+    if radius > RADIUS_MAX:
+        raise ValueError(
+            f"light would spread over {radius} pixels, allowed are {RADIUS_MAX}; "
+            "make the millimetre or the picture smaller."
+        )
+    return radius
 
 
 def _window(size: int, shift: int) -> slice:
@@ -97,8 +135,3 @@ def _spacing(P: Floats, number: NDArray[np.generic]) -> float:
     together = (number[:, 1:] == number[:, :-1]) & (number[:, 1:] != 0)
     apart = np.linalg.norm(P[:, 1:] - P[:, :-1], axis=-1)[together]
     return float(np.median(apart)) if apart.size else 0.0
-
-
-def _radius(P: Floats, number: NDArray[np.generic], reach: float) -> int:
-    spacing = _spacing(P, number)
-    return int(np.ceil(reach / spacing)) if spacing > 0 else 0
