@@ -439,6 +439,12 @@ REFUSED: dict[str, tuple[str, str, str, str]] = {
         "if and elif",
     ),
     "a generator": ("return self.rho * sum(x for x in (1, 2))", "", "", "a + b + c"),
+    "an inverted comparison of plain numbers": (
+        "x = -K\nreturn self.rho * select(~(x < 0) & (wi.z > 0), wi.z, 1)",
+        "",
+        "K = 1.5",
+        "opposite comparison",
+    ),
     "assert": ("assert self.form\nreturn self.rho", "", "", "no exceptions"),
     "deletion": ("x = wi.z\ndel x\nreturn self.rho", "", "", "cost nothing"),
     "a lambda of the module": ("return self.rho * f(wi.z)", "", "f = lambda x: 2 * x", "'def'"),

@@ -132,7 +132,7 @@ def draw_float(draw: st.DrawFn, scope: Scope, depth: int) -> str:
         f"({a}) / (2 + lang.absolute({b}))",
         f"-({a})",
         f"lang.select(({a}) < ({b}), {a}, 1)",
-        f"lang.select(~(({a}) < 0) & (({b}) > -1) | (wi.x > 0), 0, {b})",
+        f"lang.select(~(({a}) < wi.y) & (({b}) > -1) | (wi.x > 0), 0, {b})",
         f"lang.maximum({a}, lang.minimum({b}, TWO))",
         f"lang.sin({a}) * lang.smooth_sqrt(lang.absolute({b}))",
         f"lang.power({a}, {draw(st.sampled_from(['2', '3', '0', '1', '5', '2.0', 'TWO']))})",

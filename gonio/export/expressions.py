@@ -30,6 +30,7 @@ from gonio.export.tree import (
     Struct,
     Type,
     Variable,
+    inside,
 )
 from gonio.export.values import (
     SAME,
@@ -221,7 +222,8 @@ class Expressions(ABC):
         # Arguments that are directions above the horizon, and of these or in it
         self.tested: frozenset[str] = frozenset()
         self.upper: frozenset[str] = frozenset()
-        # Names that hold plain numbers of Python, such as the variable of a loop
+        # Names that hold plain numbers of Python, such as the variable of a loop. What functions make of
+        # such numbers is not followed.
         self.plain: set[str] = set()
         # Arguments that are exponents, where Python's own numbers mean more than a shader's
         self.exponents: set[str] = set()
@@ -466,6 +468,13 @@ class Expressions(ABC):
         wrong = isinstance(expr.type, Struct) or expr.type == "vec2"
         if masks != isinstance(node.op, ast.Invert) or wrong:
             self.refuse(node, f"this cannot be done with a {spoken(expr.type)}.")
+        names = {e.name for e in inside(expr) if isinstance(e, Variable)}
+        if masks and names <= self.plain:
+            self.refuse(
+                node,
+                "of plain numbers a comparison is True or False in Python, of which ~ makes -2 or -1; "
+                "write the opposite comparison, such as >= for <.",
+            )
         if isinstance(node.op, ast.UAdd):
             return expr
         if isinstance(expr, Number):
