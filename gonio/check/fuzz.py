@@ -31,8 +31,13 @@ from gonio.check.subject import Array, Subject
 from gonio.claims import UNBOUNDED
 from gonio.files import replacing
 
-# Cases of a batch, and how many of the worst ones are kept to look near them.
-BATCH, ELITE = 1 << 17, 32
+# Cases of a batch, within the first EARLY cases and after them: a search first learns where to look, and
+# then spends no third of its time on Python's part of a batch.
+BATCH, LARGE_BATCH = 1 << 17, 1 << 20
+EARLY = 16 * BATCH
+
+# How many of the worst cases are kept to look near them.
+ELITE = 32
 
 # Suspects are judged so many at a time.
 JUDGED = 1 << 15
@@ -136,7 +141,8 @@ def advance(
     while state.cases < goal:
         if between is not None:
             between()
-        batch(subject, state, min(BATCH, goal - state.cases))
+        size = BATCH if state.cases < EARLY else LARGE_BATCH
+        batch(subject, state, min(size, goal - state.cases))
 
 
 def batch(subject: Subject, state: State, count: int) -> None:

@@ -13,8 +13,8 @@ from gonio.cluster.run import Run
 from gonio.cluster.task import Done, Task
 from gonio.model import Model
 
-# Cases that a task of a search tries: half a minute or so.
-CASES = 16 * fuzz.BATCH
+# Cases that a task of a search tries: some seconds. Batches end where its end lies.
+CASES = 8 * fuzz.LARGE_BATCH
 
 Described = tuple[Model, tuple[str, ...], str]
 """A model's options and fixed values, what is fixed, and how it is called on the command line."""
