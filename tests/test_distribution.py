@@ -300,7 +300,7 @@ def test_density_of_the_mirrored_direction_follows_from_that_of_the_normal(name:
 def mirrored(facets: Any, wo: Any, bound: Any) -> Any:
     """Directions that visible normals mirror wo (3,) into, (n, 3)."""
     view = vector(wo[None])
-    return numbers(frame.mirror(view, facets.sample_visible(view, stratified(200), bound)))
+    return numbers(frame.mirror(view, facets.sample_bounded(view, stratified(200), bound)))
 
 
 def lost(alpha: float, aspect: float, wo: Any, scale: float = 1) -> float:

@@ -90,6 +90,53 @@ def test_each_heading_of_a_text_stands_once() -> None:
         )
 
 
+@pytest.mark.parametrize("name", gonio.models())
+def test_comments_name_only_what_stands_in_the_text(name: str) -> None:
+    """By the names that it has there, or a model, a module, or an option of this model."""
+    for target in TARGETS.values():
+        if target.name == "cuda":
+            continue
+        assert unknown_names((GOLDEN / f"{name}.{target.extension}").read_text("utf-8")) == set()
+
+
+def unknown_names(source: str) -> set[str]:
+    """Names in quotes of the comments that are in the code of the text under no such name."""
+    lines = [line.partition("//") for line in source.splitlines()]
+    code = "\n".join(before for before, _, _ in lines)
+    said = " ".join(comment for _, _, comment in lines)
+    there = {*re.findall(r"\w+", code), *re.findall(r"'(\w+)'", said), *gonio.models()}
+    names = re.findall(r"`([^`]+)`", said)
+    return {n for n in names if n not in there and not n.startswith("gonio.")}
+
+
+def test_a_struct_of_results_names_the_function_that_returns_it() -> None:
+    found = 0
+    for path in GOLDEN.glob("*.glsl"):
+        source = path.read_text("utf-8")
+        for name, struct in re.findall(r"// What (\w+) returns\.\nstruct (\w+) ", source):
+            assert f"\n{struct} {name}(" in source
+            found += 1
+    assert found > 5
+
+
+def test_a_comment_that_names_what_is_elsewhere_is_noticed() -> None:
+    assert unknown_names("// As `b` and `a`\nfloat a;  // see `c`") == {"b", "c"}
+
+
+def test_no_line_of_code_is_wider_than_the_page() -> None:
+    # What stands in a struct is folded before it is indented
+    wide = {
+        (path.name, line)
+        for path in sorted(GOLDEN.iterdir())
+        if path.suffix != ".slang"
+        for line in path.read_text("utf-8").splitlines()
+        if len(line) > 100 and "//" not in line
+    }
+    assert {
+        line for _, line in wide if "float3(condition.x" not in line and "Vec3{fminf" not in line
+    } == set()
+
+
 def test_golden_has_no_file_of_a_model_that_is_gone() -> None:
     made = {
         f"{name}.{target.extension}"

@@ -266,11 +266,20 @@ class Printer(ExpressionPrinter):
         self.names, self.inside = {}, None
         return lines
 
+    def _results_of(self, struct: Struct) -> tuple[str, ...]:
+        """What is said of a struct that stands for several results of a function."""
+        if struct.model is not None or struct.python is not None:
+            return ()
+        made = [f for f in self.functions if f.result is struct]
+        methods = [self.target.methods and f.owner is not None for f in made]
+        names = [self._method(f) if m else f.name for f, m in zip(made, methods, strict=True)]
+        return (f"What {' and '.join(dict.fromkeys(names))} returns.",)
+
     def struct(
         self, struct: Struct, bases: str = "", methods: Iterable[Function] = ()
     ) -> list[str]:
         """A struct with what its members mean."""
-        lines = comment(struct.doc, self.spoken())
+        lines = comment(struct.doc or self._results_of(struct), self.spoken())
         if not bases and self.target.value:
             bases = f" : {self.target.value}"
         lines.append(self.target.struct.format(name=struct.name, bases=bases))
@@ -330,9 +339,10 @@ def _changing(statements: Sequence[Statement]) -> set[str]:
     return found
 
 
-def fold(line: str) -> list[str]:
-    """A statement on as many lines as it needs: broken at its outermost commas and operators."""
-    if len(line) + len(INDENT) <= WIDTH:
+def fold(line: str, indents: int = 1) -> list[str]:
+    """A statement on as many lines as it needs: broken at its outermost commas and operators, else at =."""
+    width = WIDTH - indents * len(INDENT)
+    if len(line) <= width:
         return [line]
     best: tuple[int, bool, int] | None = None
     depth = 0
@@ -348,9 +358,13 @@ def fold(line: str) -> list[str]:
             at = i
         # The outermost place; sums before products; and of these the last one that fits
         product = line[i : i + 3] in (" * ", " / ")
-        if BREAK_MIN < at <= WIDTH - len(INDENT) and (best is None or (depth, product) <= best[:2]):
+        if BREAK_MIN < at <= width and (best is None or (depth, product) <= best[:2]):
             best = (depth, product, at)
     if best is None:
-        return [line]
-    first, rest = line[: best[2]].rstrip(), line[best[2] :].lstrip()
-    return [first, *(INDENT + part for part in fold(rest))]
+        first, equals, rest = line.partition(" = ")
+        if not equals:
+            return [line]
+        first += " ="
+    else:
+        first, rest = line[: best[2]].rstrip(), line[best[2] :].lstrip()
+    return [first, *(INDENT + part for part in fold(rest, indents + 1))]

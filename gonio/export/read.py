@@ -242,7 +242,7 @@ class Reader:
         if key not in self._results:
             plain = function.strip("_")
             members = tuple(Member(n, t) for n, t in zip(names, given, strict=True))
-            struct = Struct(self._struct_name(plain), members, (f"What {plain} returns.",))
+            struct = Struct(self._struct_name(plain), members)
             self._results[key] = self._add(struct)
         return self._results[key]
 

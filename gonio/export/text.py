@@ -495,7 +495,7 @@ class Text:
                 if paragraph[0] not in lines:
                     lines += [*paragraph, ""]
         lines += [
-            f"{self.target.title}, made by gonio from {self._files()}.",
+            f"{self.target.title}, made by gonio from {self._files()}{self._permission()}.",
             *self._conventions(),
         ]
         if files := self._table_files():
@@ -522,14 +522,24 @@ class Text:
         ]
 
     def _licence(self) -> str:
-        own = all(m.written.__module__.startswith("gonio.") for r in self.roots for m in _nested(r))
-        return LICENCE if own else f"{LICENCE}, as far as it is gonio's"
+        return LICENCE if self._is_own() else f"{LICENCE}, as far as it is gonio's"
+
+    def _permission(self) -> str:
+        return "; free to use under Apache-2.0" if self._is_own() else ""
+
+    def _is_own(self) -> bool:
+        return all(
+            m.written.__module__.startswith("gonio.") for r in self.roots for m in _nested(r)
+        )
 
     def _usage(self) -> list[str]:
         """How the text is used, in a line or two."""
-        if self.target.shader:
-            return []
         root = self.roots[0]
+        if self.target.shader:
+            name = legal(root.prefix, self.printer.reserved)
+            return [
+                f"// Usage: give the shader {name} wi, wo and its parameters, and read its outputs."
+            ]
         first = next((f for f in self.wanted if f.method == "eval"), self.wanted[0])
         arguments = ", ".join(n for n, _ in first.parameters[1:])
         made = self.target.uninitialized.format(type=root.name, name=SELF)

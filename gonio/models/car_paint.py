@@ -269,9 +269,7 @@ class CarPaint(Model):
 
     def _shares(self, wo: Vec3, wo_t: Vec3) -> Vec2:
         """Probabilities of the coat and of the flake."""
-        mu = wo.z
-        if self.transmission == "half_vector":
-            mu = usual_cos_half(wo)
+        mu = usual_cos_half(wo) if self.transmission == "half_vector" else wo.z
         below = self._T(mu) * average(attenuation_least(self.sigma_a, self.thickness, wo_t))
         tilted = to_tilted(wo_t, self._normal())
         if self.flake_cosine == "light":

@@ -172,7 +172,7 @@ class Disney(Model):
         return vec2(facets.alpha_x, facets.alpha_y)
 
     def _facets(self) -> GGX:
-        """Those of the highlight."""
+        """The facets of the highlight."""
         alpha = self.roughness * self.roughness
         a = anisotropic_alpha(alpha, self.anisotropic)
         return GGX(maximum(a.x, ALPHA_DISNEY), maximum(a.y, ALPHA_DISNEY))

@@ -4,7 +4,7 @@ Source: Portsmouth, Kutz, Hill, "EON: A practical energy-preserving rough diffus
 arXiv:2410.18026. Symbols and equation numbers are the paper's.
 Deviations: every difference that the paper takes (1 - E_F, 1 - <E_F>, 1 + s) is rearranged so that
 nothing cancels; the values are the same, but finite at the horizon and exact in float32.
-Listing 1 keeps the loss 1 - E_F of its fit above 1e-7; `loss_fitted` does not and is -0.0016 at
+Listing 1 keeps the loss 1 - E_F of its fit above 1e-7; the fit here does not and is -0.0016 at
 grazing, so that values at cosines below 0.0015 differ by up to 4e-4 of themselves: the clamp would
 put a kink there and gain nothing.
 """
@@ -165,8 +165,9 @@ class EON(Model):
         """
         r = self.roughness
         A_F = 1 / (1 + C1 * r)
-        single = 1 - INV_PI * r * A_F * loss_exact(wo.z)
-        multiple = INV_PI * r * A_F * self._loss(wo.z) * self._mean_loss_ratio()
+        part = INV_PI * r * A_F
+        single = 1 - part * loss_exact(wo.z)
+        multiple = part * self._loss(wo.z) * self._mean_loss_ratio()
         return self.rho * (single + self._shifted(multiple))
 
     def mean_albedo(self) -> Color:

@@ -33,7 +33,7 @@ class FON(Model):
         return self.rho * (INV_PI / (1 + C1 * r) * fujii_shape(wi, wo, r))
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
-        """As EON's `cltc_matched`, made for the same shape."""
+        """EON's sampler, made for the same shape."""
         wi = cltc.sample_cltc_matched(wo, self.roughness, u)
         return Sample(wi, self.pdf(wi, wo))
 

@@ -2,8 +2,8 @@
 
 Source: Oren, Nayar, "Generalization of Lambert's reflectance model", SIGGRAPH 1994, Eq. 27 to 29.
 Deviations: tangents and differences of nearly equal terms are rearranged so that they stay exact at
-grazing angles; the values are the same. Where the value passes through zero on its way to a negative one
-(see `caveats`), float32 keeps an absolute accuracy of 1e-6 rho / pi, not a relative one.
+grazing angles; the values are the same. Where the value passes through zero on its way to a negative one,
+float32 keeps an absolute accuracy of 1e-6 rho / pi, not a relative one.
 """
 
 from gonio.albedos.quadrature import NumericAlbedo
@@ -102,7 +102,7 @@ class OrenNayar(Model):
         return self.rho * (INV_PI * L1) + self.rho * self.rho * (INV_PI * L2)
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
-        """As EON's `cltc_matched`, at the roughness that fits the qualitative model."""
+        """EON's sampler, at the roughness that fits the qualitative model."""
         A, B = qualitative_coefficients(self.sigma, 0.33)
         wi = cltc.sample_cltc_matched(wo, B / A, u)
         return Sample(wi, self.pdf(wi, wo))

@@ -48,7 +48,7 @@ class QON(Model):
         return self.rho * (INV_PI * (A + B * s_over_t_qualitative(s, wi, wo)))
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
-        """As EON's `cltc_matched`, at the roughness with the same weight of s/t."""
+        """EON's sampler, at the roughness with the same weight of s/t."""
         A, B = qualitative_coefficients(self.sigma, 0.33)
         wi = cltc.sample_cltc_matched(wo, B / A, u)
         return Sample(wi, self.pdf(wi, wo))

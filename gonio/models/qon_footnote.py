@@ -43,7 +43,7 @@ class QONFootnote(Model):
         return self.rho * (INV_PI * (A + B * s_over_t_qualitative(s, wi, wo)))
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
-        """As EON's `cltc_matched`, at the roughness with the same weight of s/t."""
+        """EON's sampler, at the roughness with the same weight of s/t."""
         A, B = qualitative_coefficients(self.sigma, 0.57)
         wi = cltc.sample_cltc_matched(wo, B / A, u)
         return Sample(wi, self.pdf(wi, wo))

@@ -160,7 +160,7 @@ class TriAceLayered(Model):
         return RoundGGX(blinn_phong_alpha(self.top_shininess))
 
     def _bottom(self) -> RoundGGX:
-        """The same for the lower highlight."""
+        """Facets that the lower highlight is sampled by: as wide, with a longer tail."""
         return RoundGGX(blinn_phong_alpha(self.bottom_shininess))
 
     def _bottom_fresnel(self, cos_h: Float) -> BottomFresnel:

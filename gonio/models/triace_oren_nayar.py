@@ -77,7 +77,7 @@ class TriAceOrenNayar(Model):
         return self.rho * (INV_PI * (A + B * s_over_t))
 
     def sample(self, wo: Vec3, u: Vec2) -> Sample:
-        """As EON's `cltc_matched`, at the roughness with the same weight of s/t."""
+        """EON's sampler, at the roughness with the same weight of s/t."""
         A, B = self._coefficients()
         wi = cltc.sample_cltc_matched(wo, B / A, u)
         return Sample(wi, self.pdf(wi, wo))

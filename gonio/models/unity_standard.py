@@ -23,9 +23,8 @@ from gonio.parts.lobes import average, shares
 from gonio.parts.matte_gloss import pdf_matte_gloss, sample_matte_gloss
 from gonio.parts.roughness import at_least_perceptual
 
-# Unity's dielectric reflectance (linear colour space), and its lower limit of alpha.
-F0_DIELECTRIC = 0.04
-ALPHA_UNITY = 0.002
+F0_DIELECTRIC = 0.04  # reflectance of dielectrics (linear colour space)
+ALPHA_UNITY = 0.002  # lower limit of alpha
 
 
 class UnityStandard(Model):

@@ -377,9 +377,7 @@ class WeidlichWilkie(Model):
 
     def _shares(self, wo: Vec3, wo_t: Vec3) -> Vec2:
         """Probabilities of the coat and of the base: their parts of the light, if the base were white."""
-        mu = wo.z
-        if self.transmission == "half_vector":
-            mu = usual_cos_half(wo)
+        mu = usual_cos_half(wo) if self.transmission == "half_vector" else wo.z
         through = self._gray(self._T(mu)) * average(
             attenuation_least(self.sigma_a, self.thickness, wo_t)
         )

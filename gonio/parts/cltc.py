@@ -41,8 +41,8 @@ R_MIN = 1e-37
 # not taken.
 P_MIN = 1e-6
 
-# Up to this roughness `cltc_matched` is cosine sampling. A lobe sheared by d leaves a wedge of height
-# r above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine
+# Up to this roughness `sample_cltc_matched` is cosine sampling. A lobe sheared by d leaves a wedge of
+# height r above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine
 # sampling is of order r^2, and the smaller of the two below r = 3e-4.
 R_COSINE = 1e-4
 
@@ -156,10 +156,10 @@ def pdf_cltc_uniform(wi: Vec3, wo: Vec3, r: Float) -> Float:
 
 
 def matched_share(mu: Float, r: Float) -> Float:
-    """How many samples `cltc_matched` gives to the uniform lobe: 0 at r = 0, at most 0.13.
+    """How many samples `sample_cltc_matched` gives to the uniform lobe: 0 at r = 0, at most 0.13.
 
     Fitted to the shares of least variance over (mu, r), on condition that the variance stays 4 %
-    below those of cosine sampling and of `cltc_uniform`. On average it is 5 % above the least.
+    below those of cosine sampling and of the paper's choice. On average it is 5 % above the least.
     """
     k = 1 - mu
     steep = 0.0169 + k * (0.2136 + k * (0.445 * k - 0.2345))

@@ -4,7 +4,7 @@ Source: Elek, "Layered materials in real-time rendering", CESCG 2010, Eq. 2 to 4
 """
 
 from gonio.lang import Color, Float, Vec2, Vec3, vec3
-from gonio.parts.distribution import RoundBeckmann, RoundGGX, ggx_bound, pdf_visible
+from gonio.parts.distribution import RoundBeckmann, RoundGGX, ggx_bound, pdf_bounded
 from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
 from gonio.parts.interface import attenuation
 from gonio.parts.lobes import pdf_ggx_lobe, sample_ggx_lobe
@@ -57,14 +57,14 @@ def sample_facet(facets: Round, wo: Vec3, u: Vec2, masking: str) -> Vec3:
     """A facet's normal."""
     if masking == "cook_torrance":
         return facets.sample(u)
-    return RoundGGX(facets.alpha).sample_visible(wo, u, ggx_bound(facets.alpha, wo))
+    return RoundGGX(facets.alpha).sample_bounded(wo, u, ggx_bound(facets.alpha, wo))
 
 
 def pdf_facet(facets: Round, wo: Vec3, m: Vec3, cos_h: Float, masking: str) -> Float:
     """Density of wo mirrored at `sample_facet`, in 1/sr."""
     if masking == "cook_torrance":
         return pdf_mirror(facets.density(m), cos_h)
-    return pdf_visible(RoundGGX(facets.alpha), wo, m, ggx_bound(facets.alpha, wo))
+    return pdf_bounded(RoundGGX(facets.alpha), wo, m, ggx_bound(facets.alpha, wo))
 
 
 def sample_facets(facets: Round, wo: Vec3, u: Vec2, masking: str) -> Vec3:

@@ -130,8 +130,13 @@ def anisotropic_alpha(alpha: Float, anisotropy: Float) -> Vec2:
     return vec2(alpha * stretch, alpha * (aspect2 * stretch))
 
 
-def pdf_visible(facets: Facets, wo: Vec3, m: Vec3, bound: Float = 1) -> Float:
-    """Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound."""
+def pdf_visible(facets: Facets, wo: Vec3, m: Vec3) -> Float:
+    """Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o)."""
+    return 0.5 * facets.D(m) / (wo.z + facets.area(wo))
+
+
+def pdf_bounded(facets: Facets, wo: Vec3, m: Vec3, bound: Float) -> Float:
+    """Density of wo mirrored at a visible normal m that a bound leaves, in 1/sr."""
     return 0.5 * facets.D(m) / (bound * wo.z + facets.area(wo))
 
 
@@ -160,7 +165,7 @@ class GGX(NamedTuple):
         return INV_PI / (self.alpha_x * self.alpha_y * s * s)
 
     def D_along(self, h: Vec3) -> Float:
-        """`D` at the normal along h, which need not be unit."""
+        """Density of facets at the normal along h, which need not be unit, in 1/sr."""
         t = slopes(h)
         # By slopes, s is (1 + (x / alpha_x)^2 + (y / alpha_y)^2) / (1 + x^2 + y^2). Times the squares of
         # both widths no width is a divisor, and the steepest slopes, 1e18, have squares.
@@ -184,27 +189,40 @@ class GGX(NamedTuple):
         """Density of `sample` in 1/sr."""
         return self.D(m) * m.z
 
-    def sample_visible(self, wo: Vec3, u: Vec2, bound: Float = 1) -> Vec3:
-        """A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-
-        With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
-        """
-        w = normalize(vec3(self.alpha_x * wo.x, self.alpha_y * wo.y, wo.z))
+    def sample_visible(self, wo: Vec3, u: Vec2) -> Vec3:
+        """A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3."""
+        w = self._unstretched(wo)
         # u = 1 would be the facet opposite to w, whose half vector has no direction
         u1 = minimum(u.x, 1 - RANDOM_MARGIN)
-        # A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
+        # A cap down to z = -w.z: z = 1 - u (1 + w.z)
+        height = 1 + w.z
+        return self._half_way(w, u1 * height, (1 - u1) * height, u.y)
+
+    def sample_bounded(self, wo: Vec3, u: Vec2, bound: Float) -> Vec3:
+        """A normal that wo sees, without those that mirror wo below the horizon, or most of them.
+
+        Eto and Tokuyoshi, "Bounded VNDF sampling for Smith-GGX reflections", 2023; bound: see `ggx_bound`.
+        """
+        w = self._unstretched(wo)
+        u1 = minimum(u.x, 1 - RANDOM_MARGIN)
+        # A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and z + w.z as a sum of positive terms
         height = 1 + bound * w.z
-        drop = u1 * height
+        return self._half_way(w, u1 * height, (1 - u1) * height + (1 - bound) * w.z, u.y)
+
+    def _unstretched(self, w: Vec3) -> Vec3:
+        """w where all facets are those of a unit sphere."""
+        return normalize(vec3(self.alpha_x * w.x, self.alpha_y * w.y, w.z))
+
+    def _half_way(self, w: Vec3, drop: Float, z: Float, v: Float) -> Vec3:
+        """The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together."""
         r = safe_sqrt(drop * (2 - drop))
-        phi = TWO_PI * u.y
-        # z + w.z as a sum of positive terms
-        z = (1 - u1) * height + (1 - bound) * w.z
+        phi = TWO_PI * v
         h = vec3(r * cos(phi) + w.x, r * sin(phi) + w.y, z)
         return normalize(vec3(self.alpha_x * h.x, self.alpha_y * h.y, h.z))
 
 
 class RoundGGX(NamedTuple):
-    """`GGX` facets of the same width in all directions."""
+    """Facets of GGX with the same width in all directions."""
 
     alpha: Float
     """width of the slopes"""
@@ -216,7 +234,7 @@ class RoundGGX(NamedTuple):
         return INV_PI * a2 / (s * s)
 
     def D_along(self, h: Vec3) -> Float:
-        """`D` at the normal along h, which need not be unit."""
+        """Density of facets at the normal along h, which need not be unit, in 1/sr."""
         a2, tan2 = self.alpha * self.alpha, tangent2(h)
         r = (1 + tan2) / (a2 + tan2)
         return INV_PI * a2 * (r * r)
@@ -239,9 +257,13 @@ class RoundGGX(NamedTuple):
         """Density of `sample` in 1/sr."""
         return self.D(m) * m.z
 
-    def sample_visible(self, wo: Vec3, u: Vec2, bound: Float = 1) -> Vec3:
+    def sample_visible(self, wo: Vec3, u: Vec2) -> Vec3:
         """A normal that wo sees, in proportion to max(wo . m, 0) D(m); see `GGX.sample_visible`."""
-        return GGX(self.alpha, self.alpha).sample_visible(wo, u, bound)
+        return GGX(self.alpha, self.alpha).sample_visible(wo, u)
+
+    def sample_bounded(self, wo: Vec3, u: Vec2, bound: Float) -> Vec3:
+        """A normal that wo sees, without most that mirror wo downwards; see `GGX.sample_bounded`."""
+        return GGX(self.alpha, self.alpha).sample_bounded(wo, u, bound)
 
 
 def ggx_bound(least: Float, wo: Vec3) -> Float:
@@ -319,7 +341,7 @@ class Beckmann(NamedTuple):
 
 
 class RoundBeckmann(NamedTuple):
-    """`Beckmann` facets of the same width in all directions."""
+    """Beckmann's facets with the same width in all directions."""
 
     alpha: Float
     """width of the slopes"""
@@ -332,7 +354,7 @@ class RoundBeckmann(NamedTuple):
         return INV_PI * inv_a2 * inv_cos2 * inv_cos2 * exp(-sin2 * inv_cos2 * inv_a2)
 
     def D_along(self, h: Vec3) -> Float:
-        """`D` at the normal along h, which need not be unit."""
+        """Density of facets at the normal along h, which need not be unit, in 1/sr."""
         inv_a2, tan2 = 1 / (self.alpha * self.alpha), tangent2(h)
         # The root of D, as 1 / cos^4 leaves a float32 where the exponential is 0
         root = (1 + tan2) * exp(-0.5 * tan2 * inv_a2)
@@ -399,11 +421,11 @@ class BlinnPhong(NamedTuple):
         return self._at(log_cos(m))
 
     def D_along(self, h: Vec3) -> Float:
-        """`D` at the normal along h, which need not be unit."""
+        """Density of facets at the normal along h, which need not be unit, in 1/sr."""
         return self._at(log_cos_along(h))
 
     def _at(self, log_cosine: Float) -> Float:
-        """`D` of the logarithm of a cosine."""
+        """Density of facets by the logarithm of their cosine."""
         alpha = self.alpha
         a2 = alpha * alpha
         return INV_PI / a2 * exp(2 * log_cosine * ((1 - alpha) * (1 + alpha) / a2))
@@ -491,7 +513,7 @@ class GTR1(NamedTuple):
         return INV_PI / (ratio * (m.x * m.x + m.y * m.y + a2 * m.z * m.z))
 
     def D_narrow(self, m: Vec3) -> Float:
-        """`D` for alpha up to 0.5, where nothing cancels in its norm."""
+        """Density of facets in 1/sr for alpha up to 0.5, where nothing cancels in its norm."""
         a2 = self.alpha * self.alpha
         below_one = 1 - a2
         return INV_PI * below_one / (-log(a2) * (a2 + below_one * (m.x * m.x + m.y * m.y)))

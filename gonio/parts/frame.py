@@ -55,7 +55,7 @@ def length2(h: Vec3) -> Float:
 def half_vector(wi: Vec3, wo: Vec3) -> Vec3:
     """The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|."""
     h = wi + wo
-    return h / sqrt(length2(h))  # which `cos_half` needs as well
+    return h / sqrt(length2(h))  # the root is the cosine's as well
 
 
 def slopes(h: Vec3) -> Vec2:

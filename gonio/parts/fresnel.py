@@ -48,7 +48,7 @@ def F_schlick(cos_theta: Float, f0: Color, f90: Color) -> Color:
 
 
 def F_schlick_half(cos_h: Float, sin2_h: Float, f0: Color, f90: Color) -> Color:
-    """`F_schlick` at a facet, from both `cos_half` and `sin2_half`: f0 may be 0, and all is the weight."""
+    """Schlick's F at a facet, from cosine and squared sine there: f0 may be 0, and all is the weight."""
     return f0 * schlick_complement(cos_h) + f90 * _weight(cos_h, sin2_h)
 
 
@@ -58,7 +58,7 @@ def F_dielectric(cos_theta: Float, eta: Color) -> Color:
 
 
 def F_dielectric_half(cos_h: Float, sin2_h: Float, eta: Color) -> Color:
-    """Exact reflectance of a dielectric at a facet, from both `cos_half` and `sin2_half`."""
+    """Exact reflectance of a dielectric at a facet, from cosine and squared sine of the angle there."""
     # Of a small index little but eta^2 - sin^2 is left near the normal
     g2 = select(cos_h > NEAR_NORMAL, eta * eta - sin2_h, refracted_cos2(cos_h, eta))
     # r_s = (c - g) / (c + g) with g = eta cos(theta_t). Multiplied out with g^2 = eta^2 - 1 + c^2, the
@@ -74,13 +74,13 @@ def F_dielectric_half(cos_h: Float, sin2_h: Float, eta: Color) -> Color:
 
 
 def F_conductor(cos_theta: Float, eta: Color, k: Color) -> Color:
-    """Exact reflectance of a conductor with the complex index eta + i k; `F_dielectric` for k = 0."""
+    """Exact reflectance of a conductor with the complex index eta + i k; a dielectric's for k = 0."""
     return F_conductor_half(cos_theta, _sin2(cos_theta), eta, k)
 
 
 def F_conductor_half(cos_h: Float, sin2_h: Float, eta: Color, k: Color) -> Color:
-    """Exact reflectance of a conductor, eta + i k, at a facet, from both `cos_half` and `sin2_half`."""
-    # As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
+    """Exact reflectance of a conductor, eta + i k, from cosine and squared sine at a facet."""
+    # As for a dielectric, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     c = cos_h
     contrast_re, half_im = (eta - 1) * (eta + 1) - k * k, eta * k + ABSORPTION_MIN
     c2 = c * c
@@ -140,7 +140,7 @@ def F_lazanyi(cos_theta: Float, eta: Color, k: Color) -> Color:
 
 
 def F_lazanyi_half(cos_h: Float, sin2_h: Float, eta: Color, k: Color) -> Color:
-    """`F_lazanyi` at a facet, from both `cos_half` and `sin2_half`: the weight alone if eta is 1."""
+    """Lazányi's F at a facet, from cosine and squared sine there: the weight alone if eta is 1."""
     below = eta - 1
     above = eta + 1
     k2 = k * k
@@ -193,7 +193,7 @@ class Entering(NamedTuple):
 
 
 def F_dielectric_entering(mu: Float, eta: Float) -> Float:
-    """`F_dielectric` of eta >= 1, which never reflects all light, at a cosine outside, mu > 0."""
+    """Exact reflectance of a dielectric with eta >= 1, never total, at a cosine outside, mu > 0."""
     return _split_entering(mu, eta).F
 
 
@@ -204,8 +204,8 @@ def transmittance_entering(mu: Float, eta: Float) -> Float:
 
 def _split_entering(mu: Float, eta: Float) -> Entering:
     """F and T = 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside, mu > 0."""
-    # F as in `F_dielectric_half`; 1 - r_s^2 = 4 c g / s^2 with s = c + g, and 1 - r_p^2 =
-    # 4 c g eta^2 / (s q)^2 with q = c g + sin^2(theta). One quotient serves both.
+    # r_s = (1 - eta^2) / s^2 with s = c + g, and r_p = r_s (c g - sin2) / q with q = c g + sin2. So
+    # 1 - r_s^2 = 4 c g / s^2, and 1 - r_p^2 = 4 c g eta^2 / (s q)^2. One quotient serves all.
     c = mu
     g = smooth_sqrt(refracted_cos2(c, eta))
     s, p, sin2 = c + g, c * g, 1 - c * c
@@ -268,7 +268,7 @@ def transmittance_lazanyi_conductor(cos_theta: Float, eta: Color, k: Color) -> C
 
 
 def split_conductor(cos_theta: Float, eta: Color, k: Color) -> Split:
-    """`F_conductor` of what is denser than the medium above, and 1 - F, exact where it nearly vanishes."""
+    """F of a conductor denser than the medium above, and 1 - F, exact where it nearly vanishes."""
     # With eps = (eta + i k)^2 and g^2 = eps - 1 + c^2: 1 - R_s = 4 c Re(g) / |c + g|^2, and 1 - R_p is
     # 4 c Re(conj(g) eps) / |eps c + g|^2. The roots are those of F.
     c = cos_theta
@@ -331,7 +331,7 @@ def schlick_weight_half(wi: Vec3, wo: Vec3) -> Float:
 
 
 def _weight(cos_h: Float, sin2_h: Float) -> Float:
-    """(1 - c)^5 at a facet, from both `cos_half` and `sin2_half`."""
+    """(1 - c)^5 at a facet, from cosine and squared sine there."""
     # 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the
     # weight keeps its digits where the two meet and it goes to 0.
     k = sin2_h / (1 + cos_h)

@@ -65,7 +65,7 @@ def refracted_sum(wi: Vec3, wo: Vec3, excess: Float) -> Vec3:
 
 
 def refracted_sin2_half(wi: Vec3, wo: Vec3, excess: Float) -> Float:
-    """`sin2_half` of the refracted directions, from their difference before it is rounded."""
+    """Squared sine at which refracted light meets a facet, from a difference before it is rounded."""
     z_i, z_o = _eta2_cos2(wi.z, excess), _eta2_cos2(wo.z, excess)
     # A difference of two roots is that of their squares over their sum
     z = (wi.z - wo.z) * (wi.z + wo.z) / (smooth_sqrt(z_i) + smooth_sqrt(z_o))

@@ -86,8 +86,8 @@ def choose(probability: Float, u: Vec2) -> Choice:
 def sample_ggx_lobe(facets: GGX | RoundGGX, wo: Vec3, u: Vec2) -> Vec3:
     """wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 
-    No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-    (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+    No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+    mirror below the horizon, the rim of those that are left would be a jump of the density.
     """
     w = mirror(wo, facets.sample_visible(wo, u))
     return vec3(w.x, w.y, absolute(w.z))

@@ -50,8 +50,8 @@ def log_cos(m: Vec3) -> Float:
 
 
 def log_cos_along(h: Vec3) -> Float:
-    """`log_cos` of the direction along h, which need not be unit."""
-    # log(cos) = -log(1 + tan^2) / 2, of which tan^2 / (2 + tan^2) is the y above
+    """log(cos) of the angle between the normal and h, which need not be unit."""
+    # log(cos) = -log(1 + tan^2) / 2 = -atanh(y)
     tan2 = tangent2(h)
     y = tan2 / (2 + tan2)
     return select(tan2 < LOG1P_SMALL, -y * _atanh_over(y), -0.5 * log(1 + tan2))

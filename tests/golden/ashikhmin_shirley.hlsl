@@ -5,7 +5,7 @@
 // 4, 5 and, for samples, 6 to 9.
 // Deviation: (N.H) to its power is taken from the slopes of H, which a sharp lobe needs in float32.
 //
-// HLSL, made by gonio from gonio/models/ashikhmin_shirley.py.
+// HLSL, made by gonio from gonio/models/ashikhmin_shirley.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -52,7 +52,7 @@ float ashikhmin_shirley_sin2_half(float3 wi, float3 wo) {
     return 0.25 * dot(apart, apart);
 }
 
-// (1 - c)^5 at a facet, from both ashikhmin_shirley_cos_half and ashikhmin_shirley_sin2_half.
+// (1 - c)^5 at a facet, from cosine and squared sine there.
 float ashikhmin_shirley_weight(float cos_h, float sin2_h) {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
@@ -85,8 +85,7 @@ float3 ashikhmin_shirley_eval_round(AshikhminShirley params, float3 wi, float3 w
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 float3 ashikhmin_shirley_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    // which ashikhmin_shirley_cos_half needs as well
-    return h / sqrt(ashikhmin_shirley_length2(h));
+    return h / sqrt(ashikhmin_shirley_length2(h));  // the root is the cosine's as well
 }
 
 // atanh(y) / y for |y| < 1 / 7; with y = x / (2 + x) it is half of log(1 + x).
@@ -218,7 +217,8 @@ float ashikhmin_shirley_expm1(float x) {
     // Taylor's series
     float over = 1.0 + near
         * (0.5 + near * (0.16666667
-            + near * (0.041666668 + near * (0.008333334 + near * (0.0013888889 + near * 0.0001984127)))));
+            + near * (0.041666668
+                + near * (0.008333334 + near * (0.0013888889 + near * 0.0001984127)))));
     return x > -EXPM1_SMALL && x < EXPM1_SMALL ? near * over : exp(x) - 1.0;
 }
 

@@ -5,7 +5,7 @@
 // formula with the angle between the normal and the half vector in place of that to the mirror direction.
 // The formula gives the radiance f cos(theta_i), which is divided by the cosine here.
 //
-// HLSL, made by gonio from gonio/models/blinn.py.
+// HLSL, made by gonio from gonio/models/blinn.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -30,7 +30,7 @@ struct BlinnChoice {
     float2 u;  // Fresh random numbers, made of those that chose
 };
 
-// BlinnGGX facets of the same width in all directions.
+// Facets of GGX with the same width in all directions.
 struct BlinnRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -61,11 +61,11 @@ float blinn_atanh_over(float y) {
     return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * (1.0 / 9.0))));
 }
 
-// `log_cos` of the direction along h, which need not be unit.
+// log(cos) of the angle between the normal and h, which need not be unit.
 float blinn_log_cos_along(float3 h) {
     // Below this the series needs few terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
     const float LOG1P_SMALL = 0.25;
-    // log(cos) = -log(1 + tan^2) / 2, of which tan^2 / (2 + tan^2) is the y above
+    // log(cos) = -log(1 + tan^2) / 2 = -atanh(y)
     float tan2 = blinn_tangent2(h);
     float y = tan2 / (2.0 + tan2);
     return tan2 < LOG1P_SMALL ? -y * blinn_atanh_over(y) : -0.5 * log(1.0 + tan2);
@@ -157,34 +157,38 @@ float3 blinn_sample_cosine(float2 u) {
     return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
-float3 blinn_ggx_sample_visible(BlinnGGX ggx, float3 wo, float2 u, float bound) {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    const float RANDOM_MARGIN = 5.9604645e-8;
+// w where all facets are those of a unit sphere.
+float3 blinn_ggx_unstretched(BlinnGGX ggx, float3 w) {
+    return normalize(float3(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+float3 blinn_ggx_half_way(BlinnGGX ggx, float3 w, float drop, float z, float v) {
     const float two_pi = 6.2831855;
-    float3 w = normalize(float3(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    float height = 1.0 + bound * w.z;
-    float drop = u1 * height;
     float r = sqrt(max(drop * (2.0 - drop), 0.0));
-    float phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    float z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    float phi = two_pi * v;
     float3 h = float3(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
     return normalize(float3(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
 }
 
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+float3 blinn_ggx_sample_visible(BlinnGGX ggx, float3 wo, float2 u) {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const float RANDOM_MARGIN = 5.9604645e-8;
+    float3 w = blinn_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    float height = 1.0 + w.z;
+    return blinn_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height, u.y);
+}
+
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m); see blinn_ggx_sample_visible.
-float3 blinn_round_ggx_sample_visible(BlinnRoundGGX round_ggx, float3 wo, float2 u,
-    float bound) {
+float3 blinn_round_ggx_sample_visible(BlinnRoundGGX round_ggx, float3 wo, float2 u) {
     BlinnGGX ggx;
     ggx.alpha_x = round_ggx.alpha;
     ggx.alpha_y = round_ggx.alpha;
-    return blinn_ggx_sample_visible(ggx, wo, u, bound);
+    return blinn_ggx_sample_visible(ggx, wo, u);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -194,10 +198,10 @@ float3 blinn_mirror(float3 wo, float3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 float3 blinn_sample_ggx_lobe(BlinnRoundGGX facets, float3 wo, float2 u) {
-    float3 w = blinn_mirror(wo, blinn_round_ggx_sample_visible(facets, wo, u, 1.0));
+    float3 w = blinn_mirror(wo, blinn_round_ggx_sample_visible(facets, wo, u));
     return float3(w.x, w.y, abs(w.z));
 }
 
@@ -225,7 +229,7 @@ float blinn_length2(float3 h) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 float3 blinn_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    return h / sqrt(blinn_length2(h));  // which `cos_half` needs as well
+    return h / sqrt(blinn_length2(h));  // the root is the cosine's as well
 }
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
@@ -242,21 +246,21 @@ float blinn_round_ggx_area(BlinnRoundGGX round_ggx, float3 w) {
     return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-float blinn_pdf_visible(BlinnRoundGGX facets, float3 wo, float3 m, float bound) {
-    return 0.5 * blinn_round_ggx_D(facets, m) / (bound * wo.z + blinn_round_ggx_area(facets, wo));
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+float blinn_pdf_visible(BlinnRoundGGX facets, float3 wo, float3 m) {
+    return 0.5 * blinn_round_ggx_D(facets, m) / (wo.z + blinn_round_ggx_area(facets, wo));
 }
 
 // Density of blinn_sample_ggx_lobe in 1/sr.
 float blinn_pdf_ggx_lobe(BlinnRoundGGX facets, float3 wi, float3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = blinn_pdf_visible(facets, wo, blinn_half_vector(wi, wo), 1.0);
+    float straight = blinn_pdf_visible(facets, wo, blinn_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
     // The least lift, for two that are equally high but for their last digits
     float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
-    float folded = blinn_pdf_visible(facets, wo, blinn_half_vector(image, higher), 1.0);
+    float folded = blinn_pdf_visible(facets, wo, blinn_half_vector(image, higher));
     return straight + (exists ? folded : 0.0);
 }
 

@@ -5,7 +5,7 @@
 // formula with the angle between the normal and the half vector in place of that to the mirror direction.
 // The formula gives the radiance f cos(theta_i), which is divided by the cosine here.
 //
-// WGSL (WebGPU), made by gonio from gonio/models/blinn.py.
+// WGSL (WebGPU), made by gonio from gonio/models/blinn.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -30,7 +30,7 @@ struct BlinnChoice {
     u: vec2f,  // Fresh random numbers, made of those that chose
 }
 
-// BlinnGGX facets of the same width in all directions.
+// Facets of GGX with the same width in all directions.
 struct BlinnRoundGGX {
     alpha: f32,  // width of the slopes
 }
@@ -61,11 +61,11 @@ fn blinn_atanh_over(y: f32) -> f32 {
     return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * (1.0 / 9.0))));
 }
 
-// `log_cos` of the direction along h, which need not be unit.
+// log(cos) of the angle between the normal and h, which need not be unit.
 fn blinn_log_cos_along(h: vec3f) -> f32 {
     // Below this the series needs few terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
     const LOG1P_SMALL = 0.25;
-    // log(cos) = -log(1 + tan^2) / 2, of which tan^2 / (2 + tan^2) is the y above
+    // log(cos) = -log(1 + tan^2) / 2 = -atanh(y)
     let tan2 = blinn_tangent2(h);
     let y = tan2 / (2.0 + tan2);
     return select(-0.5 * log(1.0 + tan2), -y * blinn_atanh_over(y), tan2 < LOG1P_SMALL);
@@ -153,31 +153,35 @@ fn blinn_sample_cosine(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
-fn blinn_ggx_sample_visible(ggx: BlinnGGX, wo: vec3f, u: vec2f, bound: f32) -> vec3f {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    const RANDOM_MARGIN = 5.9604645e-8;
+// w where all facets are those of a unit sphere.
+fn blinn_ggx_unstretched(ggx: BlinnGGX, w: vec3f) -> vec3f {
+    return normalize(vec3f(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+fn blinn_ggx_half_way(ggx: BlinnGGX, w: vec3f, drop: f32, z: f32, v: f32) -> vec3f {
     const two_pi = 6.2831855;
-    let w = normalize(vec3f(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    let height = 1.0 + bound * w.z;
-    let drop = u1 * height;
     let r = sqrt(max(drop * (2.0 - drop), 0.0));
-    let phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    let z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    let phi = two_pi * v;
     let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
     return normalize(vec3f(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
 }
 
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+fn blinn_ggx_sample_visible(ggx: BlinnGGX, wo: vec3f, u: vec2f) -> vec3f {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const RANDOM_MARGIN = 5.9604645e-8;
+    let w = blinn_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    let height = 1.0 + w.z;
+    return blinn_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height, u.y);
+}
+
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m); see blinn_ggx_sample_visible.
-fn blinn_round_ggx_sample_visible(round_ggx: BlinnRoundGGX, wo: vec3f, u: vec2f,
-    bound: f32) -> vec3f {
-    return blinn_ggx_sample_visible(BlinnGGX(round_ggx.alpha, round_ggx.alpha), wo, u, bound);
+fn blinn_round_ggx_sample_visible(round_ggx: BlinnRoundGGX, wo: vec3f, u: vec2f) -> vec3f {
+    return blinn_ggx_sample_visible(BlinnGGX(round_ggx.alpha, round_ggx.alpha), wo, u);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -187,10 +191,10 @@ fn blinn_mirror(wo: vec3f, m: vec3f) -> vec3f {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 fn blinn_sample_ggx_lobe(facets: BlinnRoundGGX, wo: vec3f, u: vec2f) -> vec3f {
-    let w = blinn_mirror(wo, blinn_round_ggx_sample_visible(facets, wo, u, 1.0));
+    let w = blinn_mirror(wo, blinn_round_ggx_sample_visible(facets, wo, u));
     return vec3f(w.x, w.y, abs(w.z));
 }
 
@@ -217,7 +221,7 @@ fn blinn_length2(h: vec3f) -> f32 {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn blinn_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / sqrt(blinn_length2(h));  // which `cos_half` needs as well
+    return h / sqrt(blinn_length2(h));  // the root is the cosine's as well
 }
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
@@ -234,21 +238,21 @@ fn blinn_round_ggx_area(round_ggx: BlinnRoundGGX, w: vec3f) -> f32 {
     return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-fn blinn_pdf_visible(facets: BlinnRoundGGX, wo: vec3f, m: vec3f, bound: f32) -> f32 {
-    return 0.5 * blinn_round_ggx_D(facets, m) / (bound * wo.z + blinn_round_ggx_area(facets, wo));
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+fn blinn_pdf_visible(facets: BlinnRoundGGX, wo: vec3f, m: vec3f) -> f32 {
+    return 0.5 * blinn_round_ggx_D(facets, m) / (wo.z + blinn_round_ggx_area(facets, wo));
 }
 
 // Density of blinn_sample_ggx_lobe in 1/sr.
 fn blinn_pdf_ggx_lobe(facets: BlinnRoundGGX, wi: vec3f, wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
-    let straight = blinn_pdf_visible(facets, wo, blinn_half_vector(wi, wo), 1.0);
+    let straight = blinn_pdf_visible(facets, wo, blinn_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     let exists = wo.z > wi.z;
     let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
     // The least lift, for two that are equally high but for their last digits
     let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
-    let folded = blinn_pdf_visible(facets, wo, blinn_half_vector(image, higher), 1.0);
+    let folded = blinn_pdf_visible(facets, wo, blinn_half_vector(image, higher));
     return straight + select(0.0, folded, exists);
 }
 

@@ -5,7 +5,7 @@
 // The albedo's closed form is ours: the BRDF is a polynomial in cosines once 2 cos^2(theta_d) is written as
 // 1 + dot(wi, wo), so it can be integrated term by term.
 //
-// Metal, made by gonio from gonio/models/burley_diffuse.py.
+// Metal, made by gonio from gonio/models/burley_diffuse.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // Usage: BurleyDiffuse params; params.rho = ...; ... burley_diffuse_eval(params, wi, wo)

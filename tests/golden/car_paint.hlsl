@@ -15,7 +15,7 @@
 // reflects by the cosine outside, which the light that is shone on it has already. The metal's index is
 // taken relative to the coat.
 //
-// HLSL, made by gonio from gonio/models/car_paint.py.
+// HLSL, made by gonio from gonio/models/car_paint.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -50,7 +50,7 @@ struct CarPaint {
     float distance;  // of the viewer; above 1 it evens out the flakes; 0 to 1000000, default 1
 };
 
-// CarPaintGGX facets of the same width in all directions.
+// Facets of GGX with the same width in all directions.
 struct CarPaintRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -83,7 +83,7 @@ float car_paint_length2(float3 h) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 float3 car_paint_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    return h / sqrt(car_paint_length2(h));  // which car_paint_cos_half needs as well
+    return h / sqrt(car_paint_length2(h));  // the root is the cosine's as well
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
@@ -107,8 +107,8 @@ float car_paint_refracted_cos2(float mu, float eta) {
 
 // F and T = 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside, mu > 0.
 CarPaintEntering car_paint_split_entering(float mu, float eta) {
-    // F as in `F_dielectric_half`; 1 - r_s^2 = 4 c g / s^2 with s = c + g, and 1 - r_p^2 = 4 c g eta^2 / (s
-    // q)^2 with q = c g + sin^2(theta). One quotient serves both.
+    // r_s = (1 - eta^2) / s^2 with s = c + g, and r_p = r_s (c g - sin2) / q with q = c g + sin2. So 1 - r_s^2
+    // = 4 c g / s^2, and 1 - r_p^2 = 4 c g eta^2 / (s q)^2. One quotient serves all.
     float c = mu;
     float g = sqrt(car_paint_refracted_cos2(c, eta));
     float s = c + g;
@@ -126,7 +126,7 @@ CarPaintEntering car_paint_split_entering(float mu, float eta) {
     return result;
 }
 
-// `F_dielectric` of eta >= 1, which never reflects all light, at a cosine outside, mu > 0.
+// Exact reflectance of a dielectric with eta >= 1, never total, at a cosine outside, mu > 0.
 float car_paint_F_dielectric_entering(float mu, float eta) {
     return car_paint_split_entering(mu, eta).F;
 }
@@ -187,7 +187,7 @@ float3 car_paint_refracted_sum(float3 wi, float3 wo, float excess) {
     return float3(wi.x + wo.x, wi.y + wo.y, sqrt(z_i) + sqrt(z_o));
 }
 
-// `sin2_half` of the refracted directions, from their difference before it is rounded.
+// Squared sine at which refracted light meets a facet, from a difference before it is rounded.
 float car_paint_refracted_sin2_half(float3 wi, float3 wo, float excess) {
     float z_i = car_paint_eta2_cos2(wi.z, excess);
     float z_o = car_paint_eta2_cos2(wo.z, excess);
@@ -208,7 +208,7 @@ float3 car_paint_reflected_value(float3 re, float3 im, float3 s2, float3 p, floa
     return (re * re + im * im) / s2 * (p / (s2 * q));
 }
 
-// Exact reflectance of a conductor, eta + i k, at a facet, from both car_paint_cos_half and `sin2_half`.
+// Exact reflectance of a conductor, eta + i k, from cosine and squared sine at a facet.
 float3 car_paint_F_conductor_half(float cos_h, float sin2_h, float3 eta, float3 k) {
     // A trace of absorption, which keeps a conductor's roots from 0, and their squares from where GPUs
     // take them for 0. By itself it reflects where the index is matched in the horizon, (ABSORPTION_MIN /
@@ -216,7 +216,7 @@ float3 car_paint_F_conductor_half(float cos_h, float sin2_h, float3 eta, float3 
     const float ABSORPTION_MIN = 1.0e-17;
     // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
     const float NEAR_NORMAL = 0.75;
-    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
+    // As for a dielectric, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     float c = cos_h;
     float3 contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
     float3 half_im = eta * k + ABSORPTION_MIN;
@@ -395,34 +395,38 @@ CarPaintChoice car_paint_choose(float probability, float2 u) {
     return result;
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see car_paint_ggx_bound) without those that mirror wo below the horizon, or most.
-float3 car_paint_ggx_sample_visible(CarPaintGGX ggx, float3 wo, float2 u, float bound) {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    const float RANDOM_MARGIN = 5.9604645e-8;
+// w where all facets are those of a unit sphere.
+float3 car_paint_ggx_unstretched(CarPaintGGX ggx, float3 w) {
+    return normalize(float3(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+float3 car_paint_ggx_half_way(CarPaintGGX ggx, float3 w, float drop, float z, float v) {
     const float two_pi = 6.2831855;
-    float3 w = normalize(float3(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    float height = 1.0 + bound * w.z;
-    float drop = u1 * height;
     float r = sqrt(max(drop * (2.0 - drop), 0.0));
-    float phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    float z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    float phi = two_pi * v;
     float3 h = float3(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
     return normalize(float3(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
 }
 
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+float3 car_paint_ggx_sample_visible(CarPaintGGX ggx, float3 wo, float2 u) {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const float RANDOM_MARGIN = 5.9604645e-8;
+    float3 w = car_paint_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    float height = 1.0 + w.z;
+    return car_paint_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height, u.y);
+}
+
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m); see car_paint_ggx_sample_visible.
-float3 car_paint_round_ggx_sample_visible(CarPaintRoundGGX round_ggx, float3 wo, float2 u,
-    float bound) {
+float3 car_paint_round_ggx_sample_visible(CarPaintRoundGGX round_ggx, float3 wo, float2 u) {
     CarPaintGGX ggx;
     ggx.alpha_x = round_ggx.alpha;
     ggx.alpha_y = round_ggx.alpha;
-    return car_paint_ggx_sample_visible(ggx, wo, u, bound);
+    return car_paint_ggx_sample_visible(ggx, wo, u);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -432,11 +436,10 @@ float3 car_paint_mirror(float3 wo, float3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not
-// bounded (car_paint_ggx_bound): the rim of those that are left would be a jump of the density, in
-// the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 float3 car_paint_sample_ggx_lobe(CarPaintRoundGGX facets, float3 wo, float2 u) {
-    float3 w = car_paint_mirror(wo, car_paint_round_ggx_sample_visible(facets, wo, u, 1.0));
+    float3 w = car_paint_mirror(wo, car_paint_round_ggx_sample_visible(facets, wo, u));
     return float3(w.x, w.y, abs(w.z));
 }
 
@@ -451,9 +454,32 @@ float car_paint_ggx_bound(float least, float3 wo) {
     return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
 }
 
+// A normal that wo sees, without those that mirror wo below the horizon, or most of them.
+//
+// Eto and Tokuyoshi, "Bounded VNDF sampling for Smith-GGX reflections", 2023; bound:
+// see car_paint_ggx_bound.
+float3 car_paint_ggx_sample_bounded(CarPaintGGX ggx, float3 wo, float2 u, float bound) {
+    const float RANDOM_MARGIN = 5.9604645e-8;
+    float3 w = car_paint_ggx_unstretched(ggx, wo);
+    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and z + w.z as a sum of positive terms
+    float height = 1.0 + bound * w.z;
+    return car_paint_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height + (1.0 - bound) * w.z,
+        u.y);
+}
+
+// A normal that wo sees, without most that mirror wo downwards; see car_paint_ggx_sample_bounded.
+float3 car_paint_round_ggx_sample_bounded(CarPaintRoundGGX round_ggx, float3 wo, float2 u,
+    float bound) {
+    CarPaintGGX ggx;
+    ggx.alpha_x = round_ggx.alpha;
+    ggx.alpha_y = round_ggx.alpha;
+    return car_paint_ggx_sample_bounded(ggx, wo, u, bound);
+}
+
 // A facet's normal.
 float3 car_paint_sample_facet(CarPaintRoundGGX facets, float3 wo, float2 u) {
-    return car_paint_round_ggx_sample_visible(facets, wo, u, car_paint_ggx_bound(facets.alpha, wo));
+    return car_paint_round_ggx_sample_bounded(facets, wo, u, car_paint_ggx_bound(facets.alpha, wo));
 }
 
 // The inverse of car_paint_to_tilted.
@@ -488,15 +514,15 @@ float3 car_paint_leave(float3 w, float excess) {
     return normalize(float3(w.x * scale, w.y * scale, z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-float car_paint_pdf_visible(CarPaintRoundGGX facets, float3 wo, float3 m, float bound) {
+// Density of wo mirrored at a visible normal m that a bound leaves, in 1/sr.
+float car_paint_pdf_bounded(CarPaintRoundGGX facets, float3 wo, float3 m, float bound) {
     return 0.5 * car_paint_round_ggx_D(facets, m)
         / (bound * wo.z + car_paint_round_ggx_area(facets, wo));
 }
 
 // Density of wo mirrored at car_paint_sample_facet, in 1/sr.
 float car_paint_pdf_facet(CarPaintRoundGGX facets, float3 wo, float3 m) {
-    return car_paint_pdf_visible(facets, wo, m, car_paint_ggx_bound(facets.alpha, wo));
+    return car_paint_pdf_bounded(facets, wo, m, car_paint_ggx_bound(facets.alpha, wo));
 }
 
 // Density inside the coat of the flake's part of car_paint_sample; both: along the half vector.
@@ -532,16 +558,21 @@ float car_paint_pdf_leave(float pdf_refracted, float pdf_gathered, float3 w, flo
         + pdf_gathered * car_paint_critical_cosine(excess);
 }
 
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+float car_paint_pdf_visible(CarPaintRoundGGX facets, float3 wo, float3 m) {
+    return 0.5 * car_paint_round_ggx_D(facets, m) / (wo.z + car_paint_round_ggx_area(facets, wo));
+}
+
 // Density of car_paint_sample_ggx_lobe in 1/sr.
 float car_paint_pdf_ggx_lobe(CarPaintRoundGGX facets, float3 wi, float3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = car_paint_pdf_visible(facets, wo, car_paint_half_vector(wi, wo), 1.0);
+    float straight = car_paint_pdf_visible(facets, wo, car_paint_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
     // The least lift, for two that are equally high but for their last digits
     float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
-    float folded = car_paint_pdf_visible(facets, wo, car_paint_half_vector(image, higher), 1.0);
+    float folded = car_paint_pdf_visible(facets, wo, car_paint_half_vector(image, higher));
     return straight + (exists ? folded : 0.0);
 }
 

@@ -15,7 +15,7 @@
 // reflects by the cosine outside, which the light that is shone on it has already. The metal's index is
 // taken relative to the coat.
 //
-// WGSL (WebGPU), made by gonio from gonio/models/car_paint.py.
+// WGSL (WebGPU), made by gonio from gonio/models/car_paint.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -46,7 +46,7 @@ struct CarPaint {
     distance: f32,  // of the viewer; above 1 it evens out the flakes; 0 to 1000000, default 1
 }
 
-// CarPaintGGX facets of the same width in all directions.
+// Facets of GGX with the same width in all directions.
 struct CarPaintRoundGGX {
     alpha: f32,  // width of the slopes
 }
@@ -79,7 +79,7 @@ fn car_paint_length2(h: vec3f) -> f32 {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn car_paint_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / sqrt(car_paint_length2(h));  // which car_paint_cos_half needs as well
+    return h / sqrt(car_paint_length2(h));  // the root is the cosine's as well
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
@@ -101,8 +101,8 @@ fn car_paint_refracted_cos2(mu: f32, eta: f32) -> f32 {
 
 // F and T = 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside, mu > 0.
 fn car_paint_split_entering(mu: f32, eta: f32) -> CarPaintEntering {
-    // F as in `F_dielectric_half`; 1 - r_s^2 = 4 c g / s^2 with s = c + g, and 1 - r_p^2 = 4 c g eta^2 / (s
-    // q)^2 with q = c g + sin^2(theta). One quotient serves both.
+    // r_s = (1 - eta^2) / s^2 with s = c + g, and r_p = r_s (c g - sin2) / q with q = c g + sin2. So 1 - r_s^2
+    // = 4 c g / s^2, and 1 - r_p^2 = 4 c g eta^2 / (s q)^2. One quotient serves all.
     let c = mu;
     let g = sqrt(car_paint_refracted_cos2(c, eta));
     let s = c + g;
@@ -117,7 +117,7 @@ fn car_paint_split_entering(mu: f32, eta: f32) -> CarPaintEntering {
     return CarPaintEntering(F, p * inv * (2.0 * (q2 + eta * eta)));
 }
 
-// `F_dielectric` of eta >= 1, which never reflects all light, at a cosine outside, mu > 0.
+// Exact reflectance of a dielectric with eta >= 1, never total, at a cosine outside, mu > 0.
 fn car_paint_F_dielectric_entering(mu: f32, eta: f32) -> f32 {
     return car_paint_split_entering(mu, eta).F;
 }
@@ -178,7 +178,7 @@ fn car_paint_refracted_sum(wi: vec3f, wo: vec3f, excess: f32) -> vec3f {
     return vec3f(wi.x + wo.x, wi.y + wo.y, sqrt(z_i) + sqrt(z_o));
 }
 
-// `sin2_half` of the refracted directions, from their difference before it is rounded.
+// Squared sine at which refracted light meets a facet, from a difference before it is rounded.
 fn car_paint_refracted_sin2_half(wi: vec3f, wo: vec3f, excess: f32) -> f32 {
     let z_i = car_paint_eta2_cos2(wi.z, excess);
     let z_o = car_paint_eta2_cos2(wo.z, excess);
@@ -199,7 +199,7 @@ fn car_paint_reflected_value(re: vec3f, im: vec3f, s2: vec3f, p: vec3f, q: vec3f
     return (re * re + im * im) / s2 * (p / (s2 * q));
 }
 
-// Exact reflectance of a conductor, eta + i k, at a facet, from both car_paint_cos_half and `sin2_half`.
+// Exact reflectance of a conductor, eta + i k, from cosine and squared sine at a facet.
 fn car_paint_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3f) -> vec3f {
     // A trace of absorption, which keeps a conductor's roots from 0, and their squares from where GPUs
     // take them for 0. By itself it reflects where the index is matched in the horizon, (ABSORPTION_MIN /
@@ -207,7 +207,7 @@ fn car_paint_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3f) -> 
     const ABSORPTION_MIN = 1.0e-17;
     // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
     const NEAR_NORMAL = 0.75;
-    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
+    // As for a dielectric, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     let c = cos_h;
     let contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
     let half_im = eta * k + ABSORPTION_MIN;
@@ -380,32 +380,36 @@ fn car_paint_choose(probability: f32, u: vec2f) -> CarPaintChoice {
     return CarPaintChoice(first, vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see car_paint_ggx_bound) without those that mirror wo below the horizon, or most.
-fn car_paint_ggx_sample_visible(ggx: CarPaintGGX, wo: vec3f, u: vec2f, bound: f32) -> vec3f {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    const RANDOM_MARGIN = 5.9604645e-8;
+// w where all facets are those of a unit sphere.
+fn car_paint_ggx_unstretched(ggx: CarPaintGGX, w: vec3f) -> vec3f {
+    return normalize(vec3f(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+fn car_paint_ggx_half_way(ggx: CarPaintGGX, w: vec3f, drop: f32, z: f32, v: f32) -> vec3f {
     const two_pi = 6.2831855;
-    let w = normalize(vec3f(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    let height = 1.0 + bound * w.z;
-    let drop = u1 * height;
     let r = sqrt(max(drop * (2.0 - drop), 0.0));
-    let phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    let z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    let phi = two_pi * v;
     let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
     return normalize(vec3f(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
 }
 
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+fn car_paint_ggx_sample_visible(ggx: CarPaintGGX, wo: vec3f, u: vec2f) -> vec3f {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const RANDOM_MARGIN = 5.9604645e-8;
+    let w = car_paint_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    let height = 1.0 + w.z;
+    return car_paint_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height, u.y);
+}
+
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m); see car_paint_ggx_sample_visible.
-fn car_paint_round_ggx_sample_visible(round_ggx: CarPaintRoundGGX, wo: vec3f, u: vec2f,
-    bound: f32) -> vec3f {
-    return car_paint_ggx_sample_visible(CarPaintGGX(round_ggx.alpha, round_ggx.alpha), wo, u,
-        bound);
+fn car_paint_round_ggx_sample_visible(round_ggx: CarPaintRoundGGX, wo: vec3f,
+    u: vec2f) -> vec3f {
+    return car_paint_ggx_sample_visible(CarPaintGGX(round_ggx.alpha, round_ggx.alpha), wo, u);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -415,11 +419,10 @@ fn car_paint_mirror(wo: vec3f, m: vec3f) -> vec3f {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not
-// bounded (car_paint_ggx_bound): the rim of those that are left would be a jump of the density, in
-// the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 fn car_paint_sample_ggx_lobe(facets: CarPaintRoundGGX, wo: vec3f, u: vec2f) -> vec3f {
-    let w = car_paint_mirror(wo, car_paint_round_ggx_sample_visible(facets, wo, u, 1.0));
+    let w = car_paint_mirror(wo, car_paint_round_ggx_sample_visible(facets, wo, u));
     return vec3f(w.x, w.y, abs(w.z));
 }
 
@@ -434,9 +437,30 @@ fn car_paint_ggx_bound(least: f32, wo: vec3f) -> f32 {
     return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
 }
 
+// A normal that wo sees, without those that mirror wo below the horizon, or most of them.
+//
+// Eto and Tokuyoshi, "Bounded VNDF sampling for Smith-GGX reflections", 2023; bound:
+// see car_paint_ggx_bound.
+fn car_paint_ggx_sample_bounded(ggx: CarPaintGGX, wo: vec3f, u: vec2f, bound: f32) -> vec3f {
+    const RANDOM_MARGIN = 5.9604645e-8;
+    let w = car_paint_ggx_unstretched(ggx, wo);
+    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and z + w.z as a sum of positive terms
+    let height = 1.0 + bound * w.z;
+    return car_paint_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height + (1.0 - bound) * w.z,
+        u.y);
+}
+
+// A normal that wo sees, without most that mirror wo downwards; see car_paint_ggx_sample_bounded.
+fn car_paint_round_ggx_sample_bounded(round_ggx: CarPaintRoundGGX, wo: vec3f, u: vec2f,
+    bound: f32) -> vec3f {
+    return car_paint_ggx_sample_bounded(CarPaintGGX(round_ggx.alpha, round_ggx.alpha), wo, u,
+        bound);
+}
+
 // A facet's normal.
 fn car_paint_sample_facet(facets: CarPaintRoundGGX, wo: vec3f, u: vec2f) -> vec3f {
-    return car_paint_round_ggx_sample_visible(facets, wo, u, car_paint_ggx_bound(facets.alpha, wo));
+    return car_paint_round_ggx_sample_bounded(facets, wo, u, car_paint_ggx_bound(facets.alpha, wo));
 }
 
 // The inverse of car_paint_to_tilted.
@@ -471,15 +495,15 @@ fn car_paint_leave(w: vec3f, excess: f32) -> vec3f {
     return normalize(vec3f(w.x * scale, w.y * scale, z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-fn car_paint_pdf_visible(facets: CarPaintRoundGGX, wo: vec3f, m: vec3f, bound: f32) -> f32 {
+// Density of wo mirrored at a visible normal m that a bound leaves, in 1/sr.
+fn car_paint_pdf_bounded(facets: CarPaintRoundGGX, wo: vec3f, m: vec3f, bound: f32) -> f32 {
     return 0.5 * car_paint_round_ggx_D(facets, m)
         / (bound * wo.z + car_paint_round_ggx_area(facets, wo));
 }
 
 // Density of wo mirrored at car_paint_sample_facet, in 1/sr.
 fn car_paint_pdf_facet(facets: CarPaintRoundGGX, wo: vec3f, m: vec3f) -> f32 {
-    return car_paint_pdf_visible(facets, wo, m, car_paint_ggx_bound(facets.alpha, wo));
+    return car_paint_pdf_bounded(facets, wo, m, car_paint_ggx_bound(facets.alpha, wo));
 }
 
 // Density inside the coat of the flake's part of car_paint_sample; both: along the half vector.
@@ -515,16 +539,21 @@ fn car_paint_pdf_leave(pdf_refracted: f32, pdf_gathered: f32, w: vec3f, w_t: vec
         + pdf_gathered * car_paint_critical_cosine(excess);
 }
 
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+fn car_paint_pdf_visible(facets: CarPaintRoundGGX, wo: vec3f, m: vec3f) -> f32 {
+    return 0.5 * car_paint_round_ggx_D(facets, m) / (wo.z + car_paint_round_ggx_area(facets, wo));
+}
+
 // Density of car_paint_sample_ggx_lobe in 1/sr.
 fn car_paint_pdf_ggx_lobe(facets: CarPaintRoundGGX, wi: vec3f, wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
-    let straight = car_paint_pdf_visible(facets, wo, car_paint_half_vector(wi, wo), 1.0);
+    let straight = car_paint_pdf_visible(facets, wo, car_paint_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     let exists = wo.z > wi.z;
     let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
     // The least lift, for two that are equally high but for their last digits
     let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
-    let folded = car_paint_pdf_visible(facets, wo, car_paint_half_vector(image, higher), 1.0);
+    let folded = car_paint_pdf_visible(facets, wo, car_paint_half_vector(image, higher));
     return straight + select(0.0, folded, exists);
 }
 

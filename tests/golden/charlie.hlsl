@@ -6,7 +6,7 @@
 // Neubelt, Pettineo, "Crafting a next-gen material pipeline for The Order: 1886", SIGGRAPH 2013 course,
 // which is here.
 //
-// HLSL, made by gonio from gonio/models/charlie.py.
+// HLSL, made by gonio from gonio/models/charlie.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -35,7 +35,7 @@ float charlie_length2(float3 h) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 float3 charlie_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    return h / sqrt(charlie_length2(h));  // which `cos_half` needs as well
+    return h / sqrt(charlie_length2(h));  // the root is the cosine's as well
 }
 
 // D / (4 (mu_i + mu_o - mu_i mu_o)): BRDF value in 1/sr, without the cosine.

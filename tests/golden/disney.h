@@ -7,7 +7,7 @@
 // widths, which masking="anisotropic" gives.
 // Deviation: base_color is linear here, the code takes it with a gamma of 2.2.
 //
-// C++, made by gonio from gonio/models/disney.py.
+// C++, made by gonio from gonio/models/disney.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -144,7 +144,7 @@ struct DisneyGTR1 {
     float alpha;  // width of the slopes
 };
 
-// DisneyGGX facets of the same width in all directions.
+// Facets of GGX with the same width in all directions.
 struct DisneyRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -194,7 +194,7 @@ inline float disney_sin2_half(Vec3 wi, Vec3 wo) {
     return 0.25f * dot(apart, apart);
 }
 
-// (1 - c)^5 at a facet, from both disney_cos_half and disney_sin2_half.
+// (1 - c)^5 at a facet, from cosine and squared sine there.
 inline float disney_weight(float cos_h, float sin2_h) {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
@@ -294,14 +294,14 @@ inline Vec2 disney_anisotropic_alpha(float alpha, float anisotropy) {
     return Vec2{alpha * stretch, alpha * (aspect2 * stretch)};
 }
 
-// Those of the highlight.
+// The facets of the highlight.
 inline DisneyGGX disney_facets(const Disney& params) {
     float alpha = params.roughness * params.roughness;
     Vec2 a = disney_anisotropic_alpha(alpha, params.anisotropic);
     return DisneyGGX{fmaxf(a.x, ALPHA_DISNEY), fmaxf(a.y, ALPHA_DISNEY)};
 }
 
-// disney_ggx_D at the normal along h, which need not be unit.
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
 inline float disney_ggx_D_along(DisneyGGX ggx, Vec3 h) {
     Vec2 t = disney_slopes(h);
     // By slopes, s is (1 + (x / alpha_x)^2 + (y / alpha_y)^2) / (1 + x^2 + y^2). Times the squares of both
@@ -338,7 +338,7 @@ inline Vec3 disney_eval(const Disney& params, Vec3 wi, Vec3 wo) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 disney_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / sqrtf(disney_length2(h));  // which disney_cos_half needs as well
+    return h / sqrtf(disney_length2(h));  // the root is the cosine's as well
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -429,30 +429,35 @@ inline Vec3 disney_mirror(Vec3 wo, Vec3 m) {
     return 2.0f * dot(wo, m) * m - wo;
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
-inline Vec3 disney_ggx_sample_visible(DisneyGGX ggx, Vec3 wo, Vec2 u, float bound) {
-    Vec3 w = normalize(Vec3{ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z});
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    float u1 = fminf(u.x, 1.0f - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    float height = 1.0f + bound * w.z;
-    float drop = u1 * height;
+// w where all facets are those of a unit sphere.
+inline Vec3 disney_ggx_unstretched(DisneyGGX ggx, Vec3 w) {
+    return normalize(Vec3{ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z});
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+inline Vec3 disney_ggx_half_way(DisneyGGX ggx, Vec3 w, float drop, float z, float v) {
     float r = sqrtf(fmaxf(drop * (2.0f - drop), 0.0f));
-    float phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    float z = (1.0f - u1) * height + (1.0f - bound) * w.z;
+    float phi = two_pi * v;
     Vec3 h = Vec3{r * cosf(phi) + w.x, r * sinf(phi) + w.y, z};
     return normalize(Vec3{ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z});
 }
 
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+inline Vec3 disney_ggx_sample_visible(DisneyGGX ggx, Vec3 wo, Vec2 u) {
+    Vec3 w = disney_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = fminf(u.x, 1.0f - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    float height = 1.0f + w.z;
+    return disney_ggx_half_way(ggx, w, u1 * height, (1.0f - u1) * height, u.y);
+}
+
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 inline Vec3 disney_sample_ggx_lobe(DisneyGGX facets, Vec3 wo, Vec2 u) {
-    Vec3 w = disney_mirror(wo, disney_ggx_sample_visible(facets, wo, u, 1.0f));
+    Vec3 w = disney_mirror(wo, disney_ggx_sample_visible(facets, wo, u));
     return Vec3{w.x, w.y, fabsf(w.z)};
 }
 
@@ -477,7 +482,7 @@ inline Vec3 disney_sample_cosine(Vec2 u) {
     return Vec3{r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u.x, 0.0f))};
 }
 
-// `D` for alpha up to 0.5, where nothing cancels in its norm.
+// Density of facets in 1/sr for alpha up to 0.5, where nothing cancels in its norm.
 inline float disney_gtr1_D_narrow(DisneyGTR1 gtr1, Vec3 m) {
     float a2 = gtr1.alpha * gtr1.alpha;
     float below_one = 1.0f - a2;
@@ -503,20 +508,20 @@ inline float disney_ggx_area(DisneyGGX ggx, Vec3 w) {
     return length(Vec3{ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z});
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-inline float disney_pdf_visible(DisneyGGX facets, Vec3 wo, Vec3 m, float bound) {
-    return 0.5f * disney_ggx_D(facets, m) / (bound * wo.z + disney_ggx_area(facets, wo));
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+inline float disney_pdf_visible(DisneyGGX facets, Vec3 wo, Vec3 m) {
+    return 0.5f * disney_ggx_D(facets, m) / (wo.z + disney_ggx_area(facets, wo));
 }
 
 // Density of disney_sample_ggx_lobe in 1/sr.
 inline float disney_pdf_ggx_lobe(DisneyGGX facets, Vec3 wi, Vec3 wo) {
-    float straight = disney_pdf_visible(facets, wo, disney_half_vector(wi, wo), 1.0f);
+    float straight = disney_pdf_visible(facets, wo, disney_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
     // The least lift, for two that are equally high but for their last digits
     Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
-    float folded = disney_pdf_visible(facets, wo, disney_half_vector(image, higher), 1.0f);
+    float folded = disney_pdf_visible(facets, wo, disney_half_vector(image, higher));
     return straight + (exists ? folded : 0.0f);
 }
 

@@ -7,7 +7,7 @@
 // widths, which masking="anisotropic" gives.
 // Deviation: base_color is linear here, the code takes it with a gamma of 2.2.
 //
-// HLSL, made by gonio from gonio/models/disney.py.
+// HLSL, made by gonio from gonio/models/disney.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -42,7 +42,7 @@ struct DisneyGTR1 {
     float alpha;  // width of the slopes
 };
 
-// DisneyGGX facets of the same width in all directions.
+// Facets of GGX with the same width in all directions.
 struct DisneyRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -96,7 +96,7 @@ float disney_sin2_half(float3 wi, float3 wo) {
     return 0.25 * dot(apart, apart);
 }
 
-// (1 - c)^5 at a facet, from both disney_cos_half and disney_sin2_half.
+// (1 - c)^5 at a facet, from cosine and squared sine there.
 float disney_weight(float cos_h, float sin2_h) {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
@@ -208,7 +208,7 @@ float2 disney_anisotropic_alpha(float alpha, float anisotropy) {
     return float2(alpha * stretch, alpha * (aspect2 * stretch));
 }
 
-// Those of the highlight.
+// The facets of the highlight.
 DisneyGGX disney_facets(Disney params) {
     const float ALPHA_DISNEY = 0.001;  // smallest width of the highlight
     float alpha = params.roughness * params.roughness;
@@ -219,7 +219,7 @@ DisneyGGX disney_facets(Disney params) {
     return result;
 }
 
-// disney_ggx_D at the normal along h, which need not be unit.
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
 float disney_ggx_D_along(DisneyGGX ggx, float3 h) {
     const float inv_pi = 0.31830987;
     float2 t = disney_slopes(h);
@@ -261,7 +261,7 @@ float3 disney_eval(Disney params, float3 wi, float3 wo) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 float3 disney_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    return h / sqrt(disney_length2(h));  // which disney_cos_half needs as well
+    return h / sqrt(disney_length2(h));  // the root is the cosine's as well
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -342,7 +342,8 @@ float disney_expm1(float x) {
     // Taylor's series
     float over = 1.0 + near
         * (0.5 + near * (0.16666667
-            + near * (0.041666668 + near * (0.008333334 + near * (0.0013888889 + near * 0.0001984127)))));
+            + near * (0.041666668
+                + near * (0.008333334 + near * (0.0013888889 + near * 0.0001984127)))));
     return x > -EXPM1_SMALL && x < EXPM1_SMALL ? near * over : exp(x) - 1.0;
 }
 
@@ -375,32 +376,37 @@ float3 disney_mirror(float3 wo, float3 m) {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
-float3 disney_ggx_sample_visible(DisneyGGX ggx, float3 wo, float2 u, float bound) {
-    const float RANDOM_MARGIN = 5.9604645e-8;
+// w where all facets are those of a unit sphere.
+float3 disney_ggx_unstretched(DisneyGGX ggx, float3 w) {
+    return normalize(float3(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+float3 disney_ggx_half_way(DisneyGGX ggx, float3 w, float drop, float z, float v) {
     const float two_pi = 6.2831855;
-    float3 w = normalize(float3(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    float height = 1.0 + bound * w.z;
-    float drop = u1 * height;
     float r = sqrt(max(drop * (2.0 - drop), 0.0));
-    float phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    float z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    float phi = two_pi * v;
     float3 h = float3(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
     return normalize(float3(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
 }
 
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+float3 disney_ggx_sample_visible(DisneyGGX ggx, float3 wo, float2 u) {
+    const float RANDOM_MARGIN = 5.9604645e-8;
+    float3 w = disney_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    float height = 1.0 + w.z;
+    return disney_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height, u.y);
+}
+
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 float3 disney_sample_ggx_lobe(DisneyGGX facets, float3 wo, float2 u) {
-    float3 w = disney_mirror(wo, disney_ggx_sample_visible(facets, wo, u, 1.0));
+    float3 w = disney_mirror(wo, disney_ggx_sample_visible(facets, wo, u));
     return float3(w.x, w.y, abs(w.z));
 }
 
@@ -427,7 +433,7 @@ float3 disney_sample_cosine(float2 u) {
     return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// `D` for alpha up to 0.5, where nothing cancels in its norm.
+// Density of facets in 1/sr for alpha up to 0.5, where nothing cancels in its norm.
 float disney_gtr1_D_narrow(DisneyGTR1 gtr1, float3 m) {
     const float inv_pi = 0.31830987;
     float a2 = gtr1.alpha * gtr1.alpha;
@@ -455,21 +461,21 @@ float disney_ggx_area(DisneyGGX ggx, float3 w) {
     return length(float3(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-float disney_pdf_visible(DisneyGGX facets, float3 wo, float3 m, float bound) {
-    return 0.5 * disney_ggx_D(facets, m) / (bound * wo.z + disney_ggx_area(facets, wo));
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+float disney_pdf_visible(DisneyGGX facets, float3 wo, float3 m) {
+    return 0.5 * disney_ggx_D(facets, m) / (wo.z + disney_ggx_area(facets, wo));
 }
 
 // Density of disney_sample_ggx_lobe in 1/sr.
 float disney_pdf_ggx_lobe(DisneyGGX facets, float3 wi, float3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = disney_pdf_visible(facets, wo, disney_half_vector(wi, wo), 1.0);
+    float straight = disney_pdf_visible(facets, wo, disney_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
     // The least lift, for two that are equally high but for their last digits
     float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
-    float folded = disney_pdf_visible(facets, wo, disney_half_vector(image, higher), 1.0);
+    float folded = disney_pdf_visible(facets, wo, disney_half_vector(image, higher));
     return straight + (exists ? folded : 0.0);
 }
 

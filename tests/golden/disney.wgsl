@@ -7,7 +7,7 @@
 // widths, which masking="anisotropic" gives.
 // Deviation: base_color is linear here, the code takes it with a gamma of 2.2.
 //
-// WGSL (WebGPU), made by gonio from gonio/models/disney.py.
+// WGSL (WebGPU), made by gonio from gonio/models/disney.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -41,7 +41,7 @@ struct DisneyGTR1 {
     alpha: f32,  // width of the slopes
 }
 
-// DisneyGGX facets of the same width in all directions.
+// Facets of GGX with the same width in all directions.
 struct DisneyRoundGGX {
     alpha: f32,  // width of the slopes
 }
@@ -93,7 +93,7 @@ fn disney_sin2_half(wi: vec3f, wo: vec3f) -> f32 {
     return 0.25 * dot(apart, apart);
 }
 
-// (1 - c)^5 at a facet, from both disney_cos_half and disney_sin2_half.
+// (1 - c)^5 at a facet, from cosine and squared sine there.
 fn disney_weight(cos_h: f32, sin2_h: f32) -> f32 {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
@@ -200,7 +200,7 @@ fn disney_anisotropic_alpha(alpha: f32, anisotropy: f32) -> vec2f {
     return vec2f(alpha * stretch, alpha * (aspect2 * stretch));
 }
 
-// Those of the highlight.
+// The facets of the highlight.
 fn disney_facets(params: Disney) -> DisneyGGX {
     const ALPHA_DISNEY = 0.001;  // smallest width of the highlight
     let alpha = params.roughness * params.roughness;
@@ -208,7 +208,7 @@ fn disney_facets(params: Disney) -> DisneyGGX {
     return DisneyGGX(max(a.x, ALPHA_DISNEY), max(a.y, ALPHA_DISNEY));
 }
 
-// disney_ggx_D at the normal along h, which need not be unit.
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
 fn disney_ggx_D_along(ggx: DisneyGGX, h: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     let t = disney_slopes(h);
@@ -247,7 +247,7 @@ fn disney_eval(params: Disney, wi: vec3f, wo: vec3f) -> vec3f {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn disney_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / sqrt(disney_length2(h));  // which disney_cos_half needs as well
+    return h / sqrt(disney_length2(h));  // the root is the cosine's as well
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -323,7 +323,8 @@ fn disney_expm1(x: f32) -> f32 {
     // Taylor's series
     let over = 1.0 + near
         * (0.5 + near * (0.16666667
-            + near * (0.041666668 + near * (0.008333334 + near * (0.0013888889 + near * 0.0001984127)))));
+            + near * (0.041666668
+                + near * (0.008333334 + near * (0.0013888889 + near * 0.0001984127)))));
     return select(exp(x) - 1.0, near * over, x > -EXPM1_SMALL && x < EXPM1_SMALL);
 }
 
@@ -356,32 +357,37 @@ fn disney_mirror(wo: vec3f, m: vec3f) -> vec3f {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
-fn disney_ggx_sample_visible(ggx: DisneyGGX, wo: vec3f, u: vec2f, bound: f32) -> vec3f {
-    const RANDOM_MARGIN = 5.9604645e-8;
+// w where all facets are those of a unit sphere.
+fn disney_ggx_unstretched(ggx: DisneyGGX, w: vec3f) -> vec3f {
+    return normalize(vec3f(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+fn disney_ggx_half_way(ggx: DisneyGGX, w: vec3f, drop: f32, z: f32, v: f32) -> vec3f {
     const two_pi = 6.2831855;
-    let w = normalize(vec3f(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    let height = 1.0 + bound * w.z;
-    let drop = u1 * height;
     let r = sqrt(max(drop * (2.0 - drop), 0.0));
-    let phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    let z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    let phi = two_pi * v;
     let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
     return normalize(vec3f(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
 }
 
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+fn disney_ggx_sample_visible(ggx: DisneyGGX, wo: vec3f, u: vec2f) -> vec3f {
+    const RANDOM_MARGIN = 5.9604645e-8;
+    let w = disney_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    let height = 1.0 + w.z;
+    return disney_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height, u.y);
+}
+
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 fn disney_sample_ggx_lobe(facets: DisneyGGX, wo: vec3f, u: vec2f) -> vec3f {
-    let w = disney_mirror(wo, disney_ggx_sample_visible(facets, wo, u, 1.0));
+    let w = disney_mirror(wo, disney_ggx_sample_visible(facets, wo, u));
     return vec3f(w.x, w.y, abs(w.z));
 }
 
@@ -408,7 +414,7 @@ fn disney_sample_cosine(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// `D` for alpha up to 0.5, where nothing cancels in its norm.
+// Density of facets in 1/sr for alpha up to 0.5, where nothing cancels in its norm.
 fn disney_gtr1_D_narrow(gtr1: DisneyGTR1, m: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     let a2 = gtr1.alpha * gtr1.alpha;
@@ -436,21 +442,21 @@ fn disney_ggx_area(ggx: DisneyGGX, w: vec3f) -> f32 {
     return length(vec3f(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-fn disney_pdf_visible(facets: DisneyGGX, wo: vec3f, m: vec3f, bound: f32) -> f32 {
-    return 0.5 * disney_ggx_D(facets, m) / (bound * wo.z + disney_ggx_area(facets, wo));
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+fn disney_pdf_visible(facets: DisneyGGX, wo: vec3f, m: vec3f) -> f32 {
+    return 0.5 * disney_ggx_D(facets, m) / (wo.z + disney_ggx_area(facets, wo));
 }
 
 // Density of disney_sample_ggx_lobe in 1/sr.
 fn disney_pdf_ggx_lobe(facets: DisneyGGX, wi: vec3f, wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
-    let straight = disney_pdf_visible(facets, wo, disney_half_vector(wi, wo), 1.0);
+    let straight = disney_pdf_visible(facets, wo, disney_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     let exists = wo.z > wi.z;
     let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
     // The least lift, for two that are equally high but for their last digits
     let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
-    let folded = disney_pdf_visible(facets, wo, disney_half_vector(image, higher), 1.0);
+    let folded = disney_pdf_visible(facets, wo, disney_half_vector(image, higher));
     return straight + select(0.0, folded, exists);
 }
 

@@ -5,11 +5,11 @@
 // arXiv:2410.18026. Symbols and equation numbers are the paper's.
 // Deviations: every difference that the paper takes (1 - E_F, 1 - <E_F>, 1 + s) is rearranged so that
 // nothing cancels; the values are the same, but finite at the horizon and exact in float32.
-// Listing 1 keeps the loss 1 - E_F of its fit above 1e-7; `loss_fitted` does not and is -0.0016 at grazing,
+// Listing 1 keeps the loss 1 - E_F of its fit above 1e-7; the fit here does not and is -0.0016 at grazing,
 // so that values at cosines below 0.0015 differ by up to 4e-4 of themselves: the clamp would put a kink
 // there and gain nothing.
 //
-// GLSL 4.5, made by gonio from gonio/models/eon.py.
+// GLSL 4.5, made by gonio from gonio/models/eon.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose normal is
 // +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // Usage: Eon params; params.rho = ...; ... eon_eval(params, wi, wo)
@@ -27,7 +27,7 @@ struct Eon {
     float roughness;  // unitless r; not the Oren-Nayar angle sigma; 0 to 1, default 0.5
 };
 
-// What coefficients returns.
+// What eon_coefficients returns.
 struct EonCoefficients {
     float a;
     float b;
@@ -123,17 +123,17 @@ vec3 eon_eval(Eon params, vec3 wi, vec3 wo) {
 // ---- sampling ------------------------------------------------------------------------------
 
 float eon_matched_roughness(float r) {
-    // Up to this roughness `cltc_matched` is cosine sampling. A lobe sheared by d leaves a wedge of height r
-    // above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine sampling
-    // is of order r^2, and the smaller of the two below r = 3e-4.
+    // Up to this roughness eon_sample_cltc_matched is cosine sampling. A lobe sheared by d leaves a wedge of
+    // height r above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine
+    // sampling is of order r^2, and the smaller of the two below r = 3e-4.
     const float R_COSINE = 1.0e-4;
     return max(r - R_COSINE, 0.0);
 }
 
-// How many samples `cltc_matched` gives to the uniform lobe: 0 at r = 0, at most 0.13.
+// How many samples eon_sample_cltc_matched gives to the uniform lobe: 0 at r = 0, at most 0.13.
 //
 // Fitted to the shares of least variance over (mu, r), on condition that the variance stays 4 % below those
-// of cosine sampling and of `cltc_uniform`. On average it is 5 % above the least.
+// of cosine sampling and of the paper's choice. On average it is 5 % above the least.
 float eon_matched_share(float mu, float r) {
     float k = 1.0 - mu;
     float steep = 0.0169 + k * (0.2136 + k * (0.445 * k - 0.2345));
@@ -301,7 +301,8 @@ vec3 eon_albedo(Eon params, vec3 wo) {
     }
     float r = params.roughness;
     float A_F = 1.0 / (1.0 + C1 * r);
-    float single = 1.0 - inv_pi * r * A_F * eon_loss_exact(wo.z);
-    float multiple = inv_pi * r * A_F * eon_loss_exact(wo.z);
+    float part = inv_pi * r * A_F;
+    float single = 1.0 - part * eon_loss_exact(wo.z);
+    float multiple = part * eon_loss_exact(wo.z);
     return params.rho * (single + eon_shifted(params, multiple));
 }

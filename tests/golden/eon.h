@@ -5,11 +5,11 @@
 // arXiv:2410.18026. Symbols and equation numbers are the paper's.
 // Deviations: every difference that the paper takes (1 - E_F, 1 - <E_F>, 1 + s) is rearranged so that
 // nothing cancels; the values are the same, but finite at the horizon and exact in float32.
-// Listing 1 keeps the loss 1 - E_F of its fit above 1e-7; `loss_fitted` does not and is -0.0016 at grazing,
+// Listing 1 keeps the loss 1 - E_F of its fit above 1e-7; the fit here does not and is -0.0016 at grazing,
 // so that values at cosines below 0.0015 differ by up to 4e-4 of themselves: the clamp would put a kink
 // there and gain nothing.
 //
-// C++, made by gonio from gonio/models/eon.py.
+// C++, made by gonio from gonio/models/eon.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose normal is
 // +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // Usage: gonio_eon::Eon params; params.rho = ...; ... gonio_eon::eon_eval(params, wi, wo)
@@ -88,9 +88,9 @@ constexpr float C2 = 0.07248821f;  // the hemispherical mean of E_F is A_F (1 + 
 // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
 // not taken.
 constexpr float P_MIN = 1.0e-6f;
-// Up to this roughness `cltc_matched` is cosine sampling. A lobe sheared by d leaves a wedge of height r
-// above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine sampling
-// is of order r^2, and the smaller of the two below r = 3e-4.
+// Up to this roughness eon_sample_cltc_matched is cosine sampling. A lobe sheared by d leaves a wedge of
+// height r above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine
+// sampling is of order r^2, and the smaller of the two below r = 3e-4.
 constexpr float R_COSINE = 1.0e-4f;
 // A sample that rounding pushed below the horizon is lifted to this cosine, 1/16 of a float32 epsilon.
 constexpr float Z_MIN = 7.450581e-9f;
@@ -111,7 +111,7 @@ struct Eon {
     float roughness;  // unitless r; not the Oren-Nayar angle sigma; 0 to 1, default 0.5
 };
 
-// What coefficients returns.
+// What eon_coefficients returns.
 struct EonCoefficients {
     float a;
     float b;
@@ -194,10 +194,10 @@ inline float eon_matched_roughness(float r) {
     return fmaxf(r - R_COSINE, 0.0f);
 }
 
-// How many samples `cltc_matched` gives to the uniform lobe: 0 at r = 0, at most 0.13.
+// How many samples eon_sample_cltc_matched gives to the uniform lobe: 0 at r = 0, at most 0.13.
 //
 // Fitted to the shares of least variance over (mu, r), on condition that the variance stays 4 % below those
-// of cosine sampling and of `cltc_uniform`. On average it is 5 % above the least.
+// of cosine sampling and of the paper's choice. On average it is 5 % above the least.
 inline float eon_matched_share(float mu, float r) {
     float k = 1.0f - mu;
     float steep = 0.0169f + k * (0.2136f + k * (0.445f * k - 0.2345f));
@@ -350,8 +350,9 @@ inline Vec3 eon_albedo(const Eon& params, Vec3 wo) {
     }
     float r = params.roughness;
     float A_F = 1.0f / (1.0f + C1 * r);
-    float single = 1.0f - inv_pi * r * A_F * eon_loss_exact(wo.z);
-    float multiple = inv_pi * r * A_F * eon_loss_exact(wo.z);
+    float part = inv_pi * r * A_F;
+    float single = 1.0f - part * eon_loss_exact(wo.z);
+    float multiple = part * eon_loss_exact(wo.z);
     return params.rho * (single + eon_shifted(params, multiple));
 }
 

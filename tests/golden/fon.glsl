@@ -4,7 +4,7 @@
 // Source: Fujii, "A tiny improvement of Oren-Nayar reflectance model", 2013, in the form of Portsmouth,
 // Kutz, Hill, "EON", arXiv:2410.18026, Eq. 10 to 15.
 //
-// GLSL 4.5, made by gonio from gonio/models/fon.py.
+// GLSL 4.5, made by gonio from gonio/models/fon.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // Usage: Fon params; params.rho = ...; ... fon_eval(params, wi, wo)
@@ -21,7 +21,7 @@ struct Fon {
     float roughness;  // unitless r; not the Oren-Nayar angle sigma; 0 to 1, default 0.5
 };
 
-// What coefficients returns.
+// What fon_coefficients returns.
 struct FonCoefficients {
     float a;
     float b;
@@ -72,17 +72,17 @@ vec3 fon_eval(Fon params, vec3 wi, vec3 wo) {
 // ---- sampling ------------------------------------------------------------------------------
 
 float fon_matched_roughness(float r) {
-    // Up to this roughness `cltc_matched` is cosine sampling. A lobe sheared by d leaves a wedge of height r
-    // above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine sampling
-    // is of order r^2, and the smaller of the two below r = 3e-4.
+    // Up to this roughness fon_sample_cltc_matched is cosine sampling. A lobe sheared by d leaves a wedge of
+    // height r above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine
+    // sampling is of order r^2, and the smaller of the two below r = 3e-4.
     const float R_COSINE = 1.0e-4;
     return max(r - R_COSINE, 0.0);
 }
 
-// How many samples `cltc_matched` gives to the uniform lobe: 0 at r = 0, at most 0.13.
+// How many samples fon_sample_cltc_matched gives to the uniform lobe: 0 at r = 0, at most 0.13.
 //
 // Fitted to the shares of least variance over (mu, r), on condition that the variance stays 4 % below those
-// of cosine sampling and of `cltc_uniform`. On average it is 5 % above the least.
+// of cosine sampling and of the paper's choice. On average it is 5 % above the least.
 float fon_matched_share(float mu, float r) {
     float k = 1.0 - mu;
     float steep = 0.0169 + k * (0.2136 + k * (0.445 * k - 0.2345));
@@ -221,7 +221,7 @@ float fon_pdf(Fon params, vec3 wi, vec3 wo) {
     return fon_pdf_cltc_matched(wi, wo, params.roughness);
 }
 
-// As EON's `cltc_matched`, made for the same shape.
+// EON's sampler, made for the same shape.
 FonSample fon_sample(Fon params, vec3 wo, vec2 u) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z <= mu_min) {  // in the horizon or below

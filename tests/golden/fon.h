@@ -4,7 +4,7 @@
 // Source: Fujii, "A tiny improvement of Oren-Nayar reflectance model", 2013, in the form of Portsmouth,
 // Kutz, Hill, "EON", arXiv:2410.18026, Eq. 10 to 15.
 //
-// C++, made by gonio from gonio/models/fon.py.
+// C++, made by gonio from gonio/models/fon.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // Usage: gonio_fon::Fon params; params.rho = ...; ... gonio_fon::fon_eval(params, wi, wo)
@@ -51,9 +51,9 @@ constexpr float C1 = 0.2877934f;  // A_F = 1 / (1 + C1 r)
 // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
 // not taken.
 constexpr float P_MIN = 1.0e-6f;
-// Up to this roughness `cltc_matched` is cosine sampling. A lobe sheared by d leaves a wedge of height r
-// above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine sampling
-// is of order r^2, and the smaller of the two below r = 3e-4.
+// Up to this roughness fon_sample_cltc_matched is cosine sampling. A lobe sheared by d leaves a wedge of
+// height r above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine
+// sampling is of order r^2, and the smaller of the two below r = 3e-4.
 constexpr float R_COSINE = 1.0e-4f;
 // A sample that rounding pushed below the horizon is lifted to this cosine, 1/16 of a float32 epsilon.
 constexpr float Z_MIN = 7.450581e-9f;
@@ -73,7 +73,7 @@ struct Fon {
     float roughness;  // unitless r; not the Oren-Nayar angle sigma; 0 to 1, default 0.5
 };
 
-// What coefficients returns.
+// What fon_coefficients returns.
 struct FonCoefficients {
     float a;
     float b;
@@ -124,10 +124,10 @@ inline float fon_matched_roughness(float r) {
     return fmaxf(r - R_COSINE, 0.0f);
 }
 
-// How many samples `cltc_matched` gives to the uniform lobe: 0 at r = 0, at most 0.13.
+// How many samples fon_sample_cltc_matched gives to the uniform lobe: 0 at r = 0, at most 0.13.
 //
 // Fitted to the shares of least variance over (mu, r), on condition that the variance stays 4 % below those
-// of cosine sampling and of `cltc_uniform`. On average it is 5 % above the least.
+// of cosine sampling and of the paper's choice. On average it is 5 % above the least.
 inline float fon_matched_share(float mu, float r) {
     float k = 1.0f - mu;
     float steep = 0.0169f + k * (0.2136f + k * (0.445f * k - 0.2345f));
@@ -254,7 +254,7 @@ inline float fon_pdf(const Fon& params, Vec3 wi, Vec3 wo) {
     return fon_pdf_cltc_matched(wi, wo, params.roughness);
 }
 
-// As EON's `cltc_matched`, made for the same shape.
+// EON's sampler, made for the same shape.
 inline FonSample fon_sample(const Fon& params, Vec3 wo, Vec2 u) {
     if (wo.z <= mu_min) {  // in the horizon or below
         return FonSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};

@@ -8,7 +8,7 @@
 // Astrophysical Journal 93,
 // 1941. Macroscopic roughness is not there.
 //
-// Metal, made by gonio from gonio/models/hapke.py.
+// Metal, made by gonio from gonio/models/hapke.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.

@@ -3,7 +3,7 @@
 //
 // Source: Johann Heinrich Lambert, "Photometria", 1760.
 //
-// HLSL, made by gonio from gonio/models/lambert.py.
+// HLSL, made by gonio from gonio/models/lambert.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose normal is
 // +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // Usage: Lambert params; params.rho = ...; ... lambert_eval(params, wi, wo)

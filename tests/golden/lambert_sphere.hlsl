@@ -6,7 +6,7 @@
 // function H of Hapke, "Bidirectional reflectance spectroscopy, 1: theory", Journal of Geophysical
 // Research, 1981, which d'Eon compares his own fit with.
 //
-// HLSL, made by gonio from gonio/models/lambert_sphere.py.
+// HLSL, made by gonio from gonio/models/lambert_sphere.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.

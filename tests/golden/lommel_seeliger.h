@@ -6,7 +6,7 @@
 // Eq. 15 without its other orders, for grains that scatter evenly in all directions. The albedos are
 // integrated here.
 //
-// C++, made by gonio from gonio/models/lommel_seeliger.py.
+// C++, made by gonio from gonio/models/lommel_seeliger.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // Usage: gonio_lommel_seeliger::LommelSeeliger params; params.rho = ...; ... gonio_lommel_seeliger::lommel_seeliger_eval(params, wi, wo)

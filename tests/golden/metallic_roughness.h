@@ -6,7 +6,7 @@
 // 0.04 and the base colour. The text leaves Smith's form open: both are here.
 // Deviation: alpha = roughness^2 is at least ALPHA_MIN, where the highlight still is a function.
 //
-// C++, made by gonio from gonio/models/metallic_roughness.py.
+// C++, made by gonio from gonio/models/metallic_roughness.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -119,7 +119,7 @@ struct MetallicRoughness {
     float roughness;  // perceptual roughness, alpha = roughness^2; 0 to 1, default 0.5
 };
 
-// MetallicRoughnessGGX facets of the same width in all directions.
+// Facets of GGX with the same width in all directions.
 struct MetallicRoughnessRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -160,7 +160,7 @@ inline float metallic_roughness_sin2_half(Vec3 wi, Vec3 wo) {
     return 0.25f * dot(apart, apart);
 }
 
-// (1 - c)^5 at a facet, from both metallic_roughness_cos_half and metallic_roughness_sin2_half.
+// (1 - c)^5 at a facet, from cosine and squared sine there.
 inline float metallic_roughness_weight(float cos_h, float sin2_h) {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
@@ -198,7 +198,7 @@ inline float metallic_roughness_tangent2(Vec3 h) {
     return t.x * t.x + t.y * t.y;
 }
 
-// metallic_roughness_round_ggx_D at the normal along h, which need not be unit.
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
 inline float metallic_roughness_round_ggx_D_along(MetallicRoughnessRoundGGX round_ggx, Vec3 h) {
     float a2 = round_ggx.alpha * round_ggx.alpha;
     float tan2 = metallic_roughness_tangent2(h);
@@ -245,8 +245,7 @@ inline Vec3 metallic_roughness_eval(const MetallicRoughness& params, Vec3 wi, Ve
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 metallic_roughness_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    // which metallic_roughness_cos_half needs as well
-    return h / sqrtf(metallic_roughness_length2(h));
+    return h / sqrtf(metallic_roughness_length2(h));  // the root is the cosine's as well
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -301,30 +300,35 @@ inline Vec3 metallic_roughness_sample_cosine(Vec2 u) {
     return Vec3{r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u.x, 0.0f))};
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
-inline Vec3 metallic_roughness_ggx_sample_visible(MetallicRoughnessGGX ggx, Vec3 wo, Vec2 u,
-    float bound) {
-    Vec3 w = normalize(Vec3{ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z});
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    float u1 = fminf(u.x, 1.0f - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    float height = 1.0f + bound * w.z;
-    float drop = u1 * height;
+// w where all facets are those of a unit sphere.
+inline Vec3 metallic_roughness_ggx_unstretched(MetallicRoughnessGGX ggx, Vec3 w) {
+    return normalize(Vec3{ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z});
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+inline Vec3 metallic_roughness_ggx_half_way(MetallicRoughnessGGX ggx, Vec3 w, float drop,
+    float z, float v) {
     float r = sqrtf(fmaxf(drop * (2.0f - drop), 0.0f));
-    float phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    float z = (1.0f - u1) * height + (1.0f - bound) * w.z;
+    float phi = two_pi * v;
     Vec3 h = Vec3{r * cosf(phi) + w.x, r * sinf(phi) + w.y, z};
     return normalize(Vec3{ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z});
 }
 
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+inline Vec3 metallic_roughness_ggx_sample_visible(MetallicRoughnessGGX ggx, Vec3 wo, Vec2 u) {
+    Vec3 w = metallic_roughness_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = fminf(u.x, 1.0f - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    float height = 1.0f + w.z;
+    return metallic_roughness_ggx_half_way(ggx, w, u1 * height, (1.0f - u1) * height, u.y);
+}
+
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m); see metallic_roughness_ggx_sample_visible.
 inline Vec3 metallic_roughness_round_ggx_sample_visible(MetallicRoughnessRoundGGX round_ggx,
-    Vec3 wo, Vec2 u, float bound) {
+    Vec3 wo, Vec2 u) {
     return metallic_roughness_ggx_sample_visible(MetallicRoughnessGGX{round_ggx.alpha,
-        round_ggx.alpha}, wo, u, bound);
+        round_ggx.alpha}, wo, u);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -334,12 +338,12 @@ inline Vec3 metallic_roughness_mirror(Vec3 wo, Vec3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 inline Vec3 metallic_roughness_sample_ggx_lobe(MetallicRoughnessRoundGGX facets, Vec3 wo,
     Vec2 u) {
     Vec3 w = metallic_roughness_mirror(wo,
-        metallic_roughness_round_ggx_sample_visible(facets, wo, u, 1.0f));
+        metallic_roughness_round_ggx_sample_visible(facets, wo, u));
     return Vec3{w.x, w.y, fabsf(w.z)};
 }
 
@@ -364,25 +368,24 @@ inline float metallic_roughness_round_ggx_D(MetallicRoughnessRoundGGX round_ggx,
     return inv_pi * a2 / (s * s);
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-inline float metallic_roughness_pdf_visible(MetallicRoughnessRoundGGX facets, Vec3 wo, Vec3 m,
-    float bound) {
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+inline float metallic_roughness_pdf_visible(MetallicRoughnessRoundGGX facets, Vec3 wo, Vec3 m) {
     return 0.5f * metallic_roughness_round_ggx_D(facets, m)
-        / (bound * wo.z + metallic_roughness_round_ggx_area(facets, wo));
+        / (wo.z + metallic_roughness_round_ggx_area(facets, wo));
 }
 
 // Density of metallic_roughness_sample_ggx_lobe in 1/sr.
 inline float metallic_roughness_pdf_ggx_lobe(MetallicRoughnessRoundGGX facets, Vec3 wi,
     Vec3 wo) {
     float straight = metallic_roughness_pdf_visible(facets, wo,
-        metallic_roughness_half_vector(wi, wo), 1.0f);
+        metallic_roughness_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
     // The least lift, for two that are equally high but for their last digits
     Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
     float folded = metallic_roughness_pdf_visible(facets, wo,
-        metallic_roughness_half_vector(image, higher), 1.0f);
+        metallic_roughness_half_vector(image, higher));
     return straight + (exists ? folded : 0.0f);
 }
 

@@ -6,7 +6,7 @@
 // 0.04 and the base colour. The text leaves Smith's form open: both are here.
 // Deviation: alpha = roughness^2 is at least ALPHA_MIN, where the highlight still is a function.
 //
-// Metal, made by gonio from gonio/models/metallic_roughness.py.
+// Metal, made by gonio from gonio/models/metallic_roughness.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -30,7 +30,7 @@ struct MetallicRoughness {
     float roughness;  // perceptual roughness, alpha = roughness^2; 0 to 1, default 0.5
 };
 
-// MetallicRoughnessGGX facets of the same width in all directions.
+// Facets of GGX with the same width in all directions.
 struct MetallicRoughnessRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -72,7 +72,7 @@ inline float metallic_roughness_sin2_half(float3 wi, float3 wo) {
     return 0.25 * dot(apart, apart);
 }
 
-// (1 - c)^5 at a facet, from both metallic_roughness_cos_half and metallic_roughness_sin2_half.
+// (1 - c)^5 at a facet, from cosine and squared sine there.
 inline float metallic_roughness_weight(float cos_h, float sin2_h) {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
@@ -113,7 +113,7 @@ inline float metallic_roughness_tangent2(float3 h) {
     return t.x * t.x + t.y * t.y;
 }
 
-// metallic_roughness_round_ggx_D at the normal along h, which need not be unit.
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
 inline float metallic_roughness_round_ggx_D_along(MetallicRoughnessRoundGGX round_ggx,
     float3 h) {
     const float inv_pi = 0.31830987;
@@ -164,8 +164,7 @@ inline float3 metallic_roughness_eval(MetallicRoughness params, float3 wi, float
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline float3 metallic_roughness_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    // which metallic_roughness_cos_half needs as well
-    return h / sqrt(metallic_roughness_length2(h));
+    return h / sqrt(metallic_roughness_length2(h));  // the root is the cosine's as well
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -232,33 +231,39 @@ inline float3 metallic_roughness_sample_cosine(float2 u) {
     return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
-inline float3 metallic_roughness_ggx_sample_visible(MetallicRoughnessGGX ggx, float3 wo,
-    float2 u, float bound) {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    const float RANDOM_MARGIN = 5.9604645e-8;
+// w where all facets are those of a unit sphere.
+inline float3 metallic_roughness_ggx_unstretched(MetallicRoughnessGGX ggx, float3 w) {
+    return normalize(float3(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+inline float3 metallic_roughness_ggx_half_way(MetallicRoughnessGGX ggx, float3 w, float drop,
+    float z, float v) {
     const float two_pi = 6.2831855;
-    float3 w = normalize(float3(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    float height = 1.0 + bound * w.z;
-    float drop = u1 * height;
     float r = sqrt(max(drop * (2.0 - drop), 0.0));
-    float phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    float z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    float phi = two_pi * v;
     float3 h = float3(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
     return normalize(float3(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
 }
 
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+inline float3 metallic_roughness_ggx_sample_visible(MetallicRoughnessGGX ggx, float3 wo,
+    float2 u) {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const float RANDOM_MARGIN = 5.9604645e-8;
+    float3 w = metallic_roughness_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    float height = 1.0 + w.z;
+    return metallic_roughness_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height, u.y);
+}
+
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m); see metallic_roughness_ggx_sample_visible.
 inline float3 metallic_roughness_round_ggx_sample_visible(MetallicRoughnessRoundGGX round_ggx,
-    float3 wo, float2 u, float bound) {
+    float3 wo, float2 u) {
     return metallic_roughness_ggx_sample_visible(MetallicRoughnessGGX{round_ggx.alpha,
-        round_ggx.alpha}, wo, u, bound);
+        round_ggx.alpha}, wo, u);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -268,12 +273,12 @@ inline float3 metallic_roughness_mirror(float3 wo, float3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 inline float3 metallic_roughness_sample_ggx_lobe(MetallicRoughnessRoundGGX facets, float3 wo,
     float2 u) {
     float3 w = metallic_roughness_mirror(wo,
-        metallic_roughness_round_ggx_sample_visible(facets, wo, u, 1.0));
+        metallic_roughness_round_ggx_sample_visible(facets, wo, u));
     return float3(w.x, w.y, abs(w.z));
 }
 
@@ -301,11 +306,11 @@ inline float metallic_roughness_round_ggx_D(MetallicRoughnessRoundGGX round_ggx,
     return inv_pi * a2 / (s * s);
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
 inline float metallic_roughness_pdf_visible(MetallicRoughnessRoundGGX facets, float3 wo,
-    float3 m, float bound) {
+    float3 m) {
     return 0.5 * metallic_roughness_round_ggx_D(facets, m)
-        / (bound * wo.z + metallic_roughness_round_ggx_area(facets, wo));
+        / (wo.z + metallic_roughness_round_ggx_area(facets, wo));
 }
 
 // Density of metallic_roughness_sample_ggx_lobe in 1/sr.
@@ -313,14 +318,14 @@ inline float metallic_roughness_pdf_ggx_lobe(MetallicRoughnessRoundGGX facets, f
     float3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
     float straight = metallic_roughness_pdf_visible(facets, wo,
-        metallic_roughness_half_vector(wi, wo), 1.0);
+        metallic_roughness_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
     // The least lift, for two that are equally high but for their last digits
     float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
     float folded = metallic_roughness_pdf_visible(facets, wo,
-        metallic_roughness_half_vector(image, higher), 1.0);
+        metallic_roughness_half_vector(image, higher));
     return straight + (exists ? folded : 0.0);
 }
 

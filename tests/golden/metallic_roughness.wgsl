@@ -6,7 +6,7 @@
 // 0.04 and the base colour. The text leaves Smith's form open: both are here.
 // Deviation: alpha = roughness^2 is at least ALPHA_MIN, where the highlight still is a function.
 //
-// WGSL (WebGPU), made by gonio from gonio/models/metallic_roughness.py.
+// WGSL (WebGPU), made by gonio from gonio/models/metallic_roughness.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -27,7 +27,7 @@ struct MetallicRoughness {
     roughness: f32,  // perceptual roughness, alpha = roughness^2; 0 to 1, default 0.5
 }
 
-// MetallicRoughnessGGX facets of the same width in all directions.
+// Facets of GGX with the same width in all directions.
 struct MetallicRoughnessRoundGGX {
     alpha: f32,  // width of the slopes
 }
@@ -69,7 +69,7 @@ fn metallic_roughness_sin2_half(wi: vec3f, wo: vec3f) -> f32 {
     return 0.25 * dot(apart, apart);
 }
 
-// (1 - c)^5 at a facet, from both metallic_roughness_cos_half and metallic_roughness_sin2_half.
+// (1 - c)^5 at a facet, from cosine and squared sine there.
 fn metallic_roughness_weight(cos_h: f32, sin2_h: f32) -> f32 {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
@@ -110,7 +110,7 @@ fn metallic_roughness_tangent2(h: vec3f) -> f32 {
     return t.x * t.x + t.y * t.y;
 }
 
-// metallic_roughness_round_ggx_D at the normal along h, which need not be unit.
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
 fn metallic_roughness_round_ggx_D_along(round_ggx: MetallicRoughnessRoundGGX, h: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     let a2 = round_ggx.alpha * round_ggx.alpha;
@@ -160,8 +160,7 @@ fn metallic_roughness_eval(params: MetallicRoughness, wi: vec3f, wo: vec3f) -> v
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn metallic_roughness_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    // which metallic_roughness_cos_half needs as well
-    return h / sqrt(metallic_roughness_length2(h));
+    return h / sqrt(metallic_roughness_length2(h));  // the root is the cosine's as well
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -227,33 +226,39 @@ fn metallic_roughness_sample_cosine(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
-fn metallic_roughness_ggx_sample_visible(ggx: MetallicRoughnessGGX, wo: vec3f, u: vec2f,
-    bound: f32) -> vec3f {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    const RANDOM_MARGIN = 5.9604645e-8;
+// w where all facets are those of a unit sphere.
+fn metallic_roughness_ggx_unstretched(ggx: MetallicRoughnessGGX, w: vec3f) -> vec3f {
+    return normalize(vec3f(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+fn metallic_roughness_ggx_half_way(ggx: MetallicRoughnessGGX, w: vec3f, drop: f32, z: f32,
+    v: f32) -> vec3f {
     const two_pi = 6.2831855;
-    let w = normalize(vec3f(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    let height = 1.0 + bound * w.z;
-    let drop = u1 * height;
     let r = sqrt(max(drop * (2.0 - drop), 0.0));
-    let phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    let z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    let phi = two_pi * v;
     let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
     return normalize(vec3f(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
 }
 
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+fn metallic_roughness_ggx_sample_visible(ggx: MetallicRoughnessGGX, wo: vec3f,
+    u: vec2f) -> vec3f {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const RANDOM_MARGIN = 5.9604645e-8;
+    let w = metallic_roughness_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    let height = 1.0 + w.z;
+    return metallic_roughness_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height, u.y);
+}
+
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m); see metallic_roughness_ggx_sample_visible.
 fn metallic_roughness_round_ggx_sample_visible(round_ggx: MetallicRoughnessRoundGGX, wo: vec3f,
-    u: vec2f, bound: f32) -> vec3f {
+    u: vec2f) -> vec3f {
     return metallic_roughness_ggx_sample_visible(MetallicRoughnessGGX(round_ggx.alpha,
-        round_ggx.alpha), wo, u, bound);
+        round_ggx.alpha), wo, u);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -263,12 +268,12 @@ fn metallic_roughness_mirror(wo: vec3f, m: vec3f) -> vec3f {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 fn metallic_roughness_sample_ggx_lobe(facets: MetallicRoughnessRoundGGX, wo: vec3f,
     u: vec2f) -> vec3f {
     let w = metallic_roughness_mirror(wo,
-        metallic_roughness_round_ggx_sample_visible(facets, wo, u, 1.0));
+        metallic_roughness_round_ggx_sample_visible(facets, wo, u));
     return vec3f(w.x, w.y, abs(w.z));
 }
 
@@ -296,11 +301,11 @@ fn metallic_roughness_round_ggx_D(round_ggx: MetallicRoughnessRoundGGX, m: vec3f
     return inv_pi * a2 / (s * s);
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-fn metallic_roughness_pdf_visible(facets: MetallicRoughnessRoundGGX, wo: vec3f, m: vec3f,
-    bound: f32) -> f32 {
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+fn metallic_roughness_pdf_visible(facets: MetallicRoughnessRoundGGX, wo: vec3f,
+    m: vec3f) -> f32 {
     return 0.5 * metallic_roughness_round_ggx_D(facets, m)
-        / (bound * wo.z + metallic_roughness_round_ggx_area(facets, wo));
+        / (wo.z + metallic_roughness_round_ggx_area(facets, wo));
 }
 
 // Density of metallic_roughness_sample_ggx_lobe in 1/sr.
@@ -308,14 +313,14 @@ fn metallic_roughness_pdf_ggx_lobe(facets: MetallicRoughnessRoundGGX, wi: vec3f,
     wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
     let straight = metallic_roughness_pdf_visible(facets, wo,
-        metallic_roughness_half_vector(wi, wo), 1.0);
+        metallic_roughness_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     let exists = wo.z > wi.z;
     let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
     // The least lift, for two that are equally high but for their last digits
     let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
     let folded = metallic_roughness_pdf_visible(facets, wo,
-        metallic_roughness_half_vector(image, higher), 1.0);
+        metallic_roughness_half_vector(image, higher));
     return straight + select(0.0, folded, exists);
 }
 

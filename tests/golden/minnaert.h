@@ -4,7 +4,7 @@
 // Source: Minnaert, "The reciprocity principle in lunar photometry", Astrophysical Journal 93, 1941,
 // normalised such that rho is the albedo at the normal. k = 1 is Lambert; the full Moon has about k = 0.5.
 //
-// C++, made by gonio from gonio/models/minnaert.py.
+// C++, made by gonio from gonio/models/minnaert.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // Usage: gonio_minnaert::Minnaert params; params.rho = ...; ... gonio_minnaert::minnaert_eval(params, wi, wo)

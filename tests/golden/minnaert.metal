@@ -4,7 +4,7 @@
 // Source: Minnaert, "The reciprocity principle in lunar photometry", Astrophysical Journal 93, 1941,
 // normalised such that rho is the albedo at the normal. k = 1 is Lambert; the full Moon has about k = 0.5.
 //
-// Metal, made by gonio from gonio/models/minnaert.py.
+// Metal, made by gonio from gonio/models/minnaert.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // Usage: Minnaert params; params.rho = ...; ... minnaert_eval(params, wi, wo)
@@ -69,7 +69,8 @@ inline float minnaert_expm1(float x) {
     // Taylor's series
     float over = 1.0 + near
         * (0.5 + near * (0.16666667
-            + near * (0.041666668 + near * (0.008333334 + near * (0.0013888889 + near * 0.0001984127)))));
+            + near * (0.041666668
+                + near * (0.008333334 + near * (0.0013888889 + near * 0.0001984127)))));
     return x > -EXPM1_SMALL && x < EXPM1_SMALL ? near * over : exp(x) - 1.0;
 }
 

@@ -4,7 +4,7 @@
 // Source: Minnaert, "The reciprocity principle in lunar photometry", Astrophysical Journal 93, 1941,
 // normalised such that rho is the albedo at the normal. k = 1 is Lambert; the full Moon has about k = 0.5.
 //
-// WGSL (WebGPU), made by gonio from gonio/models/minnaert.py.
+// WGSL (WebGPU), made by gonio from gonio/models/minnaert.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // Usage: var params: Minnaert; params.rho = ...; ... minnaert_eval(params, wi, wo)
@@ -66,7 +66,8 @@ fn minnaert_expm1(x: f32) -> f32 {
     // Taylor's series
     let over = 1.0 + near
         * (0.5 + near * (0.16666667
-            + near * (0.041666668 + near * (0.008333334 + near * (0.0013888889 + near * 0.0001984127)))));
+            + near * (0.041666668
+                + near * (0.008333334 + near * (0.0013888889 + near * 0.0001984127)))));
     return select(exp(x) - 1.0, near * over, x > -EXPM1_SMALL && x < EXPM1_SMALL);
 }
 

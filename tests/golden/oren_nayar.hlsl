@@ -3,10 +3,10 @@
 //
 // Source: Oren, Nayar, "Generalization of Lambert's reflectance model", SIGGRAPH 1994, Eq. 27 to 29.
 // Deviations: tangents and differences of nearly equal terms are rearranged so that they stay exact at
-// grazing angles; the values are the same. Where the value passes through zero on its way to a negative one
-// (see `caveats`), float32 keeps an absolute accuracy of 1e-6 rho / pi, not a relative one.
+// grazing angles; the values are the same. Where the value passes through zero on its way to a negative
+// one, float32 keeps an absolute accuracy of 1e-6 rho / pi, not a relative one.
 //
-// HLSL, made by gonio from gonio/models/oren_nayar.py.
+// HLSL, made by gonio from gonio/models/oren_nayar.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -30,7 +30,7 @@ struct OrenNayarQualitativeCoefficients {
     float B;
 };
 
-// What coefficients returns.
+// What oren_nayar_coefficients returns.
 struct OrenNayarCoefficients {
     float a;
     float b;
@@ -150,17 +150,17 @@ OrenNayarQualitativeCoefficients oren_nayar_qualitative_coefficients(float sigma
 }
 
 float oren_nayar_matched_roughness(float r) {
-    // Up to this roughness `cltc_matched` is cosine sampling. A lobe sheared by d leaves a wedge of height r
-    // above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine sampling
-    // is of order r^2, and the smaller of the two below r = 3e-4.
+    // Up to this roughness oren_nayar_sample_cltc_matched is cosine sampling. A lobe sheared by d leaves a
+    // wedge of height r above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that
+    // of cosine sampling is of order r^2, and the smaller of the two below r = 3e-4.
     const float R_COSINE = 1.0e-4;
     return max(r - R_COSINE, 0.0);
 }
 
-// How many samples `cltc_matched` gives to the uniform lobe: 0 at r = 0, at most 0.13.
+// How many samples oren_nayar_sample_cltc_matched gives to the uniform lobe: 0 at r = 0, at most 0.13.
 //
-// Fitted to the shares of least variance over (mu, r), on condition that the variance stays 4 % below those
-// of cosine sampling and of `cltc_uniform`. On average it is 5 % above the least.
+// Fitted to the shares of least variance over (mu, r), on condition that the variance stays 4 %
+// below those of cosine sampling and of the paper's choice. On average it is 5 % above the least.
 float oren_nayar_matched_share(float mu, float r) {
     float k = 1.0 - mu;
     float steep = 0.0169 + k * (0.2136 + k * (0.445 * k - 0.2345));
@@ -306,13 +306,14 @@ float oren_nayar_pdf(OrenNayar params, float3 wi, float3 wo) {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
-    OrenNayarQualitativeCoefficients qualitative_coefficients_result = oren_nayar_qualitative_coefficients(params.sigma, 0.33);
+    OrenNayarQualitativeCoefficients qualitative_coefficients_result =
+        oren_nayar_qualitative_coefficients(params.sigma, 0.33);
     float A = qualitative_coefficients_result.A;
     float B = qualitative_coefficients_result.B;
     return oren_nayar_pdf_cltc_matched(wi, wo, B / A);
 }
 
-// As EON's `cltc_matched`, at the roughness that fits the qualitative model.
+// EON's sampler, at the roughness that fits the qualitative model.
 OrenNayarSample oren_nayar_sample(OrenNayar params, float3 wo, float2 u) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z <= mu_min) {  // in the horizon or below
@@ -321,7 +322,8 @@ OrenNayarSample oren_nayar_sample(OrenNayar params, float3 wo, float2 u) {
         result.pdf = 0.0;
         return result;
     }
-    OrenNayarQualitativeCoefficients qualitative_coefficients_result = oren_nayar_qualitative_coefficients(params.sigma, 0.33);
+    OrenNayarQualitativeCoefficients qualitative_coefficients_result =
+        oren_nayar_qualitative_coefficients(params.sigma, 0.33);
     float A = qualitative_coefficients_result.A;
     float B = qualitative_coefficients_result.B;
     float3 wi = oren_nayar_sample_cltc_matched(wo, B / A, u);

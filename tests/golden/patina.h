@@ -11,7 +11,7 @@
 // mixes with the patina's as that grows is the one of the environment's reflection alone: the metal below
 // stays copper.
 //
-// C++, made by gonio from gonio/models/patina.py.
+// C++, made by gonio from gonio/models/patina.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -198,7 +198,7 @@ struct Patina {
     Vec3 tarnish_tint;  // colour of the metal at tarnish 1; 0 to 1, default (0.45, 0.2, 0.08)
 };
 
-// PatinaGGX facets of the same width in all directions.
+// Facets of GGX with the same width in all directions.
 struct PatinaRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -209,7 +209,7 @@ struct PatinaSplit {
     Vec3 T;  // Enters
 };
 
-// What shares returns.
+// What patina_shares returns.
 struct PatinaShares {
     Vec2 P_bare;
     Vec2 P_coat;
@@ -238,7 +238,7 @@ inline float patina_length2(Vec3 h) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 patina_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / sqrtf(patina_length2(h));  // which patina_cos_half needs as well
+    return h / sqrtf(patina_length2(h));  // the root is the cosine's as well
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
@@ -264,9 +264,9 @@ inline Vec3 patina_reflected_value(Vec3 re, Vec3 im, Vec3 s2, Vec3 p, Vec3 q) {
     return (re * re + im * im) / s2 * (p / (s2 * q));
 }
 
-// Exact reflectance of a conductor, eta + i k, at a facet, from both patina_cos_half and patina_sin2_half.
+// Exact reflectance of a conductor, eta + i k, from cosine and squared sine at a facet.
 inline Vec3 patina_F_conductor_half(float cos_h, float sin2_h, Vec3 eta, Vec3 k) {
-    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
+    // As for a dielectric, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     float c = cos_h;
     Vec3 contrast_re = (eta - 1.0f) * (eta + 1.0f) - k * k;
     Vec3 half_im = eta * k + ABSORPTION_MIN;
@@ -361,7 +361,7 @@ inline float patina_sin2(float cos_theta) {
     return (1.0f - cos_theta) * (1.0f + cos_theta);
 }
 
-// `F_conductor` of what is denser than the medium above, and 1 - F, exact where it nearly vanishes.
+// F of a conductor denser than the medium above, and 1 - F, exact where it nearly vanishes.
 inline PatinaSplit patina_split_conductor(float cos_theta, Vec3 eta, Vec3 k) {
     // With eps = (eta + i k)^2 and g^2 = eps - 1 + c^2: 1 - R_s = 4 c Re(g) / |c + g|^2, and 1 - R_p is 4 c
     // Re(conj(g) eps) / |eps c + g|^2. The roots are those of F.
@@ -451,7 +451,7 @@ inline Vec3 patina_refracted_sum(Vec3 wi, Vec3 wo, float excess) {
     return Vec3{wi.x + wo.x, wi.y + wo.y, sqrtf(z_i) + sqrtf(z_o)};
 }
 
-// patina_sin2_half of the refracted directions, from their difference before it is rounded.
+// Squared sine at which refracted light meets a facet, from a difference before it is rounded.
 inline float patina_refracted_sin2_half(Vec3 wi, Vec3 wo, float excess) {
     float z_i = patina_eta2_cos2(wi.z, excess);
     float z_o = patina_eta2_cos2(wo.z, excess);
@@ -561,28 +561,32 @@ inline PatinaChoice patina_choose(float probability, Vec2 u) {
     return PatinaChoice{first, Vec2{fminf(fmaxf(first ? below : above, 0.0f), RANDOM_MAX), u.y}};
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see patina_ggx_bound) without those that mirror wo below the horizon, or most.
-inline Vec3 patina_ggx_sample_visible(PatinaGGX ggx, Vec3 wo, Vec2 u, float bound) {
-    Vec3 w = normalize(Vec3{ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z});
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    float u1 = fminf(u.x, 1.0f - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    float height = 1.0f + bound * w.z;
-    float drop = u1 * height;
+// w where all facets are those of a unit sphere.
+inline Vec3 patina_ggx_unstretched(PatinaGGX ggx, Vec3 w) {
+    return normalize(Vec3{ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z});
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+inline Vec3 patina_ggx_half_way(PatinaGGX ggx, Vec3 w, float drop, float z, float v) {
     float r = sqrtf(fmaxf(drop * (2.0f - drop), 0.0f));
-    float phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    float z = (1.0f - u1) * height + (1.0f - bound) * w.z;
+    float phi = two_pi * v;
     Vec3 h = Vec3{r * cosf(phi) + w.x, r * sinf(phi) + w.y, z};
     return normalize(Vec3{ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z});
 }
 
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+inline Vec3 patina_ggx_sample_visible(PatinaGGX ggx, Vec3 wo, Vec2 u) {
+    Vec3 w = patina_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = fminf(u.x, 1.0f - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    float height = 1.0f + w.z;
+    return patina_ggx_half_way(ggx, w, u1 * height, (1.0f - u1) * height, u.y);
+}
+
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m); see patina_ggx_sample_visible.
-inline Vec3 patina_round_ggx_sample_visible(PatinaRoundGGX round_ggx, Vec3 wo, Vec2 u,
-    float bound) {
-    return patina_ggx_sample_visible(PatinaGGX{round_ggx.alpha, round_ggx.alpha}, wo, u, bound);
+inline Vec3 patina_round_ggx_sample_visible(PatinaRoundGGX round_ggx, Vec3 wo, Vec2 u) {
+    return patina_ggx_sample_visible(PatinaGGX{round_ggx.alpha, round_ggx.alpha}, wo, u);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -592,10 +596,10 @@ inline Vec3 patina_mirror(Vec3 wo, Vec3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (patina_ggx_bound): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 inline Vec3 patina_sample_ggx_lobe(PatinaRoundGGX facets, Vec3 wo, Vec2 u) {
-    Vec3 w = patina_mirror(wo, patina_round_ggx_sample_visible(facets, wo, u, 1.0f));
+    Vec3 w = patina_mirror(wo, patina_round_ggx_sample_visible(facets, wo, u));
     return Vec3{w.x, w.y, fabsf(w.z)};
 }
 
@@ -610,9 +614,27 @@ inline float patina_ggx_bound(float least, Vec3 wo) {
     return (1.0f - a2) * s2 / (s2 + a2 * wo.z * wo.z);
 }
 
+// A normal that wo sees, without those that mirror wo below the horizon, or most of them.
+//
+// Eto and Tokuyoshi, "Bounded VNDF sampling for Smith-GGX reflections", 2023; bound: see patina_ggx_bound.
+inline Vec3 patina_ggx_sample_bounded(PatinaGGX ggx, Vec3 wo, Vec2 u, float bound) {
+    Vec3 w = patina_ggx_unstretched(ggx, wo);
+    float u1 = fminf(u.x, 1.0f - RANDOM_MARGIN);
+    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and z + w.z as a sum of positive terms
+    float height = 1.0f + bound * w.z;
+    return patina_ggx_half_way(ggx, w, u1 * height, (1.0f - u1) * height + (1.0f - bound) * w.z,
+        u.y);
+}
+
+// A normal that wo sees, without most that mirror wo downwards; see patina_ggx_sample_bounded.
+inline Vec3 patina_round_ggx_sample_bounded(PatinaRoundGGX round_ggx, Vec3 wo, Vec2 u,
+    float bound) {
+    return patina_ggx_sample_bounded(PatinaGGX{round_ggx.alpha, round_ggx.alpha}, wo, u, bound);
+}
+
 // A facet's normal.
 inline Vec3 patina_sample_facet(PatinaRoundGGX facets, Vec3 wo, Vec2 u) {
-    return patina_round_ggx_sample_visible(facets, wo, u, patina_ggx_bound(facets.alpha, wo));
+    return patina_round_ggx_sample_bounded(facets, wo, u, patina_ggx_bound(facets.alpha, wo));
 }
 
 // Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
@@ -643,15 +665,15 @@ inline Vec3 patina_sample_cosine(Vec2 u) {
     return Vec3{r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u.x, 0.0f))};
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-inline float patina_pdf_visible(PatinaRoundGGX facets, Vec3 wo, Vec3 m, float bound) {
+// Density of wo mirrored at a visible normal m that a bound leaves, in 1/sr.
+inline float patina_pdf_bounded(PatinaRoundGGX facets, Vec3 wo, Vec3 m, float bound) {
     return 0.5f * patina_round_ggx_D(facets, m)
         / (bound * wo.z + patina_round_ggx_area(facets, wo));
 }
 
 // Density of wo mirrored at patina_sample_facet, in 1/sr.
 inline float patina_pdf_facet(PatinaRoundGGX facets, Vec3 wo, Vec3 m) {
-    return patina_pdf_visible(facets, wo, m, patina_ggx_bound(facets.alpha, wo));
+    return patina_pdf_bounded(facets, wo, m, patina_ggx_bound(facets.alpha, wo));
 }
 
 // Density of what the metal below mirrors, inside the patina.
@@ -680,15 +702,20 @@ inline float patina_pdf_leave(float pdf_refracted, float pdf_gathered, Vec3 w, V
         + pdf_gathered * patina_critical_cosine(excess);
 }
 
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+inline float patina_pdf_visible(PatinaRoundGGX facets, Vec3 wo, Vec3 m) {
+    return 0.5f * patina_round_ggx_D(facets, m) / (wo.z + patina_round_ggx_area(facets, wo));
+}
+
 // Density of patina_sample_ggx_lobe in 1/sr.
 inline float patina_pdf_ggx_lobe(PatinaRoundGGX facets, Vec3 wi, Vec3 wo) {
-    float straight = patina_pdf_visible(facets, wo, patina_half_vector(wi, wo), 1.0f);
+    float straight = patina_pdf_visible(facets, wo, patina_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
     // The least lift, for two that are equally high but for their last digits
     Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
-    float folded = patina_pdf_visible(facets, wo, patina_half_vector(image, higher), 1.0f);
+    float folded = patina_pdf_visible(facets, wo, patina_half_vector(image, higher));
     return straight + (exists ? folded : 0.0f);
 }
 

@@ -11,7 +11,7 @@
 // mixes with the patina's as that grows is the one of the environment's reflection alone: the metal below
 // stays copper.
 //
-// HLSL, made by gonio from gonio/models/patina.py.
+// HLSL, made by gonio from gonio/models/patina.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -49,7 +49,7 @@ struct Patina {
     float3 tarnish_tint;  // colour of the metal at tarnish 1; 0 to 1, default (0.45, 0.2, 0.08)
 };
 
-// PatinaGGX facets of the same width in all directions.
+// Facets of GGX with the same width in all directions.
 struct PatinaRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -60,7 +60,7 @@ struct PatinaSplit {
     float3 T;  // Enters
 };
 
-// What shares returns.
+// What patina_shares returns.
 struct PatinaShares {
     float2 P_bare;
     float2 P_coat;
@@ -89,7 +89,7 @@ float patina_length2(float3 h) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 float3 patina_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    return h / sqrt(patina_length2(h));  // which patina_cos_half needs as well
+    return h / sqrt(patina_length2(h));  // the root is the cosine's as well
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
@@ -115,7 +115,7 @@ float3 patina_reflected_value(float3 re, float3 im, float3 s2, float3 p, float3 
     return (re * re + im * im) / s2 * (p / (s2 * q));
 }
 
-// Exact reflectance of a conductor, eta + i k, at a facet, from both patina_cos_half and patina_sin2_half.
+// Exact reflectance of a conductor, eta + i k, from cosine and squared sine at a facet.
 float3 patina_F_conductor_half(float cos_h, float sin2_h, float3 eta, float3 k) {
     // A trace of absorption, which keeps a conductor's roots from 0, and their squares from where GPUs
     // take them for 0. By itself it reflects where the index is matched in the horizon, (ABSORPTION_MIN /
@@ -123,7 +123,7 @@ float3 patina_F_conductor_half(float cos_h, float sin2_h, float3 eta, float3 k) 
     const float ABSORPTION_MIN = 1.0e-17;
     // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
     const float NEAR_NORMAL = 0.75;
-    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
+    // As for a dielectric, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     float c = cos_h;
     float3 contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
     float3 half_im = eta * k + ABSORPTION_MIN;
@@ -222,7 +222,7 @@ float patina_sin2(float cos_theta) {
     return (1.0 - cos_theta) * (1.0 + cos_theta);
 }
 
-// `F_conductor` of what is denser than the medium above, and 1 - F, exact where it nearly vanishes.
+// F of a conductor denser than the medium above, and 1 - F, exact where it nearly vanishes.
 PatinaSplit patina_split_conductor(float cos_theta, float3 eta, float3 k) {
     const float ABSORPTION_MIN = 1.0e-17;
     // With eps = (eta + i k)^2 and g^2 = eps - 1 + c^2: 1 - R_s = 4 c Re(g) / |c + g|^2, and 1 - R_p is 4 c
@@ -318,7 +318,7 @@ float3 patina_refracted_sum(float3 wi, float3 wo, float excess) {
     return float3(wi.x + wo.x, wi.y + wo.y, sqrt(z_i) + sqrt(z_o));
 }
 
-// patina_sin2_half of the refracted directions, from their difference before it is rounded.
+// Squared sine at which refracted light meets a facet, from a difference before it is rounded.
 float patina_refracted_sin2_half(float3 wi, float3 wo, float excess) {
     float z_i = patina_eta2_cos2(wi.z, excess);
     float z_o = patina_eta2_cos2(wo.z, excess);
@@ -452,34 +452,38 @@ PatinaChoice patina_choose(float probability, float2 u) {
     return result;
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see patina_ggx_bound) without those that mirror wo below the horizon, or most.
-float3 patina_ggx_sample_visible(PatinaGGX ggx, float3 wo, float2 u, float bound) {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    const float RANDOM_MARGIN = 5.9604645e-8;
+// w where all facets are those of a unit sphere.
+float3 patina_ggx_unstretched(PatinaGGX ggx, float3 w) {
+    return normalize(float3(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+float3 patina_ggx_half_way(PatinaGGX ggx, float3 w, float drop, float z, float v) {
     const float two_pi = 6.2831855;
-    float3 w = normalize(float3(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    float height = 1.0 + bound * w.z;
-    float drop = u1 * height;
     float r = sqrt(max(drop * (2.0 - drop), 0.0));
-    float phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    float z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    float phi = two_pi * v;
     float3 h = float3(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
     return normalize(float3(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
 }
 
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+float3 patina_ggx_sample_visible(PatinaGGX ggx, float3 wo, float2 u) {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const float RANDOM_MARGIN = 5.9604645e-8;
+    float3 w = patina_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    float height = 1.0 + w.z;
+    return patina_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height, u.y);
+}
+
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m); see patina_ggx_sample_visible.
-float3 patina_round_ggx_sample_visible(PatinaRoundGGX round_ggx, float3 wo, float2 u,
-    float bound) {
+float3 patina_round_ggx_sample_visible(PatinaRoundGGX round_ggx, float3 wo, float2 u) {
     PatinaGGX ggx;
     ggx.alpha_x = round_ggx.alpha;
     ggx.alpha_y = round_ggx.alpha;
-    return patina_ggx_sample_visible(ggx, wo, u, bound);
+    return patina_ggx_sample_visible(ggx, wo, u);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -489,10 +493,10 @@ float3 patina_mirror(float3 wo, float3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (patina_ggx_bound): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 float3 patina_sample_ggx_lobe(PatinaRoundGGX facets, float3 wo, float2 u) {
-    float3 w = patina_mirror(wo, patina_round_ggx_sample_visible(facets, wo, u, 1.0));
+    float3 w = patina_mirror(wo, patina_round_ggx_sample_visible(facets, wo, u));
     return float3(w.x, w.y, abs(w.z));
 }
 
@@ -507,9 +511,30 @@ float patina_ggx_bound(float least, float3 wo) {
     return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
 }
 
+// A normal that wo sees, without those that mirror wo below the horizon, or most of them.
+//
+// Eto and Tokuyoshi, "Bounded VNDF sampling for Smith-GGX reflections", 2023; bound: see patina_ggx_bound.
+float3 patina_ggx_sample_bounded(PatinaGGX ggx, float3 wo, float2 u, float bound) {
+    const float RANDOM_MARGIN = 5.9604645e-8;
+    float3 w = patina_ggx_unstretched(ggx, wo);
+    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and z + w.z as a sum of positive terms
+    float height = 1.0 + bound * w.z;
+    return patina_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height + (1.0 - bound) * w.z, u.y);
+}
+
+// A normal that wo sees, without most that mirror wo downwards; see patina_ggx_sample_bounded.
+float3 patina_round_ggx_sample_bounded(PatinaRoundGGX round_ggx, float3 wo, float2 u,
+    float bound) {
+    PatinaGGX ggx;
+    ggx.alpha_x = round_ggx.alpha;
+    ggx.alpha_y = round_ggx.alpha;
+    return patina_ggx_sample_bounded(ggx, wo, u, bound);
+}
+
 // A facet's normal.
 float3 patina_sample_facet(PatinaRoundGGX facets, float3 wo, float2 u) {
-    return patina_round_ggx_sample_visible(facets, wo, u, patina_ggx_bound(facets.alpha, wo));
+    return patina_round_ggx_sample_bounded(facets, wo, u, patina_ggx_bound(facets.alpha, wo));
 }
 
 // Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
@@ -547,14 +572,14 @@ float3 patina_sample_cosine(float2 u) {
     return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-float patina_pdf_visible(PatinaRoundGGX facets, float3 wo, float3 m, float bound) {
+// Density of wo mirrored at a visible normal m that a bound leaves, in 1/sr.
+float patina_pdf_bounded(PatinaRoundGGX facets, float3 wo, float3 m, float bound) {
     return 0.5 * patina_round_ggx_D(facets, m) / (bound * wo.z + patina_round_ggx_area(facets, wo));
 }
 
 // Density of wo mirrored at patina_sample_facet, in 1/sr.
 float patina_pdf_facet(PatinaRoundGGX facets, float3 wo, float3 m) {
-    return patina_pdf_visible(facets, wo, m, patina_ggx_bound(facets.alpha, wo));
+    return patina_pdf_bounded(facets, wo, m, patina_ggx_bound(facets.alpha, wo));
 }
 
 // Density of what the metal below mirrors, inside the patina.
@@ -584,16 +609,21 @@ float patina_pdf_leave(float pdf_refracted, float pdf_gathered, float3 w, float3
         + pdf_gathered * patina_critical_cosine(excess);
 }
 
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+float patina_pdf_visible(PatinaRoundGGX facets, float3 wo, float3 m) {
+    return 0.5 * patina_round_ggx_D(facets, m) / (wo.z + patina_round_ggx_area(facets, wo));
+}
+
 // Density of patina_sample_ggx_lobe in 1/sr.
 float patina_pdf_ggx_lobe(PatinaRoundGGX facets, float3 wi, float3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = patina_pdf_visible(facets, wo, patina_half_vector(wi, wo), 1.0);
+    float straight = patina_pdf_visible(facets, wo, patina_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
     // The least lift, for two that are equally high but for their last digits
     float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
-    float folded = patina_pdf_visible(facets, wo, patina_half_vector(image, higher), 1.0);
+    float folded = patina_pdf_visible(facets, wo, patina_half_vector(image, higher));
     return straight + (exists ? folded : 0.0);
 }
 

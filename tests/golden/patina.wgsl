@@ -11,7 +11,7 @@
 // mixes with the patina's as that grows is the one of the environment's reflection alone: the metal below
 // stays copper.
 //
-// WGSL (WebGPU), made by gonio from gonio/models/patina.py.
+// WGSL (WebGPU), made by gonio from gonio/models/patina.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -45,7 +45,7 @@ struct Patina {
     tarnish_tint: vec3f,  // colour of the metal at tarnish 1; 0 to 1, default (0.45, 0.2, 0.08)
 }
 
-// PatinaGGX facets of the same width in all directions.
+// Facets of GGX with the same width in all directions.
 struct PatinaRoundGGX {
     alpha: f32,  // width of the slopes
 }
@@ -56,7 +56,7 @@ struct PatinaSplit {
     T: vec3f,  // Enters
 }
 
-// What shares returns.
+// What patina_shares returns.
 struct PatinaShares {
     P_bare: vec2f,
     P_coat: vec2f,
@@ -85,7 +85,7 @@ fn patina_length2(h: vec3f) -> f32 {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn patina_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / sqrt(patina_length2(h));  // which patina_cos_half needs as well
+    return h / sqrt(patina_length2(h));  // the root is the cosine's as well
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
@@ -111,7 +111,7 @@ fn patina_reflected_value(re: vec3f, im: vec3f, s2: vec3f, p: vec3f, q: vec3f) -
     return (re * re + im * im) / s2 * (p / (s2 * q));
 }
 
-// Exact reflectance of a conductor, eta + i k, at a facet, from both patina_cos_half and patina_sin2_half.
+// Exact reflectance of a conductor, eta + i k, from cosine and squared sine at a facet.
 fn patina_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3f) -> vec3f {
     // A trace of absorption, which keeps a conductor's roots from 0, and their squares from where GPUs
     // take them for 0. By itself it reflects where the index is matched in the horizon, (ABSORPTION_MIN /
@@ -119,7 +119,7 @@ fn patina_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3f) -> vec
     const ABSORPTION_MIN = 1.0e-17;
     // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
     const NEAR_NORMAL = 0.75;
-    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
+    // As for a dielectric, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     let c = cos_h;
     let contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
     let half_im = eta * k + ABSORPTION_MIN;
@@ -215,7 +215,7 @@ fn patina_sin2(cos_theta: f32) -> f32 {
     return (1.0 - cos_theta) * (1.0 + cos_theta);
 }
 
-// `F_conductor` of what is denser than the medium above, and 1 - F, exact where it nearly vanishes.
+// F of a conductor denser than the medium above, and 1 - F, exact where it nearly vanishes.
 fn patina_split_conductor(cos_theta: f32, eta: vec3f, k: vec3f) -> PatinaSplit {
     const ABSORPTION_MIN = 1.0e-17;
     // With eps = (eta + i k)^2 and g^2 = eps - 1 + c^2: 1 - R_s = 4 c Re(g) / |c + g|^2, and 1 - R_p is 4 c
@@ -306,7 +306,7 @@ fn patina_refracted_sum(wi: vec3f, wo: vec3f, excess: f32) -> vec3f {
     return vec3f(wi.x + wo.x, wi.y + wo.y, sqrt(z_i) + sqrt(z_o));
 }
 
-// patina_sin2_half of the refracted directions, from their difference before it is rounded.
+// Squared sine at which refracted light meets a facet, from a difference before it is rounded.
 fn patina_refracted_sin2_half(wi: vec3f, wo: vec3f, excess: f32) -> f32 {
     let z_i = patina_eta2_cos2(wi.z, excess);
     let z_o = patina_eta2_cos2(wo.z, excess);
@@ -430,31 +430,35 @@ fn patina_choose(probability: f32, u: vec2f) -> PatinaChoice {
     return PatinaChoice(first, vec2f(clamp(select(above, below, first), 0.0, RANDOM_MAX), u.y));
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see patina_ggx_bound) without those that mirror wo below the horizon, or most.
-fn patina_ggx_sample_visible(ggx: PatinaGGX, wo: vec3f, u: vec2f, bound: f32) -> vec3f {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    const RANDOM_MARGIN = 5.9604645e-8;
+// w where all facets are those of a unit sphere.
+fn patina_ggx_unstretched(ggx: PatinaGGX, w: vec3f) -> vec3f {
+    return normalize(vec3f(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+fn patina_ggx_half_way(ggx: PatinaGGX, w: vec3f, drop: f32, z: f32, v: f32) -> vec3f {
     const two_pi = 6.2831855;
-    let w = normalize(vec3f(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    let height = 1.0 + bound * w.z;
-    let drop = u1 * height;
     let r = sqrt(max(drop * (2.0 - drop), 0.0));
-    let phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    let z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    let phi = two_pi * v;
     let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
     return normalize(vec3f(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
 }
 
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+fn patina_ggx_sample_visible(ggx: PatinaGGX, wo: vec3f, u: vec2f) -> vec3f {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const RANDOM_MARGIN = 5.9604645e-8;
+    let w = patina_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    let height = 1.0 + w.z;
+    return patina_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height, u.y);
+}
+
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m); see patina_ggx_sample_visible.
-fn patina_round_ggx_sample_visible(round_ggx: PatinaRoundGGX, wo: vec3f, u: vec2f,
-    bound: f32) -> vec3f {
-    return patina_ggx_sample_visible(PatinaGGX(round_ggx.alpha, round_ggx.alpha), wo, u, bound);
+fn patina_round_ggx_sample_visible(round_ggx: PatinaRoundGGX, wo: vec3f, u: vec2f) -> vec3f {
+    return patina_ggx_sample_visible(PatinaGGX(round_ggx.alpha, round_ggx.alpha), wo, u);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -464,10 +468,10 @@ fn patina_mirror(wo: vec3f, m: vec3f) -> vec3f {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (patina_ggx_bound): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 fn patina_sample_ggx_lobe(facets: PatinaRoundGGX, wo: vec3f, u: vec2f) -> vec3f {
-    let w = patina_mirror(wo, patina_round_ggx_sample_visible(facets, wo, u, 1.0));
+    let w = patina_mirror(wo, patina_round_ggx_sample_visible(facets, wo, u));
     return vec3f(w.x, w.y, abs(w.z));
 }
 
@@ -482,9 +486,27 @@ fn patina_ggx_bound(least: f32, wo: vec3f) -> f32 {
     return (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z);
 }
 
+// A normal that wo sees, without those that mirror wo below the horizon, or most of them.
+//
+// Eto and Tokuyoshi, "Bounded VNDF sampling for Smith-GGX reflections", 2023; bound: see patina_ggx_bound.
+fn patina_ggx_sample_bounded(ggx: PatinaGGX, wo: vec3f, u: vec2f, bound: f32) -> vec3f {
+    const RANDOM_MARGIN = 5.9604645e-8;
+    let w = patina_ggx_unstretched(ggx, wo);
+    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and z + w.z as a sum of positive terms
+    let height = 1.0 + bound * w.z;
+    return patina_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height + (1.0 - bound) * w.z, u.y);
+}
+
+// A normal that wo sees, without most that mirror wo downwards; see patina_ggx_sample_bounded.
+fn patina_round_ggx_sample_bounded(round_ggx: PatinaRoundGGX, wo: vec3f, u: vec2f,
+    bound: f32) -> vec3f {
+    return patina_ggx_sample_bounded(PatinaGGX(round_ggx.alpha, round_ggx.alpha), wo, u, bound);
+}
+
 // A facet's normal.
 fn patina_sample_facet(facets: PatinaRoundGGX, wo: vec3f, u: vec2f) -> vec3f {
-    return patina_round_ggx_sample_visible(facets, wo, u, patina_ggx_bound(facets.alpha, wo));
+    return patina_round_ggx_sample_bounded(facets, wo, u, patina_ggx_bound(facets.alpha, wo));
 }
 
 // Cosine inside the layer of the flattest direction that leaves it; 0 for eta <= 1.
@@ -522,14 +544,14 @@ fn patina_sample_cosine(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-fn patina_pdf_visible(facets: PatinaRoundGGX, wo: vec3f, m: vec3f, bound: f32) -> f32 {
+// Density of wo mirrored at a visible normal m that a bound leaves, in 1/sr.
+fn patina_pdf_bounded(facets: PatinaRoundGGX, wo: vec3f, m: vec3f, bound: f32) -> f32 {
     return 0.5 * patina_round_ggx_D(facets, m) / (bound * wo.z + patina_round_ggx_area(facets, wo));
 }
 
 // Density of wo mirrored at patina_sample_facet, in 1/sr.
 fn patina_pdf_facet(facets: PatinaRoundGGX, wo: vec3f, m: vec3f) -> f32 {
-    return patina_pdf_visible(facets, wo, m, patina_ggx_bound(facets.alpha, wo));
+    return patina_pdf_bounded(facets, wo, m, patina_ggx_bound(facets.alpha, wo));
 }
 
 // Density of what the metal below mirrors, inside the patina.
@@ -559,16 +581,21 @@ fn patina_pdf_leave(pdf_refracted: f32, pdf_gathered: f32, w: vec3f, w_t: vec3f,
         + pdf_gathered * patina_critical_cosine(excess);
 }
 
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+fn patina_pdf_visible(facets: PatinaRoundGGX, wo: vec3f, m: vec3f) -> f32 {
+    return 0.5 * patina_round_ggx_D(facets, m) / (wo.z + patina_round_ggx_area(facets, wo));
+}
+
 // Density of patina_sample_ggx_lobe in 1/sr.
 fn patina_pdf_ggx_lobe(facets: PatinaRoundGGX, wi: vec3f, wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
-    let straight = patina_pdf_visible(facets, wo, patina_half_vector(wi, wo), 1.0);
+    let straight = patina_pdf_visible(facets, wo, patina_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     let exists = wo.z > wi.z;
     let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
     // The least lift, for two that are equally high but for their last digits
     let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
-    let folded = patina_pdf_visible(facets, wo, patina_half_vector(image, higher), 1.0);
+    let folded = patina_pdf_visible(facets, wo, patina_half_vector(image, higher));
     return straight + select(0.0, folded, exists);
 }
 

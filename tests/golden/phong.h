@@ -6,7 +6,7 @@
 // for the normalised form. alpha is the angle between wi and the mirror direction of wo.
 // Phong's formula gives the radiance f cos(theta_i); "classical" is that formula divided by the cosine.
 //
-// C++, made by gonio from gonio/models/phong.py.
+// C++, made by gonio from gonio/models/phong.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.

@@ -6,7 +6,7 @@
 // for the normalised form. alpha is the angle between wi and the mirror direction of wo.
 // Phong's formula gives the radiance f cos(theta_i); "classical" is that formula divided by the cosine.
 //
-// HLSL, made by gonio from gonio/models/phong.py.
+// HLSL, made by gonio from gonio/models/phong.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -164,7 +164,8 @@ float phong_expm1(float x) {
     // Taylor's series
     float over = 1.0 + near
         * (0.5 + near * (0.16666667
-            + near * (0.041666668 + near * (0.008333334 + near * (0.0013888889 + near * 0.0001984127)))));
+            + near * (0.041666668
+                + near * (0.008333334 + near * (0.0013888889 + near * 0.0001984127)))));
     return x > -EXPM1_SMALL && x < EXPM1_SMALL ? near * over : exp(x) - 1.0;
 }
 

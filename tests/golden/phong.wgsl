@@ -6,7 +6,7 @@
 // for the normalised form. alpha is the angle between wi and the mirror direction of wo.
 // Phong's formula gives the radiance f cos(theta_i); "classical" is that formula divided by the cosine.
 //
-// WGSL (WebGPU), made by gonio from gonio/models/phong.py.
+// WGSL (WebGPU), made by gonio from gonio/models/phong.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -160,7 +160,8 @@ fn phong_expm1(x: f32) -> f32 {
     // Taylor's series
     let over = 1.0 + near
         * (0.5 + near * (0.16666667
-            + near * (0.041666668 + near * (0.008333334 + near * (0.0013888889 + near * 0.0001984127)))));
+            + near * (0.041666668
+                + near * (0.008333334 + near * (0.0013888889 + near * 0.0001984127)))));
     return select(exp(x) - 1.0, near * over, x > -EXPM1_SMALL && x < EXPM1_SMALL);
 }
 

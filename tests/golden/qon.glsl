@@ -4,7 +4,7 @@
 // Source: Oren, Nayar, "Generalization of Lambert's reflectance model", SIGGRAPH 1994, Eq. 30, in the form
 // of Portsmouth, Kutz, Hill, "EON", arXiv:2410.18026, Eq. 1 to 9.
 //
-// GLSL 4.5, made by gonio from gonio/models/qon.py.
+// GLSL 4.5, made by gonio from gonio/models/qon.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose normal is
 // +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // Usage: Qon params; params.rho = ...; ... qon_eval(params, wi, wo)
@@ -27,7 +27,7 @@ struct QonQualitativeCoefficients {
     float B;
 };
 
-// What coefficients returns.
+// What qon_coefficients returns.
 struct QonCoefficients {
     float a;
     float b;
@@ -72,7 +72,8 @@ vec3 qon_eval(Qon params, vec3 wi, vec3 wo) {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return vec3(0.0);
     }
-    QonQualitativeCoefficients qualitative_coefficients_result = qon_qualitative_coefficients(params.sigma, 0.33);
+    QonQualitativeCoefficients qualitative_coefficients_result =
+        qon_qualitative_coefficients(params.sigma, 0.33);
     float A = qualitative_coefficients_result.A;
     float B = qualitative_coefficients_result.B;
     float s = qon_tangential_dot(wi, wo);
@@ -82,17 +83,17 @@ vec3 qon_eval(Qon params, vec3 wi, vec3 wo) {
 // ---- sampling ------------------------------------------------------------------------------
 
 float qon_matched_roughness(float r) {
-    // Up to this roughness `cltc_matched` is cosine sampling. A lobe sheared by d leaves a wedge of height r
-    // above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine sampling
-    // is of order r^2, and the smaller of the two below r = 3e-4.
+    // Up to this roughness qon_sample_cltc_matched is cosine sampling. A lobe sheared by d leaves a wedge of
+    // height r above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine
+    // sampling is of order r^2, and the smaller of the two below r = 3e-4.
     const float R_COSINE = 1.0e-4;
     return max(r - R_COSINE, 0.0);
 }
 
-// How many samples `cltc_matched` gives to the uniform lobe: 0 at r = 0, at most 0.13.
+// How many samples qon_sample_cltc_matched gives to the uniform lobe: 0 at r = 0, at most 0.13.
 //
 // Fitted to the shares of least variance over (mu, r), on condition that the variance stays 4 % below those
-// of cosine sampling and of `cltc_uniform`. On average it is 5 % above the least.
+// of cosine sampling and of the paper's choice. On average it is 5 % above the least.
 float qon_matched_share(float mu, float r) {
     float k = 1.0 - mu;
     float steep = 0.0169 + k * (0.2136 + k * (0.445 * k - 0.2345));
@@ -228,19 +229,21 @@ float qon_pdf(Qon params, vec3 wi, vec3 wo) {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
-    QonQualitativeCoefficients qualitative_coefficients_result = qon_qualitative_coefficients(params.sigma, 0.33);
+    QonQualitativeCoefficients qualitative_coefficients_result =
+        qon_qualitative_coefficients(params.sigma, 0.33);
     float A = qualitative_coefficients_result.A;
     float B = qualitative_coefficients_result.B;
     return qon_pdf_cltc_matched(wi, wo, B / A);
 }
 
-// As EON's `cltc_matched`, at the roughness with the same weight of s/t.
+// EON's sampler, at the roughness with the same weight of s/t.
 QonSample qon_sample(Qon params, vec3 wo, vec2 u) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z <= mu_min) {  // in the horizon or below
         return QonSample(vec3(0.0, 0.0, 1.0), 0.0);
     }
-    QonQualitativeCoefficients qualitative_coefficients_result = qon_qualitative_coefficients(params.sigma, 0.33);
+    QonQualitativeCoefficients qualitative_coefficients_result =
+        qon_qualitative_coefficients(params.sigma, 0.33);
     float A = qualitative_coefficients_result.A;
     float B = qualitative_coefficients_result.B;
     vec3 wi = qon_sample_cltc_matched(wo, B / A, u);
@@ -287,7 +290,8 @@ vec3 qon_albedo(Qon params, vec3 wo) {
     if (wo.z < 0.0) {  // below the horizon
         return vec3(0.0);
     }
-    QonQualitativeCoefficients qualitative_coefficients_result = qon_qualitative_coefficients(params.sigma, 0.33);
+    QonQualitativeCoefficients qualitative_coefficients_result =
+        qon_qualitative_coefficients(params.sigma, 0.33);
     float A = qualitative_coefficients_result.A;
     float B = qualitative_coefficients_result.B;
     return params.rho * (A + B * inv_pi * qon_G_qualitative(wo.z));

@@ -4,7 +4,7 @@
 // Source: Oren, Nayar, "Generalization of Lambert's reflectance model", SIGGRAPH 1994, Eq. 30, in the form
 // of Portsmouth, Kutz, Hill, "EON", arXiv:2410.18026, Eq. 1 to 9.
 //
-// C++, made by gonio from gonio/models/qon.py.
+// C++, made by gonio from gonio/models/qon.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose normal is
 // +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // Usage: gonio_qon::Qon params; params.rho = ...; ... gonio_qon::qon_eval(params, wi, wo)
@@ -50,9 +50,9 @@ constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
 // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
 // not taken.
 constexpr float P_MIN = 1.0e-6f;
-// Up to this roughness `cltc_matched` is cosine sampling. A lobe sheared by d leaves a wedge of height r
-// above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine sampling
-// is of order r^2, and the smaller of the two below r = 3e-4.
+// Up to this roughness qon_sample_cltc_matched is cosine sampling. A lobe sheared by d leaves a wedge of
+// height r above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine
+// sampling is of order r^2, and the smaller of the two below r = 3e-4.
 constexpr float R_COSINE = 1.0e-4f;
 // A sample that rounding pushed below the horizon is lifted to this cosine, 1/16 of a float32 epsilon.
 constexpr float Z_MIN = 7.450581e-9f;
@@ -78,7 +78,7 @@ struct QonQualitativeCoefficients {
     float B;
 };
 
-// What coefficients returns.
+// What qon_coefficients returns.
 struct QonCoefficients {
     float a;
     float b;
@@ -121,7 +121,8 @@ inline Vec3 qon_eval(const Qon& params, Vec3 wi, Vec3 wo) {
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
-    QonQualitativeCoefficients qualitative_coefficients_result = qon_qualitative_coefficients(params.sigma, 0.33f);
+    QonQualitativeCoefficients qualitative_coefficients_result =
+        qon_qualitative_coefficients(params.sigma, 0.33f);
     float A = qualitative_coefficients_result.A;
     float B = qualitative_coefficients_result.B;
     float s = qon_tangential_dot(wi, wo);
@@ -134,10 +135,10 @@ inline float qon_matched_roughness(float r) {
     return fmaxf(r - R_COSINE, 0.0f);
 }
 
-// How many samples `cltc_matched` gives to the uniform lobe: 0 at r = 0, at most 0.13.
+// How many samples qon_sample_cltc_matched gives to the uniform lobe: 0 at r = 0, at most 0.13.
 //
 // Fitted to the shares of least variance over (mu, r), on condition that the variance stays 4 % below those
-// of cosine sampling and of `cltc_uniform`. On average it is 5 % above the least.
+// of cosine sampling and of the paper's choice. On average it is 5 % above the least.
 inline float qon_matched_share(float mu, float r) {
     float k = 1.0f - mu;
     float steep = 0.0169f + k * (0.2136f + k * (0.445f * k - 0.2345f));
@@ -261,18 +262,20 @@ inline float qon_pdf(const Qon& params, Vec3 wi, Vec3 wo) {
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0f;
     }
-    QonQualitativeCoefficients qualitative_coefficients_result = qon_qualitative_coefficients(params.sigma, 0.33f);
+    QonQualitativeCoefficients qualitative_coefficients_result =
+        qon_qualitative_coefficients(params.sigma, 0.33f);
     float A = qualitative_coefficients_result.A;
     float B = qualitative_coefficients_result.B;
     return qon_pdf_cltc_matched(wi, wo, B / A);
 }
 
-// As EON's `cltc_matched`, at the roughness with the same weight of s/t.
+// EON's sampler, at the roughness with the same weight of s/t.
 inline QonSample qon_sample(const Qon& params, Vec3 wo, Vec2 u) {
     if (wo.z <= mu_min) {  // in the horizon or below
         return QonSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
-    QonQualitativeCoefficients qualitative_coefficients_result = qon_qualitative_coefficients(params.sigma, 0.33f);
+    QonQualitativeCoefficients qualitative_coefficients_result =
+        qon_qualitative_coefficients(params.sigma, 0.33f);
     float A = qualitative_coefficients_result.A;
     float B = qualitative_coefficients_result.B;
     Vec3 wi = qon_sample_cltc_matched(wo, B / A, u);
@@ -294,7 +297,8 @@ inline Vec3 qon_albedo(const Qon& params, Vec3 wo) {
     if (wo.z < 0.0f) {  // below the horizon
         return splat(0.0f);
     }
-    QonQualitativeCoefficients qualitative_coefficients_result = qon_qualitative_coefficients(params.sigma, 0.33f);
+    QonQualitativeCoefficients qualitative_coefficients_result =
+        qon_qualitative_coefficients(params.sigma, 0.33f);
     float A = qualitative_coefficients_result.A;
     float B = qualitative_coefficients_result.B;
     return params.rho * (A + B * inv_pi * qon_G_qualitative(wo.z));

@@ -4,7 +4,7 @@
 // Source: Oren, Nayar, "Generalization of Lambert's reflectance model", SIGGRAPH 1994, Eq. 30, in the form
 // of Portsmouth, Kutz, Hill, "EON", arXiv:2410.18026, Eq. 1 to 9.
 //
-// WGSL (WebGPU), made by gonio from gonio/models/qon.py.
+// WGSL (WebGPU), made by gonio from gonio/models/qon.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose normal is
 // +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // Usage: var params: Qon; params.rho = ...; ... qon_eval(params, wi, wo)
@@ -27,7 +27,7 @@ struct QonQualitativeCoefficients {
     B: f32,
 }
 
-// What coefficients returns.
+// What qon_coefficients returns.
 struct QonCoefficients {
     a: f32,
     b: f32,
@@ -82,17 +82,17 @@ fn qon_eval(params: Qon, wi: vec3f, wo: vec3f) -> vec3f {
 // ---- sampling ------------------------------------------------------------------------------
 
 fn qon_matched_roughness(r: f32) -> f32 {
-    // Up to this roughness `cltc_matched` is cosine sampling. A lobe sheared by d leaves a wedge of height r
-    // above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine sampling
-    // is of order r^2, and the smaller of the two below r = 3e-4.
+    // Up to this roughness qon_sample_cltc_matched is cosine sampling. A lobe sheared by d leaves a wedge of
+    // height r above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine
+    // sampling is of order r^2, and the smaller of the two below r = 3e-4.
     const R_COSINE = 1.0e-4;
     return max(r - R_COSINE, 0.0);
 }
 
-// How many samples `cltc_matched` gives to the uniform lobe: 0 at r = 0, at most 0.13.
+// How many samples qon_sample_cltc_matched gives to the uniform lobe: 0 at r = 0, at most 0.13.
 //
 // Fitted to the shares of least variance over (mu, r), on condition that the variance stays 4 % below those
-// of cosine sampling and of `cltc_uniform`. On average it is 5 % above the least.
+// of cosine sampling and of the paper's choice. On average it is 5 % above the least.
 fn qon_matched_share(mu: f32, r: f32) -> f32 {
     let k = 1.0 - mu;
     let steep = 0.0169 + k * (0.2136 + k * (0.445 * k - 0.2345));
@@ -234,7 +234,7 @@ fn qon_pdf(params: Qon, wi: vec3f, wo: vec3f) -> f32 {
     return qon_pdf_cltc_matched(wi, wo, B / A);
 }
 
-// As EON's `cltc_matched`, at the roughness with the same weight of s/t.
+// EON's sampler, at the roughness with the same weight of s/t.
 fn qon_sample(params: Qon, wo: vec3f, u: vec2f) -> QonSample {
     const mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z <= mu_min) {  // in the horizon or below

@@ -4,7 +4,7 @@
 // Source: Oren, Nayar, "Generalization of Lambert's reflectance model", SIGGRAPH 1994, Eq. 30 and its
 // footnote; in the form of Portsmouth, Kutz, Hill, "EON", arXiv:2410.18026, Eq. 1 to 9.
 //
-// Metal, made by gonio from gonio/models/qon_footnote.py.
+// Metal, made by gonio from gonio/models/qon_footnote.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose normal is
 // +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // Usage: QonFootnote params; params.rho = ...; ... qon_footnote_eval(params, wi, wo)
@@ -31,7 +31,7 @@ struct QonFootnoteQualitativeCoefficients {
     float B;
 };
 
-// What coefficients returns.
+// What qon_footnote_coefficients returns.
 struct QonFootnoteCoefficients {
     float a;
     float b;
@@ -77,7 +77,8 @@ inline float3 qon_footnote_eval(QonFootnote params, float3 wi, float3 wo) {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return float3(0.0);
     }
-    QonFootnoteQualitativeCoefficients qualitative_coefficients_result = qon_footnote_qualitative_coefficients(params.sigma, 0.57);
+    QonFootnoteQualitativeCoefficients qualitative_coefficients_result =
+        qon_footnote_qualitative_coefficients(params.sigma, 0.57);
     float A = qualitative_coefficients_result.A;
     float B = qualitative_coefficients_result.B;
     float s = qon_footnote_tangential_dot(wi, wo);
@@ -87,17 +88,17 @@ inline float3 qon_footnote_eval(QonFootnote params, float3 wi, float3 wo) {
 // ---- sampling ------------------------------------------------------------------------------
 
 inline float qon_footnote_matched_roughness(float r) {
-    // Up to this roughness `cltc_matched` is cosine sampling. A lobe sheared by d leaves a wedge of height r
-    // above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine sampling
-    // is of order r^2, and the smaller of the two below r = 3e-4.
+    // Up to this roughness qon_footnote_sample_cltc_matched is cosine sampling. A lobe sheared by d leaves a
+    // wedge of height r above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that
+    // of cosine sampling is of order r^2, and the smaller of the two below r = 3e-4.
     const float R_COSINE = 1.0e-4;
     return max(r - R_COSINE, 0.0);
 }
 
-// How many samples `cltc_matched` gives to the uniform lobe: 0 at r = 0, at most 0.13.
+// How many samples qon_footnote_sample_cltc_matched gives to the uniform lobe: 0 at r = 0, at most 0.13.
 //
-// Fitted to the shares of least variance over (mu, r), on condition that the variance stays 4 % below those
-// of cosine sampling and of `cltc_uniform`. On average it is 5 % above the least.
+// Fitted to the shares of least variance over (mu, r), on condition that the variance stays 4 %
+// below those of cosine sampling and of the paper's choice. On average it is 5 % above the least.
 inline float qon_footnote_matched_share(float mu, float r) {
     float k = 1.0 - mu;
     float steep = 0.0169 + k * (0.2136 + k * (0.445 * k - 0.2345));
@@ -238,19 +239,21 @@ inline float qon_footnote_pdf(QonFootnote params, float3 wi, float3 wo) {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
-    QonFootnoteQualitativeCoefficients qualitative_coefficients_result = qon_footnote_qualitative_coefficients(params.sigma, 0.57);
+    QonFootnoteQualitativeCoefficients qualitative_coefficients_result =
+        qon_footnote_qualitative_coefficients(params.sigma, 0.57);
     float A = qualitative_coefficients_result.A;
     float B = qualitative_coefficients_result.B;
     return qon_footnote_pdf_cltc_matched(wi, wo, B / A);
 }
 
-// As EON's `cltc_matched`, at the roughness with the same weight of s/t.
+// EON's sampler, at the roughness with the same weight of s/t.
 inline QonFootnoteSample qon_footnote_sample(QonFootnote params, float3 wo, float2 u) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z <= mu_min) {  // in the horizon or below
         return QonFootnoteSample{float3(0.0, 0.0, 1.0), 0.0};
     }
-    QonFootnoteQualitativeCoefficients qualitative_coefficients_result = qon_footnote_qualitative_coefficients(params.sigma, 0.57);
+    QonFootnoteQualitativeCoefficients qualitative_coefficients_result =
+        qon_footnote_qualitative_coefficients(params.sigma, 0.57);
     float A = qualitative_coefficients_result.A;
     float B = qualitative_coefficients_result.B;
     float3 wi = qon_footnote_sample_cltc_matched(wo, B / A, u);
@@ -298,7 +301,8 @@ inline float3 qon_footnote_albedo(QonFootnote params, float3 wo) {
     if (wo.z < 0.0) {  // below the horizon
         return float3(0.0);
     }
-    QonFootnoteQualitativeCoefficients qualitative_coefficients_result = qon_footnote_qualitative_coefficients(params.sigma, 0.57);
+    QonFootnoteQualitativeCoefficients qualitative_coefficients_result =
+        qon_footnote_qualitative_coefficients(params.sigma, 0.57);
     float A = qualitative_coefficients_result.A;
     float B = qualitative_coefficients_result.B;
     return params.rho * (A + B * inv_pi * qon_footnote_G_qualitative(wo.z));

@@ -4,7 +4,7 @@
 // Source: Fujii, "A tiny improvement of Oren-Nayar reflectance model", 2013, its first proposal; named and
 // plotted in Portsmouth, Kutz, Hill, "EON", arXiv:2410.18026, section 1.
 //
-// C++, made by gonio from gonio/models/qon_fujii.py.
+// C++, made by gonio from gonio/models/qon_fujii.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // Usage: gonio_qon_fujii::QonFujii params; params.rho = ...; ... gonio_qon_fujii::qon_fujii_eval(params, wi, wo)
@@ -66,9 +66,9 @@ constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
 // Smallest probability that is divided by: no 0 / 0, and no infinite derivative, in samples that are
 // not taken.
 constexpr float P_MIN = 1.0e-6f;
-// Up to this roughness `cltc_matched` is cosine sampling. A lobe sheared by d leaves a wedge of height r
-// above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine sampling
-// is of order r^2, and the smaller of the two below r = 3e-4.
+// Up to this roughness qon_fujii_sample_cltc_matched is cosine sampling. A lobe sheared by d leaves a wedge
+// of height r above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of
+// cosine sampling is of order r^2, and the smaller of the two below r = 3e-4.
 constexpr float R_COSINE = 1.0e-4f;
 // A sample that rounding pushed below the horizon is lifted to this cosine, 1/16 of a float32 epsilon.
 constexpr float Z_MIN = 7.450581e-9f;
@@ -94,7 +94,7 @@ struct QonFujiiQualitativeCoefficients {
     float B;
 };
 
-// What coefficients returns.
+// What qon_fujii_cltc_coefficients returns.
 struct QonFujiiCoefficients {
     float a;
     float b;
@@ -125,7 +125,8 @@ inline float qon_fujii_tangential_dot(Vec3 wi, Vec3 wo) {
 
 // A with the interreflection, one value per channel.
 inline Vec3 qon_fujii_A(const QonFujii& params) {
-    QonFujiiQualitativeCoefficients coefficients_result = qon_fujii_qualitative_coefficients(params.sigma, 0.33f);
+    QonFujiiQualitativeCoefficients coefficients_result =
+        qon_fujii_qualitative_coefficients(params.sigma, 0.33f);
     float A = coefficients_result.A;
     float s2 = params.sigma * params.sigma;
     return A + params.rho * (0.17f * s2 / (s2 + 0.13f));
@@ -146,7 +147,8 @@ inline Vec3 qon_fujii_eval(const QonFujii& params, Vec3 wi, Vec3 wo) {
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return splat(0.0f);
     }
-    QonFujiiQualitativeCoefficients coefficients_result = qon_fujii_qualitative_coefficients(params.sigma, 0.33f);
+    QonFujiiQualitativeCoefficients coefficients_result =
+        qon_fujii_qualitative_coefficients(params.sigma, 0.33f);
     float B = coefficients_result.B;
     float s = qon_fujii_tangential_dot(wi, wo);
     return params.rho * (inv_pi * (qon_fujii_A(params) + B * qon_fujii_s_over_t_fujii(s, wi, wo)));
@@ -158,10 +160,10 @@ inline float qon_fujii_matched_roughness(float r) {
     return fmaxf(r - R_COSINE, 0.0f);
 }
 
-// How many samples `cltc_matched` gives to the uniform lobe: 0 at r = 0, at most 0.13.
+// How many samples qon_fujii_sample_cltc_matched gives to the uniform lobe: 0 at r = 0, at most 0.13.
 //
-// Fitted to the shares of least variance over (mu, r), on condition that the variance stays 4 % below those
-// of cosine sampling and of `cltc_uniform`. On average it is 5 % above the least.
+// Fitted to the shares of least variance over (mu, r), on condition that the variance stays 4 %
+// below those of cosine sampling and of the paper's choice. On average it is 5 % above the least.
 inline float qon_fujii_matched_share(float mu, float r) {
     float k = 1.0f - mu;
     float steep = 0.0169f + k * (0.2136f + k * (0.445f * k - 0.2345f));
@@ -290,18 +292,20 @@ inline float qon_fujii_pdf(const QonFujii& params, Vec3 wi, Vec3 wo) {
     if (fminf(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0f;
     }
-    QonFujiiQualitativeCoefficients coefficients_result = qon_fujii_qualitative_coefficients(params.sigma, 0.33f);
+    QonFujiiQualitativeCoefficients coefficients_result =
+        qon_fujii_qualitative_coefficients(params.sigma, 0.33f);
     float A = coefficients_result.A;
     float B = coefficients_result.B;
     return qon_fujii_pdf_cltc_matched(wi, wo, B / A);
 }
 
-// As EON's `cltc_matched`, at the roughness with the same weight of s/t.
+// EON's sampler, at the roughness with the same weight of s/t.
 inline QonFujiiSample qon_fujii_sample(const QonFujii& params, Vec3 wo, Vec2 u) {
     if (wo.z <= mu_min) {  // in the horizon or below
         return QonFujiiSample{Vec3{0.0f, 0.0f, 1.0f}, 0.0f};
     }
-    QonFujiiQualitativeCoefficients coefficients_result = qon_fujii_qualitative_coefficients(params.sigma, 0.33f);
+    QonFujiiQualitativeCoefficients coefficients_result =
+        qon_fujii_qualitative_coefficients(params.sigma, 0.33f);
     float A = coefficients_result.A;
     float B = coefficients_result.B;
     Vec3 wi = qon_fujii_sample_cltc_matched(wo, B / A, u);
@@ -329,7 +333,8 @@ inline Vec3 qon_fujii_albedo(const QonFujii& params, Vec3 wo) {
     if (wo.z < 0.0f) {  // below the horizon
         return splat(0.0f);
     }
-    QonFujiiQualitativeCoefficients coefficients_result = qon_fujii_qualitative_coefficients(params.sigma, 0.33f);
+    QonFujiiQualitativeCoefficients coefficients_result =
+        qon_fujii_qualitative_coefficients(params.sigma, 0.33f);
     float B = coefficients_result.B;
     return params.rho * (qon_fujii_A(params) + B * inv_pi * qon_fujii_G_fujii(wo.z));
 }

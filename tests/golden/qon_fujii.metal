@@ -4,7 +4,7 @@
 // Source: Fujii, "A tiny improvement of Oren-Nayar reflectance model", 2013, its first proposal; named and
 // plotted in Portsmouth, Kutz, Hill, "EON", arXiv:2410.18026, section 1.
 //
-// Metal, made by gonio from gonio/models/qon_fujii.py.
+// Metal, made by gonio from gonio/models/qon_fujii.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // Usage: QonFujii params; params.rho = ...; ... qon_fujii_eval(params, wi, wo)
@@ -30,7 +30,7 @@ struct QonFujiiQualitativeCoefficients {
     float B;
 };
 
-// What coefficients returns.
+// What qon_fujii_cltc_coefficients returns.
 struct QonFujiiCoefficients {
     float a;
     float b;
@@ -61,7 +61,8 @@ inline float qon_fujii_tangential_dot(float3 wi, float3 wo) {
 
 // A with the interreflection, one value per channel.
 inline float3 qon_fujii_A(QonFujii params) {
-    QonFujiiQualitativeCoefficients coefficients_result = qon_fujii_qualitative_coefficients(params.sigma, 0.33);
+    QonFujiiQualitativeCoefficients coefficients_result =
+        qon_fujii_qualitative_coefficients(params.sigma, 0.33);
     float A = coefficients_result.A;
     float s2 = params.sigma * params.sigma;
     return A + params.rho * (0.17 * s2 / (s2 + 0.13));
@@ -84,7 +85,8 @@ inline float3 qon_fujii_eval(QonFujii params, float3 wi, float3 wo) {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return float3(0.0);
     }
-    QonFujiiQualitativeCoefficients coefficients_result = qon_fujii_qualitative_coefficients(params.sigma, 0.33);
+    QonFujiiQualitativeCoefficients coefficients_result =
+        qon_fujii_qualitative_coefficients(params.sigma, 0.33);
     float B = coefficients_result.B;
     float s = qon_fujii_tangential_dot(wi, wo);
     return params.rho * (inv_pi * (qon_fujii_A(params) + B * qon_fujii_s_over_t_fujii(s, wi, wo)));
@@ -93,17 +95,17 @@ inline float3 qon_fujii_eval(QonFujii params, float3 wi, float3 wo) {
 // ---- sampling ------------------------------------------------------------------------------
 
 inline float qon_fujii_matched_roughness(float r) {
-    // Up to this roughness `cltc_matched` is cosine sampling. A lobe sheared by d leaves a wedge of height r
-    // above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine sampling
-    // is of order r^2, and the smaller of the two below r = 3e-4.
+    // Up to this roughness qon_fujii_sample_cltc_matched is cosine sampling. A lobe sheared by d leaves a wedge
+    // of height r above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of
+    // cosine sampling is of order r^2, and the smaller of the two below r = 3e-4.
     const float R_COSINE = 1.0e-4;
     return max(r - R_COSINE, 0.0);
 }
 
-// How many samples `cltc_matched` gives to the uniform lobe: 0 at r = 0, at most 0.13.
+// How many samples qon_fujii_sample_cltc_matched gives to the uniform lobe: 0 at r = 0, at most 0.13.
 //
-// Fitted to the shares of least variance over (mu, r), on condition that the variance stays 4 % below those
-// of cosine sampling and of `cltc_uniform`. On average it is 5 % above the least.
+// Fitted to the shares of least variance over (mu, r), on condition that the variance stays 4 %
+// below those of cosine sampling and of the paper's choice. On average it is 5 % above the least.
 inline float qon_fujii_matched_share(float mu, float r) {
     float k = 1.0 - mu;
     float steep = 0.0169 + k * (0.2136 + k * (0.445 * k - 0.2345));
@@ -244,19 +246,21 @@ inline float qon_fujii_pdf(QonFujii params, float3 wi, float3 wo) {
     if (min(wi.z, wo.z) <= mu_min) {  // in the horizon or below
         return 0.0;
     }
-    QonFujiiQualitativeCoefficients coefficients_result = qon_fujii_qualitative_coefficients(params.sigma, 0.33);
+    QonFujiiQualitativeCoefficients coefficients_result =
+        qon_fujii_qualitative_coefficients(params.sigma, 0.33);
     float A = coefficients_result.A;
     float B = coefficients_result.B;
     return qon_fujii_pdf_cltc_matched(wi, wo, B / A);
 }
 
-// As EON's `cltc_matched`, at the roughness with the same weight of s/t.
+// EON's sampler, at the roughness with the same weight of s/t.
 inline QonFujiiSample qon_fujii_sample(QonFujii params, float3 wo, float2 u) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z <= mu_min) {  // in the horizon or below
         return QonFujiiSample{float3(0.0, 0.0, 1.0), 0.0};
     }
-    QonFujiiQualitativeCoefficients coefficients_result = qon_fujii_qualitative_coefficients(params.sigma, 0.33);
+    QonFujiiQualitativeCoefficients coefficients_result =
+        qon_fujii_qualitative_coefficients(params.sigma, 0.33);
     float A = coefficients_result.A;
     float B = coefficients_result.B;
     float3 wi = qon_fujii_sample_cltc_matched(wo, B / A, u);
@@ -309,7 +313,8 @@ inline float3 qon_fujii_albedo(QonFujii params, float3 wo) {
     if (wo.z < 0.0) {  // below the horizon
         return float3(0.0);
     }
-    QonFujiiQualitativeCoefficients coefficients_result = qon_fujii_qualitative_coefficients(params.sigma, 0.33);
+    QonFujiiQualitativeCoefficients coefficients_result =
+        qon_fujii_qualitative_coefficients(params.sigma, 0.33);
     float B = coefficients_result.B;
     return params.rho * (qon_fujii_A(params) + B * inv_pi * qon_fujii_G_fujii(wo.z));
 }

@@ -2,9 +2,11 @@
 // Retroreflective: any model with its light turned by half a turn, so that highlights go back to the light.
 //
 // Source: Belcour, Pacanowski, Delahaie, Laville-Geay, Eupherte, "Bidirectional reflectance distribution
-// function measurements and analysis of retroreflective materials", Journal of the Optical Society of
-// America A 31(12), 2014: the back vector, which lies between wo and wi mirrored at the normal, takes the
-// place of the half vector.
+// function measurements and analysis of retroreflective materials", Journal of the Optical Society
+// of America
+// A 31(12), 2014: the back vector, which lies between wo and wi mirrored at the normal, takes the place
+// of the
+// half vector.
 //
 // Torrance-Sparrow: mirrors of microscopic size, with every published choice of D, G and F.
 //
@@ -19,8 +21,9 @@
 // Elek, "Layered materials in real-time rendering", CESCG 2010, Algorithm 1: a matte part below.
 // Those of D, G and F are named in gonio.parts.distribution, masking and fresnel.
 //
-// HLSL, made by gonio from gonio/models/retroreflective.py, gonio/models/torrance_sparrow.py.
-// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// HLSL, made by gonio from gonio/models/retroreflective.py, gonio/models/torrance_sparrow.py; free to use
+// under Apache-2.0. wi points towards the light and wo towards the viewer: unit vectors in the local
+// frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // Usage: Retroreflective params; params.base.alpha = ...; ... retroreflective_eval(params, wi, wo)
 
@@ -97,8 +100,7 @@ float3 retroreflective_reflected_value(float3 re, float3 im, float3 s2, float3 p
     return (re * re + im * im) / s2 * (p / (s2 * q));
 }
 
-// Exact reflectance of a conductor, eta + i k, at a facet, from both retroreflective_cos_half
-// and retroreflective_sin2_half.
+// Exact reflectance of a conductor, eta + i k, from cosine and squared sine at a facet.
 float3 retroreflective_F_conductor_half(float cos_h, float sin2_h, float3 eta, float3 k) {
     // A trace of absorption, which keeps a conductor's roots from 0, and their squares from where GPUs
     // take them for 0. By itself it reflects where the index is matched in the horizon, (ABSORPTION_MIN /
@@ -106,7 +108,7 @@ float3 retroreflective_F_conductor_half(float cos_h, float sin2_h, float3 eta, f
     const float ABSORPTION_MIN = 1.0e-17;
     // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
     const float NEAR_NORMAL = 0.75;
-    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
+    // As for a dielectric, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     float c = cos_h;
     float3 contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
     float3 half_im = eta * k + ABSORPTION_MIN;
@@ -150,7 +152,7 @@ float2 retroreflective_slopes(float3 h) {
     return float2(h.x * inv, h.y * inv);
 }
 
-// retroreflective_ggx_D at the normal along h, which need not be unit.
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
 float retroreflective_ggx_D_along(RetroreflectiveGGX ggx, float3 h) {
     const float inv_pi = 0.31830987;
     float2 t = retroreflective_slopes(h);
@@ -207,29 +209,34 @@ float3 retroreflective_eval(Retroreflective params, float3 wi, float3 wo) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 float3 retroreflective_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    return h / sqrt(retroreflective_length2(h));  // which retroreflective_cos_half needs as well
+    return h / sqrt(retroreflective_length2(h));  // the root is the cosine's as well
+}
+
+// w where all facets are those of a unit sphere.
+float3 retroreflective_ggx_unstretched(RetroreflectiveGGX ggx, float3 w) {
+    return normalize(float3(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+float3 retroreflective_ggx_half_way(RetroreflectiveGGX ggx, float3 w, float drop, float z,
+    float v) {
+    const float two_pi = 6.2831855;
+    float r = sqrt(max(drop * (2.0 - drop), 0.0));
+    float phi = two_pi * v;
+    float3 h = float3(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
+    return normalize(float3(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
 }
 
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
-float3 retroreflective_ggx_sample_visible(RetroreflectiveGGX ggx, float3 wo, float2 u,
-    float bound) {
+float3 retroreflective_ggx_sample_visible(RetroreflectiveGGX ggx, float3 wo, float2 u) {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const float RANDOM_MARGIN = 5.9604645e-8;
-    const float two_pi = 6.2831855;
-    float3 w = normalize(float3(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
+    float3 w = retroreflective_ggx_unstretched(ggx, wo);
     // u = 1 would be the facet opposite to w, whose half vector has no direction
     float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    float height = 1.0 + bound * w.z;
-    float drop = u1 * height;
-    float r = sqrt(max(drop * (2.0 - drop), 0.0));
-    float phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    float z = (1.0 - u1) * height + (1.0 - bound) * w.z;
-    float3 h = float3(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
-    return normalize(float3(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    float height = 1.0 + w.z;
+    return retroreflective_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height, u.y);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -239,10 +246,10 @@ float3 retroreflective_mirror(float3 wo, float3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 float3 retroreflective_sample_ggx_lobe(RetroreflectiveGGX facets, float3 wo, float2 u) {
-    float3 w = retroreflective_mirror(wo, retroreflective_ggx_sample_visible(facets, wo, u, 1.0));
+    float3 w = retroreflective_mirror(wo, retroreflective_ggx_sample_visible(facets, wo, u));
     return float3(w.x, w.y, abs(w.z));
 }
 
@@ -263,24 +270,22 @@ float retroreflective_ggx_D(RetroreflectiveGGX ggx, float3 m) {
     return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-float retroreflective_pdf_visible(RetroreflectiveGGX facets, float3 wo, float3 m, float bound) {
-    return 0.5 * retroreflective_ggx_D(facets, m)
-        / (bound * wo.z + retroreflective_ggx_area(facets, wo));
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+float retroreflective_pdf_visible(RetroreflectiveGGX facets, float3 wo, float3 m) {
+    return 0.5 * retroreflective_ggx_D(facets, m) / (wo.z + retroreflective_ggx_area(facets, wo));
 }
 
 // Density of retroreflective_sample_ggx_lobe in 1/sr.
 float retroreflective_pdf_ggx_lobe(RetroreflectiveGGX facets, float3 wi, float3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = retroreflective_pdf_visible(facets, wo, retroreflective_half_vector(wi, wo),
-        1.0);
+    float straight = retroreflective_pdf_visible(facets, wo, retroreflective_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
     // The least lift, for two that are equally high but for their last digits
     float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
     float folded = retroreflective_pdf_visible(facets, wo,
-        retroreflective_half_vector(image, higher), 1.0);
+        retroreflective_half_vector(image, higher));
     return straight + (exists ? folded : 0.0);
 }
 

@@ -7,7 +7,7 @@
 // ((theta - theta_0) / width)^k with width = c^(-1/k), as c of some fits is above 10^100; F and G are never
 // below 0.
 //
-// C++, made by gonio from gonio/models/sgd.py.
+// C++, made by gonio from gonio/models/sgd.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -220,7 +220,7 @@ inline float sgd_length2(Vec3 h) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 sgd_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / sqrtf(sgd_length2(h));  // which sgd_cos_half needs as well
+    return h / sqrtf(sgd_length2(h));  // the root is the cosine's as well
 }
 
 // 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.

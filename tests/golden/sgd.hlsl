@@ -7,7 +7,7 @@
 // ((theta - theta_0) / width)^k with width = c^(-1/k), as c of some fits is above 10^100; F and G are never
 // below 0.
 //
-// HLSL, made by gonio from gonio/models/sgd.py.
+// HLSL, made by gonio from gonio/models/sgd.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -71,7 +71,7 @@ float sgd_length2(float3 h) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 float3 sgd_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    return h / sqrt(sgd_length2(h));  // which sgd_cos_half needs as well
+    return h / sqrt(sgd_length2(h));  // the root is the cosine's as well
 }
 
 // 2 atan(v) / v for v in [-1, 1], the angle whose half has the tangent v; 2 at v = 0.
@@ -98,7 +98,8 @@ float sgd_expm1(float x) {
     // Taylor's series
     float over = 1.0 + near
         * (0.5 + near * (0.16666667
-            + near * (0.041666668 + near * (0.008333334 + near * (0.0013888889 + near * 0.0001984127)))));
+            + near * (0.041666668
+                + near * (0.008333334 + near * (0.0013888889 + near * 0.0001984127)))));
     return x > -EXPM1_SMALL && x < EXPM1_SMALL ? near * over : exp(x) - 1.0;
 }
 

@@ -6,7 +6,7 @@
 // come near Beckmann. Burley's GTR, "Physically-based shading at Disney", 2012, has the same family of
 // tails. Deviation: G is Cook and Torrance's, which is exact for V-cavities of any facets and needs no fit.
 //
-// WGSL (WebGPU), made by gonio from gonio/models/student_t.py.
+// WGSL (WebGPU), made by gonio from gonio/models/student_t.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -45,7 +45,7 @@ fn student_t_sin2_half(wi: vec3f, wo: vec3f) -> f32 {
     return 0.25 * dot(apart, apart);
 }
 
-// (1 - c)^5 at a facet, from both student_t_cos_half and student_t_sin2_half.
+// (1 - c)^5 at a facet, from cosine and squared sine there.
 fn student_t_weight(cos_h: f32, sin2_h: f32) -> f32 {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
@@ -62,7 +62,7 @@ fn student_t_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn student_t_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / sqrt(student_t_length2(h));  // which student_t_cos_half needs as well
+    return h / sqrt(student_t_length2(h));  // the root is the cosine's as well
 }
 
 // atanh(y) / y for |y| < 1 / 7; with y = x / (2 + x) it is half of log(1 + x).
@@ -144,7 +144,8 @@ fn student_t_expm1(x: f32) -> f32 {
     // Taylor's series
     let over = 1.0 + near
         * (0.5 + near * (0.16666667
-            + near * (0.041666668 + near * (0.008333334 + near * (0.0013888889 + near * 0.0001984127)))));
+            + near * (0.041666668
+                + near * (0.008333334 + near * (0.0013888889 + near * 0.0001984127)))));
     return select(exp(x) - 1.0, near * over, x > -EXPM1_SMALL && x < EXPM1_SMALL);
 }
 

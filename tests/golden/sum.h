@@ -22,8 +22,9 @@
 // Elek, "Layered materials in real-time rendering", CESCG 2010, Algorithm 1: a matte part below.
 // Those of D, G and F are named in gonio.parts.distribution, masking and fresnel.
 //
-// C++, made by gonio from gonio/models/sum.py, gonio/models/lambert.py, gonio/models/torrance_sparrow.py.
-// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// C++, made by gonio from gonio/models/sum.py, gonio/models/lambert.py, gonio/models/torrance_sparrow.py;
+// free to use under Apache-2.0. wi points towards the light and wo towards the viewer: unit vectors in the
+// local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // Usage: gonio_sum::Sum params; params.first.rho = ...; ... gonio_sum::sum_eval(params, wi, wo)
 
@@ -235,9 +236,9 @@ inline Vec3 sum_reflected_value(Vec3 re, Vec3 im, Vec3 s2, Vec3 p, Vec3 q) {
     return (re * re + im * im) / s2 * (p / (s2 * q));
 }
 
-// Exact reflectance of a conductor, eta + i k, at a facet, from both sum_cos_half and sum_sin2_half.
+// Exact reflectance of a conductor, eta + i k, from cosine and squared sine at a facet.
 inline Vec3 sum_F_conductor_half(float cos_h, float sin2_h, Vec3 eta, Vec3 k) {
-    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
+    // As for a dielectric, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     float c = cos_h;
     Vec3 contrast_re = (eta - 1.0f) * (eta + 1.0f) - k * k;
     Vec3 half_im = eta * k + ABSORPTION_MIN;
@@ -277,7 +278,7 @@ inline Vec2 sum_slopes(Vec3 h) {
     return Vec2{h.x * inv, h.y * inv};
 }
 
-// sum_ggx_D at the normal along h, which need not be unit.
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
 inline float sum_ggx_D_along(SumGGX ggx, Vec3 h) {
     Vec2 t = sum_slopes(h);
     // By slopes, s is (1 + (x / alpha_x)^2 + (y / alpha_y)^2) / (1 + x^2 + y^2). Times the squares of both
@@ -331,7 +332,7 @@ inline Vec3 sum_eval(const Sum& params, Vec3 wi, Vec3 wo) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 sum_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / sqrtf(sum_length2(h));  // which sum_cos_half needs as well
+    return h / sqrtf(sum_length2(h));  // the root is the cosine's as well
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -388,22 +389,27 @@ inline SumSample sum_first_sample(Vec3 wo, Vec2 u) {
     return SumSample{wi, wi.z > mu_min ? sum_pdf_cosine(wi) : 0.0f};
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
-inline Vec3 sum_ggx_sample_visible(SumGGX ggx, Vec3 wo, Vec2 u, float bound) {
-    Vec3 w = normalize(Vec3{ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z});
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    float u1 = fminf(u.x, 1.0f - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    float height = 1.0f + bound * w.z;
-    float drop = u1 * height;
+// w where all facets are those of a unit sphere.
+inline Vec3 sum_ggx_unstretched(SumGGX ggx, Vec3 w) {
+    return normalize(Vec3{ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z});
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+inline Vec3 sum_ggx_half_way(SumGGX ggx, Vec3 w, float drop, float z, float v) {
     float r = sqrtf(fmaxf(drop * (2.0f - drop), 0.0f));
-    float phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    float z = (1.0f - u1) * height + (1.0f - bound) * w.z;
+    float phi = two_pi * v;
     Vec3 h = Vec3{r * cosf(phi) + w.x, r * sinf(phi) + w.y, z};
     return normalize(Vec3{ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z});
+}
+
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+inline Vec3 sum_ggx_sample_visible(SumGGX ggx, Vec3 wo, Vec2 u) {
+    Vec3 w = sum_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = fminf(u.x, 1.0f - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    float height = 1.0f + w.z;
+    return sum_ggx_half_way(ggx, w, u1 * height, (1.0f - u1) * height, u.y);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -413,10 +419,10 @@ inline Vec3 sum_mirror(Vec3 wo, Vec3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 inline Vec3 sum_sample_ggx_lobe(SumGGX facets, Vec3 wo, Vec2 u) {
-    Vec3 w = sum_mirror(wo, sum_ggx_sample_visible(facets, wo, u, 1.0f));
+    Vec3 w = sum_mirror(wo, sum_ggx_sample_visible(facets, wo, u));
     return Vec3{w.x, w.y, fabsf(w.z)};
 }
 
@@ -436,20 +442,20 @@ inline float sum_ggx_D(SumGGX ggx, Vec3 m) {
     return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-inline float sum_pdf_visible(SumGGX facets, Vec3 wo, Vec3 m, float bound) {
-    return 0.5f * sum_ggx_D(facets, m) / (bound * wo.z + sum_ggx_area(facets, wo));
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+inline float sum_pdf_visible(SumGGX facets, Vec3 wo, Vec3 m) {
+    return 0.5f * sum_ggx_D(facets, m) / (wo.z + sum_ggx_area(facets, wo));
 }
 
 // Density of sum_sample_ggx_lobe in 1/sr.
 inline float sum_pdf_ggx_lobe(SumGGX facets, Vec3 wi, Vec3 wo) {
-    float straight = sum_pdf_visible(facets, wo, sum_half_vector(wi, wo), 1.0f);
+    float straight = sum_pdf_visible(facets, wo, sum_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
     // The least lift, for two that are equally high but for their last digits
     Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
-    float folded = sum_pdf_visible(facets, wo, sum_half_vector(image, higher), 1.0f);
+    float folded = sum_pdf_visible(facets, wo, sum_half_vector(image, higher));
     return straight + (exists ? folded : 0.0f);
 }
 

@@ -12,7 +12,7 @@
 // Elek, "Layered materials in real-time rendering", CESCG 2010, Algorithm 1: a matte part below.
 // Those of D, G and F are named in gonio.parts.distribution, masking and fresnel.
 //
-// GLSL 4.5, made by gonio from gonio/models/torrance_sparrow.py.
+// GLSL 4.5, made by gonio from gonio/models/torrance_sparrow.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -77,8 +77,7 @@ vec3 torrance_sparrow_reflected_value(vec3 re, vec3 im, vec3 s2, vec3 p, vec3 q)
     return (re * re + im * im) / s2 * (p / (s2 * q));
 }
 
-// Exact reflectance of a conductor, eta + i k, at a facet, from both torrance_sparrow_cos_half
-// and torrance_sparrow_sin2_half.
+// Exact reflectance of a conductor, eta + i k, from cosine and squared sine at a facet.
 vec3 torrance_sparrow_F_conductor_half(float cos_h, float sin2_h, vec3 eta, vec3 k) {
     // A trace of absorption, which keeps a conductor's roots from 0, and their squares from where GPUs
     // take them for 0. By itself it reflects where the index is matched in the horizon, (ABSORPTION_MIN /
@@ -86,7 +85,7 @@ vec3 torrance_sparrow_F_conductor_half(float cos_h, float sin2_h, vec3 eta, vec3
     const float ABSORPTION_MIN = 1.0e-17;
     // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
     const float NEAR_NORMAL = 0.75;
-    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
+    // As for a dielectric, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     float c = cos_h;
     vec3 contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
     vec3 half_im = eta * k + ABSORPTION_MIN;
@@ -126,7 +125,7 @@ vec2 torrance_sparrow_slopes(vec3 h) {
     return vec2(h.x * inv, h.y * inv);
 }
 
-// torrance_sparrow_ggx_D at the normal along h, which need not be unit.
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
 float torrance_sparrow_ggx_D_along(TorranceSparrowGGX ggx, vec3 h) {
     const float inv_pi = 0.31830987;
     vec2 t = torrance_sparrow_slopes(h);
@@ -178,28 +177,34 @@ vec3 torrance_sparrow_eval(TorranceSparrow params, vec3 wi, vec3 wo) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 torrance_sparrow_half_vector(vec3 wi, vec3 wo) {
     vec3 h = wi + wo;
-    return h / sqrt(torrance_sparrow_length2(h));  // which torrance_sparrow_cos_half needs as well
+    return h / sqrt(torrance_sparrow_length2(h));  // the root is the cosine's as well
+}
+
+// w where all facets are those of a unit sphere.
+vec3 torrance_sparrow_ggx_unstretched(TorranceSparrowGGX ggx, vec3 w) {
+    return normalize(vec3(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+vec3 torrance_sparrow_ggx_half_way(TorranceSparrowGGX ggx, vec3 w, float drop, float z,
+    float v) {
+    const float two_pi = 6.2831855;
+    float r = sqrt(max(drop * (2.0 - drop), 0.0));
+    float phi = two_pi * v;
+    vec3 h = vec3(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
+    return normalize(vec3(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
 }
 
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
-vec3 torrance_sparrow_ggx_sample_visible(TorranceSparrowGGX ggx, vec3 wo, vec2 u, float bound) {
+vec3 torrance_sparrow_ggx_sample_visible(TorranceSparrowGGX ggx, vec3 wo, vec2 u) {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const float RANDOM_MARGIN = 5.9604645e-8;
-    const float two_pi = 6.2831855;
-    vec3 w = normalize(vec3(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
+    vec3 w = torrance_sparrow_ggx_unstretched(ggx, wo);
     // u = 1 would be the facet opposite to w, whose half vector has no direction
     float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    float height = 1.0 + bound * w.z;
-    float drop = u1 * height;
-    float r = sqrt(max(drop * (2.0 - drop), 0.0));
-    float phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    float z = (1.0 - u1) * height + (1.0 - bound) * w.z;
-    vec3 h = vec3(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
-    return normalize(vec3(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    float height = 1.0 + w.z;
+    return torrance_sparrow_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height, u.y);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -209,10 +214,10 @@ vec3 torrance_sparrow_mirror(vec3 wo, vec3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 vec3 torrance_sparrow_sample_ggx_lobe(TorranceSparrowGGX facets, vec3 wo, vec2 u) {
-    vec3 w = torrance_sparrow_mirror(wo, torrance_sparrow_ggx_sample_visible(facets, wo, u, 1.0));
+    vec3 w = torrance_sparrow_mirror(wo, torrance_sparrow_ggx_sample_visible(facets, wo, u));
     return vec3(w.x, w.y, abs(w.z));
 }
 
@@ -233,24 +238,22 @@ float torrance_sparrow_ggx_D(TorranceSparrowGGX ggx, vec3 m) {
     return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-float torrance_sparrow_pdf_visible(TorranceSparrowGGX facets, vec3 wo, vec3 m, float bound) {
-    return 0.5 * torrance_sparrow_ggx_D(facets, m)
-        / (bound * wo.z + torrance_sparrow_ggx_area(facets, wo));
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+float torrance_sparrow_pdf_visible(TorranceSparrowGGX facets, vec3 wo, vec3 m) {
+    return 0.5 * torrance_sparrow_ggx_D(facets, m) / (wo.z + torrance_sparrow_ggx_area(facets, wo));
 }
 
 // Density of torrance_sparrow_sample_ggx_lobe in 1/sr.
 float torrance_sparrow_pdf_ggx_lobe(TorranceSparrowGGX facets, vec3 wi, vec3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = torrance_sparrow_pdf_visible(facets, wo, torrance_sparrow_half_vector(wi, wo),
-        1.0);
+    float straight = torrance_sparrow_pdf_visible(facets, wo, torrance_sparrow_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     vec3 image = vec3(wi.x, wi.y, exists ? -wi.z : wi.z);
     // The least lift, for two that are equally high but for their last digits
     vec3 higher = vec3(wo.x, wo.y, wo.z + mu_min);
     float folded = torrance_sparrow_pdf_visible(facets, wo,
-        torrance_sparrow_half_vector(image, higher), 1.0);
+        torrance_sparrow_half_vector(image, higher));
     return straight + (exists ? folded : 0.0);
 }
 

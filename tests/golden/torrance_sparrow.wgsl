@@ -12,7 +12,7 @@
 // Elek, "Layered materials in real-time rendering", CESCG 2010, Algorithm 1: a matte part below.
 // Those of D, G and F are named in gonio.parts.distribution, masking and fresnel.
 //
-// WGSL (WebGPU), made by gonio from gonio/models/torrance_sparrow.py.
+// WGSL (WebGPU), made by gonio from gonio/models/torrance_sparrow.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -77,8 +77,7 @@ fn torrance_sparrow_reflected_value(re: vec3f, im: vec3f, s2: vec3f, p: vec3f,
     return (re * re + im * im) / s2 * (p / (s2 * q));
 }
 
-// Exact reflectance of a conductor, eta + i k, at a facet, from both torrance_sparrow_cos_half
-// and torrance_sparrow_sin2_half.
+// Exact reflectance of a conductor, eta + i k, from cosine and squared sine at a facet.
 fn torrance_sparrow_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3f) -> vec3f {
     // A trace of absorption, which keeps a conductor's roots from 0, and their squares from where GPUs
     // take them for 0. By itself it reflects where the index is matched in the horizon, (ABSORPTION_MIN /
@@ -86,7 +85,7 @@ fn torrance_sparrow_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec
     const ABSORPTION_MIN = 1.0e-17;
     // Cosine from which on the square of the sine is the smaller of the two, and keeps the digits.
     const NEAR_NORMAL = 0.75;
-    // As `F_dielectric`, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
+    // As for a dielectric, in complex numbers: contrast = (eta + i k)^2 - 1, g^2 = w = contrast + c^2
     let c = cos_h;
     let contrast_re = (eta - 1.0) * (eta + 1.0) - k * k;
     let half_im = eta * k + ABSORPTION_MIN;
@@ -126,7 +125,7 @@ fn torrance_sparrow_slopes(h: vec3f) -> vec2f {
     return vec2f(h.x * inv, h.y * inv);
 }
 
-// torrance_sparrow_ggx_D at the normal along h, which need not be unit.
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
 fn torrance_sparrow_ggx_D_along(ggx: TorranceSparrowGGX, h: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     let t = torrance_sparrow_slopes(h);
@@ -179,29 +178,34 @@ fn torrance_sparrow_eval(params: TorranceSparrow, wi: vec3f, wo: vec3f) -> vec3f
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn torrance_sparrow_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / sqrt(torrance_sparrow_length2(h));  // which torrance_sparrow_cos_half needs as well
+    return h / sqrt(torrance_sparrow_length2(h));  // the root is the cosine's as well
+}
+
+// w where all facets are those of a unit sphere.
+fn torrance_sparrow_ggx_unstretched(ggx: TorranceSparrowGGX, w: vec3f) -> vec3f {
+    return normalize(vec3f(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+fn torrance_sparrow_ggx_half_way(ggx: TorranceSparrowGGX, w: vec3f, drop: f32, z: f32,
+    v: f32) -> vec3f {
+    const two_pi = 6.2831855;
+    let r = sqrt(max(drop * (2.0 - drop), 0.0));
+    let phi = two_pi * v;
+    let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
+    return normalize(vec3f(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
 }
 
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
-fn torrance_sparrow_ggx_sample_visible(ggx: TorranceSparrowGGX, wo: vec3f, u: vec2f,
-    bound: f32) -> vec3f {
+fn torrance_sparrow_ggx_sample_visible(ggx: TorranceSparrowGGX, wo: vec3f, u: vec2f) -> vec3f {
     // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
     const RANDOM_MARGIN = 5.9604645e-8;
-    const two_pi = 6.2831855;
-    let w = normalize(vec3f(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
+    let w = torrance_sparrow_ggx_unstretched(ggx, wo);
     // u = 1 would be the facet opposite to w, whose half vector has no direction
     let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    let height = 1.0 + bound * w.z;
-    let drop = u1 * height;
-    let r = sqrt(max(drop * (2.0 - drop), 0.0));
-    let phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    let z = (1.0 - u1) * height + (1.0 - bound) * w.z;
-    let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
-    return normalize(vec3f(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    let height = 1.0 + w.z;
+    return torrance_sparrow_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height, u.y);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -211,10 +215,10 @@ fn torrance_sparrow_mirror(wo: vec3f, m: vec3f) -> vec3f {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 fn torrance_sparrow_sample_ggx_lobe(facets: TorranceSparrowGGX, wo: vec3f, u: vec2f) -> vec3f {
-    let w = torrance_sparrow_mirror(wo, torrance_sparrow_ggx_sample_visible(facets, wo, u, 1.0));
+    let w = torrance_sparrow_mirror(wo, torrance_sparrow_ggx_sample_visible(facets, wo, u));
     return vec3f(w.x, w.y, abs(w.z));
 }
 
@@ -235,25 +239,22 @@ fn torrance_sparrow_ggx_D(ggx: TorranceSparrowGGX, m: vec3f) -> f32 {
     return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-fn torrance_sparrow_pdf_visible(facets: TorranceSparrowGGX, wo: vec3f, m: vec3f,
-    bound: f32) -> f32 {
-    return 0.5 * torrance_sparrow_ggx_D(facets, m)
-        / (bound * wo.z + torrance_sparrow_ggx_area(facets, wo));
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+fn torrance_sparrow_pdf_visible(facets: TorranceSparrowGGX, wo: vec3f, m: vec3f) -> f32 {
+    return 0.5 * torrance_sparrow_ggx_D(facets, m) / (wo.z + torrance_sparrow_ggx_area(facets, wo));
 }
 
 // Density of torrance_sparrow_sample_ggx_lobe in 1/sr.
 fn torrance_sparrow_pdf_ggx_lobe(facets: TorranceSparrowGGX, wi: vec3f, wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
-    let straight = torrance_sparrow_pdf_visible(facets, wo, torrance_sparrow_half_vector(wi, wo),
-        1.0);
+    let straight = torrance_sparrow_pdf_visible(facets, wo, torrance_sparrow_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     let exists = wo.z > wi.z;
     let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
     // The least lift, for two that are equally high but for their last digits
     let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
     let folded = torrance_sparrow_pdf_visible(facets, wo,
-        torrance_sparrow_half_vector(image, higher), 1.0);
+        torrance_sparrow_half_vector(image, higher));
     return straight + select(0.0, folded, exists);
 }
 

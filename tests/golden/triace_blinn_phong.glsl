@@ -7,7 +7,7 @@
 // The course's shaders return pi f cos(theta_i); this is f. Its linear factor 0.0397436 n + 0.0856832 is a
 // fit of (n + 2) / (4 pi (2 - 2^(-n / 2))): within 0.6 % for n >= 10, 32 % too small at n = 1.
 //
-// GLSL 4.5, made by gonio from gonio/models/triace_blinn_phong.py.
+// GLSL 4.5, made by gonio from gonio/models/triace_blinn_phong.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -33,7 +33,7 @@ struct TriaceBlinnPhongChoice {
     vec2 u;  // Fresh random numbers, made of those that chose
 };
 
-// TriaceBlinnPhongGGX facets of the same width in all directions.
+// Facets of GGX with the same width in all directions.
 struct TriaceBlinnPhongRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -64,7 +64,7 @@ float triace_blinn_phong_sin2_half(vec3 wi, vec3 wo) {
     return 0.25 * dot(apart, apart);
 }
 
-// (1 - c)^5 at a facet, from both triace_blinn_phong_cos_half and triace_blinn_phong_sin2_half.
+// (1 - c)^5 at a facet, from cosine and squared sine there.
 float triace_blinn_phong_weight(float cos_h, float sin2_h) {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
@@ -97,11 +97,11 @@ float triace_blinn_phong_atanh_over(float y) {
     return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * (1.0 / 9.0))));
 }
 
-// `log_cos` of the direction along h, which need not be unit.
+// log(cos) of the angle between the normal and h, which need not be unit.
 float triace_blinn_phong_log_cos_along(vec3 h) {
     // Below this the series needs few terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
     const float LOG1P_SMALL = 0.25;
-    // log(cos) = -log(1 + tan^2) / 2, of which tan^2 / (2 + tan^2) is the y above
+    // log(cos) = -log(1 + tan^2) / 2 = -atanh(y)
     float tan2 = triace_blinn_phong_tangent2(h);
     float y = tan2 / (2.0 + tan2);
     return tan2 < LOG1P_SMALL ? -y * triace_blinn_phong_atanh_over(y) : -0.5 * log(1.0 + tan2);
@@ -200,33 +200,38 @@ vec3 triace_blinn_phong_sample_cosine(vec2 u) {
     return vec3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
-vec3 triace_blinn_phong_ggx_sample_visible(TriaceBlinnPhongGGX ggx, vec3 wo, vec2 u,
-    float bound) {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    const float RANDOM_MARGIN = 5.9604645e-8;
+// w where all facets are those of a unit sphere.
+vec3 triace_blinn_phong_ggx_unstretched(TriaceBlinnPhongGGX ggx, vec3 w) {
+    return normalize(vec3(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+vec3 triace_blinn_phong_ggx_half_way(TriaceBlinnPhongGGX ggx, vec3 w, float drop, float z,
+    float v) {
     const float two_pi = 6.2831855;
-    vec3 w = normalize(vec3(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    float height = 1.0 + bound * w.z;
-    float drop = u1 * height;
     float r = sqrt(max(drop * (2.0 - drop), 0.0));
-    float phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    float z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    float phi = two_pi * v;
     vec3 h = vec3(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
     return normalize(vec3(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
 }
 
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+vec3 triace_blinn_phong_ggx_sample_visible(TriaceBlinnPhongGGX ggx, vec3 wo, vec2 u) {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const float RANDOM_MARGIN = 5.9604645e-8;
+    vec3 w = triace_blinn_phong_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    float height = 1.0 + w.z;
+    return triace_blinn_phong_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height, u.y);
+}
+
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m); see triace_blinn_phong_ggx_sample_visible.
 vec3 triace_blinn_phong_round_ggx_sample_visible(TriaceBlinnPhongRoundGGX round_ggx, vec3 wo,
-    vec2 u, float bound) {
+    vec2 u) {
     return triace_blinn_phong_ggx_sample_visible(TriaceBlinnPhongGGX(round_ggx.alpha,
-        round_ggx.alpha), wo, u, bound);
+        round_ggx.alpha), wo, u);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -236,11 +241,11 @@ vec3 triace_blinn_phong_mirror(vec3 wo, vec3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 vec3 triace_blinn_phong_sample_ggx_lobe(TriaceBlinnPhongRoundGGX facets, vec3 wo, vec2 u) {
     vec3 w = triace_blinn_phong_mirror(wo,
-        triace_blinn_phong_round_ggx_sample_visible(facets, wo, u, 1.0));
+        triace_blinn_phong_round_ggx_sample_visible(facets, wo, u));
     return vec3(w.x, w.y, abs(w.z));
 }
 
@@ -262,8 +267,7 @@ float triace_blinn_phong_pdf_cosine(vec3 w) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 triace_blinn_phong_half_vector(vec3 wi, vec3 wo) {
     vec3 h = wi + wo;
-    // which triace_blinn_phong_cos_half needs as well
-    return h / sqrt(triace_blinn_phong_length2(h));
+    return h / sqrt(triace_blinn_phong_length2(h));  // the root is the cosine's as well
 }
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
@@ -280,25 +284,24 @@ float triace_blinn_phong_round_ggx_area(TriaceBlinnPhongRoundGGX round_ggx, vec3
     return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-float triace_blinn_phong_pdf_visible(TriaceBlinnPhongRoundGGX facets, vec3 wo, vec3 m,
-    float bound) {
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+float triace_blinn_phong_pdf_visible(TriaceBlinnPhongRoundGGX facets, vec3 wo, vec3 m) {
     return 0.5 * triace_blinn_phong_round_ggx_D(facets, m)
-        / (bound * wo.z + triace_blinn_phong_round_ggx_area(facets, wo));
+        / (wo.z + triace_blinn_phong_round_ggx_area(facets, wo));
 }
 
 // Density of triace_blinn_phong_sample_ggx_lobe in 1/sr.
 float triace_blinn_phong_pdf_ggx_lobe(TriaceBlinnPhongRoundGGX facets, vec3 wi, vec3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
     float straight = triace_blinn_phong_pdf_visible(facets, wo,
-        triace_blinn_phong_half_vector(wi, wo), 1.0);
+        triace_blinn_phong_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     vec3 image = vec3(wi.x, wi.y, exists ? -wi.z : wi.z);
     // The least lift, for two that are equally high but for their last digits
     vec3 higher = vec3(wo.x, wo.y, wo.z + mu_min);
     float folded = triace_blinn_phong_pdf_visible(facets, wo,
-        triace_blinn_phong_half_vector(image, higher), 1.0);
+        triace_blinn_phong_half_vector(image, higher));
     return straight + (exists ? folded : 0.0);
 }
 

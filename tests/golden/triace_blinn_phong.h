@@ -7,7 +7,7 @@
 // The course's shaders return pi f cos(theta_i); this is f. Its linear factor 0.0397436 n + 0.0856832 is a
 // fit of (n + 2) / (4 pi (2 - 2^(-n / 2))): within 0.6 % for n >= 10, 32 % too small at n = 1.
 //
-// C++, made by gonio from gonio/models/triace_blinn_phong.py.
+// C++, made by gonio from gonio/models/triace_blinn_phong.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -125,7 +125,7 @@ struct TriaceBlinnPhongChoice {
     Vec2 u;  // Fresh random numbers, made of those that chose
 };
 
-// TriaceBlinnPhongGGX facets of the same width in all directions.
+// Facets of GGX with the same width in all directions.
 struct TriaceBlinnPhongRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -156,7 +156,7 @@ inline float triace_blinn_phong_sin2_half(Vec3 wi, Vec3 wo) {
     return 0.25f * dot(apart, apart);
 }
 
-// (1 - c)^5 at a facet, from both triace_blinn_phong_cos_half and triace_blinn_phong_sin2_half.
+// (1 - c)^5 at a facet, from cosine and squared sine there.
 inline float triace_blinn_phong_weight(float cos_h, float sin2_h) {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
@@ -189,9 +189,9 @@ inline float triace_blinn_phong_atanh_over(float y) {
     return 1.0f + y2 * (1.0f / 3.0f + y2 * (1.0f / 5.0f + y2 * (1.0f / 7.0f + y2 * (1.0f / 9.0f))));
 }
 
-// `log_cos` of the direction along h, which need not be unit.
+// log(cos) of the angle between the normal and h, which need not be unit.
 inline float triace_blinn_phong_log_cos_along(Vec3 h) {
-    // log(cos) = -log(1 + tan^2) / 2, of which tan^2 / (2 + tan^2) is the y above
+    // log(cos) = -log(1 + tan^2) / 2 = -atanh(y)
     float tan2 = triace_blinn_phong_tangent2(h);
     float y = tan2 / (2.0f + tan2);
     return tan2 < LOG1P_SMALL ? -y * triace_blinn_phong_atanh_over(y) : -0.5f * logf(1.0f + tan2);
@@ -275,30 +275,35 @@ inline Vec3 triace_blinn_phong_sample_cosine(Vec2 u) {
     return Vec3{r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u.x, 0.0f))};
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
-inline Vec3 triace_blinn_phong_ggx_sample_visible(TriaceBlinnPhongGGX ggx, Vec3 wo, Vec2 u,
-    float bound) {
-    Vec3 w = normalize(Vec3{ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z});
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    float u1 = fminf(u.x, 1.0f - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    float height = 1.0f + bound * w.z;
-    float drop = u1 * height;
+// w where all facets are those of a unit sphere.
+inline Vec3 triace_blinn_phong_ggx_unstretched(TriaceBlinnPhongGGX ggx, Vec3 w) {
+    return normalize(Vec3{ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z});
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+inline Vec3 triace_blinn_phong_ggx_half_way(TriaceBlinnPhongGGX ggx, Vec3 w, float drop,
+    float z, float v) {
     float r = sqrtf(fmaxf(drop * (2.0f - drop), 0.0f));
-    float phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    float z = (1.0f - u1) * height + (1.0f - bound) * w.z;
+    float phi = two_pi * v;
     Vec3 h = Vec3{r * cosf(phi) + w.x, r * sinf(phi) + w.y, z};
     return normalize(Vec3{ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z});
 }
 
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+inline Vec3 triace_blinn_phong_ggx_sample_visible(TriaceBlinnPhongGGX ggx, Vec3 wo, Vec2 u) {
+    Vec3 w = triace_blinn_phong_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = fminf(u.x, 1.0f - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    float height = 1.0f + w.z;
+    return triace_blinn_phong_ggx_half_way(ggx, w, u1 * height, (1.0f - u1) * height, u.y);
+}
+
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m); see triace_blinn_phong_ggx_sample_visible.
 inline Vec3 triace_blinn_phong_round_ggx_sample_visible(TriaceBlinnPhongRoundGGX round_ggx,
-    Vec3 wo, Vec2 u, float bound) {
+    Vec3 wo, Vec2 u) {
     return triace_blinn_phong_ggx_sample_visible(TriaceBlinnPhongGGX{round_ggx.alpha,
-        round_ggx.alpha}, wo, u, bound);
+        round_ggx.alpha}, wo, u);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -308,12 +313,12 @@ inline Vec3 triace_blinn_phong_mirror(Vec3 wo, Vec3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 inline Vec3 triace_blinn_phong_sample_ggx_lobe(TriaceBlinnPhongRoundGGX facets, Vec3 wo,
     Vec2 u) {
     Vec3 w = triace_blinn_phong_mirror(wo,
-        triace_blinn_phong_round_ggx_sample_visible(facets, wo, u, 1.0f));
+        triace_blinn_phong_round_ggx_sample_visible(facets, wo, u));
     return Vec3{w.x, w.y, fabsf(w.z)};
 }
 
@@ -334,8 +339,7 @@ inline float triace_blinn_phong_pdf_cosine(Vec3 w) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 triace_blinn_phong_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    // which triace_blinn_phong_cos_half needs as well
-    return h / sqrtf(triace_blinn_phong_length2(h));
+    return h / sqrtf(triace_blinn_phong_length2(h));  // the root is the cosine's as well
 }
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
@@ -351,25 +355,24 @@ inline float triace_blinn_phong_round_ggx_area(TriaceBlinnPhongRoundGGX round_gg
     return sqrtf(a2 + (1.0f - a2) * (w.z * w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-inline float triace_blinn_phong_pdf_visible(TriaceBlinnPhongRoundGGX facets, Vec3 wo, Vec3 m,
-    float bound) {
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+inline float triace_blinn_phong_pdf_visible(TriaceBlinnPhongRoundGGX facets, Vec3 wo, Vec3 m) {
     return 0.5f * triace_blinn_phong_round_ggx_D(facets, m)
-        / (bound * wo.z + triace_blinn_phong_round_ggx_area(facets, wo));
+        / (wo.z + triace_blinn_phong_round_ggx_area(facets, wo));
 }
 
 // Density of triace_blinn_phong_sample_ggx_lobe in 1/sr.
 inline float triace_blinn_phong_pdf_ggx_lobe(TriaceBlinnPhongRoundGGX facets, Vec3 wi,
     Vec3 wo) {
     float straight = triace_blinn_phong_pdf_visible(facets, wo,
-        triace_blinn_phong_half_vector(wi, wo), 1.0f);
+        triace_blinn_phong_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
     // The least lift, for two that are equally high but for their last digits
     Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
     float folded = triace_blinn_phong_pdf_visible(facets, wo,
-        triace_blinn_phong_half_vector(image, higher), 1.0f);
+        triace_blinn_phong_half_vector(image, higher));
     return straight + (exists ? folded : 0.0f);
 }
 

@@ -7,7 +7,7 @@
 // The course's shaders return pi f cos(theta_i); this is f. Its linear factor 0.0397436 n + 0.0856832 is a
 // fit of (n + 2) / (4 pi (2 - 2^(-n / 2))): within 0.6 % for n >= 10, 32 % too small at n = 1.
 //
-// WGSL (WebGPU), made by gonio from gonio/models/triace_blinn_phong.py.
+// WGSL (WebGPU), made by gonio from gonio/models/triace_blinn_phong.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -33,7 +33,7 @@ struct TriaceBlinnPhongChoice {
     u: vec2f,  // Fresh random numbers, made of those that chose
 }
 
-// TriaceBlinnPhongGGX facets of the same width in all directions.
+// Facets of GGX with the same width in all directions.
 struct TriaceBlinnPhongRoundGGX {
     alpha: f32,  // width of the slopes
 }
@@ -64,7 +64,7 @@ fn triace_blinn_phong_sin2_half(wi: vec3f, wo: vec3f) -> f32 {
     return 0.25 * dot(apart, apart);
 }
 
-// (1 - c)^5 at a facet, from both triace_blinn_phong_cos_half and triace_blinn_phong_sin2_half.
+// (1 - c)^5 at a facet, from cosine and squared sine there.
 fn triace_blinn_phong_weight(cos_h: f32, sin2_h: f32) -> f32 {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
@@ -97,11 +97,11 @@ fn triace_blinn_phong_atanh_over(y: f32) -> f32 {
     return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * (1.0 / 9.0))));
 }
 
-// `log_cos` of the direction along h, which need not be unit.
+// log(cos) of the angle between the normal and h, which need not be unit.
 fn triace_blinn_phong_log_cos_along(h: vec3f) -> f32 {
     // Below this the series needs few terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
     const LOG1P_SMALL = 0.25;
-    // log(cos) = -log(1 + tan^2) / 2, of which tan^2 / (2 + tan^2) is the y above
+    // log(cos) = -log(1 + tan^2) / 2 = -atanh(y)
     let tan2 = triace_blinn_phong_tangent2(h);
     let y = tan2 / (2.0 + tan2);
     return select(-0.5 * log(1.0 + tan2), -y * triace_blinn_phong_atanh_over(y),
@@ -201,33 +201,39 @@ fn triace_blinn_phong_sample_cosine(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
-fn triace_blinn_phong_ggx_sample_visible(ggx: TriaceBlinnPhongGGX, wo: vec3f, u: vec2f,
-    bound: f32) -> vec3f {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    const RANDOM_MARGIN = 5.9604645e-8;
+// w where all facets are those of a unit sphere.
+fn triace_blinn_phong_ggx_unstretched(ggx: TriaceBlinnPhongGGX, w: vec3f) -> vec3f {
+    return normalize(vec3f(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+fn triace_blinn_phong_ggx_half_way(ggx: TriaceBlinnPhongGGX, w: vec3f, drop: f32, z: f32,
+    v: f32) -> vec3f {
     const two_pi = 6.2831855;
-    let w = normalize(vec3f(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    let height = 1.0 + bound * w.z;
-    let drop = u1 * height;
     let r = sqrt(max(drop * (2.0 - drop), 0.0));
-    let phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    let z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    let phi = two_pi * v;
     let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
     return normalize(vec3f(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
 }
 
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+fn triace_blinn_phong_ggx_sample_visible(ggx: TriaceBlinnPhongGGX, wo: vec3f,
+    u: vec2f) -> vec3f {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const RANDOM_MARGIN = 5.9604645e-8;
+    let w = triace_blinn_phong_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    let height = 1.0 + w.z;
+    return triace_blinn_phong_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height, u.y);
+}
+
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m); see triace_blinn_phong_ggx_sample_visible.
 fn triace_blinn_phong_round_ggx_sample_visible(round_ggx: TriaceBlinnPhongRoundGGX, wo: vec3f,
-    u: vec2f, bound: f32) -> vec3f {
+    u: vec2f) -> vec3f {
     return triace_blinn_phong_ggx_sample_visible(TriaceBlinnPhongGGX(round_ggx.alpha,
-        round_ggx.alpha), wo, u, bound);
+        round_ggx.alpha), wo, u);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -237,12 +243,12 @@ fn triace_blinn_phong_mirror(wo: vec3f, m: vec3f) -> vec3f {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 fn triace_blinn_phong_sample_ggx_lobe(facets: TriaceBlinnPhongRoundGGX, wo: vec3f,
     u: vec2f) -> vec3f {
     let w = triace_blinn_phong_mirror(wo,
-        triace_blinn_phong_round_ggx_sample_visible(facets, wo, u, 1.0));
+        triace_blinn_phong_round_ggx_sample_visible(facets, wo, u));
     return vec3f(w.x, w.y, abs(w.z));
 }
 
@@ -265,8 +271,7 @@ fn triace_blinn_phong_pdf_cosine(w: vec3f) -> f32 {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn triace_blinn_phong_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    // which triace_blinn_phong_cos_half needs as well
-    return h / sqrt(triace_blinn_phong_length2(h));
+    return h / sqrt(triace_blinn_phong_length2(h));  // the root is the cosine's as well
 }
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
@@ -283,11 +288,11 @@ fn triace_blinn_phong_round_ggx_area(round_ggx: TriaceBlinnPhongRoundGGX, w: vec
     return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-fn triace_blinn_phong_pdf_visible(facets: TriaceBlinnPhongRoundGGX, wo: vec3f, m: vec3f,
-    bound: f32) -> f32 {
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+fn triace_blinn_phong_pdf_visible(facets: TriaceBlinnPhongRoundGGX, wo: vec3f,
+    m: vec3f) -> f32 {
     return 0.5 * triace_blinn_phong_round_ggx_D(facets, m)
-        / (bound * wo.z + triace_blinn_phong_round_ggx_area(facets, wo));
+        / (wo.z + triace_blinn_phong_round_ggx_area(facets, wo));
 }
 
 // Density of triace_blinn_phong_sample_ggx_lobe in 1/sr.
@@ -295,14 +300,14 @@ fn triace_blinn_phong_pdf_ggx_lobe(facets: TriaceBlinnPhongRoundGGX, wi: vec3f,
     wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
     let straight = triace_blinn_phong_pdf_visible(facets, wo,
-        triace_blinn_phong_half_vector(wi, wo), 1.0);
+        triace_blinn_phong_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     let exists = wo.z > wi.z;
     let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
     // The least lift, for two that are equally high but for their last digits
     let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
     let folded = triace_blinn_phong_pdf_visible(facets, wo,
-        triace_blinn_phong_half_vector(image, higher), 1.0);
+        triace_blinn_phong_half_vector(image, higher));
     return straight + select(0.0, folded, exists);
 }
 

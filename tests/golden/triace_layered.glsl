@@ -9,7 +9,7 @@
 // in the exact absorption; F_trans takes its part from the lower layer's diffuse reflection as well, which
 // an option turns off.
 //
-// GLSL 4.5, made by gonio from gonio/models/triace_layered.py.
+// GLSL 4.5, made by gonio from gonio/models/triace_layered.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -46,7 +46,7 @@ struct TriaceLayeredBottomFresnel {
     float matte;  // Factor of the matte reflection (Eq. 9)
 };
 
-// What shares returns.
+// What triace_layered_shares returns.
 struct TriaceLayeredShares {
     vec2 P_top;
     vec2 P_bottom;
@@ -58,7 +58,7 @@ struct TriaceLayeredChoice {
     vec2 u;  // Fresh random numbers, made of those that chose
 };
 
-// TriaceLayeredGGX facets of the same width in all directions.
+// Facets of GGX with the same width in all directions.
 struct TriaceLayeredRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -95,7 +95,7 @@ float triace_layered_sin2_half(vec3 wi, vec3 wo) {
     return 0.25 * dot(apart, apart);
 }
 
-// (1 - c)^5 at a facet, from both triace_layered_cos_half and triace_layered_sin2_half.
+// (1 - c)^5 at a facet, from cosine and squared sine there.
 float triace_layered_weight(float cos_h, float sin2_h) {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
@@ -127,11 +127,11 @@ float triace_layered_atanh_over(float y) {
     return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * (1.0 / 9.0))));
 }
 
-// `log_cos` of the direction along h, which need not be unit.
+// log(cos) of the angle between the normal and h, which need not be unit.
 float triace_layered_log_cos_along(vec3 h) {
     // Below this the series needs few terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
     const float LOG1P_SMALL = 0.25;
-    // log(cos) = -log(1 + tan^2) / 2, of which tan^2 / (2 + tan^2) is the y above
+    // log(cos) = -log(1 + tan^2) / 2 = -atanh(y)
     float tan2 = triace_layered_tangent2(h);
     float y = tan2 / (2.0 + tan2);
     return tan2 < LOG1P_SMALL ? -y * triace_layered_atanh_over(y) : -0.5 * log(1.0 + tan2);
@@ -159,8 +159,8 @@ float triace_layered_refracted_cos2(float mu, float eta) {
 
 // F and T = 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside, mu > 0.
 TriaceLayeredEntering triace_layered_split_entering(float mu, float eta) {
-    // F as in `F_dielectric_half`; 1 - r_s^2 = 4 c g / s^2 with s = c + g, and 1 - r_p^2 = 4 c g eta^2 / (s
-    // q)^2 with q = c g + sin^2(theta). One quotient serves both.
+    // r_s = (1 - eta^2) / s^2 with s = c + g, and r_p = r_s (c g - sin2) / q with q = c g + sin2. So 1 - r_s^2
+    // = 4 c g / s^2, and 1 - r_p^2 = 4 c g eta^2 / (s q)^2. One quotient serves all.
     float c = mu;
     float g = sqrt(triace_layered_refracted_cos2(c, eta));
     float s = c + g;
@@ -175,7 +175,7 @@ TriaceLayeredEntering triace_layered_split_entering(float mu, float eta) {
     return TriaceLayeredEntering(F, p * inv * (2.0 * (q2 + eta * eta)));
 }
 
-// `F_dielectric` of eta >= 1, which never reflects all light, at a cosine outside, mu > 0.
+// Exact reflectance of a dielectric with eta >= 1, never total, at a cosine outside, mu > 0.
 float triace_layered_F_dielectric_entering(float mu, float eta) {
     return triace_layered_split_entering(mu, eta).F;
 }
@@ -375,32 +375,36 @@ TriaceLayeredRoundGGX triace_layered_top(TriaceLayered params) {
     return TriaceLayeredRoundGGX(triace_layered_blinn_phong_alpha(params.top_shininess));
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
-vec3 triace_layered_ggx_sample_visible(TriaceLayeredGGX ggx, vec3 wo, vec2 u, float bound) {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    const float RANDOM_MARGIN = 5.9604645e-8;
+// w where all facets are those of a unit sphere.
+vec3 triace_layered_ggx_unstretched(TriaceLayeredGGX ggx, vec3 w) {
+    return normalize(vec3(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+vec3 triace_layered_ggx_half_way(TriaceLayeredGGX ggx, vec3 w, float drop, float z, float v) {
     const float two_pi = 6.2831855;
-    vec3 w = normalize(vec3(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    float height = 1.0 + bound * w.z;
-    float drop = u1 * height;
     float r = sqrt(max(drop * (2.0 - drop), 0.0));
-    float phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    float z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    float phi = two_pi * v;
     vec3 h = vec3(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
     return normalize(vec3(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
 }
 
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+vec3 triace_layered_ggx_sample_visible(TriaceLayeredGGX ggx, vec3 wo, vec2 u) {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const float RANDOM_MARGIN = 5.9604645e-8;
+    vec3 w = triace_layered_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    float height = 1.0 + w.z;
+    return triace_layered_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height, u.y);
+}
+
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m); see triace_layered_ggx_sample_visible.
-vec3 triace_layered_round_ggx_sample_visible(TriaceLayeredRoundGGX round_ggx, vec3 wo, vec2 u,
-    float bound) {
+vec3 triace_layered_round_ggx_sample_visible(TriaceLayeredRoundGGX round_ggx, vec3 wo, vec2 u) {
     return triace_layered_ggx_sample_visible(TriaceLayeredGGX(round_ggx.alpha, round_ggx.alpha), wo,
-        u, bound);
+        u);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -410,14 +414,14 @@ vec3 triace_layered_mirror(vec3 wo, vec3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 vec3 triace_layered_sample_ggx_lobe(TriaceLayeredRoundGGX facets, vec3 wo, vec2 u) {
-    vec3 w = triace_layered_mirror(wo, triace_layered_round_ggx_sample_visible(facets, wo, u, 1.0));
+    vec3 w = triace_layered_mirror(wo, triace_layered_round_ggx_sample_visible(facets, wo, u));
     return vec3(w.x, w.y, abs(w.z));
 }
 
-// The same for the lower highlight.
+// Facets that the lower highlight is sampled by: as wide, with a longer tail.
 TriaceLayeredRoundGGX triace_layered_bottom(TriaceLayered params) {
     return TriaceLayeredRoundGGX(triace_layered_blinn_phong_alpha(params.bottom_shininess));
 }
@@ -433,7 +437,7 @@ vec3 triace_layered_sample_cosine(vec2 u) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 triace_layered_half_vector(vec3 wi, vec3 wo) {
     vec3 h = wi + wo;
-    return h / sqrt(triace_layered_length2(h));  // which triace_layered_cos_half needs as well
+    return h / sqrt(triace_layered_length2(h));  // the root is the cosine's as well
 }
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
@@ -450,24 +454,23 @@ float triace_layered_round_ggx_area(TriaceLayeredRoundGGX round_ggx, vec3 w) {
     return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-float triace_layered_pdf_visible(TriaceLayeredRoundGGX facets, vec3 wo, vec3 m, float bound) {
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+float triace_layered_pdf_visible(TriaceLayeredRoundGGX facets, vec3 wo, vec3 m) {
     return 0.5 * triace_layered_round_ggx_D(facets, m)
-        / (bound * wo.z + triace_layered_round_ggx_area(facets, wo));
+        / (wo.z + triace_layered_round_ggx_area(facets, wo));
 }
 
 // Density of triace_layered_sample_ggx_lobe in 1/sr.
 float triace_layered_pdf_ggx_lobe(TriaceLayeredRoundGGX facets, vec3 wi, vec3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = triace_layered_pdf_visible(facets, wo, triace_layered_half_vector(wi, wo),
-        1.0);
+    float straight = triace_layered_pdf_visible(facets, wo, triace_layered_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     vec3 image = vec3(wi.x, wi.y, exists ? -wi.z : wi.z);
     // The least lift, for two that are equally high but for their last digits
     vec3 higher = vec3(wo.x, wo.y, wo.z + mu_min);
-    float folded = triace_layered_pdf_visible(facets, wo, triace_layered_half_vector(image, higher),
-        1.0);
+    float folded = triace_layered_pdf_visible(facets, wo,
+        triace_layered_half_vector(image, higher));
     return straight + (exists ? folded : 0.0);
 }
 

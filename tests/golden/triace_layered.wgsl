@@ -9,7 +9,7 @@
 // in the exact absorption; F_trans takes its part from the lower layer's diffuse reflection as well, which
 // an option turns off.
 //
-// WGSL (WebGPU), made by gonio from gonio/models/triace_layered.py.
+// WGSL (WebGPU), made by gonio from gonio/models/triace_layered.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -47,7 +47,7 @@ struct TriaceLayeredBottomFresnel {
     matte: f32,  // Factor of the matte reflection (Eq. 9)
 }
 
-// What shares returns.
+// What triace_layered_shares returns.
 struct TriaceLayeredShares {
     P_top: vec2f,
     P_bottom: vec2f,
@@ -59,7 +59,7 @@ struct TriaceLayeredChoice {
     u: vec2f,  // Fresh random numbers, made of those that chose
 }
 
-// TriaceLayeredGGX facets of the same width in all directions.
+// Facets of GGX with the same width in all directions.
 struct TriaceLayeredRoundGGX {
     alpha: f32,  // width of the slopes
 }
@@ -96,7 +96,7 @@ fn triace_layered_sin2_half(wi: vec3f, wo: vec3f) -> f32 {
     return 0.25 * dot(apart, apart);
 }
 
-// (1 - c)^5 at a facet, from both triace_layered_cos_half and triace_layered_sin2_half.
+// (1 - c)^5 at a facet, from cosine and squared sine there.
 fn triace_layered_weight(cos_h: f32, sin2_h: f32) -> f32 {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
@@ -128,11 +128,11 @@ fn triace_layered_atanh_over(y: f32) -> f32 {
     return 1.0 + y2 * (1.0 / 3.0 + y2 * (1.0 / 5.0 + y2 * (1.0 / 7.0 + y2 * (1.0 / 9.0))));
 }
 
-// `log_cos` of the direction along h, which need not be unit.
+// log(cos) of the angle between the normal and h, which need not be unit.
 fn triace_layered_log_cos_along(h: vec3f) -> f32 {
     // Below this the series needs few terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
     const LOG1P_SMALL = 0.25;
-    // log(cos) = -log(1 + tan^2) / 2, of which tan^2 / (2 + tan^2) is the y above
+    // log(cos) = -log(1 + tan^2) / 2 = -atanh(y)
     let tan2 = triace_layered_tangent2(h);
     let y = tan2 / (2.0 + tan2);
     return select(-0.5 * log(1.0 + tan2), -y * triace_layered_atanh_over(y), tan2 < LOG1P_SMALL);
@@ -160,8 +160,8 @@ fn triace_layered_refracted_cos2(mu: f32, eta: f32) -> f32 {
 
 // F and T = 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside, mu > 0.
 fn triace_layered_split_entering(mu: f32, eta: f32) -> TriaceLayeredEntering {
-    // F as in `F_dielectric_half`; 1 - r_s^2 = 4 c g / s^2 with s = c + g, and 1 - r_p^2 = 4 c g eta^2 / (s
-    // q)^2 with q = c g + sin^2(theta). One quotient serves both.
+    // r_s = (1 - eta^2) / s^2 with s = c + g, and r_p = r_s (c g - sin2) / q with q = c g + sin2. So 1 - r_s^2
+    // = 4 c g / s^2, and 1 - r_p^2 = 4 c g eta^2 / (s q)^2. One quotient serves all.
     let c = mu;
     let g = sqrt(triace_layered_refracted_cos2(c, eta));
     let s = c + g;
@@ -176,7 +176,7 @@ fn triace_layered_split_entering(mu: f32, eta: f32) -> TriaceLayeredEntering {
     return TriaceLayeredEntering(F, p * inv * (2.0 * (q2 + eta * eta)));
 }
 
-// `F_dielectric` of eta >= 1, which never reflects all light, at a cosine outside, mu > 0.
+// Exact reflectance of a dielectric with eta >= 1, never total, at a cosine outside, mu > 0.
 fn triace_layered_F_dielectric_entering(mu: f32, eta: f32) -> f32 {
     return triace_layered_split_entering(mu, eta).F;
 }
@@ -377,33 +377,38 @@ fn triace_layered_top(params: TriaceLayered) -> TriaceLayeredRoundGGX {
     return TriaceLayeredRoundGGX(triace_layered_blinn_phong_alpha(params.top_shininess));
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
-fn triace_layered_ggx_sample_visible(ggx: TriaceLayeredGGX, wo: vec3f, u: vec2f,
-    bound: f32) -> vec3f {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    const RANDOM_MARGIN = 5.9604645e-8;
+// w where all facets are those of a unit sphere.
+fn triace_layered_ggx_unstretched(ggx: TriaceLayeredGGX, w: vec3f) -> vec3f {
+    return normalize(vec3f(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+fn triace_layered_ggx_half_way(ggx: TriaceLayeredGGX, w: vec3f, drop: f32, z: f32,
+    v: f32) -> vec3f {
     const two_pi = 6.2831855;
-    let w = normalize(vec3f(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    let height = 1.0 + bound * w.z;
-    let drop = u1 * height;
     let r = sqrt(max(drop * (2.0 - drop), 0.0));
-    let phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    let z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    let phi = two_pi * v;
     let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
     return normalize(vec3f(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
 }
 
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+fn triace_layered_ggx_sample_visible(ggx: TriaceLayeredGGX, wo: vec3f, u: vec2f) -> vec3f {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const RANDOM_MARGIN = 5.9604645e-8;
+    let w = triace_layered_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    let height = 1.0 + w.z;
+    return triace_layered_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height, u.y);
+}
+
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m); see triace_layered_ggx_sample_visible.
 fn triace_layered_round_ggx_sample_visible(round_ggx: TriaceLayeredRoundGGX, wo: vec3f,
-    u: vec2f, bound: f32) -> vec3f {
+    u: vec2f) -> vec3f {
     return triace_layered_ggx_sample_visible(TriaceLayeredGGX(round_ggx.alpha, round_ggx.alpha), wo,
-        u, bound);
+        u);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -413,14 +418,14 @@ fn triace_layered_mirror(wo: vec3f, m: vec3f) -> vec3f {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 fn triace_layered_sample_ggx_lobe(facets: TriaceLayeredRoundGGX, wo: vec3f, u: vec2f) -> vec3f {
-    let w = triace_layered_mirror(wo, triace_layered_round_ggx_sample_visible(facets, wo, u, 1.0));
+    let w = triace_layered_mirror(wo, triace_layered_round_ggx_sample_visible(facets, wo, u));
     return vec3f(w.x, w.y, abs(w.z));
 }
 
-// The same for the lower highlight.
+// Facets that the lower highlight is sampled by: as wide, with a longer tail.
 fn triace_layered_bottom(params: TriaceLayered) -> TriaceLayeredRoundGGX {
     return TriaceLayeredRoundGGX(triace_layered_blinn_phong_alpha(params.bottom_shininess));
 }
@@ -436,7 +441,7 @@ fn triace_layered_sample_cosine(u: vec2f) -> vec3f {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn triace_layered_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / sqrt(triace_layered_length2(h));  // which triace_layered_cos_half needs as well
+    return h / sqrt(triace_layered_length2(h));  // the root is the cosine's as well
 }
 
 // Density of facets, in 1/sr. Walter et al., Eq. 33.
@@ -453,24 +458,22 @@ fn triace_layered_round_ggx_area(round_ggx: TriaceLayeredRoundGGX, w: vec3f) -> 
     return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-fn triace_layered_pdf_visible(facets: TriaceLayeredRoundGGX, wo: vec3f, m: vec3f,
-    bound: f32) -> f32 {
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+fn triace_layered_pdf_visible(facets: TriaceLayeredRoundGGX, wo: vec3f, m: vec3f) -> f32 {
     return 0.5 * triace_layered_round_ggx_D(facets, m)
-        / (bound * wo.z + triace_layered_round_ggx_area(facets, wo));
+        / (wo.z + triace_layered_round_ggx_area(facets, wo));
 }
 
 // Density of triace_layered_sample_ggx_lobe in 1/sr.
 fn triace_layered_pdf_ggx_lobe(facets: TriaceLayeredRoundGGX, wi: vec3f, wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
-    let straight = triace_layered_pdf_visible(facets, wo, triace_layered_half_vector(wi, wo), 1.0);
+    let straight = triace_layered_pdf_visible(facets, wo, triace_layered_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     let exists = wo.z > wi.z;
     let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
     // The least lift, for two that are equally high but for their last digits
     let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
-    let folded = triace_layered_pdf_visible(facets, wo, triace_layered_half_vector(image, higher),
-        1.0);
+    let folded = triace_layered_pdf_visible(facets, wo, triace_layered_half_vector(image, higher));
     return straight + select(0.0, folded, exists);
 }
 

@@ -6,7 +6,7 @@
 // The course gives the radiance f cos(theta_i); this is f. Where eq24 passes through zero on its way to a
 // negative value, float32 keeps an absolute accuracy of 1e-6 rho / pi, not a relative one.
 //
-// GLSL 4.5, made by gonio from gonio/models/triace_oren_nayar.py.
+// GLSL 4.5, made by gonio from gonio/models/triace_oren_nayar.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // Usage: TriaceOrenNayar params; params.rho = ...; ... triace_oren_nayar_eval(params, wi, wo)
@@ -30,7 +30,7 @@ struct TriaceOrenNayarCoefficients {
     float B;  // B, of the term that depends on the azimuth
 };
 
-// What coefficients returns.
+// What triace_oren_nayar_cltc_coefficients returns.
 struct TriaceOrenNayarCoefficients2 {
     float a;
     float b;
@@ -85,17 +85,19 @@ vec3 triace_oren_nayar_eval(TriaceOrenNayar params, vec3 wi, vec3 wo) {
 // ---- sampling ------------------------------------------------------------------------------
 
 float triace_oren_nayar_matched_roughness(float r) {
-    // Up to this roughness `cltc_matched` is cosine sampling. A lobe sheared by d leaves a wedge of height r
-    // above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that of cosine sampling
-    // is of order r^2, and the smaller of the two below r = 3e-4.
+    // Up to this roughness triace_oren_nayar_sample_cltc_matched is cosine sampling. A lobe sheared by d leaves
+    // a wedge of height r above the horizon to the uniform lobe, which costs a variance of r^2 log(1 / r); that
+    // of cosine
+    // sampling is of order r^2, and the smaller of the two below r = 3e-4.
     const float R_COSINE = 1.0e-4;
     return max(r - R_COSINE, 0.0);
 }
 
-// How many samples `cltc_matched` gives to the uniform lobe: 0 at r = 0, at most 0.13.
+// How many samples triace_oren_nayar_sample_cltc_matched gives to the uniform lobe: 0 at r = 0, at
+// most 0.13.
 //
-// Fitted to the shares of least variance over (mu, r), on condition that the variance stays 4 % below those
-// of cosine sampling and of `cltc_uniform`. On average it is 5 % above the least.
+// Fitted to the shares of least variance over (mu, r), on condition that the variance stays 4 %
+// below those of cosine sampling and of the paper's choice. On average it is 5 % above the least.
 float triace_oren_nayar_matched_share(float mu, float r) {
     float k = 1.0 - mu;
     float steep = 0.0169 + k * (0.2136 + k * (0.445 * k - 0.2345));
@@ -243,7 +245,7 @@ float triace_oren_nayar_pdf(TriaceOrenNayar params, vec3 wi, vec3 wo) {
     return triace_oren_nayar_pdf_cltc_matched(wi, wo, B / A);
 }
 
-// As EON's `cltc_matched`, at the roughness with the same weight of s/t.
+// EON's sampler, at the roughness with the same weight of s/t.
 TriaceOrenNayarSample triace_oren_nayar_sample(TriaceOrenNayar params, vec3 wo, vec2 u) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
     if (wo.z <= mu_min) {  // in the horizon or below

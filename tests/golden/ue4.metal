@@ -8,7 +8,7 @@
 // Deviations: the Fresnel term is Schlick's power, which the engine replaces by
 // 2^((-5.55473 (wo.H) - 6.98316) (wo.H)), at most 0.0038 from it; alpha is at least ALPHA_MIN.
 //
-// Metal, made by gonio from gonio/models/ue4.py.
+// Metal, made by gonio from gonio/models/ue4.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -33,7 +33,7 @@ struct Ue4 {
     float roughness;  // perceptual roughness, alpha = roughness^2; 0 to 1, default 0.5
 };
 
-// Ue4GGX facets of the same width in all directions.
+// Facets of GGX with the same width in all directions.
 struct Ue4RoundGGX {
     float alpha;  // width of the slopes
 };
@@ -75,7 +75,7 @@ inline float ue4_sin2_half(float3 wi, float3 wo) {
     return 0.25 * dot(apart, apart);
 }
 
-// (1 - c)^5 at a facet, from both ue4_cos_half and ue4_sin2_half.
+// (1 - c)^5 at a facet, from cosine and squared sine there.
 inline float ue4_weight(float cos_h, float sin2_h) {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
@@ -108,7 +108,7 @@ inline float ue4_tangent2(float3 h) {
     return t.x * t.x + t.y * t.y;
 }
 
-// ue4_round_ggx_D at the normal along h, which need not be unit.
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
 inline float ue4_round_ggx_D_along(Ue4RoundGGX round_ggx, float3 h) {
     const float inv_pi = 0.31830987;
     float a2 = round_ggx.alpha * round_ggx.alpha;
@@ -151,7 +151,7 @@ inline float3 ue4_eval(Ue4 params, float3 wi, float3 wo) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline float3 ue4_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    return h / sqrt(ue4_length2(h));  // which ue4_cos_half needs as well
+    return h / sqrt(ue4_length2(h));  // the root is the cosine's as well
 }
 
 // (1 - cos_theta)^5 of Schlick's approximation.
@@ -215,31 +215,35 @@ inline float3 ue4_sample_cosine(float2 u) {
     return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
-inline float3 ue4_ggx_sample_visible(Ue4GGX ggx, float3 wo, float2 u, float bound) {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    const float RANDOM_MARGIN = 5.9604645e-8;
+// w where all facets are those of a unit sphere.
+inline float3 ue4_ggx_unstretched(Ue4GGX ggx, float3 w) {
+    return normalize(float3(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+inline float3 ue4_ggx_half_way(Ue4GGX ggx, float3 w, float drop, float z, float v) {
     const float two_pi = 6.2831855;
-    float3 w = normalize(float3(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    float height = 1.0 + bound * w.z;
-    float drop = u1 * height;
     float r = sqrt(max(drop * (2.0 - drop), 0.0));
-    float phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    float z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    float phi = two_pi * v;
     float3 h = float3(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
     return normalize(float3(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
 }
 
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+inline float3 ue4_ggx_sample_visible(Ue4GGX ggx, float3 wo, float2 u) {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const float RANDOM_MARGIN = 5.9604645e-8;
+    float3 w = ue4_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    float height = 1.0 + w.z;
+    return ue4_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height, u.y);
+}
+
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m); see ue4_ggx_sample_visible.
-inline float3 ue4_round_ggx_sample_visible(Ue4RoundGGX round_ggx, float3 wo, float2 u,
-    float bound) {
-    return ue4_ggx_sample_visible(Ue4GGX{round_ggx.alpha, round_ggx.alpha}, wo, u, bound);
+inline float3 ue4_round_ggx_sample_visible(Ue4RoundGGX round_ggx, float3 wo, float2 u) {
+    return ue4_ggx_sample_visible(Ue4GGX{round_ggx.alpha, round_ggx.alpha}, wo, u);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -249,10 +253,10 @@ inline float3 ue4_mirror(float3 wo, float3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 inline float3 ue4_sample_ggx_lobe(Ue4RoundGGX facets, float3 wo, float2 u) {
-    float3 w = ue4_mirror(wo, ue4_round_ggx_sample_visible(facets, wo, u, 1.0));
+    float3 w = ue4_mirror(wo, ue4_round_ggx_sample_visible(facets, wo, u));
     return float3(w.x, w.y, abs(w.z));
 }
 
@@ -284,21 +288,21 @@ inline float ue4_round_ggx_area(Ue4RoundGGX round_ggx, float3 w) {
     return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-inline float ue4_pdf_visible(Ue4RoundGGX facets, float3 wo, float3 m, float bound) {
-    return 0.5 * ue4_round_ggx_D(facets, m) / (bound * wo.z + ue4_round_ggx_area(facets, wo));
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+inline float ue4_pdf_visible(Ue4RoundGGX facets, float3 wo, float3 m) {
+    return 0.5 * ue4_round_ggx_D(facets, m) / (wo.z + ue4_round_ggx_area(facets, wo));
 }
 
 // Density of ue4_sample_ggx_lobe in 1/sr.
 inline float ue4_pdf_ggx_lobe(Ue4RoundGGX facets, float3 wi, float3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = ue4_pdf_visible(facets, wo, ue4_half_vector(wi, wo), 1.0);
+    float straight = ue4_pdf_visible(facets, wo, ue4_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
     // The least lift, for two that are equally high but for their last digits
     float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
-    float folded = ue4_pdf_visible(facets, wo, ue4_half_vector(image, higher), 1.0);
+    float folded = ue4_pdf_visible(facets, wo, ue4_half_vector(image, higher));
     return straight + (exists ? folded : 0.0);
 }
 

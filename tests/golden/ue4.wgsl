@@ -8,7 +8,7 @@
 // Deviations: the Fresnel term is Schlick's power, which the engine replaces by
 // 2^((-5.55473 (wo.H) - 6.98316) (wo.H)), at most 0.0038 from it; alpha is at least ALPHA_MIN.
 //
-// WGSL (WebGPU), made by gonio from gonio/models/ue4.py.
+// WGSL (WebGPU), made by gonio from gonio/models/ue4.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -30,7 +30,7 @@ struct Ue4 {
     roughness: f32,  // perceptual roughness, alpha = roughness^2; 0 to 1, default 0.5
 }
 
-// Ue4GGX facets of the same width in all directions.
+// Facets of GGX with the same width in all directions.
 struct Ue4RoundGGX {
     alpha: f32,  // width of the slopes
 }
@@ -72,7 +72,7 @@ fn ue4_sin2_half(wi: vec3f, wo: vec3f) -> f32 {
     return 0.25 * dot(apart, apart);
 }
 
-// (1 - c)^5 at a facet, from both ue4_cos_half and ue4_sin2_half.
+// (1 - c)^5 at a facet, from cosine and squared sine there.
 fn ue4_weight(cos_h: f32, sin2_h: f32) -> f32 {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
@@ -105,7 +105,7 @@ fn ue4_tangent2(h: vec3f) -> f32 {
     return t.x * t.x + t.y * t.y;
 }
 
-// ue4_round_ggx_D at the normal along h, which need not be unit.
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
 fn ue4_round_ggx_D_along(round_ggx: Ue4RoundGGX, h: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     let a2 = round_ggx.alpha * round_ggx.alpha;
@@ -148,7 +148,7 @@ fn ue4_eval(params: Ue4, wi: vec3f, wo: vec3f) -> vec3f {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn ue4_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / sqrt(ue4_length2(h));  // which ue4_cos_half needs as well
+    return h / sqrt(ue4_length2(h));  // the root is the cosine's as well
 }
 
 // (1 - cos_theta)^5 of Schlick's approximation.
@@ -211,31 +211,35 @@ fn ue4_sample_cosine(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
-fn ue4_ggx_sample_visible(ggx: Ue4GGX, wo: vec3f, u: vec2f, bound: f32) -> vec3f {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    const RANDOM_MARGIN = 5.9604645e-8;
+// w where all facets are those of a unit sphere.
+fn ue4_ggx_unstretched(ggx: Ue4GGX, w: vec3f) -> vec3f {
+    return normalize(vec3f(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+fn ue4_ggx_half_way(ggx: Ue4GGX, w: vec3f, drop: f32, z: f32, v: f32) -> vec3f {
     const two_pi = 6.2831855;
-    let w = normalize(vec3f(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    let height = 1.0 + bound * w.z;
-    let drop = u1 * height;
     let r = sqrt(max(drop * (2.0 - drop), 0.0));
-    let phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    let z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    let phi = two_pi * v;
     let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
     return normalize(vec3f(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
 }
 
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+fn ue4_ggx_sample_visible(ggx: Ue4GGX, wo: vec3f, u: vec2f) -> vec3f {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const RANDOM_MARGIN = 5.9604645e-8;
+    let w = ue4_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    let height = 1.0 + w.z;
+    return ue4_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height, u.y);
+}
+
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m); see ue4_ggx_sample_visible.
-fn ue4_round_ggx_sample_visible(round_ggx: Ue4RoundGGX, wo: vec3f, u: vec2f,
-    bound: f32) -> vec3f {
-    return ue4_ggx_sample_visible(Ue4GGX(round_ggx.alpha, round_ggx.alpha), wo, u, bound);
+fn ue4_round_ggx_sample_visible(round_ggx: Ue4RoundGGX, wo: vec3f, u: vec2f) -> vec3f {
+    return ue4_ggx_sample_visible(Ue4GGX(round_ggx.alpha, round_ggx.alpha), wo, u);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -245,10 +249,10 @@ fn ue4_mirror(wo: vec3f, m: vec3f) -> vec3f {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 fn ue4_sample_ggx_lobe(facets: Ue4RoundGGX, wo: vec3f, u: vec2f) -> vec3f {
-    let w = ue4_mirror(wo, ue4_round_ggx_sample_visible(facets, wo, u, 1.0));
+    let w = ue4_mirror(wo, ue4_round_ggx_sample_visible(facets, wo, u));
     return vec3f(w.x, w.y, abs(w.z));
 }
 
@@ -280,21 +284,21 @@ fn ue4_round_ggx_area(round_ggx: Ue4RoundGGX, w: vec3f) -> f32 {
     return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-fn ue4_pdf_visible(facets: Ue4RoundGGX, wo: vec3f, m: vec3f, bound: f32) -> f32 {
-    return 0.5 * ue4_round_ggx_D(facets, m) / (bound * wo.z + ue4_round_ggx_area(facets, wo));
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+fn ue4_pdf_visible(facets: Ue4RoundGGX, wo: vec3f, m: vec3f) -> f32 {
+    return 0.5 * ue4_round_ggx_D(facets, m) / (wo.z + ue4_round_ggx_area(facets, wo));
 }
 
 // Density of ue4_sample_ggx_lobe in 1/sr.
 fn ue4_pdf_ggx_lobe(facets: Ue4RoundGGX, wi: vec3f, wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
-    let straight = ue4_pdf_visible(facets, wo, ue4_half_vector(wi, wo), 1.0);
+    let straight = ue4_pdf_visible(facets, wo, ue4_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     let exists = wo.z > wi.z;
     let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
     // The least lift, for two that are equally high but for their last digits
     let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
-    let folded = ue4_pdf_visible(facets, wo, ue4_half_vector(image, higher), 1.0);
+    let folded = ue4_pdf_visible(facets, wo, ue4_half_vector(image, higher));
     return straight + select(0.0, folded, exists);
 }
 

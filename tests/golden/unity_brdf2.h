@@ -8,7 +8,7 @@
 // grazing directions. Unity's constants are kept: at roughness 0 there is no highlight at all.
 // BRDF3, the lowest of the three, is absent: it reads its highlight from a table that is not public.
 //
-// C++, made by gonio from gonio/models/unity_brdf2.py.
+// C++, made by gonio from gonio/models/unity_brdf2.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -118,7 +118,7 @@ struct UnityBrdf2Choice {
     Vec2 u;  // Fresh random numbers, made of those that chose
 };
 
-// UnityBrdf2GGX facets of the same width in all directions.
+// Facets of GGX with the same width in all directions.
 struct UnityBrdf2RoundGGX {
     float alpha;  // width of the slopes
 };
@@ -147,7 +147,7 @@ inline float unity_brdf2_length2(Vec3 h) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 unity_brdf2_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / sqrtf(unity_brdf2_length2(h));  // which unity_brdf2_cos_half needs as well
+    return h / sqrtf(unity_brdf2_length2(h));  // the root is the cosine's as well
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
@@ -228,29 +228,33 @@ inline Vec3 unity_brdf2_sample_cosine(Vec2 u) {
     return Vec3{r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u.x, 0.0f))};
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
-inline Vec3 unity_brdf2_ggx_sample_visible(UnityBrdf2GGX ggx, Vec3 wo, Vec2 u, float bound) {
-    Vec3 w = normalize(Vec3{ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z});
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    float u1 = fminf(u.x, 1.0f - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    float height = 1.0f + bound * w.z;
-    float drop = u1 * height;
+// w where all facets are those of a unit sphere.
+inline Vec3 unity_brdf2_ggx_unstretched(UnityBrdf2GGX ggx, Vec3 w) {
+    return normalize(Vec3{ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z});
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+inline Vec3 unity_brdf2_ggx_half_way(UnityBrdf2GGX ggx, Vec3 w, float drop, float z, float v) {
     float r = sqrtf(fmaxf(drop * (2.0f - drop), 0.0f));
-    float phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    float z = (1.0f - u1) * height + (1.0f - bound) * w.z;
+    float phi = two_pi * v;
     Vec3 h = Vec3{r * cosf(phi) + w.x, r * sinf(phi) + w.y, z};
     return normalize(Vec3{ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z});
 }
 
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+inline Vec3 unity_brdf2_ggx_sample_visible(UnityBrdf2GGX ggx, Vec3 wo, Vec2 u) {
+    Vec3 w = unity_brdf2_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = fminf(u.x, 1.0f - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    float height = 1.0f + w.z;
+    return unity_brdf2_ggx_half_way(ggx, w, u1 * height, (1.0f - u1) * height, u.y);
+}
+
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m); see unity_brdf2_ggx_sample_visible.
-inline Vec3 unity_brdf2_round_ggx_sample_visible(UnityBrdf2RoundGGX round_ggx, Vec3 wo, Vec2 u,
-    float bound) {
-    return unity_brdf2_ggx_sample_visible(UnityBrdf2GGX{round_ggx.alpha, round_ggx.alpha}, wo, u,
-        bound);
+inline Vec3 unity_brdf2_round_ggx_sample_visible(UnityBrdf2RoundGGX round_ggx, Vec3 wo,
+    Vec2 u) {
+    return unity_brdf2_ggx_sample_visible(UnityBrdf2GGX{round_ggx.alpha, round_ggx.alpha}, wo, u);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -260,10 +264,10 @@ inline Vec3 unity_brdf2_mirror(Vec3 wo, Vec3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 inline Vec3 unity_brdf2_sample_ggx_lobe(UnityBrdf2RoundGGX facets, Vec3 wo, Vec2 u) {
-    Vec3 w = unity_brdf2_mirror(wo, unity_brdf2_round_ggx_sample_visible(facets, wo, u, 1.0f));
+    Vec3 w = unity_brdf2_mirror(wo, unity_brdf2_round_ggx_sample_visible(facets, wo, u));
     return Vec3{w.x, w.y, fabsf(w.z)};
 }
 
@@ -294,22 +298,21 @@ inline float unity_brdf2_round_ggx_area(UnityBrdf2RoundGGX round_ggx, Vec3 w) {
     return sqrtf(a2 + (1.0f - a2) * (w.z * w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-inline float unity_brdf2_pdf_visible(UnityBrdf2RoundGGX facets, Vec3 wo, Vec3 m, float bound) {
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+inline float unity_brdf2_pdf_visible(UnityBrdf2RoundGGX facets, Vec3 wo, Vec3 m) {
     return 0.5f * unity_brdf2_round_ggx_D(facets, m)
-        / (bound * wo.z + unity_brdf2_round_ggx_area(facets, wo));
+        / (wo.z + unity_brdf2_round_ggx_area(facets, wo));
 }
 
 // Density of unity_brdf2_sample_ggx_lobe in 1/sr.
 inline float unity_brdf2_pdf_ggx_lobe(UnityBrdf2RoundGGX facets, Vec3 wi, Vec3 wo) {
-    float straight = unity_brdf2_pdf_visible(facets, wo, unity_brdf2_half_vector(wi, wo), 1.0f);
+    float straight = unity_brdf2_pdf_visible(facets, wo, unity_brdf2_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
     // The least lift, for two that are equally high but for their last digits
     Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
-    float folded = unity_brdf2_pdf_visible(facets, wo, unity_brdf2_half_vector(image, higher),
-        1.0f);
+    float folded = unity_brdf2_pdf_visible(facets, wo, unity_brdf2_half_vector(image, higher));
     return straight + (exists ? folded : 0.0f);
 }
 

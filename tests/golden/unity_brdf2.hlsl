@@ -8,7 +8,7 @@
 // grazing directions. Unity's constants are kept: at roughness 0 there is no highlight at all.
 // BRDF3, the lowest of the three, is absent: it reads its highlight from a table that is not public.
 //
-// HLSL, made by gonio from gonio/models/unity_brdf2.py.
+// HLSL, made by gonio from gonio/models/unity_brdf2.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -34,7 +34,7 @@ struct UnityBrdf2Choice {
     float2 u;  // Fresh random numbers, made of those that chose
 };
 
-// UnityBrdf2GGX facets of the same width in all directions.
+// Facets of GGX with the same width in all directions.
 struct UnityBrdf2RoundGGX {
     float alpha;  // width of the slopes
 };
@@ -66,7 +66,7 @@ float unity_brdf2_length2(float3 h) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 float3 unity_brdf2_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    return h / sqrt(unity_brdf2_length2(h));  // which unity_brdf2_cos_half needs as well
+    return h / sqrt(unity_brdf2_length2(h));  // the root is the cosine's as well
 }
 
 // wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
@@ -169,34 +169,38 @@ float3 unity_brdf2_sample_cosine(float2 u) {
     return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
-float3 unity_brdf2_ggx_sample_visible(UnityBrdf2GGX ggx, float3 wo, float2 u, float bound) {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    const float RANDOM_MARGIN = 5.9604645e-8;
+// w where all facets are those of a unit sphere.
+float3 unity_brdf2_ggx_unstretched(UnityBrdf2GGX ggx, float3 w) {
+    return normalize(float3(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+float3 unity_brdf2_ggx_half_way(UnityBrdf2GGX ggx, float3 w, float drop, float z, float v) {
     const float two_pi = 6.2831855;
-    float3 w = normalize(float3(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    float height = 1.0 + bound * w.z;
-    float drop = u1 * height;
     float r = sqrt(max(drop * (2.0 - drop), 0.0));
-    float phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    float z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    float phi = two_pi * v;
     float3 h = float3(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
     return normalize(float3(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
 }
 
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+float3 unity_brdf2_ggx_sample_visible(UnityBrdf2GGX ggx, float3 wo, float2 u) {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const float RANDOM_MARGIN = 5.9604645e-8;
+    float3 w = unity_brdf2_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    float height = 1.0 + w.z;
+    return unity_brdf2_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height, u.y);
+}
+
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m); see unity_brdf2_ggx_sample_visible.
-float3 unity_brdf2_round_ggx_sample_visible(UnityBrdf2RoundGGX round_ggx, float3 wo, float2 u,
-    float bound) {
+float3 unity_brdf2_round_ggx_sample_visible(UnityBrdf2RoundGGX round_ggx, float3 wo, float2 u) {
     UnityBrdf2GGX ggx;
     ggx.alpha_x = round_ggx.alpha;
     ggx.alpha_y = round_ggx.alpha;
-    return unity_brdf2_ggx_sample_visible(ggx, wo, u, bound);
+    return unity_brdf2_ggx_sample_visible(ggx, wo, u);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -206,10 +210,10 @@ float3 unity_brdf2_mirror(float3 wo, float3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 float3 unity_brdf2_sample_ggx_lobe(UnityBrdf2RoundGGX facets, float3 wo, float2 u) {
-    float3 w = unity_brdf2_mirror(wo, unity_brdf2_round_ggx_sample_visible(facets, wo, u, 1.0));
+    float3 w = unity_brdf2_mirror(wo, unity_brdf2_round_ggx_sample_visible(facets, wo, u));
     return float3(w.x, w.y, abs(w.z));
 }
 
@@ -243,22 +247,22 @@ float unity_brdf2_round_ggx_area(UnityBrdf2RoundGGX round_ggx, float3 w) {
     return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-float unity_brdf2_pdf_visible(UnityBrdf2RoundGGX facets, float3 wo, float3 m, float bound) {
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+float unity_brdf2_pdf_visible(UnityBrdf2RoundGGX facets, float3 wo, float3 m) {
     return 0.5 * unity_brdf2_round_ggx_D(facets, m)
-        / (bound * wo.z + unity_brdf2_round_ggx_area(facets, wo));
+        / (wo.z + unity_brdf2_round_ggx_area(facets, wo));
 }
 
 // Density of unity_brdf2_sample_ggx_lobe in 1/sr.
 float unity_brdf2_pdf_ggx_lobe(UnityBrdf2RoundGGX facets, float3 wi, float3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = unity_brdf2_pdf_visible(facets, wo, unity_brdf2_half_vector(wi, wo), 1.0);
+    float straight = unity_brdf2_pdf_visible(facets, wo, unity_brdf2_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
     // The least lift, for two that are equally high but for their last digits
     float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
-    float folded = unity_brdf2_pdf_visible(facets, wo, unity_brdf2_half_vector(image, higher), 1.0);
+    float folded = unity_brdf2_pdf_visible(facets, wo, unity_brdf2_half_vector(image, higher));
     return straight + (exists ? folded : 0.0);
 }
 

@@ -11,7 +11,7 @@
 // Deviation: Unity adds 1e-5 to V's and 1e-7 to D's denominator, against division by zero; neither is here.
 // The second dims its highlights: the peak by 4 % at roughness 0.2, 28 % at 0.15 and 91 % at 0.1.
 //
-// GLSL 4.5, made by gonio from gonio/models/unity_standard.py.
+// GLSL 4.5, made by gonio from gonio/models/unity_standard.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -31,7 +31,7 @@ struct UnityStandard {
     float roughness;  // perceptual roughness, 1 - Unity's smoothness; 0 to 1, default 0.5
 };
 
-// UnityStandardGGX facets of the same width in all directions.
+// Facets of GGX with the same width in all directions.
 struct UnityStandardRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -58,8 +58,7 @@ float unity_standard_schlick_weight(float cos_theta) {
 }
 
 vec3 unity_standard_f0(UnityStandard params) {
-    // Unity's dielectric reflectance (linear colour space), and its lower limit of alpha.
-    const float F0_DIELECTRIC = 0.04;
+    const float F0_DIELECTRIC = 0.04;  // reflectance of dielectrics (linear colour space)
     return mix(vec3(F0_DIELECTRIC), params.base_color, vec3(params.metallic));
 }
 
@@ -81,7 +80,7 @@ float unity_standard_sin2_half(vec3 wi, vec3 wo) {
     return 0.25 * dot(apart, apart);
 }
 
-// (1 - c)^5 at a facet, from both unity_standard_cos_half and unity_standard_sin2_half.
+// (1 - c)^5 at a facet, from cosine and squared sine there.
 float unity_standard_weight(float cos_h, float sin2_h) {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
@@ -96,12 +95,12 @@ float unity_standard_schlick_weight_half(vec3 wi, vec3 wo) {
 }
 
 vec3 unity_standard_diffuse(UnityStandard params) {
-    const float F0_DIELECTRIC = 0.04;
+    const float F0_DIELECTRIC = 0.04;  // reflectance of dielectrics (linear colour space)
     return (1.0 - F0_DIELECTRIC) * (1.0 - params.metallic) * params.base_color;
 }
 
 float unity_standard_alpha(UnityStandard params) {
-    const float ALPHA_UNITY = 0.002;
+    const float ALPHA_UNITY = 0.002;  // lower limit of alpha
     return max(params.roughness * params.roughness, ALPHA_UNITY);
 }
 
@@ -117,7 +116,7 @@ float unity_standard_tangent2(vec3 h) {
     return t.x * t.x + t.y * t.y;
 }
 
-// unity_standard_round_ggx_D at the normal along h, which need not be unit.
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
 float unity_standard_round_ggx_D_along(UnityStandardRoundGGX round_ggx, vec3 h) {
     const float inv_pi = 0.31830987;
     float a2 = round_ggx.alpha * round_ggx.alpha;
@@ -158,7 +157,7 @@ vec3 unity_standard_eval(UnityStandard params, vec3 wi, vec3 wo) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 unity_standard_half_vector(vec3 wi, vec3 wo) {
     vec3 h = wi + wo;
-    return h / sqrt(unity_standard_length2(h));  // which unity_standard_cos_half needs as well
+    return h / sqrt(unity_standard_length2(h));  // the root is the cosine's as well
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -215,32 +214,36 @@ vec3 unity_standard_sample_cosine(vec2 u) {
     return vec3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
-vec3 unity_standard_ggx_sample_visible(UnityStandardGGX ggx, vec3 wo, vec2 u, float bound) {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    const float RANDOM_MARGIN = 5.9604645e-8;
+// w where all facets are those of a unit sphere.
+vec3 unity_standard_ggx_unstretched(UnityStandardGGX ggx, vec3 w) {
+    return normalize(vec3(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+vec3 unity_standard_ggx_half_way(UnityStandardGGX ggx, vec3 w, float drop, float z, float v) {
     const float two_pi = 6.2831855;
-    vec3 w = normalize(vec3(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    float height = 1.0 + bound * w.z;
-    float drop = u1 * height;
     float r = sqrt(max(drop * (2.0 - drop), 0.0));
-    float phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    float z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    float phi = two_pi * v;
     vec3 h = vec3(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
     return normalize(vec3(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
 }
 
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+vec3 unity_standard_ggx_sample_visible(UnityStandardGGX ggx, vec3 wo, vec2 u) {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const float RANDOM_MARGIN = 5.9604645e-8;
+    vec3 w = unity_standard_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    float height = 1.0 + w.z;
+    return unity_standard_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height, u.y);
+}
+
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m); see unity_standard_ggx_sample_visible.
-vec3 unity_standard_round_ggx_sample_visible(UnityStandardRoundGGX round_ggx, vec3 wo, vec2 u,
-    float bound) {
+vec3 unity_standard_round_ggx_sample_visible(UnityStandardRoundGGX round_ggx, vec3 wo, vec2 u) {
     return unity_standard_ggx_sample_visible(UnityStandardGGX(round_ggx.alpha, round_ggx.alpha), wo,
-        u, bound);
+        u);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -250,10 +253,10 @@ vec3 unity_standard_mirror(vec3 wo, vec3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 vec3 unity_standard_sample_ggx_lobe(UnityStandardRoundGGX facets, vec3 wo, vec2 u) {
-    vec3 w = unity_standard_mirror(wo, unity_standard_round_ggx_sample_visible(facets, wo, u, 1.0));
+    vec3 w = unity_standard_mirror(wo, unity_standard_round_ggx_sample_visible(facets, wo, u));
     return vec3(w.x, w.y, abs(w.z));
 }
 
@@ -286,24 +289,23 @@ float unity_standard_round_ggx_area(UnityStandardRoundGGX round_ggx, vec3 w) {
     return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-float unity_standard_pdf_visible(UnityStandardRoundGGX facets, vec3 wo, vec3 m, float bound) {
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+float unity_standard_pdf_visible(UnityStandardRoundGGX facets, vec3 wo, vec3 m) {
     return 0.5 * unity_standard_round_ggx_D(facets, m)
-        / (bound * wo.z + unity_standard_round_ggx_area(facets, wo));
+        / (wo.z + unity_standard_round_ggx_area(facets, wo));
 }
 
 // Density of unity_standard_sample_ggx_lobe in 1/sr.
 float unity_standard_pdf_ggx_lobe(UnityStandardRoundGGX facets, vec3 wi, vec3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = unity_standard_pdf_visible(facets, wo, unity_standard_half_vector(wi, wo),
-        1.0);
+    float straight = unity_standard_pdf_visible(facets, wo, unity_standard_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     vec3 image = vec3(wi.x, wi.y, exists ? -wi.z : wi.z);
     // The least lift, for two that are equally high but for their last digits
     vec3 higher = vec3(wo.x, wo.y, wo.z + mu_min);
-    float folded = unity_standard_pdf_visible(facets, wo, unity_standard_half_vector(image, higher),
-        1.0);
+    float folded = unity_standard_pdf_visible(facets, wo,
+        unity_standard_half_vector(image, higher));
     return straight + (exists ? folded : 0.0);
 }
 

