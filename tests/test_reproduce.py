@@ -16,7 +16,7 @@ from support.tolerances import DOUBLE_DIVIDED
 import gonio
 from gonio import reproduce
 from gonio.cli import main
-from gonio.reproduce import Sheet, Verdict
+from gonio.reproduce import Sheet, Verdict, rendered
 from gonio.reproduce.measure import directions, drawn, hemisphere, weights
 from gonio.reproduce.text import Item, Text
 
@@ -247,6 +247,19 @@ def test_a_page_has_picture_and_numbers(tmp_path: Path) -> None:
     data = json.loads((tmp_path / "eon-3.json").read_text(encoding="utf-8"))
     assert data["verdict"] == "agrees"
     assert {line["state"] for line in data["lines"]} == {"holds"}
+
+
+def test_a_picture_without_labels_has_no_strip_for_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from PIL import Image
+
+    monkeypatch.setattr(rendered, "compare", lambda *_, **__: np.full((8, 8, 3), 0.2, np.float32))
+    eon = gonio.model("eon")
+    for labels, high in (([""], False), (["EON"], True)):
+        one = rendered.Rendered([eon], labels, common={"size": (8, 8)})
+        with Image.open(one.save(tmp_path / "one.png")) as picture:
+            assert (picture.height > 8) is high
 
 
 def test_the_command_lists_and_writes(tmp_path: Path) -> None:

@@ -57,7 +57,12 @@ class Rendered:
         rows, columns, height, width, _ = cells.shape
         sheet = cells.transpose(0, 2, 1, 3, 4).reshape(rows * height, columns * width, 3)
         names = [name for name, _ in self.rows]
-        write_picture(output, sheet, labels=self.labels, row_labels=names if any(names) else ())
+        write_picture(
+            output,
+            sheet,
+            labels=self.labels if any(self.labels) else (),
+            row_labels=names if any(names) else (),
+        )
         return Path(output)
 
 

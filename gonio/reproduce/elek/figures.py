@@ -20,11 +20,12 @@ from gonio.model import Model
 from gonio.parts import metals, tilt
 from gonio.reproduce.elek import TEXT, formulas
 from gonio.reproduce.measure import Floats, directions, gray, hemisphere
-from gonio.reproduce.rendered import Later, Rendered, Shade, Shaded
+from gonio.reproduce.rendered import Later, Rendered, Shade, Shaded, single_bounce
 from gonio.reproduce.sheet import Sheet
 from gonio.reproduce.text import Picture
 
-SUN = [("", {"environment": "sun"})]
+# A shader shows what a lamp's light does at its first reflection, and no more.
+SUN = [("", single_bounce("sun"))]
 
 
 def _over_metal(alpha: float, below: float, clamp: str = "on") -> Model:

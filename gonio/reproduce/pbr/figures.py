@@ -15,7 +15,7 @@ from gonio.parts import fresnel, metals
 from gonio.reproduce.measure import Floats, directions, gray, largest_difference, random_pairs
 from gonio.reproduce.pbr import TEXT
 from gonio.reproduce.pbr.equations import PRINTED, D_ggx, half
-from gonio.reproduce.rendered import Later, Layout, Rendered
+from gonio.reproduce.rendered import Later, Layout, Rendered, single_bounce
 from gonio.reproduce.sheet import Sheet
 from gonio.reproduce.text import Picture
 
@@ -73,7 +73,7 @@ def chrome(sheet: Sheet) -> Picture:
     sheet.claim(
         "GGX over Beckmann, 35 degrees from the mirror direction", ">=", "1", tail[0] / tail[1]
     )
-    return Rendered(models, ["GGX", "Beckmann"], [("", {"environment": "sun"})])
+    return Rendered(models, ["GGX", "Beckmann"], [("", single_bounce("sun"))])
 
 
 @TEXT.item("i", "section 4.2.1.3", "the highlight over the roughness")

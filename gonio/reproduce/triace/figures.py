@@ -18,7 +18,7 @@ from gonio.model import Model
 from gonio.parts import distribution, fresnel
 from gonio.reproduce.cycles import show_cycles
 from gonio.reproduce.measure import Floats, directions, gray
-from gonio.reproduce.rendered import Later, Layout, Rendered, Shaded
+from gonio.reproduce.rendered import Later, Layout, Rendered, Shaded, single_bounce
 from gonio.reproduce.sheet import Sheet
 from gonio.reproduce.text import Picture
 from gonio.reproduce.triace import TEXT, formulas
@@ -97,7 +97,7 @@ def figure_2(sheet: Sheet) -> Picture:
         why='"our approximation provides good results"',
     )
     names = ["original", "approximated", "no absorption"]
-    return Rendered(_absorbing(), names, [("sun", {"environment": "sun"})])
+    return Rendered(_absorbing(), names, [("sun", single_bounce("sun"))])
 
 
 @TEXT.item("2-times", "Figure 2", "0.53, 0.37, 0.34 ms, and 0.33 ms for a single layer", slow=True)
