@@ -141,8 +141,8 @@ def advance(
     while state.cases < goal:
         if between is not None:
             between()
-        size = BATCH if state.cases < EARLY else LARGE_BATCH
-        batch(subject, state, min(size, goal - state.cases))
+        most = BATCH if state.cases < EARLY else LARGE_BATCH
+        batch(subject, state, min(most, goal - state.cases))
 
 
 def batch(subject: Subject, state: State, count: int) -> None:
