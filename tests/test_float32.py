@@ -16,6 +16,7 @@ import gonio
 from gonio import reference
 from gonio.claims import UNBOUNDED
 from gonio.fields import ModelError
+from gonio.models import unity_brdf2
 from gonio.parts import fresnel, lobes, masking
 
 COUNT = 1 << 14
@@ -369,6 +370,24 @@ def test_two_black_lobes_without_a_slope_are_noticed(monkeypatch: pytest.MonkeyP
     """1 / (a + b + 1e-20) has a derivative of 1e40."""
     monkeypatch.setattr(lobes, "BLACK", 1e-20)
     assert any(what.startswith("d pdf") for what in faults("metallic_roughness", {}))
+
+
+def smooth_black_unity() -> float:
+    """How far a density is off whose alpha^2, 1.17e-38, is 0 for threads that flush."""
+    model = gonio.model("unity_brdf2", base_color=0.0, roughness=3.29e-10)
+    wi = np.tile([0.0, 1.0, 1.26e-18], (1 << 18, 1))
+    wo = wi * (1, -1, 1)
+    single = model.pdf(wi.astype(np.float32), wo.astype(np.float32))
+    return float(np.max(np.abs(np.asarray(single) / np.asarray(model.pdf(wi, wo)) - 1)))
+
+
+def test_a_share_of_numbers_that_are_flushed_ends_where_float32_does(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert smooth_black_unity() < SINGLE_PROMISED
+    flushed = np.asarray(Float(np.full(1 << 18, 3.29e-10)) ** 4).max() == 0
+    monkeypatch.setattr(unity_brdf2, "ALPHA2_MIN", 0.0)
+    assert smooth_black_unity() > 0.9 or not flushed
 
 
 def test_a_masking_that_leaves_a_float32_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -76,6 +76,8 @@ constexpr float F0_DIELECTRIC = 0.04f;  // Unity's dielectric reflectance (linea
 // Unity's limits: of (wo.H)^2, and what its 1.00001 adds to the denominator of D.
 constexpr float COS2_UNITY = 0.1f;
 constexpr float D_UNITY = 1.0e-5f;
+// The smallest alpha^2 of the highlight's share: float32 ends there, and GPUs take what is smaller for 0.
+constexpr float ALPHA2_MIN = 1.0e-37f;
 constexpr float two_pi = 6.2831855f;
 constexpr float inv_pi = 0.31830987f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
@@ -207,7 +209,7 @@ inline Vec2 unity_brdf2_lobes_shares(float first, float second) {
 inline Vec2 unity_brdf2_shares(const UnityBrdf2& params) {
     // The highlight's albedo at the normal is near 1 / (a + 0.5), times the part that D_UNITY leaves.
     float a = params.roughness * params.roughness;
-    float reflected = a * a / ((a * a + D_UNITY) * (a + 0.5f));
+    float reflected = fmaxf(a * a, ALPHA2_MIN) / ((a * a + D_UNITY) * (a + 0.5f));
     return unity_brdf2_lobes_shares(unity_brdf2_average(unity_brdf2_diffuse(params)),
         unity_brdf2_average(unity_brdf2_specular(params)) * reflected);
 }

@@ -141,9 +141,11 @@ inline float2 unity_brdf2_lobes_shares(float first, float second) {
 // Probabilities of the diffuse lobe and of the highlight.
 inline float2 unity_brdf2_shares(UnityBrdf2 params) {
     const float D_UNITY = 1.0e-5;
+    // The smallest alpha^2 of the highlight's share: float32 ends there, and GPUs take what is smaller for 0.
+    const float ALPHA2_MIN = 1.0e-37;
     // The highlight's albedo at the normal is near 1 / (a + 0.5), times the part that D_UNITY leaves.
     float a = params.roughness * params.roughness;
-    float reflected = a * a / ((a * a + D_UNITY) * (a + 0.5));
+    float reflected = max(a * a, ALPHA2_MIN) / ((a * a + D_UNITY) * (a + 0.5));
     return unity_brdf2_lobes_shares(unity_brdf2_average(unity_brdf2_diffuse(params)),
         unity_brdf2_average(unity_brdf2_specular(params)) * reflected);
 }
