@@ -384,6 +384,31 @@ def test_both_interfaces_draw_the_same_picture(browser: Browser, server: Viewer)
     assert films[0].mean() == pytest.approx(films[1].mean(), rel=0.01)
 
 
+def test_a_picture_of_another_shape_is_not_stretched_until_the_next(shown: Shown) -> None:
+    shown.run("await gonio.show('lambert:rho=0')")
+    assert shown.film(1, 48, furnace=True, shape="sphere").min() == 0
+    # The stage is twice as wide now, or half, and nothing has been drawn since: a black disk on white
+    for size in ([96, 48], [48, 96]):
+        seen = shown.run(
+            """
+            const { canvas } = gonio.gpu, copy = document.createElement("canvas");
+            [canvas.width, canvas.height] = given;
+            gonio.renderer.show();
+            const bitmap = await createImageBitmap(canvas);
+            [copy.width, copy.height] = given;
+            const g = copy.getContext("2d");
+            g.drawImage(bitmap, 0, 0);
+            return [...g.getImageData(0, 0, ...given).data].filter((_, i) => i % 4 === 0);
+            """,
+            size,
+        )
+        dark = np.array(seen).reshape(size[1], size[0]) < 128
+        across, down = dark.any(axis=0).sum(), dark.any(axis=1).sum()
+        assert across > 10
+        assert abs(int(across) - int(down)) <= 2
+    shown.run("await gonio.show('eon')")
+
+
 def test_estimators_and_mitsuba_agree(shown: Shown) -> None:
     if shown.value("gonio.gpu.name") != "WebGPU":
         return  # WebGL2 draws the same, by the test above
@@ -507,6 +532,27 @@ def test_options_show_their_values_where_another_model_had_others(shown: Shown) 
         assert empty == 0
 
 
+def test_choices_are_ready_before_they_are_made(shown: Shown) -> None:
+    start, chosen = "torrance_sparrow:alpha=0.4", "torrance_sparrow:masking=cook_torrance,alpha=0.4"
+    shown.run("await gonio.show(given)", start)
+    shown.run("""
+      gonio.asked = [];
+      const { model } = gonio.source;
+      gonio.source.model = (text) => { gonio.asked.push(text); return model.call(gonio.source, text); };
+    """)
+    # Every choice is asked for once, while the list is looked at
+    shown.page.get_by_label("masking", exact=True).hover()
+    shown.until(f"gonio.asked.includes('{chosen}')")
+    for masking, text in (("cook_torrance", chosen), ("smith_correlated", start)):
+        shown.run("await gonio.setOptions({ masking: given })", masking)
+        assert shown.value("gonio.sides[0].text()") == text
+        assert shown.value("gonio.sides[0].payload.text") == text
+    asked = shown.value("gonio.asked")
+    assert asked.count(chosen) == 1
+    assert start not in asked
+    shown.run("delete gonio.source.model; await gonio.show('eon')")
+
+
 def test_a_hidden_coat_shows_what_is_below(shown: Shown) -> None:
     state = {"env": "studio", "furnace": False, "shape": "sphere"}
     shown.run("await gonio.show('weidlich_wilkie:base=eon,base.rho=0.9/0.5/0.2')")
@@ -546,6 +592,24 @@ def test_the_probe_has_the_numbers_of_gonio_eval(shown: Shown) -> None:
     # Where there is no closed form, the arrays' own number stands for the shader's coarse sum
     np.testing.assert_allclose(seen["albedo"], model.albedo(wo), rtol=1e-4)
     shown.run("gonio.set({ probe: '' }); await gonio.show('eon')")
+
+
+def test_cards_and_the_probe_need_no_mouse(shown: Shown) -> None:
+    shown.run("gonio.pointer = null; gonio.set({ probe: '' })")
+    chip = shown.page.get_by_role("button", name="Model A: eon")
+    chip.focus()
+    chip.press("Enter")
+    search = shown.page.get_by_label("Search", exact=True)
+    shown.until("gonio.root.activeElement?.type === 'search'")
+    search.press("Escape")
+    shown.until("gonio.root.activeElement?.className === 'chip A'")  # where it came from
+    picture = shown.page.locator(".canvas")
+    picture.press("p")
+    shown.until("gonio.probed?.values.length === 1")
+    picture.press("Shift+ArrowLeft")
+    shown.until("gonio.probed?.x === 0.49")
+    picture.press("Escape")
+    shown.until("gonio.state.probe === ''")
 
 
 def test_plots_have_the_numbers_of_the_arrays(shown: Shown) -> None:

@@ -88,6 +88,7 @@ def manifest(
     lit: Sequence[str] | None = None,
     tables: Request | None = None,
     atlas: Tables | None = None,
+    made: Export | None = None,
 ) -> dict[str, Any]:
     """All that a host has to know about the export of a model, as plain dicts and lists.
 
@@ -101,6 +102,7 @@ def manifest(
         lit: names of lights, for a lit export (`gonio.export.lit`); none of them: the usual ones.
         tables: for an export that looks up F and D (`gonio.export.tabled`).
         atlas: the tables that this model shares with others of its text; its own by default.
+        made: this export in WGSL, where it has been made already.
 
     Returns:
         Names of struct and functions; under "parameters" path, width, kind, value, default, range, soft
@@ -116,11 +118,12 @@ def manifest(
     """
     model = what.model if isinstance(what, Material) else what
     own = name or model.name
-    if lit is None:
-        made = export({own: model}, "wgsl", only=only, prefix=prefix, tables=tables)[0]
-    else:
-        lights = lit or usual(model)
-        made = export_lit(model, own, lights, "wgsl", only=only, prefix=prefix, tables=tables)
+    if made is None:
+        if lit is None:
+            made = export({own: model}, "wgsl", only=only, prefix=prefix, tables=tables)[0]
+        else:
+            lights = lit or usual(model)
+            made = export_lit(model, own, lights, "wgsl", only=only, prefix=prefix, tables=tables)
     entry, buffer = made.entry, made.buffer
     module = inspect.getmodule(model.written)
     return {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import functools
 import gzip
 import html
 import json
@@ -145,8 +146,8 @@ def payload_of(
         return foreign_code.payload(text, split(text)[0], what, names.code.defines)
     model = what.model if isinstance(what, Material) else what
     reasons = reasons or not list(options(model, refusals=False))  # then they cost nothing
-    about = manifest(what, NAME, refusals=False, reasons=reasons)
     made = {language: export({NAME: model}, language)[0] for language in SHADERS}
+    about = manifest(what, NAME, refusals=False, reasons=reasons, made=made["wgsl"])
     start = names.start(text)
     return about | {
         "text": text,
@@ -265,7 +266,7 @@ def _maps(material: Material) -> dict[str, Any] | None:
     widths = {path: declared.width for path, declared, _ in material.model.parameters()}
     if material.flakes:
         settings = {k: v for k, v in material.flakes.items() if k not in ("tiles", "fade")}
-        layers.append(flake_map(**settings))
+        layers.append(_flakes(tuple(sorted(settings.items()))))
     for path, picture in material.textures.items():
         values = texture_values(picture, material.channels.get(path), widths[path])
         layers.append(_square(values))
@@ -284,6 +285,12 @@ def _maps(material: Material) -> dict[str, Any] | None:
         "channels": channels,
         "half": packed(stacked, "<f2"),
     }
+
+
+@functools.lru_cache(8)
+def _flakes(settings: tuple[tuple[str, Any], ...]) -> Any:
+    """A flake map: every choice of a material's options asks for the same one."""
+    return flake_map(**dict(settings))
 
 
 def _tables(buffer: Buffer | None) -> dict[str, Any] | None:

@@ -3,12 +3,14 @@
 import { readFile, writeFile } from "node:fs/promises";
 import { build, transform } from "esbuild";
 
-/** Shaders without comments and indents. */
+/** Shaders without comments, indents, and spaces around operators. */
 const small = (text) =>
     text
         .replace(/(^|\s)\/\/(?!MODEL|BEGIN|END).*$/gm, "$1")
         .replace(/^\s+/gm, "")
-        .replace(/[ \t]+$/gm, "");
+        .replace(/[ \t]+$/gm, "")
+        .replace(/ (\*|\+|\/|[=<>+*/-]=|<|>|&&|\|\|) /g, "$1")
+        .replace(/, /g, ",");
 
 const texts = {
     name: "texts",

@@ -13,6 +13,8 @@ import { pageOf, parts } from "./ui/page.js";
 const STOPPED =
     "The picture and its sliders go on. New models, choices and code need it: start it again, and paste this page's link behind its address.";
 
+const LATE = 16; // models that are kept
+
 export class App {
     constructor(root, source, options = {}) {
         Object.assign(this, {
@@ -34,6 +36,7 @@ export class App {
         this.lobe = { az: -62, el: 22, log: true, weights: true };
         this.wanted = options.graphics ?? "";
         this.coming = {};
+        this.late = new Map(); // payloads by text
         this.looks = 0; // counts what the probe might see change
     }
 
@@ -48,6 +51,11 @@ export class App {
             (error) => this.say("This view cannot be loaded.", error.message, "warn"),
         );
         return instead;
+    }
+
+    /** A change that is rarely made, by its name in that part. */
+    async do(name, ...given) {
+        return (await this.#shared())[name](this, ...given);
     }
 
     async #shared() {
@@ -156,7 +164,7 @@ export class App {
                 this.update();
             }, 200);
         try {
-            const payload = await this.#payload(text);
+            const payload = await this.payload(text);
             if (side.turn !== turn) return false;
             await this.#suit(side, payload);
             const old = side.payload,
@@ -213,12 +221,17 @@ export class App {
         }
     }
 
-    /** A model by its text; the one that the page opens with has come already. */
-    async #payload(text) {
-        const { [text]: first } = this.start.models;
-        if (!this.source.live || !first) return this.source.model(text);
+    /** A model by its text: those of late are kept, and the one that the page opens with has come already. */
+    payload(text) {
+        if (!this.source.live) return this.source.model(text);
+        const { [text]: first } = this.start.models,
+            found = this.late.get(text) ?? (first ? Promise.resolve(first) : this.source.model(text));
         delete this.start.models[text];
-        return first;
+        this.late.delete(text);
+        this.late.set(text, found);
+        found.catch(() => this.late.delete(text));
+        if (this.late.size > LATE) this.late.delete(this.late.keys().next().value);
+        return found;
     }
 
     /** Code that others wrote runs in one of the interfaces only: the page changes to that one. */
@@ -254,7 +267,7 @@ export class App {
         if (!this.gpu) return;
         const { gpu } = this,
             active = await this.#active(side),
-            program = await gpu.compile(active.payload);
+            program = await this.renderer.hold(gpu.compile(active.payload));
         if (side.turn !== turn || gpu !== this.gpu) return;
         side.active = active;
         const old = side.program;
@@ -295,6 +308,7 @@ export class App {
             this.ended = ended && this.say("gonio view has stopped.", STOPPED, "warn");
             return;
         }
+        this.late.clear();
         for (const side of this.sides) {
             if (side.payload?.name !== file) continue;
             if (await this.#take(side, side.text())) this.say(`${file} was read again.`, "", "info", 3000);
@@ -308,7 +322,7 @@ export class App {
         return this.state.edit === "B" && this.two ? this.sides[1] : this.sides[0];
     }
 
-    #editing() {
+    editing() {
         return this.state.edit === "AB" && this.two ? this.sides : [this.edited()];
     }
 
@@ -354,7 +368,7 @@ export class App {
     /** Change numbers; what has one name within a second is one step of undo, and what has none its own. */
     setParameters(values, name = Object.keys(values).join()) {
         this.fieldError = null;
-        for (const side of this.#editing()) {
+        for (const side of this.editing()) {
             for (const [path, value] of Object.entries(values))
                 if (side.values.has(path)) side.values.set(path, value.slice());
             this.state[side.letter.toLowerCase()] = side.text();
@@ -372,11 +386,11 @@ export class App {
 
     async setOptions(changes) {
         this.refused = null;
-        for (const side of this.#editing()) {
+        for (const side of this.editing()) {
             const known = Object.fromEntries(
                 Object.entries(changes).filter(([path]) => side.options.has(path) || side.models.has(path)),
             );
-            if (!Object.keys(known).length || (await this.#change(side, side.text(known)))) continue;
+            if (!Object.keys(known).length || (await this.change(side, side.text(known)))) continue;
             await this.#explain(side, known);
         }
     }
@@ -396,7 +410,7 @@ export class App {
         }
     }
 
-    async #change(side, text) {
+    async change(side, text) {
         const taken = await this.#take(side, text);
         if (taken) {
             this.#remember();
@@ -407,56 +421,15 @@ export class App {
     }
 
     chooseModel(layer, name) {
-        for (const side of this.#editing()) {
+        for (const side of this.editing()) {
             side.hidden.clear();
-            if (layer.prefix) this.#change(side, side.text({ [layer.prefix.slice(0, -1)]: name }));
-            else this.#change(side, name);
-        }
-    }
-
-    resetLayer({ prefix }) {
-        const side = this.edited(),
-            inside = (path) => path.startsWith(prefix) && !path.slice(prefix.length).includes(".");
-        const numbers = {},
-            choices = {};
-        for (const p of side.payload.parameters) if (inside(p.path)) numbers[p.path] = side.startOf(p.path, p.default);
-        for (const o of side.payload.options) {
-            const start = side.startOf(o.path, o.default);
-            if (inside(o.path) && side.options.get(o.path) !== start) choices[o.path] = start;
-        }
-        this.setParameters(numbers, "");
-        if (Object.keys(choices).length) this.setOptions(choices);
-    }
-
-    async addCoat() {
-        const { coated } = await this.#shared();
-        for (const side of this.#editing()) {
-            const text = coated(side, this.start.catalogue);
-            if (!text) {
-                this.say(
-                    "A coat cannot go over this.",
-                    `${side.payload.name} is a file or a material with textures; coats go over gonio's models.`,
-                    "warn",
-                );
-                continue;
-            }
-            side.hidden.clear();
-            this.#change(side, text).then(() => this.set({ layer: 0 }));
-        }
-    }
-
-    async removeLayer(layer) {
-        const { without } = await this.#shared();
-        for (const side of this.#editing()) {
-            const text = without(side, layer);
-            if (!text) continue;
-            side.hidden.clear();
-            this.#change(side, text);
+            if (layer.prefix) this.change(side, side.text({ [layer.prefix.slice(0, -1)]: name }));
+            else this.change(side, name);
         }
     }
 
     async hide(prefix) {
-        for (const side of this.#editing()) {
+        for (const side of this.editing()) {
             if (!side.hidden.delete(prefix)) side.hidden.add(prefix);
             try {
                 await this.#compile(side);
@@ -559,7 +532,7 @@ export class App {
     /** Set a side's text from outside, such as a notebook's cell. */
     show(text, letter = "a") {
         const side = this.sides[letter === "a" ? 0 : 1];
-        return side && side.text() !== text ? this.#change(side, text) : null;
+        return side && side.text() !== text ? this.change(side, text) : null;
     }
 
     /** Compare with a text from outside; an empty one ends the comparison. */
@@ -797,6 +770,14 @@ export class App {
                     canvas.className = "drawn";
                 }
             });
+        // A card that opens takes the keyboard, and gives it back
+        const card = this.root.querySelector(".card");
+        if (card !== this.card) {
+            if (card) this.before ??= this.root.activeElement;
+            (card?.querySelector("input, button") ?? this.before)?.focus();
+            if (!card) this.before = null;
+            this.card = card;
+        }
         if (again) this.update();
     }
 

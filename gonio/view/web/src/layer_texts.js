@@ -11,14 +11,14 @@ function splitText(text) {
 }
 
 /** The text with a clear coat on top; nothing where none can go. */
-export function coated(side, catalogue) {
+function coated(side, catalogue) {
     const [name, rest] = splitText(side.plainText());
     if (!catalogue.some((m) => m.kind === "model" && m.name === name)) return "";
     return joined("weidlich_wilkie", [COAT, `base=${name}`, ...rest.map((part) => `base.${part}`)]);
 }
 
 /** The text without a coat; nothing for the base. */
-export function without(side, layer) {
+function without(side, layer) {
     const layers = layersOf(side),
         i = layers.findIndex((l) => l.prefix === layer.prefix),
         below = layers[i + 1];
@@ -63,4 +63,44 @@ export function visible(side) {
         return kept[i].prefix + p.slice(at + 1);
     };
     return { text, path };
+}
+
+/** Every number and choice of a layer as it was. */
+export function resetLayer(app, { prefix }) {
+    const side = app.edited(),
+        inside = (path) => path.startsWith(prefix) && !path.slice(prefix.length).includes(".");
+    const numbers = {},
+        choices = {};
+    for (const p of side.payload.parameters) if (inside(p.path)) numbers[p.path] = side.startOf(p.path, p.default);
+    for (const o of side.payload.options) {
+        const start = side.startOf(o.path, o.default);
+        if (inside(o.path) && side.options.get(o.path) !== start) choices[o.path] = start;
+    }
+    app.setParameters(numbers, "");
+    if (Object.keys(choices).length) app.setOptions(choices);
+}
+
+export function addCoat(app) {
+    for (const side of app.editing()) {
+        const text = coated(side, app.start.catalogue);
+        if (!text) {
+            app.say(
+                "A coat cannot go over this.",
+                `${side.payload.name} is a file or a material with textures; coats go over gonio's models.`,
+                "warn",
+            );
+            continue;
+        }
+        side.hidden.clear();
+        app.change(side, text).then(() => app.set({ layer: 0 }));
+    }
+}
+
+export function removeLayer(app, layer) {
+    for (const side of app.editing()) {
+        const text = without(side, layer);
+        if (!text) continue;
+        side.hidden.clear();
+        app.change(side, text);
+    }
 }

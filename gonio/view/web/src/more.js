@@ -1,7 +1,8 @@
 // What is rarely looked at: large plots, code, about, keys, saved pictures, changes of layers. The page loads it when it
 // is first wanted.
 
-export { coated, visible, without } from "./layer_texts.js";
+export { expect } from "./ahead.js";
+export { addCoat, removeLayer, resetLayer, visible } from "./layer_texts.js";
 export { lobe } from "./passes/lobe.js";
 export { help, menu, picker } from "./ui/cards.js";
 export { aboutPane, codePane } from "./ui/panes.js";

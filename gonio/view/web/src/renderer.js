@@ -3,7 +3,7 @@
 import { WebGPU } from "./gpu/webgpu.js";
 import { screen } from "./passes/display.js";
 import { display, members, modelAt, rows, sources, trace } from "./passes/texts.js";
-import { frame } from "./passes/trace.js";
+import { frame, turned } from "./passes/trace.js";
 import { tables } from "./scene/bvh.js";
 import { camera } from "./scene/camera.js";
 import { aliasTable, brightest, groundColour } from "./scene/light.js";
@@ -59,6 +59,7 @@ export class Renderer {
         this.ms = 0;
         this.epoch = 0;
         this.movedAt = -Infinity;
+        this.held = 0; // how many wait for their shaders
         this.own = null; // a dropped mesh
         this.sky = null; // a dropped picture of light
         this.scenes = new Map();
@@ -150,21 +151,15 @@ export class Renderer {
 
     /** Where the strongest light comes from: for the probe. */
     lightDirection(settings, from) {
-        const light = this.light(settings),
-            turn = (settings.turn * Math.PI) / 180;
-        const turned = ([x, y, z]) => [
-            Math.cos(turn) * x + Math.sin(turn) * z,
-            y,
-            Math.cos(turn) * z - Math.sin(turn) * x,
-        ];
+        const light = this.light(settings);
         if (light.lamps.length) {
             const power = (l) => (l.radiance[1] * l.area) / Math.hypot(...l.centre) ** 2;
             const lamp = light.lamps.reduce((a, b) => (power(b) > power(a) ? b : a));
-            return turned(lamp.centre).map((x, i) => x - from[i]);
+            return turned(lamp.centre, settings.turn).map((x, i) => x - from[i]);
         }
         if (light.picture) {
             this.#picture(light);
-            return turned(brightest(light.picture.pixels, light.picture.width, light.picture.height));
+            return turned(brightest(light.picture.pixels, light.picture.width, light.picture.height), settings.turn);
         }
         return [0.4, 1, 0.5];
     }
@@ -195,6 +190,17 @@ export class Renderer {
         this.epoch++;
         this.movedAt = moving ? performance.now() : -Infinity;
         this.#wake?.();
+    }
+
+    /** A picture at rest waits for shaders that are compiled: one processor may have to do both. */
+    async hold(work) {
+        this.held++;
+        try {
+            return await work;
+        } finally {
+            this.held--;
+            this.#wake?.();
+        }
     }
 
     /** Only how films are shown has changed. */
@@ -249,7 +255,7 @@ export class Renderer {
             const todo = sides.filter(
                 (side) => side.epoch !== this.epoch || side.scale !== scale || side.samples < (moving ? 4 : this.limit),
             );
-            if (!todo.length || this.paused) {
+            if (!todo.length || this.paused || (this.held && !moving)) {
                 const wait = moving ? STILL_MS - (now - this.movedAt) + 1 : 0;
                 await new Promise((resolve) => {
                     this.#wake = resolve;

@@ -1,9 +1,9 @@
 // The page's graphics by WebGPU. `gpu/webgl2.js` has the same methods.
 
 import { albedoWgsl, displayWgsl, members, rowsWgsl, traceWgsl } from "../passes/texts.js";
+import { ROWS } from "../passes/trace.js";
 import { tableRows } from "../source.js";
 
-const TRACE_ROWS = 44; // of U
 const text = (messages) => messages.filter((m) => m.type === "error").map((m) => `${m.message} (line ${m.lineNum})`)[0];
 
 // Widgets of one notebook share a device; the last one lets go of it.
@@ -90,7 +90,7 @@ export class WebGPU {
             entries: [{ binding: 8, visibility: GPUShaderStage.COMPUTE, ...table }],
         });
         this.settings = device.createBuffer({
-            size: 16 * TRACE_ROWS,
+            size: 16 * ROWS,
             usage: GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST,
         });
         this.screen = device.createBuffer({ size: 64, usage: GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST });

@@ -10,7 +10,11 @@ fn texel_of(second: bool, x: i32, y: i32) -> vec3f {
 }
 fn picture(second: bool, at: vec2f) -> vec3f {
     let k: i32 = select(0, 1, second);
-    let q: vec2f = at * D[k].zw - 0.5;
+    // A film of another shape, until there is one of this: not stretched, for its shorter side has the camera's angle
+    let wide: f32 = D[3].x / D[3].y * select(1.0, 0.5, D[0].x == 3.0);
+    let film_wide: f32 = D[k].z / D[k].w;
+    let fit: vec2f = max(vec2f(wide, 1.0 / wide), vec2f(1.0)) / max(vec2f(film_wide, 1.0 / film_wide), vec2f(1.0));
+    let q: vec2f = ((at - 0.5) * fit + 0.5) * D[k].zw - 0.5;
     let low: vec2f = floor(q);
     let f: vec2f = q - low;
     let x: i32 = i32(low.x);

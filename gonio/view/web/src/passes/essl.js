@@ -15,7 +15,7 @@ const HEAD = "#version 300 es\nprecision highp float;\nprecision highp int;\npre
 export function traceEssl(model) {
     const tables = ["nodes", "places", "looks", "alias_table", "sky", "before"];
     return `${HEAD}precision highp sampler2DArray;
-uniform vec4 U[44]; uniform vec4 P[${shared.members(model)}];
+uniform vec4 U[52]; uniform vec4 P[${shared.members(model)}];
 uniform sampler2D ${tables.join(", ")}; uniform sampler2DArray maps; out vec4 film;
 ${TABLE}${common(shared.trace).replace("//MODEL", () => sources(model) + shared.modelAt(model, "essl"))}
 void main() {

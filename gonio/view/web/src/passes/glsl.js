@@ -86,7 +86,7 @@ export function glsl(wgsl, tables) {
             `struct ${name} { ${[...members.matchAll(/(\w+): (\w+)/g)].map(([, n, t]) => `${type(t)} ${n};`).join(" ")} };`,
     );
     text = text.replace(/var<private> (\w+): (\w+);/g, (_, n, t) => `${type(t)} ${n};`);
-    text = text.replace(/var (\w+): array<(\w+), (\d+)>;/g, (_, n, t, count) => `${type(t)} ${n}[${count}];`);
+    text = text.replace(/var (\w+): array<(\w+),\s*(\d+)>;/g, (_, n, t, count) => `${type(t)} ${n}[${count}];`);
     text = text.replace(/\b(?:let|var) (\w+): (\w+)( =|;)/g, (_, n, t, rest) => `${type(t)} ${n}${rest}`);
     text = text.replace(/\bloop \{/g, "for (;;) {");
     text = rewriteAll(text, "select", ([no, yes, condition]) => `((${condition}) ? (${yes}) : (${no}))`);

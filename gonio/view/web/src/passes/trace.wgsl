@@ -1,6 +1,6 @@
 // One more sample of every pixel of a band: a path with multiple importance sampling (balance heuristic).
 // WebGL2 gets the same text in GLSL, from glsl.mjs. What the rows of U are says `frame` in trace.js.
-@group(0) @binding(0) var<uniform> U: array<vec4f, 44>;
+@group(0) @binding(0) var<uniform> U: array<vec4f, 52>;
 @group(0) @binding(1) var<uniform> P: array<vec4f, MEMBERS>;
 @group(0) @binding(2) var<storage, read> nodes: array<vec4f>;
 @group(0) @binding(3) var<storage, read> places: array<vec4f>;
@@ -94,17 +94,17 @@ fn meet(o: vec3f, d: vec3f, far: f32, any: bool) -> Hit {
     let t_ball: f32 = ball(o, d, hit.t);
     if (t_ball < hit.t) { hit = Hit(t_ball, -2, 0.0, 0.0); if (any) { return hit; } }
     for (var k: i32 = 0; k < lamp_count(); k++) {
-        let c: vec3f = turned(U[12 + 4 * k].xyz, 1.0);
-        let a: vec3f = turned(U[13 + 4 * k].xyz, 1.0);
-        let b: vec3f = turned(U[14 + 4 * k].xyz, 1.0);
-        let n: vec3f = cross(a, b);
+        let c: vec3f = U[12 + 5 * k].xyz;
+        let a: vec3f = U[13 + 5 * k].xyz;
+        let b: vec3f = U[14 + 5 * k].xyz;
+        let n: vec3f = U[16 + 5 * k].xyz;
         let down: f32 = dot(n, d);
         let t: f32 = dot(n, c - o) / select(down, 1e-20, down == 0.0);
         if (t > 1e-3 && t < hit.t) {
             let q: vec3f = o + t * d - c;
             let x: f32 = dot(q, a) / dot(a, a);
             let y: f32 = dot(q, b) / dot(b, b);
-            let inside: f32 = select(max(abs(x), abs(y)), sqrt(x * x + y * y), U[12 + 4 * k].w > 0.5);
+            let inside: f32 = select(max(abs(x), abs(y)), sqrt(x * x + y * y), U[12 + 5 * k].w > 0.5);
             if (inside <= 1.0) { hit = Hit(t, -3 - k, 0.0, 0.0); if (any) { return hit; } }
         }
     }
@@ -188,23 +188,34 @@ fn sky_pdf(d: vec3f) -> f32 {
 }
 // A lamp is chosen by about what it sends to a surface: its power, distance and both cosines, never 0.
 fn lamp_weight(k: i32, o: vec3f, n: vec3f) -> f32 {
-    let way: vec3f = turned(U[12 + 4 * k].xyz, 1.0) - o;
+    let way: vec3f = U[12 + 5 * k].xyz - o;
     let square: f32 = max(dot(way, way), 1e-6);
     let d: vec3f = way / sqrt(square);
-    let m: vec3f = turned(normalize(cross(U[13 + 4 * k].xyz, U[14 + 4 * k].xyz)), 1.0);
-    let above: f32 = clamp(dot(n, d) + sqrt(U[13 + 4 * k].w / square), 0.05, 1.0);
-    return U[15 + 4 * k].w * (0.1 + max(-dot(m, d), 0.0)) * above / square;
+    let above: f32 = clamp(dot(n, d) + sqrt(U[13 + 5 * k].w / square), 0.05, 1.0);
+    return U[15 + 5 * k].w * (0.1 + max(-dot(U[16 + 5 * k].xyz, d), 0.0)) * above / square;
 }
-fn lamp_total(o: vec3f, n: vec3f) -> f32 {
+// The lamp that u chooses, or the known one if that is not below 0, and how often it is chosen.
+struct Choice { k: i32, share: f32 }
+fn choose(o: vec3f, n: vec3f, u: f32, known: i32) -> Choice {
+    var found: Choice = Choice(max(known, 0), 0.0);
     var total: f32 = 0.0;
-    for (var k: i32 = 0; k < lamp_count(); k++) { total += lamp_weight(k, o, n); }
-    return total;
+    var rest: f32 = u;
+    for (var k: i32 = 0; k < lamp_count(); k++) {
+        let weight: f32 = lamp_weight(k, o, n);
+        total += weight;
+        // One of those so far takes the place of the last choice; what is left of u is random again
+        let p: f32 = weight / total;
+        if (k == known || (known < 0 && rest < p)) { found = Choice(k, weight); rest /= p; }
+        else { rest = (rest - p) / max(1.0 - p, 1e-20); }
+    }
+    found.share /= max(total, 1e-20);
+    return found;
 }
-fn lamp_pdf(k: i32, o: vec3f, n: vec3f, t: f32, d: vec3f) -> f32 {
-    let m: vec3f = turned(normalize(cross(U[13 + 4 * k].xyz, U[14 + 4 * k].xyz)), 1.0);
-    let chosen: f32 = (1.0 - U[6].w) * lamp_weight(k, o, n) / max(lamp_total(o, n), 1e-20);
-    return chosen * t * t / (max(-dot(m, d), 1e-6) * U[13 + 4 * k].w);
+fn lamp_pdf(lamp: Choice, t: f32, d: vec3f) -> f32 {
+    let seen: f32 = max(-dot(U[16 + 5 * lamp.k].xyz, d), 1e-6) * U[13 + 5 * lamp.k].w;
+    return (1.0 - U[6].w) * lamp.share * t * t / seen;
 }
+// Towards the light; of the picture, as far as FAR, the radiance is known only where the ray has got there.
 struct Light { d: vec3f, far: f32, radiance: vec3f, pdf: f32 }
 fn sample_light(o: vec3f, normal: vec3f, u: vec2f, choice: vec2f) -> Light {
     if (choice.x < U[6].w) {
@@ -217,24 +228,17 @@ fn sample_light(o: vec3f, normal: vec3f, u: vec2f, choice: vec2f) -> Light {
         let th: f32 = place.y * 0.5 * TAU;
         let ph: f32 = place.x * TAU;
         let d: vec3f = turned(vec3f(-sin(th) * sin(ph), cos(th), sin(th) * cos(ph)), 1.0);
-        return Light(d, FAR, surround(d), U[6].w * alias_table[k].z);
+        return Light(d, FAR, vec3f(1.0), U[6].w * alias_table[k].z);
     }
-    var k: i32 = 0;
-    var rest: f32 = (choice.x - U[6].w) / (1.0 - U[6].w) * lamp_total(o, normal);
-    for (; k < lamp_count() - 1; k++) {
-        let weight: f32 = lamp_weight(k, o, normal);
-        if (rest < weight) { break; }
-        rest -= weight;
-    }
+    let lamp: Choice = choose(o, normal, (choice.x - U[6].w) / (1.0 - U[6].w), -1);
+    let k: i32 = lamp.k;
     var s: vec2f = 2.0 * u - 1.0;
-    if (U[12 + 4 * k].w > 0.5) { s = sqrt(u.x) * vec2f(cos(TAU * u.y), sin(TAU * u.y)); }
-    let at: vec3f = turned(U[12 + 4 * k].xyz + s.x * U[13 + 4 * k].xyz + s.y * U[14 + 4 * k].xyz, 1.0);
-    let way: vec3f = at - o;
+    if (U[12 + 5 * k].w > 0.5) { s = sqrt(u.x) * vec2f(cos(TAU * u.y), sin(TAU * u.y)); }
+    let way: vec3f = U[12 + 5 * k].xyz + s.x * U[13 + 5 * k].xyz + s.y * U[14 + 5 * k].xyz - o;
     let t: f32 = length(way);
     let d: vec3f = way / t;
-    let n: vec3f = turned(normalize(cross(U[13 + 4 * k].xyz, U[14 + 4 * k].xyz)), 1.0);
-    if (dot(n, d) >= 0.0 || lamp_count() < 1) { return Light(d, 0.0, vec3f(0.0), 0.0); }
-    return Light(d, t * 0.9999, U[15 + 4 * k].xyz, lamp_pdf(k, o, normal, t, d));
+    if (dot(U[16 + 5 * k].xyz, d) >= 0.0 || lamp_count() < 1) { return Light(d, 0.0, vec3f(0.0), 0.0); }
+    return Light(d, t * 0.9999, U[15 + 5 * k].xyz, lamp_pdf(lamp, t, d));
 }
 
 // --- a path -------------------------------------------------------------------------------------------
@@ -251,25 +255,40 @@ fn path(origin: vec3f, direction: vec3f) -> vec3f {
     let furnace: bool = U[3].w > 0.5;
     let way: i32 = i32(U[9].z); // 0 both, 1 the model's samples alone, 2 the light's alone
     let depth: i32 = i32(U[4].w);
-    for (var b: i32 = 0; b < depth; b++) {
-        var hit: Hit = meet(o, d, FAR, false);
+    // Rays towards lights and those that the path goes on by take turns in one loop, and both directions of a
+    // surface in another: what follows a ray and what a model is stand in the shader once, so that it compiles fast.
+    var far: f32 = FAR;
+    var waiting: vec3f = vec3f(0.0); // light that comes if the ray to it meets nothing
+    var shadow: bool = false;
+    var onward: vec3f = vec3f(0.0); // where the path goes on after that; it ends where there is no such
+    var b: i32 = 0;
+    for (var i: i32 = 0; i < 2 * depth; i++) {
+        var hit: Hit = meet(o, d, far, shadow);
         let t_ground: f32 = ground_at(o, d);
-        if (t_ground < hit.t && unit2(u32(4 * b + 4)).y < ground_share(o + t_ground * d)) {
-            hit = Hit(t_ground, 1 << 30, 0.0, 0.0);
-        }
-        if (hit.what == -1) {
+        let covered: f32 = select(0.0, ground_share(o + t_ground * d), t_ground < hit.t);
+        let u_end: vec2f = unit2(u32(4 * b + 4));
+        if (!shadow && u_end.y < covered) { hit = Hit(t_ground, 1 << 30, 0.0, 0.0); }
+        if (hit.what == -1 && far == FAR) {
             var w: f32 = 1.0;
-            if (U[6].w > 0.0 && pdf >= 0.0) { w = pdf / (pdf + sky_pdf(d)); if (way == 1) { w = 1.0; } if (way == 2) { w = 0.0; } }
-            L += T * surround(d) * w;
-            break;
+            if (!shadow && U[6].w > 0.0 && pdf >= 0.0) { w = pdf / (pdf + sky_pdf(d)); if (way == 1) { w = 1.0; } if (way == 2) { w = 0.0; } }
+            waiting = select(T, waiting, shadow) * surround(d) * w;
         }
+        if (shadow) {
+            if (hit.what == -1) { L += waiting * (1.0 - covered); }
+            if (dot(onward, onward) == 0.0) { break; }
+            shadow = false;
+            far = FAR;
+            d = onward;
+            b++;
+            continue;
+        }
+        if (hit.what == -1) { L += waiting; break; }
         if (hit.what < -2) {
             let k: i32 = -3 - hit.what;
-            let n: vec3f = turned(cross(U[13 + 4 * k].xyz, U[14 + 4 * k].xyz), 1.0);
-            if (dot(n, d) < 0.0) {
+            if (dot(U[16 + 5 * k].xyz, d) < 0.0) {
                 var w: f32 = 1.0;
-                if (pdf >= 0.0) { w = pdf / (pdf + lamp_pdf(k, o, facing, hit.t, d)); if (way == 1) { w = 1.0; } if (way == 2) { w = 0.0; } }
-                L += T * U[15 + 4 * k].xyz * w;
+                if (pdf >= 0.0) { w = pdf / (pdf + lamp_pdf(choose(o, facing, 0.0, k), hit.t, d)); if (way == 1) { w = 1.0; } if (way == 2) { w = 0.0; } }
+                L += T * U[15 + 5 * k].xyz * w;
             }
             break;
         }
@@ -347,46 +366,51 @@ fn path(origin: vec3f, direction: vec3f) -> vec3f {
         let test: bool = kind == 0;
         let grey: vec3f = select(vec3f(select(0.12, 0.32, kind == 1)), U[11].xyz, kind == 3) / (0.5 * TAU);
         var m: Model = model_at(uv, growth, hit.t);
-        let lit: bool = !furnace && way != 1 && (U[6].w > 0.0 || lamp_count() > 0);
-        if (lit) {
-            let light: Light = sample_light(p, n, u_light, u_choice);
-            let wi: vec3f = vec3f(dot(light.d, tx), dot(light.d, ty), dot(light.d, n));
-            if (light.pdf > 0.0 && wi.z > 0.0) {
-                var f: vec3f = grey;
-                var q: f32 = wi.z / (0.5 * TAU);
-                if (test) { f = model_eval(m, wi, wo); q = model_pdf(m, wi, wo); }
-                if (way == 2) { q = 0.0; }
-                let e: vec3f = f * light.radiance * (wi.z / (light.pdf + q));
-                if (max(e.x, max(e.y, e.z)) > 0.0 && meet(p, light.d, light.far, true).what == -1) {
-                    let t_below: f32 = ground_at(p, light.d);
-                    let through: f32 = select(1.0, 1.0 - ground_share(p + t_below * light.d), t_below < light.far);
-                    L += T * e * through;
-                }
-            }
-        }
-        var wi: vec3f;
+        // Where the path may go on
+        var next: vec3f = vec3f(sqrt(u_model.x) * vec2f(cos(TAU * u_model.y), sin(TAU * u_model.y)), sqrt(max(1.0 - u_model.x, 1e-12)));
+        var density: f32 = next.z / (0.5 * TAU);
         if (test) {
             let s: ModelSample = model_sample(m, wo, u_model);
-            if (s.pdf <= 0.0) { break; }
-            wi = s.wi;
-            pdf = s.pdf;
-            T *= model_eval(m, wi, wo) * (wi.z / pdf);
-        } else {
-            let r: f32 = sqrt(u_model.x);
-            wi = vec3f(r * cos(TAU * u_model.y), r * sin(TAU * u_model.y), sqrt(max(1.0 - u_model.x, 1e-12)));
-            pdf = wi.z / (0.5 * TAU);
-            T *= grey * 0.5 * TAU;
+            next = s.wi;
+            density = s.pdf;
         }
-        d = normalize(tx * wi.x + ty * wi.y + n * wi.z);
+        // What comes from the light, and then what comes from there
+        var light: Light = Light(vec3f(0.0), 0.0, vec3f(0.0), 0.0);
+        if (!furnace && way != 1 && (U[6].w > 0.0 || lamp_count() > 0)) { light = sample_light(p, n, u_light, u_choice); }
+        let to_light: vec3f = vec3f(dot(light.d, tx), dot(light.d, ty), dot(light.d, n));
+        var going: vec3f = vec3f(0.0);
+        waiting = vec3f(0.0);
+        for (var k: i32 = select(1, 0, light.pdf > 0.0 && to_light.z > 0.0); k < select(1, 2, density > 0.0); k++) {
+            let wi: vec3f = select(next, to_light, k == 0);
+            var f: vec3f = grey;
+            if (test) { f = model_eval(m, wi, wo); }
+            if (k == 0) {
+                var q: f32 = wi.z / (0.5 * TAU);
+                if (test) { q = model_pdf(m, wi, wo); }
+                if (way == 2) { q = 0.0; }
+                waiting = T * f * light.radiance * (wi.z / (light.pdf + q));
+            } else {
+                going = T * f * (wi.z / density);
+            }
+        }
+        T = going;
+        pdf = density;
         o = p;
         facing = n;
+        onward = vec3f(0.0);
         let left: f32 = max(T.x, max(T.y, T.z));
-        if (left <= 0.0) { break; }
-        if (!furnace && b >= 2 && left < 1.0) {
-            let keep: f32 = max(left, 0.05);
-            if (unit2(u32(4 * b + 4)).x >= keep) { break; }
-            T /= keep;
+        if (left > 0.0) {
+            let keep: f32 = select(1.0, max(left, 0.05), !furnace && b >= 2 && left < 1.0);
+            if (u_end.x < keep) {
+                onward = normalize(tx * next.x + ty * next.y + n * next.z);
+                T /= keep;
+            }
         }
+        shadow = max(waiting.x, max(waiting.y, waiting.z)) > 0.0;
+        if (shadow) { d = light.d; far = light.far; continue; }
+        if (dot(onward, onward) == 0.0) { break; }
+        d = onward;
+        b++;
     }
     return L;
 }

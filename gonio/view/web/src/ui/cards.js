@@ -7,7 +7,7 @@ const KEYS = [
     ["C", "compare with a copy, or stop"],
     ["W S D K", "wipe, side by side, ×10 difference, flicker"],
     ["F L", "furnace; turn the light"],
-    ["P", "probe under the pointer"],
+    ["P", "probe under the pointer, or the middle"],
     ["[ ]", "exposure, a third of a stop"],
     ["V", "next view"],
     ["Ctrl Z", "undo; with Shift redo"],
@@ -21,7 +21,7 @@ export function help(app) {
             app.update();
         }
     }}><section class="card" aria-label="All keys"><h2>Keys</h2><table>${KEYS.map(([keys, text]) => html`<tr><td>${keys.split(" ").map((k) => html`<kbd>${k}</kbd>`)}</td><td>${text}</td></tr>`)}</table>
-        <p class="dim xs">Drag turns the camera, the wheel moves it, a double click probes. Arrows move a slider by 1 %, with Shift by 10 %.</p><button class="btn" @click=${() => {
+        <p class="dim xs">Drag turns the camera, the wheel moves it, a double click probes. Arrows move a slider by 1 %, with Shift by 10 %; on the picture the camera, with Shift the probe.</p><button class="btn" @click=${() => {
             app.help = false;
             app.update();
         }}>Close</button></section></div>`;

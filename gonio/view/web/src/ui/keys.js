@@ -1,4 +1,5 @@
 // The keyboard. Fields keep their keys to themselves.
+import { MIDDLE } from "./page.js";
 
 const VIEWS = ["picture", "lobe", "slices", "map", "albedo", "weights"];
 
@@ -40,8 +41,7 @@ export function keyboard(app) {
             l: () => app.set({ turn: ((app.state.turn + 195) % 360) - 180 }, "turn"),
             "[": () => app.set({ ev: Math.round((app.state.ev - 1 / 3) * 1000) / 1000 }, "ev"),
             "]": () => app.set({ ev: Math.round((app.state.ev + 1 / 3) * 1000) / 1000 }, "ev"),
-            p: () =>
-                app.state.probe && !app.pointer ? app.set({ probe: "" }) : app.pointer && app.probe(...app.pointer),
+            p: () => (app.state.probe && !app.pointer ? app.set({ probe: "" }) : app.probe(...(app.pointer ?? MIDDLE))),
             v: () => app.set({ view: VIEWS[(VIEWS.indexOf(app.state.view) + 1) % VIEWS.length] }),
             "?": () => {
                 app.help = !app.help;

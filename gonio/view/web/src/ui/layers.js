@@ -106,7 +106,7 @@ export function layersPanel(app) {
             ${
                 layer.child
                     ? html`<button class="ib" aria-pressed=${hidden} aria-label=${`${hidden ? "Show" : "Hide"} layer ${layer.number}`} title=${hidden ? "Show" : "Hide: see what is below"} @click=${() => app.hide(layer.prefix)}>${icon(hidden ? "closed" : "eye")}</button>
-            <button class="ib" aria-label=${`Remove layer ${layer.number}`} title="Remove this coat" @click=${() => app.removeLayer(layer)}>${icon("close")}</button>`
+            <button class="ib" aria-label=${`Remove layer ${layer.number}`} title="Remove this coat" @click=${() => app.do("removeLayer", layer)}>${icon("close")}</button>`
                     : html`<span></span><span></span>`
             }</div>`;
     });
@@ -122,6 +122,6 @@ export function layersPanel(app) {
               )}</div>`
             : ""
     }
-        <span class="sp"></span><button class="btn" title="A clear coat above everything" @click=${() => app.addCoat()}>+ Coat</button></div>
+        <span class="sp"></span><button class="btn" title="A clear coat above everything" @click=${() => app.do("addCoat")}>+ Coat</button></div>
         <div class="stack" role="tablist" aria-label="Layers, top first" aria-orientation="vertical">${rows}</div></div>`;
 }

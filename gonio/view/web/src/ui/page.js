@@ -113,7 +113,7 @@ function stage(app) {
         wiping = app.two && s.cmp === "wipe" && s.view === "picture",
         both = app.two && ["wipe", "side"].includes(s.cmp) && s.view === "picture";
     return html`<main class="stage" aria-label="Picture" data-c=${app.two ? s.cmp : "A"} .style=${`--w:${s.cmp === "side" ? 50 : 100 * s.wipe}%`}>
-        <div class="canvas" tabindex="0" role="img" aria-label=${`${app.sides.map((side) => side.payload?.name).join(" and ")} under ${s.furnace ? "the furnace" : s.env}. Arrows turn the camera.`} @pointerdown=${(e) => orbit(app, e)} @pointermove=${(e) => point(app, e)} @pointerleave=${() => {
+        <div class="canvas" tabindex="0" role="img" aria-label=${`${app.sides.map((side) => side.payload?.name).join(" and ")} under ${s.furnace ? "the furnace" : s.env}. Arrows turn the camera, with Shift they move the probe.`} @pointerdown=${(e) => orbit(app, e)} @pointermove=${(e) => point(app, e)} @pointerleave=${() => {
             app.pointer = null;
         }} @wheel=${(e) => {
             e.preventDefault();
@@ -204,10 +204,20 @@ function orbit(app, e) {
     target.addEventListener("pointerup", up);
 }
 
+/** Of the picture: what is probed where no pointer is. */
+export const MIDDLE = [0.5, 0.45];
+
+const at01 = (x) => Math.min(1, Math.max(0, x));
+
 function turn(app, e) {
     const d = { ArrowLeft: [-5, 0], ArrowRight: [5, 0], ArrowUp: [0, 3], ArrowDown: [0, -3] }[e.key];
     if (!d) return;
     e.preventDefault();
+    if (e.shiftKey) {
+        const [x, y] = app.state.probe ? app.state.probe.split(",").map(Number) : MIDDLE;
+        app.probe(at01(x + d[0] / 500), at01(y - d[1] / 200));
+        return;
+    }
     app.set(
         { az: ((app.state.az + d[0] + 540) % 360) - 180, el: Math.min(85, Math.max(-2, app.state.el + d[1])) },
         "camera",

@@ -38,7 +38,7 @@ export function layerPanel(app) {
         ${side.error ? html`<div class="sec"><div class="note" role="alert">${icon("warn")}<div><b>${side.error.title}</b><p>${side.error.text}</p></div></div></div>` : ""}
         <div class="sec"><div class="hd"><h2>${layers.length > 1 ? html`${layer.number}&ensp;` : ""}${layer.title}</h2><span class="sp"></span>
             <div class="pick">${modelSelect(app, side, layer)}</div>
-            <button class="ib" aria-label="Reset layer" title="Reset layer" @click=${() => app.resetLayer(layer)}>${icon("reset")}</button></div>
+            <button class="ib" aria-label="Reset layer" title="Reset layer" @click=${() => app.do("resetLayer", layer)}>${icon("reset")}</button></div>
             ${layers.length > 1 ? html`<div class="path">${layers.map((l, i) => html`${i ? " › " : ""}${l === layer ? html`<b>${name(l)}</b>` : name(l)}`)}</div>` : ""}
             ${layer.prefix ? "" : html`<p class="hint about1">${side.payload.description}</p>`}
             ${parameters.map((p) => parameterRow(app, side, layer, p, driven.get(p.path)))}</div>
@@ -250,9 +250,11 @@ function optionRow(app, side, option) {
         e.target.value = value;
         app.refuse(option.path, chosen);
     };
+    const others = option.values.filter((v) => v.allowed && v.value !== value).map((v) => v.value),
+        expect = () => app.do("expect", option.path, others);
     const remedy = Object.entries(trial?.remedy ?? {});
     return html`<div class="opt" title=${option.doc}><span class=${value !== start ? "ch" : ""}>${name}${app.differs(option.path) ? html`<i class="diffdot" role="img" aria-label="differs"></i>` : ""}</span>
-        <select aria-label=${option.path} data-value=${value} @change=${choose}>${option.values.map((v) => html`<option value=${v.value} ?selected=${v.value === value}>${v.value}${v.allowed ? "" : " – refused"}</option>`)}</select>
+        <select aria-label=${option.path} data-value=${value} @change=${choose} @pointerenter=${expect} @focus=${expect}>${option.values.map((v) => html`<option value=${v.value} ?selected=${v.value === value}>${v.value}${v.allowed ? "" : " – refused"}</option>`)}</select>
         ${value !== start ? html`<button class="rs" aria-label=${`Reset ${option.path}`} title="Reset" @click=${() => app.setOptions({ [option.path]: start })}>${icon("reset")}</button>` : html`<span></span>`}
         ${
             trial
