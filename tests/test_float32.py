@@ -14,10 +14,11 @@ from support.tolerances import SINGLE, SINGLE_PROMISED, single_promised
 
 import gonio
 from gonio import reference
+from gonio.check.finite import FAR_TAIL
 from gonio.claims import UNBOUNDED
 from gonio.fields import ModelError
 from gonio.models import unity_brdf2
-from gonio.parts import fresnel, lobes, masking
+from gonio.parts import frame, fresnel, lobes, masking
 
 COUNT = 1 << 14
 
@@ -388,6 +389,41 @@ def test_a_share_of_numbers_that_are_flushed_ends_where_float32_does(
     flushed = np.asarray(Float(np.full(1 << 18, 3.29e-10)) ** 4).max() == 0
     monkeypatch.setattr(unity_brdf2, "ALPHA2_MIN", 0.0)
     assert smooth_black_unity() > 0.9 or not flushed
+
+
+def opposite_pairs(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs hardly above the horizon, opposite in nearly all digits, as high but for a few floats."""
+    rng = np.random.default_rng(5)
+    heights = (10 ** rng.uniform(-17.9, -6, count)).astype(np.float32)
+    higher = heights + rng.integers(0, 40, count) * np.spacing(heights)
+    x = 10 ** rng.uniform(-20, -8, count) * rng.choice([-1, 1], count)
+    ones = np.ones(count)
+    wi, wo = np.stack([x, ones, heights], -1), np.stack([0 * ones, -ones, higher], -1)
+    return wi.astype(np.float32), wo.astype(np.float32)
+
+
+def error_of_opposite_pairs(name: str, method: str) -> float:
+    # As many as several threads share, of which each takes numbers below 1.2e-38 for 0
+    model, (wi, wo) = gonio.model(name), opposite_pairs(1 << 17)
+    single = np.asarray(getattr(model, method)(wi, wo))
+    double = np.asarray(getattr(model, method)(wi.astype(float), wo.astype(float)))
+    return float((np.abs(single - double) / (np.abs(double) + FAR_TAIL)).max())
+
+
+@pytest.mark.parametrize("method", ["eval", "pdf"])
+@pytest.mark.parametrize(
+    "name", ["ue4", "unity_standard", "torrance_sparrow", "disney", "car_paint"]
+)
+def test_opposite_directions_in_the_horizon_keep_their_digits(name: str, method: str) -> None:
+    assert error_of_opposite_pairs(name, method) < SINGLE_PROMISED
+
+
+def test_half_vectors_whose_squares_are_flushed_are_noticed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    flushed = np.asarray(Float(np.full(1 << 17, 1e-19)) ** 2).max() == 0
+    monkeypatch.setattr(frame, "LENGTHENED", 1.0)
+    assert error_of_opposite_pairs("torrance_sparrow", "eval") > 1e-3 or not flushed
 
 
 def test_a_masking_that_leaves_a_float32_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,11 +14,12 @@ import pytest
 from support.tolerances import DOUBLE, SINGLE, SINGLE_PROMISED, decimals
 
 import gonio.mitsuba  # noqa: F401  before Mitsuba, so that a usable LLVM is found
-from gonio import parts
+from gonio import lang, parts
 from gonio.export.calls import VALUE
 from gonio.parts import fresnel, metals
 
 Float, Float64 = dr.llvm.ad.Float, dr.llvm.ad.Float64
+Array3f64 = dr.llvm.ad.Array3f64
 
 
 def numbers(value: Any) -> Any:
@@ -310,7 +311,9 @@ def test_what_exports_call_has_the_value_of_what_they_call_it_for() -> None:
     assert twins()
     for function, twin in twins():
         assert inspect.signature(function) == inspect.signature(twin)
-        count = len(inspect.signature(twin).parameters)
-        # Both are made for numbers of at least a trace of absorption, and up to 1e7
-        given = [Float64(10.0 ** rng.uniform(-16, 7, 1000)) for _ in range(count)]
+        kinds = [p.annotation for p in inspect.signature(twin).parameters.values()]
+        # Both are made for numbers of at least a trace of absorption, and up to 1e7; or for directions
+        sizes = [(3, 1000) if kind in (lang.Vec3, "Vec3") else 1000 for kind in kinds]
+        drawn = [10.0 ** rng.uniform(-16, 7, size) for size in sizes]
+        given = [Array3f64(x) if x.ndim == 2 else Float64(x) for x in drawn]
         np.testing.assert_allclose(numbers(twin(*given)), numbers(function(*given)), rtol=DOUBLE)

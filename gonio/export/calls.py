@@ -50,6 +50,7 @@ ALONG = "_along"
 # Ends the name of the function of gonio.parts that exports call in the place of one whose operations are
 # there for derivatives: it has the same value.
 VALUE = "_value"
+PARTS = "gonio.parts."
 
 # What annotations of a NamedTuple's members mean.
 ANNOTATED: dict[Any, Type] = {
@@ -300,7 +301,7 @@ class Calls(Expressions):
 
     def _for_values(self, function: types.FunctionType) -> types.FunctionType:
         """What is called where no derivatives are taken."""
-        if self.reader.differentiable or not function.__module__.startswith("gonio.parts."):
+        if self.reader.differentiable or not function.__module__.startswith(PARTS):
             return function
         found = function.__globals__.get(f"{function.__name__}{VALUE}")
         return found if isinstance(found, types.FunctionType) else function
@@ -587,3 +588,9 @@ def method_of(owner: Struct, name: str) -> types.FunctionType:
 def shown_kind(value: Any) -> str:
     """A value that no shader has, by its type."""
     return f"a {type(value).__name__}"
+
+
+def usual_name(function: types.FunctionType) -> str:
+    """What a function is called in an export: one that stands for another has the other's name."""
+    found = function.__name__
+    return found.removesuffix(VALUE) if function.__module__.startswith(PARTS) else found

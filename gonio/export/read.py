@@ -16,7 +16,7 @@ from typing import Any, cast, get_type_hints
 
 from gonio import lang
 from gonio.export import library
-from gonio.export.calls import ANNOTATED, PRODUCT_MAX, method_of, written
+from gonio.export.calls import ANNOTATED, PRODUCT_MAX, method_of, usual_name, written
 from gonio.export.expressions import SIGNATURES, UNTESTED
 from gonio.export.names import legal, snake
 from gonio.export.source import source
@@ -183,7 +183,7 @@ class Reader:
                 f"functions call each other too deeply, down to {function.__name__}; call fewer.",
             ) from None
         self._open.pop()
-        plain = "eval_above" if method == UNTESTED else method or function.__name__
+        plain = "eval_above" if method == UNTESTED else method or usual_name(function)
         if owner is None and (record := record_of(function, given)) is not None:
             plain = f"{snake(record.__name__)}_{plain.strip('_')}"
         inherited = False

@@ -13,6 +13,7 @@ from dataclasses import replace
 from gonio import lang
 from gonio.export.aliases import same
 from gonio.export.assignments import Assignments, Loop
+from gonio.export.calls import usual_name
 from gonio.export.expressions import SIGNATURES, UNTESTED, Collector
 from gonio.export.names import snake
 from gonio.export.source import source
@@ -144,7 +145,7 @@ class Body(Assignments):
             _without_unused(tuple(self.statements)),
             self.owner,
             self.method or self.node.name,
-            self.node.name if self.self_variable == SELF else self.python.__qualname__,
+            usual_name(self.python) if self.self_variable == SELF else self.python.__qualname__,
             frozenset(
                 i
                 for i, (name, _) in enumerate(self.parameters[self.owner is not None :])

@@ -10,6 +10,10 @@ from gonio.lang import Float, Vec2, Vec3, dot, fma, maximum, select, sqrt, vec2,
 # of its reciprocal still fits into a float32.
 SIN2_MIN = 1e-18
 
+# wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The squares
+# of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so much longer.
+LENGTHENED = 2.0**40
+
 
 def azimuth(wo: Vec3) -> Vec2:
     """Cosine and sine of wo's azimuth; (1, 0) at normal incidence."""
@@ -54,7 +58,7 @@ def length2(h: Vec3) -> Float:
 
 def half_vector(wi: Vec3, wo: Vec3) -> Vec3:
     """The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|."""
-    h = wi + wo
+    h = LENGTHENED * (wi + wo)
     return h / sqrt(length2(h))  # the root is the cosine's as well
 
 
@@ -71,6 +75,12 @@ def tangent2(h: Vec3) -> Float:
 
 
 def cos_half(wi: Vec3, wo: Vec3) -> Float:
+    """wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo."""
+    # 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
+    return (0.5 / LENGTHENED) * sqrt(length2(LENGTHENED * (wi + wo)))
+
+
+def cos_half_value(wi: Vec3, wo: Vec3) -> Float:
     """wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo."""
     # 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
     return 0.5 * sqrt(length2(wi + wo))

@@ -83,6 +83,10 @@ constexpr float two_pi = 6.2831855f;
 constexpr float inv_pi = 0.31830987f;
 constexpr float inv_two_pi = 0.15915494f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
+// wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
+// squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
+// much longer.
+constexpr float LENGTHENED = 1.0995116e12f;
 // Below this the series needs few terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
 constexpr float LOG1P_SMALL = 0.25f;
 // Below this the series needs few terms; above, the plain difference is exact to 2e-7 in float32.
@@ -178,7 +182,7 @@ inline Vec3 ashikhmin_shirley_eval_round(const AshikhminShirley& params, Vec3 wi
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 ashikhmin_shirley_half_vector(Vec3 wi, Vec3 wo) {
-    Vec3 h = wi + wo;
+    Vec3 h = LENGTHENED * (wi + wo);
     return h / sqrtf(ashikhmin_shirley_length2(h));  // the root is the cosine's as well
 }
 

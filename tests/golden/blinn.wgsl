@@ -213,47 +213,33 @@ fn blinn_pdf_cosine(w: vec3f) -> f32 {
     return w.z * inv_pi;
 }
 
-// Squared length, added up from the tangential part, which is of use by itself: shaders share it.
-fn blinn_length2(h: vec3f) -> f32 {
-    return h.x * h.x + h.y * h.y + h.z * h.z;
-}
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-fn blinn_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    let h = wi + wo;
-    return h / sqrt(blinn_length2(h));  // the root is the cosine's as well
-}
-
-// Density of facets, in 1/sr. Walter et al., Eq. 33.
-fn blinn_round_ggx_D(round_ggx: BlinnRoundGGX, m: vec3f) -> f32 {
-    const inv_pi = 0.31830987;
-    let a2 = round_ggx.alpha * round_ggx.alpha;
-    let s = a2 + (1.0 - a2) * (m.x * m.x + m.y * m.y);
-    return inv_pi * a2 / (s * s);
-}
-
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
 fn blinn_round_ggx_area(round_ggx: BlinnRoundGGX, w: vec3f) -> f32 {
     let a2 = round_ggx.alpha * round_ggx.alpha;
     return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
-fn blinn_pdf_visible(facets: BlinnRoundGGX, wo: vec3f, m: vec3f) -> f32 {
-    return 0.5 * blinn_round_ggx_D(facets, m) / (wo.z + blinn_round_ggx_area(facets, wo));
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
+fn blinn_round_ggx_D_along(round_ggx: BlinnRoundGGX, h: vec3f) -> f32 {
+    const inv_pi = 0.31830987;
+    let a2 = round_ggx.alpha * round_ggx.alpha;
+    let tan2 = blinn_tangent2(h);
+    let r = (1.0 + tan2) / (a2 + tan2);
+    return inv_pi * a2 * (r * r);
 }
 
 // Density of blinn_sample_ggx_lobe in 1/sr.
 fn blinn_pdf_ggx_lobe(facets: BlinnRoundGGX, wi: vec3f, wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
-    let straight = blinn_pdf_visible(facets, wo, blinn_half_vector(wi, wo));
-    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    let seen = 0.5 / (wo.z + blinn_round_ggx_area(facets, wo));  // Smith's G1 over 4 mu_o
+    let straight = blinn_round_ggx_D_along(facets, wi + wo);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
+    // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits.
     let exists = wo.z > wi.z;
-    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
-    // The least lift, for two that are equally high but for their last digits
-    let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
-    let folded = blinn_pdf_visible(facets, wo, blinn_half_vector(image, higher));
-    return straight + select(0.0, folded, exists);
+    let across = vec3f(wi.x, wi.y, select(wi.z, wo.z - wi.z, exists));
+    let folded = blinn_round_ggx_D_along(facets, across
+        + vec3f(wo.x, wo.y, select(wo.z, mu_min, exists)));
+    return (straight + select(0.0, folded, exists)) * seen;
 }
 
 // Density of blinn_sample_matte_gloss in 1/sr.

@@ -78,7 +78,11 @@ float car_paint_length2(vec3 h) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 car_paint_half_vector(vec3 wi, vec3 wo) {
-    vec3 h = wi + wo;
+    // wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
+    // squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
+    // much longer.
+    const float LENGTHENED = 1.0995116e12;
+    vec3 h = LENGTHENED * (wi + wo);
     return h / sqrt(car_paint_length2(h));  // the root is the cosine's as well
 }
 
@@ -189,12 +193,12 @@ float car_paint_refracted_sin2_half(vec3 wi, vec3 wo, float excess) {
 }
 
 // |re + i im| for im of at least 2 ABSORPTION_MIN.
-vec3 car_paint_size_value(vec3 re, vec3 im) {
+vec3 car_paint_size(vec3 re, vec3 im) {
     return sqrt(re * re + im * im);
 }
 
 // |re + i im|^2 / s2^2 p / q.
-vec3 car_paint_reflected_value(vec3 re, vec3 im, vec3 s2, vec3 p, vec3 q) {
+vec3 car_paint_reflected(vec3 re, vec3 im, vec3 s2, vec3 p, vec3 q) {
     // In two quotients, as the square of s2 is 1e-34 for a matched index in the horizon
     return (re * re + im * im) / s2 * (p / (s2 * q));
 }
@@ -215,7 +219,7 @@ vec3 car_paint_F_conductor_half(float cos_h, float sin2_h, vec3 eta, vec3 k) {
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
     vec3 w_re = mix(contrast_re + c2, eta * eta - k * k - sin2_h, bvec3(cos_h > NEAR_NORMAL));
     vec3 im = 2.0 * half_im;
-    vec3 w_abs = car_paint_size_value(w_re, im);
+    vec3 w_abs = car_paint_size(w_re, im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     vec3 g2 = 0.5 * (w_abs + abs(w_re));
     vec3 g_re = mix(half_im, g2, greaterThan(w_re, vec3(0.0))) * (1.0 / sqrt(g2));
@@ -223,7 +227,7 @@ vec3 car_paint_F_conductor_half(float cos_h, float sin2_h, vec3 eta, vec3 k) {
     vec3 cross = 2.0 * c * g_re;
     vec3 s_abs2 = c2 + w_abs + cross;
     vec3 p = c2 * w_abs + sin2_h * sin2_h;
-    return car_paint_reflected_value(contrast_re, im, s_abs2, p, p + cross * sin2_h);
+    return car_paint_reflected(contrast_re, im, s_abs2, p, p + cross * sin2_h);
 }
 
 // normalize(N_flake + max(distance, 1) N) with N_flake = normalize(slope_x, slope_y, 1).
@@ -539,22 +543,39 @@ float car_paint_pdf_leave(float pdf_refracted, float pdf_gathered, vec3 w, vec3 
         + pdf_gathered * car_paint_critical_cosine(excess);
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
-float car_paint_pdf_visible(CarPaintRoundGGX facets, vec3 wo, vec3 m) {
-    return 0.5 * car_paint_round_ggx_D(facets, m) / (wo.z + car_paint_round_ggx_area(facets, wo));
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+vec2 car_paint_slopes(vec3 h) {
+    float inv = 1.0 / h.z;
+    return vec2(h.x * inv, h.y * inv);
+}
+
+// Squared tangent of that facet's angle.
+float car_paint_tangent2(vec3 h) {
+    vec2 t = car_paint_slopes(h);
+    return t.x * t.x + t.y * t.y;
+}
+
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
+float car_paint_round_ggx_D_along(CarPaintRoundGGX round_ggx, vec3 h) {
+    const float inv_pi = 0.31830987;
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float tan2 = car_paint_tangent2(h);
+    float r = (1.0 + tan2) / (a2 + tan2);
+    return inv_pi * a2 * (r * r);
 }
 
 // Density of car_paint_sample_ggx_lobe in 1/sr.
 float car_paint_pdf_ggx_lobe(CarPaintRoundGGX facets, vec3 wi, vec3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = car_paint_pdf_visible(facets, wo, car_paint_half_vector(wi, wo));
-    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    float seen = 0.5 / (wo.z + car_paint_round_ggx_area(facets, wo));  // Smith's G1 over 4 mu_o
+    float straight = car_paint_round_ggx_D_along(facets, wi + wo);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
+    // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits.
     bool exists = wo.z > wi.z;
-    vec3 image = vec3(wi.x, wi.y, exists ? -wi.z : wi.z);
-    // The least lift, for two that are equally high but for their last digits
-    vec3 higher = vec3(wo.x, wo.y, wo.z + mu_min);
-    float folded = car_paint_pdf_visible(facets, wo, car_paint_half_vector(image, higher));
-    return straight + (exists ? folded : 0.0);
+    vec3 across = vec3(wi.x, wi.y, exists ? wo.z - wi.z : wi.z);
+    float folded = car_paint_round_ggx_D_along(facets, across
+        + vec3(wo.x, wo.y, exists ? mu_min : wo.z));
+    return (straight + (exists ? folded : 0.0)) * seen;
 }
 
 // Density of car_paint_sample in 1/sr.

@@ -127,6 +127,13 @@ inline Vec3 exp(Vec3 a) {
     return Vec3{expf(a.x), expf(a.y), expf(a.z)};
 }
 
+// Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+// its reciprocal still fits into a float32.
+constexpr float SIN2_MIN = 1.0e-18f;
+// wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
+// squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
+// much longer.
+constexpr float LENGTHENED = 1.0995116e12f;
 constexpr float two_pi = 6.2831855f;
 constexpr float inv_pi = 0.31830987f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
@@ -156,9 +163,6 @@ constexpr float LOBE_MIN = 1.0e-12f;
 constexpr float LEAVE_MIN = 1.0e-12f;
 // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
 constexpr float RANDOM_MARGIN = 5.9604645e-8f;
-// Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
-// its reciprocal still fits into a float32.
-constexpr float SIN2_MIN = 1.0e-18f;
 // Steps of the rule in car_paint_albedo: a Fibonacci number, and the golden ratio.
 constexpr float ALBEDO_SAMPLES = 987.0f;
 constexpr float GOLDEN = 0.618034f;
@@ -222,7 +226,7 @@ inline float car_paint_length2(Vec3 h) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 car_paint_half_vector(Vec3 wi, Vec3 wo) {
-    Vec3 h = wi + wo;
+    Vec3 h = LENGTHENED * (wi + wo);
     return h / sqrtf(car_paint_length2(h));  // the root is the cosine's as well
 }
 
@@ -332,12 +336,12 @@ inline float car_paint_refracted_sin2_half(Vec3 wi, Vec3 wo, float excess) {
 }
 
 // |re + i im| for im of at least 2 ABSORPTION_MIN.
-inline Vec3 car_paint_size_value(Vec3 re, Vec3 im) {
+inline Vec3 car_paint_size(Vec3 re, Vec3 im) {
     return sqrt(re * re + im * im);
 }
 
 // |re + i im|^2 / s2^2 p / q.
-inline Vec3 car_paint_reflected_value(Vec3 re, Vec3 im, Vec3 s2, Vec3 p, Vec3 q) {
+inline Vec3 car_paint_reflected(Vec3 re, Vec3 im, Vec3 s2, Vec3 p, Vec3 q) {
     // In two quotients, as the square of s2 is 1e-34 for a matched index in the horizon
     return (re * re + im * im) / s2 * (p / (s2 * q));
 }
@@ -352,7 +356,7 @@ inline Vec3 car_paint_F_conductor_half(float cos_h, float sin2_h, Vec3 eta, Vec3
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
     Vec3 w_re = cos_h > NEAR_NORMAL ? eta * eta - k * k - sin2_h : contrast_re + c2;
     Vec3 im = 2.0f * half_im;
-    Vec3 w_abs = car_paint_size_value(w_re, im);
+    Vec3 w_abs = car_paint_size(w_re, im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     Vec3 g2 = 0.5f * (w_abs + absolute(w_re));
     Vec3 g_re = select(w_re > splat(0.0f), g2, half_im) * (1.0f / sqrt(g2));
@@ -360,7 +364,7 @@ inline Vec3 car_paint_F_conductor_half(float cos_h, float sin2_h, Vec3 eta, Vec3
     Vec3 cross = 2.0f * c * g_re;
     Vec3 s_abs2 = c2 + w_abs + cross;
     Vec3 p = c2 * w_abs + sin2_h * sin2_h;
-    return car_paint_reflected_value(contrast_re, im, s_abs2, p, p + cross * sin2_h);
+    return car_paint_reflected(contrast_re, im, s_abs2, p, p + cross * sin2_h);
 }
 
 // normalize(N_flake + max(distance, 1) N) with N_flake = normalize(slope_x, slope_y, 1).
@@ -647,21 +651,37 @@ inline float car_paint_pdf_leave(float pdf_refracted, float pdf_gathered, Vec3 w
         + pdf_gathered * car_paint_critical_cosine(excess);
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
-inline float car_paint_pdf_visible(CarPaintRoundGGX facets, Vec3 wo, Vec3 m) {
-    return 0.5f * car_paint_round_ggx_D(facets, m) / (wo.z + car_paint_round_ggx_area(facets, wo));
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+inline Vec2 car_paint_slopes(Vec3 h) {
+    float inv = 1.0f / h.z;
+    return Vec2{h.x * inv, h.y * inv};
+}
+
+// Squared tangent of that facet's angle.
+inline float car_paint_tangent2(Vec3 h) {
+    Vec2 t = car_paint_slopes(h);
+    return t.x * t.x + t.y * t.y;
+}
+
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
+inline float car_paint_round_ggx_D_along(CarPaintRoundGGX round_ggx, Vec3 h) {
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float tan2 = car_paint_tangent2(h);
+    float r = (1.0f + tan2) / (a2 + tan2);
+    return inv_pi * a2 * (r * r);
 }
 
 // Density of car_paint_sample_ggx_lobe in 1/sr.
 inline float car_paint_pdf_ggx_lobe(CarPaintRoundGGX facets, Vec3 wi, Vec3 wo) {
-    float straight = car_paint_pdf_visible(facets, wo, car_paint_half_vector(wi, wo));
-    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    float seen = 0.5f / (wo.z + car_paint_round_ggx_area(facets, wo));  // Smith's G1 over 4 mu_o
+    float straight = car_paint_round_ggx_D_along(facets, wi + wo);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
+    // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits.
     bool exists = wo.z > wi.z;
-    Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
-    // The least lift, for two that are equally high but for their last digits
-    Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
-    float folded = car_paint_pdf_visible(facets, wo, car_paint_half_vector(image, higher));
-    return straight + (exists ? folded : 0.0f);
+    Vec3 across = Vec3{wi.x, wi.y, exists ? wo.z - wi.z : wi.z};
+    float folded = car_paint_round_ggx_D_along(facets, across
+        + Vec3{wo.x, wo.y, exists ? mu_min : wo.z});
+    return (straight + (exists ? folded : 0.0f)) * seen;
 }
 
 // Density of car_paint_sample in 1/sr.

@@ -81,7 +81,11 @@ inline float car_paint_length2(float3 h) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline float3 car_paint_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
+    // wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
+    // squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
+    // much longer.
+    const float LENGTHENED = 1.0995116e12;
+    float3 h = LENGTHENED * (wi + wo);
     return h / sqrt(car_paint_length2(h));  // the root is the cosine's as well
 }
 
@@ -192,12 +196,12 @@ inline float car_paint_refracted_sin2_half(float3 wi, float3 wo, float excess) {
 }
 
 // |re + i im| for im of at least 2 ABSORPTION_MIN.
-inline float3 car_paint_size_value(float3 re, float3 im) {
+inline float3 car_paint_size(float3 re, float3 im) {
     return sqrt(re * re + im * im);
 }
 
 // |re + i im|^2 / s2^2 p / q.
-inline float3 car_paint_reflected_value(float3 re, float3 im, float3 s2, float3 p, float3 q) {
+inline float3 car_paint_reflected(float3 re, float3 im, float3 s2, float3 p, float3 q) {
     // In two quotients, as the square of s2 is 1e-34 for a matched index in the horizon
     return (re * re + im * im) / s2 * (p / (s2 * q));
 }
@@ -218,7 +222,7 @@ inline float3 car_paint_F_conductor_half(float cos_h, float sin2_h, float3 eta, 
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
     float3 w_re = cos_h > NEAR_NORMAL ? eta * eta - k * k - sin2_h : contrast_re + c2;
     float3 im = 2.0 * half_im;
-    float3 w_abs = car_paint_size_value(w_re, im);
+    float3 w_abs = car_paint_size(w_re, im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     float3 g2 = 0.5 * (w_abs + abs(w_re));
     float3 g_re = select(half_im, g2, w_re > float3(0.0)) * (1.0 / sqrt(g2));
@@ -226,7 +230,7 @@ inline float3 car_paint_F_conductor_half(float cos_h, float sin2_h, float3 eta, 
     float3 cross = 2.0 * c * g_re;
     float3 s_abs2 = c2 + w_abs + cross;
     float3 p = c2 * w_abs + sin2_h * sin2_h;
-    return car_paint_reflected_value(contrast_re, im, s_abs2, p, p + cross * sin2_h);
+    return car_paint_reflected(contrast_re, im, s_abs2, p, p + cross * sin2_h);
 }
 
 // normalize(N_flake + max(distance, 1) N) with N_flake = normalize(slope_x, slope_y, 1).
@@ -543,22 +547,39 @@ inline float car_paint_pdf_leave(float pdf_refracted, float pdf_gathered, float3
         + pdf_gathered * car_paint_critical_cosine(excess);
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
-inline float car_paint_pdf_visible(CarPaintRoundGGX facets, float3 wo, float3 m) {
-    return 0.5 * car_paint_round_ggx_D(facets, m) / (wo.z + car_paint_round_ggx_area(facets, wo));
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+inline float2 car_paint_slopes(float3 h) {
+    float inv = 1.0 / h.z;
+    return float2(h.x * inv, h.y * inv);
+}
+
+// Squared tangent of that facet's angle.
+inline float car_paint_tangent2(float3 h) {
+    float2 t = car_paint_slopes(h);
+    return t.x * t.x + t.y * t.y;
+}
+
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
+inline float car_paint_round_ggx_D_along(CarPaintRoundGGX round_ggx, float3 h) {
+    const float inv_pi = 0.31830987;
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float tan2 = car_paint_tangent2(h);
+    float r = (1.0 + tan2) / (a2 + tan2);
+    return inv_pi * a2 * (r * r);
 }
 
 // Density of car_paint_sample_ggx_lobe in 1/sr.
 inline float car_paint_pdf_ggx_lobe(CarPaintRoundGGX facets, float3 wi, float3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = car_paint_pdf_visible(facets, wo, car_paint_half_vector(wi, wo));
-    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    float seen = 0.5 / (wo.z + car_paint_round_ggx_area(facets, wo));  // Smith's G1 over 4 mu_o
+    float straight = car_paint_round_ggx_D_along(facets, wi + wo);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
+    // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits.
     bool exists = wo.z > wi.z;
-    float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
-    // The least lift, for two that are equally high but for their last digits
-    float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
-    float folded = car_paint_pdf_visible(facets, wo, car_paint_half_vector(image, higher));
-    return straight + (exists ? folded : 0.0);
+    float3 across = float3(wi.x, wi.y, exists ? wo.z - wi.z : wi.z);
+    float folded = car_paint_round_ggx_D_along(facets, across
+        + float3(wo.x, wo.y, exists ? mu_min : wo.z));
+    return (straight + (exists ? folded : 0.0)) * seen;
 }
 
 // Density of car_paint_sample in 1/sr.

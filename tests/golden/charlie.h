@@ -41,10 +41,18 @@ inline Vec3 operator*(Vec3 a, float b) {
     return Vec3{a.x * b, a.y * b, a.z * b};
 }
 
+inline Vec3 operator*(float a, Vec3 b) {
+    return Vec3{a * b.x, a * b.y, a * b.z};
+}
+
 inline Vec3 operator/(Vec3 a, float b) {
     return Vec3{a.x / b, a.y / b, a.z / b};
 }
 
+// wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
+// squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
+// much longer.
+constexpr float LENGTHENED = 1.0995116e12f;
 constexpr float two_pi = 6.2831855f;
 constexpr float inv_two_pi = 0.15915494f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
@@ -78,7 +86,7 @@ inline float charlie_length2(Vec3 h) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 charlie_half_vector(Vec3 wi, Vec3 wo) {
-    Vec3 h = wi + wo;
+    Vec3 h = LENGTHENED * (wi + wo);
     return h / sqrtf(charlie_length2(h));  // the root is the cosine's as well
 }
 

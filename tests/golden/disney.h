@@ -90,6 +90,10 @@ constexpr float COAT_STRENGTH = 0.25f;
 // Estimate of the white sheen's albedo, for the choice of lobes only.
 constexpr float SHEEN_ALBEDO = 0.06f;
 constexpr float LUMINANCE_MIN = 1.0e-18f;  // Smallest luminance that is divided by.
+// wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
+// squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
+// much longer.
+constexpr float LENGTHENED = 1.0995116e12f;
 constexpr float two_pi = 6.2831855f;
 constexpr float inv_pi = 0.31830987f;
 constexpr float inv_two_pi = 0.15915494f;
@@ -337,7 +341,7 @@ inline Vec3 disney_eval(const Disney& params, Vec3 wi, Vec3 wo) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 disney_half_vector(Vec3 wi, Vec3 wo) {
-    Vec3 h = wi + wo;
+    Vec3 h = LENGTHENED * (wi + wo);
     return h / sqrtf(disney_length2(h));  // the root is the cosine's as well
 }
 
@@ -495,34 +499,21 @@ inline float disney_pdf_mirror(float density, float cos_h) {
     return 0.25f * density / cos_h;
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-inline float disney_ggx_D(DisneyGGX ggx, Vec3 m) {
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    Vec3 v = Vec3{m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z};
-    float s = dot(v, v);
-    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
-}
-
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
 inline float disney_ggx_area(DisneyGGX ggx, Vec3 w) {
     return length(Vec3{ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z});
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
-inline float disney_pdf_visible(DisneyGGX facets, Vec3 wo, Vec3 m) {
-    return 0.5f * disney_ggx_D(facets, m) / (wo.z + disney_ggx_area(facets, wo));
-}
-
 // Density of disney_sample_ggx_lobe in 1/sr.
 inline float disney_pdf_ggx_lobe(DisneyGGX facets, Vec3 wi, Vec3 wo) {
-    float straight = disney_pdf_visible(facets, wo, disney_half_vector(wi, wo));
-    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    float seen = 0.5f / (wo.z + disney_ggx_area(facets, wo));  // Smith's G1 over 4 mu_o
+    float straight = disney_ggx_D_along(facets, wi + wo);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
+    // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits.
     bool exists = wo.z > wi.z;
-    Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
-    // The least lift, for two that are equally high but for their last digits
-    Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
-    float folded = disney_pdf_visible(facets, wo, disney_half_vector(image, higher));
-    return straight + (exists ? folded : 0.0f);
+    Vec3 across = Vec3{wi.x, wi.y, exists ? wo.z - wi.z : wi.z};
+    float folded = disney_ggx_D_along(facets, across + Vec3{wo.x, wo.y, exists ? mu_min : wo.z});
+    return (straight + (exists ? folded : 0.0f)) * seen;
 }
 
 // Density of disney_sample_cosine in 1/sr, for w above the horizon.

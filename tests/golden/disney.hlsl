@@ -260,7 +260,11 @@ float3 disney_eval(Disney params, float3 wi, float3 wo) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 float3 disney_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
+    // wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
+    // squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
+    // much longer.
+    const float LENGTHENED = 1.0995116e12;
+    float3 h = LENGTHENED * (wi + wo);
     return h / sqrt(disney_length2(h));  // the root is the cosine's as well
 }
 
@@ -447,36 +451,22 @@ float disney_pdf_mirror(float density, float cos_h) {
     return 0.25 * density / cos_h;
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-float disney_ggx_D(DisneyGGX ggx, float3 m) {
-    const float inv_pi = 0.31830987;
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    float3 v = float3(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
-    float s = dot(v, v);
-    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
-}
-
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
 float disney_ggx_area(DisneyGGX ggx, float3 w) {
     return length(float3(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
-float disney_pdf_visible(DisneyGGX facets, float3 wo, float3 m) {
-    return 0.5 * disney_ggx_D(facets, m) / (wo.z + disney_ggx_area(facets, wo));
-}
-
 // Density of disney_sample_ggx_lobe in 1/sr.
 float disney_pdf_ggx_lobe(DisneyGGX facets, float3 wi, float3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = disney_pdf_visible(facets, wo, disney_half_vector(wi, wo));
-    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    float seen = 0.5 / (wo.z + disney_ggx_area(facets, wo));  // Smith's G1 over 4 mu_o
+    float straight = disney_ggx_D_along(facets, wi + wo);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
+    // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits.
     bool exists = wo.z > wi.z;
-    float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
-    // The least lift, for two that are equally high but for their last digits
-    float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
-    float folded = disney_pdf_visible(facets, wo, disney_half_vector(image, higher));
-    return straight + (exists ? folded : 0.0);
+    float3 across = float3(wi.x, wi.y, exists ? wo.z - wi.z : wi.z);
+    float folded = disney_ggx_D_along(facets, across + float3(wo.x, wo.y, exists ? mu_min : wo.z));
+    return (straight + (exists ? folded : 0.0)) * seen;
 }
 
 // Density of disney_sample_cosine in 1/sr, for w above the horizon.

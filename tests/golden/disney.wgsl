@@ -246,7 +246,11 @@ fn disney_eval(params: Disney, wi: vec3f, wo: vec3f) -> vec3f {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn disney_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    let h = wi + wo;
+    // wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
+    // squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
+    // much longer.
+    const LENGTHENED = 1.0995116e12;
+    let h = LENGTHENED * (wi + wo);
     return h / sqrt(disney_length2(h));  // the root is the cosine's as well
 }
 
@@ -428,36 +432,23 @@ fn disney_pdf_mirror(density: f32, cos_h: f32) -> f32 {
     return 0.25 * density / cos_h;
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-fn disney_ggx_D(ggx: DisneyGGX, m: vec3f) -> f32 {
-    const inv_pi = 0.31830987;
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    let v = vec3f(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
-    let s = dot(v, v);
-    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
-}
-
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
 fn disney_ggx_area(ggx: DisneyGGX, w: vec3f) -> f32 {
     return length(vec3f(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
-fn disney_pdf_visible(facets: DisneyGGX, wo: vec3f, m: vec3f) -> f32 {
-    return 0.5 * disney_ggx_D(facets, m) / (wo.z + disney_ggx_area(facets, wo));
-}
-
 // Density of disney_sample_ggx_lobe in 1/sr.
 fn disney_pdf_ggx_lobe(facets: DisneyGGX, wi: vec3f, wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
-    let straight = disney_pdf_visible(facets, wo, disney_half_vector(wi, wo));
-    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    let seen = 0.5 / (wo.z + disney_ggx_area(facets, wo));  // Smith's G1 over 4 mu_o
+    let straight = disney_ggx_D_along(facets, wi + wo);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
+    // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits.
     let exists = wo.z > wi.z;
-    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
-    // The least lift, for two that are equally high but for their last digits
-    let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
-    let folded = disney_pdf_visible(facets, wo, disney_half_vector(image, higher));
-    return straight + select(0.0, folded, exists);
+    let across = vec3f(wi.x, wi.y, select(wi.z, wo.z - wi.z, exists));
+    let folded = disney_ggx_D_along(facets, across
+        + vec3f(wo.x, wo.y, select(wo.z, mu_min, exists)));
+    return (straight + select(0.0, folded, exists)) * seen;
 }
 
 // Density of disney_sample_cosine in 1/sr, for w above the horizon.

@@ -157,12 +157,6 @@ fn metallic_roughness_eval(params: MetallicRoughness, wi: vec3f, wo: vec3f) -> v
 
 // ---- sampling ------------------------------------------------------------------------------
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-fn metallic_roughness_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    let h = wi + wo;
-    return h / sqrt(metallic_roughness_length2(h));  // the root is the cosine's as well
-}
-
 // Mean of the three channels, by which lobes are weighed against each other.
 fn metallic_roughness_average(color: vec3f) -> f32 {
     return (color.x + color.y + color.z) / 3.0;
@@ -293,35 +287,20 @@ fn metallic_roughness_pdf_cosine(w: vec3f) -> f32 {
     return w.z * inv_pi;
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33.
-fn metallic_roughness_round_ggx_D(round_ggx: MetallicRoughnessRoundGGX, m: vec3f) -> f32 {
-    const inv_pi = 0.31830987;
-    let a2 = round_ggx.alpha * round_ggx.alpha;
-    let s = a2 + (1.0 - a2) * (m.x * m.x + m.y * m.y);
-    return inv_pi * a2 / (s * s);
-}
-
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
-fn metallic_roughness_pdf_visible(facets: MetallicRoughnessRoundGGX, wo: vec3f,
-    m: vec3f) -> f32 {
-    return 0.5 * metallic_roughness_round_ggx_D(facets, m)
-        / (wo.z + metallic_roughness_round_ggx_area(facets, wo));
-}
-
 // Density of metallic_roughness_sample_ggx_lobe in 1/sr.
 fn metallic_roughness_pdf_ggx_lobe(facets: MetallicRoughnessRoundGGX, wi: vec3f,
     wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
-    let straight = metallic_roughness_pdf_visible(facets, wo,
-        metallic_roughness_half_vector(wi, wo));
-    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    // Smith's G1 over 4 mu_o
+    let seen = 0.5 / (wo.z + metallic_roughness_round_ggx_area(facets, wo));
+    let straight = metallic_roughness_round_ggx_D_along(facets, wi + wo);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
+    // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits.
     let exists = wo.z > wi.z;
-    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
-    // The least lift, for two that are equally high but for their last digits
-    let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
-    let folded = metallic_roughness_pdf_visible(facets, wo,
-        metallic_roughness_half_vector(image, higher));
-    return straight + select(0.0, folded, exists);
+    let across = vec3f(wi.x, wi.y, select(wi.z, wo.z - wi.z, exists));
+    let folded = metallic_roughness_round_ggx_D_along(facets, across
+        + vec3f(wo.x, wo.y, select(wo.z, mu_min, exists)));
+    return (straight + select(0.0, folded, exists)) * seen;
 }
 
 // Density of metallic_roughness_sample_matte_gloss in 1/sr.

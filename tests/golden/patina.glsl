@@ -84,7 +84,11 @@ float patina_length2(vec3 h) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 patina_half_vector(vec3 wi, vec3 wo) {
-    vec3 h = wi + wo;
+    // wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
+    // squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
+    // much longer.
+    const float LENGTHENED = 1.0995116e12;
+    vec3 h = LENGTHENED * (wi + wo);
     return h / sqrt(patina_length2(h));  // the root is the cosine's as well
 }
 
@@ -101,12 +105,12 @@ float patina_sin2_half(vec3 wi, vec3 wo) {
 }
 
 // |re + i im| for im of at least 2 ABSORPTION_MIN.
-vec3 patina_size_value(vec3 re, vec3 im) {
+vec3 patina_size(vec3 re, vec3 im) {
     return sqrt(re * re + im * im);
 }
 
 // |re + i im|^2 / s2^2 p / q.
-vec3 patina_reflected_value(vec3 re, vec3 im, vec3 s2, vec3 p, vec3 q) {
+vec3 patina_reflected(vec3 re, vec3 im, vec3 s2, vec3 p, vec3 q) {
     // In two quotients, as the square of s2 is 1e-34 for a matched index in the horizon
     return (re * re + im * im) / s2 * (p / (s2 * q));
 }
@@ -127,7 +131,7 @@ vec3 patina_F_conductor_half(float cos_h, float sin2_h, vec3 eta, vec3 k) {
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
     vec3 w_re = mix(contrast_re + c2, eta * eta - k * k - sin2_h, bvec3(cos_h > NEAR_NORMAL));
     vec3 im = 2.0 * half_im;
-    vec3 w_abs = patina_size_value(w_re, im);
+    vec3 w_abs = patina_size(w_re, im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     vec3 g2 = 0.5 * (w_abs + abs(w_re));
     vec3 g_re = mix(half_im, g2, greaterThan(w_re, vec3(0.0))) * (1.0 / sqrt(g2));
@@ -135,7 +139,7 @@ vec3 patina_F_conductor_half(float cos_h, float sin2_h, vec3 eta, vec3 k) {
     vec3 cross = 2.0 * c * g_re;
     vec3 s_abs2 = c2 + w_abs + cross;
     vec3 p = c2 * w_abs + sin2_h * sin2_h;
-    return patina_reflected_value(contrast_re, im, s_abs2, p, p + cross * sin2_h);
+    return patina_reflected(contrast_re, im, s_abs2, p, p + cross * sin2_h);
 }
 
 // The metal's reflectance, as far as it has tarnished.
@@ -228,7 +232,7 @@ PatinaSplit patina_split_conductor(float cos_theta, vec3 eta, vec3 k) {
     float c2 = c * c;
     float sin2 = patina_sin2(c);
     vec3 w_re = contrast_re + c2;
-    vec3 w_abs = patina_size_value(w_re, eps_im);
+    vec3 w_abs = patina_size(w_re, eps_im);
     vec3 g2 = 0.5 * (w_abs + abs(w_re));
     vec3 inv = 1.0 / sqrt(g2);
     vec3 large = g2 * inv;
@@ -241,7 +245,7 @@ PatinaSplit patina_split_conductor(float cos_theta, vec3 eta, vec3 k) {
     vec3 p_re = eps_re * c + g_re;
     vec3 p_im = eps_im * c + g_im;
     vec3 T_p = (eps_re * g_re + eps_im * g_im) / (p_re * p_re + p_im * p_im);
-    vec3 F = patina_reflected_value(contrast_re, eps_im, s_abs2, p, p + cross * sin2);
+    vec3 F = patina_reflected(contrast_re, eps_im, s_abs2, p, p + cross * sin2);
     return PatinaSplit(F, 2.0 * c * (g_re / s_abs2 + T_p));
 }
 
@@ -581,22 +585,39 @@ float patina_pdf_leave(float pdf_refracted, float pdf_gathered, vec3 w, vec3 w_t
         + pdf_gathered * patina_critical_cosine(excess);
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
-float patina_pdf_visible(PatinaRoundGGX facets, vec3 wo, vec3 m) {
-    return 0.5 * patina_round_ggx_D(facets, m) / (wo.z + patina_round_ggx_area(facets, wo));
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+vec2 patina_slopes(vec3 h) {
+    float inv = 1.0 / h.z;
+    return vec2(h.x * inv, h.y * inv);
+}
+
+// Squared tangent of that facet's angle.
+float patina_tangent2(vec3 h) {
+    vec2 t = patina_slopes(h);
+    return t.x * t.x + t.y * t.y;
+}
+
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
+float patina_round_ggx_D_along(PatinaRoundGGX round_ggx, vec3 h) {
+    const float inv_pi = 0.31830987;
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float tan2 = patina_tangent2(h);
+    float r = (1.0 + tan2) / (a2 + tan2);
+    return inv_pi * a2 * (r * r);
 }
 
 // Density of patina_sample_ggx_lobe in 1/sr.
 float patina_pdf_ggx_lobe(PatinaRoundGGX facets, vec3 wi, vec3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = patina_pdf_visible(facets, wo, patina_half_vector(wi, wo));
-    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    float seen = 0.5 / (wo.z + patina_round_ggx_area(facets, wo));  // Smith's G1 over 4 mu_o
+    float straight = patina_round_ggx_D_along(facets, wi + wo);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
+    // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits.
     bool exists = wo.z > wi.z;
-    vec3 image = vec3(wi.x, wi.y, exists ? -wi.z : wi.z);
-    // The least lift, for two that are equally high but for their last digits
-    vec3 higher = vec3(wo.x, wo.y, wo.z + mu_min);
-    float folded = patina_pdf_visible(facets, wo, patina_half_vector(image, higher));
-    return straight + (exists ? folded : 0.0);
+    vec3 across = vec3(wi.x, wi.y, exists ? wo.z - wi.z : wi.z);
+    float folded = patina_round_ggx_D_along(facets, across
+        + vec3(wo.x, wo.y, exists ? mu_min : wo.z));
+    return (straight + (exists ? folded : 0.0)) * seen;
 }
 
 // Density of patina_sample_cosine in 1/sr, for w above the horizon.

@@ -88,7 +88,11 @@ float patina_length2(float3 h) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 float3 patina_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
+    // wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
+    // squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
+    // much longer.
+    const float LENGTHENED = 1.0995116e12;
+    float3 h = LENGTHENED * (wi + wo);
     return h / sqrt(patina_length2(h));  // the root is the cosine's as well
 }
 
@@ -105,12 +109,12 @@ float patina_sin2_half(float3 wi, float3 wo) {
 }
 
 // |re + i im| for im of at least 2 ABSORPTION_MIN.
-float3 patina_size_value(float3 re, float3 im) {
+float3 patina_size(float3 re, float3 im) {
     return sqrt(re * re + im * im);
 }
 
 // |re + i im|^2 / s2^2 p / q.
-float3 patina_reflected_value(float3 re, float3 im, float3 s2, float3 p, float3 q) {
+float3 patina_reflected(float3 re, float3 im, float3 s2, float3 p, float3 q) {
     // In two quotients, as the square of s2 is 1e-34 for a matched index in the horizon
     return (re * re + im * im) / s2 * (p / (s2 * q));
 }
@@ -131,7 +135,7 @@ float3 patina_F_conductor_half(float cos_h, float sin2_h, float3 eta, float3 k) 
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
     float3 w_re = cos_h > NEAR_NORMAL ? eta * eta - k * k - sin2_h : contrast_re + c2;
     float3 im = 2.0 * half_im;
-    float3 w_abs = patina_size_value(w_re, im);
+    float3 w_abs = patina_size(w_re, im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     float3 g2 = 0.5 * (w_abs + abs(w_re));
     float3 g_re = patina_select(w_re > float3(0.0, 0.0, 0.0), g2, half_im) * (1.0 / sqrt(g2));
@@ -139,7 +143,7 @@ float3 patina_F_conductor_half(float cos_h, float sin2_h, float3 eta, float3 k) 
     float3 cross = 2.0 * c * g_re;
     float3 s_abs2 = c2 + w_abs + cross;
     float3 p = c2 * w_abs + sin2_h * sin2_h;
-    return patina_reflected_value(contrast_re, im, s_abs2, p, p + cross * sin2_h);
+    return patina_reflected(contrast_re, im, s_abs2, p, p + cross * sin2_h);
 }
 
 // The metal's reflectance, as far as it has tarnished.
@@ -235,7 +239,7 @@ PatinaSplit patina_split_conductor(float cos_theta, float3 eta, float3 k) {
     float c2 = c * c;
     float sin2 = patina_sin2(c);
     float3 w_re = contrast_re + c2;
-    float3 w_abs = patina_size_value(w_re, eps_im);
+    float3 w_abs = patina_size(w_re, eps_im);
     float3 g2 = 0.5 * (w_abs + abs(w_re));
     float3 inv = 1.0 / sqrt(g2);
     float3 large = g2 * inv;
@@ -248,7 +252,7 @@ PatinaSplit patina_split_conductor(float cos_theta, float3 eta, float3 k) {
     float3 p_re = eps_re * c + g_re;
     float3 p_im = eps_im * c + g_im;
     float3 T_p = (eps_re * g_re + eps_im * g_im) / (p_re * p_re + p_im * p_im);
-    float3 F = patina_reflected_value(contrast_re, eps_im, s_abs2, p, p + cross * sin2);
+    float3 F = patina_reflected(contrast_re, eps_im, s_abs2, p, p + cross * sin2);
     PatinaSplit result;
     result.F = F;
     result.T = 2.0 * c * (g_re / s_abs2 + T_p);
@@ -609,22 +613,39 @@ float patina_pdf_leave(float pdf_refracted, float pdf_gathered, float3 w, float3
         + pdf_gathered * patina_critical_cosine(excess);
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
-float patina_pdf_visible(PatinaRoundGGX facets, float3 wo, float3 m) {
-    return 0.5 * patina_round_ggx_D(facets, m) / (wo.z + patina_round_ggx_area(facets, wo));
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+float2 patina_slopes(float3 h) {
+    float inv = 1.0 / h.z;
+    return float2(h.x * inv, h.y * inv);
+}
+
+// Squared tangent of that facet's angle.
+float patina_tangent2(float3 h) {
+    float2 t = patina_slopes(h);
+    return t.x * t.x + t.y * t.y;
+}
+
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
+float patina_round_ggx_D_along(PatinaRoundGGX round_ggx, float3 h) {
+    const float inv_pi = 0.31830987;
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float tan2 = patina_tangent2(h);
+    float r = (1.0 + tan2) / (a2 + tan2);
+    return inv_pi * a2 * (r * r);
 }
 
 // Density of patina_sample_ggx_lobe in 1/sr.
 float patina_pdf_ggx_lobe(PatinaRoundGGX facets, float3 wi, float3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = patina_pdf_visible(facets, wo, patina_half_vector(wi, wo));
-    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    float seen = 0.5 / (wo.z + patina_round_ggx_area(facets, wo));  // Smith's G1 over 4 mu_o
+    float straight = patina_round_ggx_D_along(facets, wi + wo);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
+    // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits.
     bool exists = wo.z > wi.z;
-    float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
-    // The least lift, for two that are equally high but for their last digits
-    float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
-    float folded = patina_pdf_visible(facets, wo, patina_half_vector(image, higher));
-    return straight + (exists ? folded : 0.0);
+    float3 across = float3(wi.x, wi.y, exists ? wo.z - wi.z : wi.z);
+    float folded = patina_round_ggx_D_along(facets, across
+        + float3(wo.x, wo.y, exists ? mu_min : wo.z));
+    return (straight + (exists ? folded : 0.0)) * seen;
 }
 
 // Density of patina_sample_cosine in 1/sr, for w above the horizon.

@@ -201,12 +201,12 @@ inline float retroreflective_sin2_half(Vec3 wi, Vec3 wo) {
 }
 
 // |re + i im| for im of at least 2 ABSORPTION_MIN.
-inline Vec3 retroreflective_size_value(Vec3 re, Vec3 im) {
+inline Vec3 retroreflective_size(Vec3 re, Vec3 im) {
     return sqrt(re * re + im * im);
 }
 
 // |re + i im|^2 / s2^2 p / q.
-inline Vec3 retroreflective_reflected_value(Vec3 re, Vec3 im, Vec3 s2, Vec3 p, Vec3 q) {
+inline Vec3 retroreflective_reflected(Vec3 re, Vec3 im, Vec3 s2, Vec3 p, Vec3 q) {
     // In two quotients, as the square of s2 is 1e-34 for a matched index in the horizon
     return (re * re + im * im) / s2 * (p / (s2 * q));
 }
@@ -221,7 +221,7 @@ inline Vec3 retroreflective_F_conductor_half(float cos_h, float sin2_h, Vec3 eta
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
     Vec3 w_re = cos_h > NEAR_NORMAL ? eta * eta - k * k - sin2_h : contrast_re + c2;
     Vec3 im = 2.0f * half_im;
-    Vec3 w_abs = retroreflective_size_value(w_re, im);
+    Vec3 w_abs = retroreflective_size(w_re, im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     Vec3 g2 = 0.5f * (w_abs + absolute(w_re));
     Vec3 g_re = select(w_re > splat(0.0f), g2, half_im) * (1.0f / sqrt(g2));
@@ -229,7 +229,7 @@ inline Vec3 retroreflective_F_conductor_half(float cos_h, float sin2_h, Vec3 eta
     Vec3 cross = 2.0f * c * g_re;
     Vec3 s_abs2 = c2 + w_abs + cross;
     Vec3 p = c2 * w_abs + sin2_h * sin2_h;
-    return retroreflective_reflected_value(contrast_re, im, s_abs2, p, p + cross * sin2_h);
+    return retroreflective_reflected(contrast_re, im, s_abs2, p, p + cross * sin2_h);
 }
 
 // Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
@@ -307,12 +307,6 @@ inline Vec3 retroreflective_eval(const Retroreflective& params, Vec3 wi, Vec3 wo
 
 // ---- sampling ------------------------------------------------------------------------------
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline Vec3 retroreflective_half_vector(Vec3 wi, Vec3 wo) {
-    Vec3 h = wi + wo;
-    return h / sqrtf(retroreflective_length2(h));  // the root is the cosine's as well
-}
-
 // w where all facets are those of a unit sphere.
 inline Vec3 retroreflective_ggx_unstretched(RetroreflectiveGGX ggx, Vec3 w) {
     return normalize(Vec3{ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z});
@@ -360,30 +354,17 @@ inline Vec3 retroreflective_base_sample_facets(const RetroreflectiveBase& params
     return retroreflective_sample_ggx_lobe(retroreflective_base_facets(params), wo, u);
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-inline float retroreflective_ggx_D(RetroreflectiveGGX ggx, Vec3 m) {
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    Vec3 v = Vec3{m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z};
-    float s = dot(v, v);
-    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
-}
-
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
-inline float retroreflective_pdf_visible(RetroreflectiveGGX facets, Vec3 wo, Vec3 m) {
-    return 0.5f * retroreflective_ggx_D(facets, m) / (wo.z + retroreflective_ggx_area(facets, wo));
-}
-
 // Density of retroreflective_sample_ggx_lobe in 1/sr.
 inline float retroreflective_pdf_ggx_lobe(RetroreflectiveGGX facets, Vec3 wi, Vec3 wo) {
-    float straight = retroreflective_pdf_visible(facets, wo, retroreflective_half_vector(wi, wo));
-    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    float seen = 0.5f / (wo.z + retroreflective_ggx_area(facets, wo));  // Smith's G1 over 4 mu_o
+    float straight = retroreflective_ggx_D_along(facets, wi + wo);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
+    // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits.
     bool exists = wo.z > wi.z;
-    Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
-    // The least lift, for two that are equally high but for their last digits
-    Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
-    float folded = retroreflective_pdf_visible(facets, wo,
-        retroreflective_half_vector(image, higher));
-    return straight + (exists ? folded : 0.0f);
+    Vec3 across = Vec3{wi.x, wi.y, exists ? wo.z - wi.z : wi.z};
+    float folded = retroreflective_ggx_D_along(facets, across
+        + Vec3{wo.x, wo.y, exists ? mu_min : wo.z});
+    return (straight + (exists ? folded : 0.0f)) * seen;
 }
 
 // Density of retroreflective_base_sample_facets.

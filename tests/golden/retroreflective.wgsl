@@ -85,13 +85,12 @@ fn retroreflective_sin2_half(wi: vec3f, wo: vec3f) -> f32 {
 }
 
 // |re + i im| for im of at least 2 ABSORPTION_MIN.
-fn retroreflective_size_value(re: vec3f, im: vec3f) -> vec3f {
+fn retroreflective_size(re: vec3f, im: vec3f) -> vec3f {
     return sqrt(re * re + im * im);
 }
 
 // |re + i im|^2 / s2^2 p / q.
-fn retroreflective_reflected_value(re: vec3f, im: vec3f, s2: vec3f, p: vec3f,
-    q: vec3f) -> vec3f {
+fn retroreflective_reflected(re: vec3f, im: vec3f, s2: vec3f, p: vec3f, q: vec3f) -> vec3f {
     // In two quotients, as the square of s2 is 1e-34 for a matched index in the horizon
     return (re * re + im * im) / s2 * (p / (s2 * q));
 }
@@ -112,7 +111,7 @@ fn retroreflective_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
     let w_re = select(contrast_re + c2, eta * eta - k * k - sin2_h, cos_h > NEAR_NORMAL);
     let im = 2.0 * half_im;
-    let w_abs = retroreflective_size_value(w_re, im);
+    let w_abs = retroreflective_size(w_re, im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     let g2 = 0.5 * (w_abs + abs(w_re));
     let g_re = select(half_im, g2, w_re > vec3f(0.0)) * (1.0 / sqrt(g2));
@@ -120,7 +119,7 @@ fn retroreflective_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3
     let cross = 2.0 * c * g_re;
     let s_abs2 = c2 + w_abs + cross;
     let p = c2 * w_abs + sin2_h * sin2_h;
-    return retroreflective_reflected_value(contrast_re, im, s_abs2, p, p + cross * sin2_h);
+    return retroreflective_reflected(contrast_re, im, s_abs2, p, p + cross * sin2_h);
 }
 
 // Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
@@ -198,12 +197,6 @@ fn retroreflective_eval(params: Retroreflective, wi: vec3f, wo: vec3f) -> vec3f 
 
 // ---- sampling ------------------------------------------------------------------------------
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-fn retroreflective_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    let h = wi + wo;
-    return h / sqrt(retroreflective_length2(h));  // the root is the cosine's as well
-}
-
 // w where all facets are those of a unit sphere.
 fn retroreflective_ggx_unstretched(ggx: RetroreflectiveGGX, w: vec3f) -> vec3f {
     return normalize(vec3f(ggx.alpha_x * w.x, ggx.alpha_y * w.y, w.z));
@@ -254,32 +247,18 @@ fn retroreflective_base_sample_facets(params: RetroreflectiveBase, wo: vec3f,
     return retroreflective_sample_ggx_lobe(retroreflective_base_facets(params), wo, u);
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-fn retroreflective_ggx_D(ggx: RetroreflectiveGGX, m: vec3f) -> f32 {
-    const inv_pi = 0.31830987;
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    let v = vec3f(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
-    let s = dot(v, v);
-    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
-}
-
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
-fn retroreflective_pdf_visible(facets: RetroreflectiveGGX, wo: vec3f, m: vec3f) -> f32 {
-    return 0.5 * retroreflective_ggx_D(facets, m) / (wo.z + retroreflective_ggx_area(facets, wo));
-}
-
 // Density of retroreflective_sample_ggx_lobe in 1/sr.
 fn retroreflective_pdf_ggx_lobe(facets: RetroreflectiveGGX, wi: vec3f, wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
-    let straight = retroreflective_pdf_visible(facets, wo, retroreflective_half_vector(wi, wo));
-    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    let seen = 0.5 / (wo.z + retroreflective_ggx_area(facets, wo));  // Smith's G1 over 4 mu_o
+    let straight = retroreflective_ggx_D_along(facets, wi + wo);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
+    // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits.
     let exists = wo.z > wi.z;
-    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
-    // The least lift, for two that are equally high but for their last digits
-    let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
-    let folded = retroreflective_pdf_visible(facets, wo,
-        retroreflective_half_vector(image, higher));
-    return straight + select(0.0, folded, exists);
+    let across = vec3f(wi.x, wi.y, select(wi.z, wo.z - wi.z, exists));
+    let folded = retroreflective_ggx_D_along(facets, across
+        + vec3f(wo.x, wo.y, select(wo.z, mu_min, exists)));
+    return (straight + select(0.0, folded, exists)) * seen;
 }
 
 // Density of retroreflective_base_sample_facets.

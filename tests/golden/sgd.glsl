@@ -66,7 +66,11 @@ float sgd_length2(vec3 h) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 sgd_half_vector(vec3 wi, vec3 wo) {
-    vec3 h = wi + wo;
+    // wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
+    // squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
+    // much longer.
+    const float LENGTHENED = 1.0995116e12;
+    vec3 h = LENGTHENED * (wi + wo);
     return h / sqrt(sgd_length2(h));  // the root is the cosine's as well
 }
 

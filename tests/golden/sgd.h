@@ -119,6 +119,10 @@ inline Vec3 log(Vec3 a) {
     return Vec3{logf(a.x), logf(a.y), logf(a.z)};
 }
 
+// wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
+// squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
+// much longer.
+constexpr float LENGTHENED = 1.0995116e12f;
 // Steps of the rule in sgd_albedo: a Fibonacci number, and the golden ratio.
 constexpr float ALBEDO_SAMPLES = 987.0f;
 constexpr float GOLDEN = 0.618034f;
@@ -219,7 +223,7 @@ inline float sgd_length2(Vec3 h) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 sgd_half_vector(Vec3 wi, Vec3 wo) {
-    Vec3 h = wi + wo;
+    Vec3 h = LENGTHENED * (wi + wo);
     return h / sqrtf(sgd_length2(h));  // the root is the cosine's as well
 }
 

@@ -70,6 +70,10 @@ inline Vec3 lerp(Vec3 a, Vec3 b, Vec3 c) {
     return Vec3{lerp(a.x, b.x, c.x), lerp(a.y, b.y, c.y), lerp(a.z, b.z, c.z)};
 }
 
+// wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
+// squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
+// much longer.
+constexpr float LENGTHENED = 1.0995116e12f;
 // Below this the series needs few terms; above, the plain logarithm of 1 + x is exact to 2e-7 in float32.
 constexpr float LOG1P_SMALL = 0.25f;
 // Below this the series needs few terms; above, the plain difference is exact to 2e-7 in float32.
@@ -139,7 +143,7 @@ inline float student_t_schlick_weight_half(Vec3 wi, Vec3 wo) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 student_t_half_vector(Vec3 wi, Vec3 wo) {
-    Vec3 h = wi + wo;
+    Vec3 h = LENGTHENED * (wi + wo);
     return h / sqrtf(student_t_length2(h));  // the root is the cosine's as well
 }
 

@@ -64,7 +64,11 @@ inline float student_t_schlick_weight_half(float3 wi, float3 wo) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline float3 student_t_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
+    // wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
+    // squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
+    // much longer.
+    const float LENGTHENED = 1.0995116e12;
+    float3 h = LENGTHENED * (wi + wo);
     return h / sqrt(student_t_length2(h));  // the root is the cosine's as well
 }
 

@@ -101,12 +101,12 @@ float sum_sin2_half(vec3 wi, vec3 wo) {
 }
 
 // |re + i im| for im of at least 2 ABSORPTION_MIN.
-vec3 sum_size_value(vec3 re, vec3 im) {
+vec3 sum_size(vec3 re, vec3 im) {
     return sqrt(re * re + im * im);
 }
 
 // |re + i im|^2 / s2^2 p / q.
-vec3 sum_reflected_value(vec3 re, vec3 im, vec3 s2, vec3 p, vec3 q) {
+vec3 sum_reflected(vec3 re, vec3 im, vec3 s2, vec3 p, vec3 q) {
     // In two quotients, as the square of s2 is 1e-34 for a matched index in the horizon
     return (re * re + im * im) / s2 * (p / (s2 * q));
 }
@@ -127,7 +127,7 @@ vec3 sum_F_conductor_half(float cos_h, float sin2_h, vec3 eta, vec3 k) {
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
     vec3 w_re = mix(contrast_re + c2, eta * eta - k * k - sin2_h, bvec3(cos_h > NEAR_NORMAL));
     vec3 im = 2.0 * half_im;
-    vec3 w_abs = sum_size_value(w_re, im);
+    vec3 w_abs = sum_size(w_re, im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     vec3 g2 = 0.5 * (w_abs + abs(w_re));
     vec3 g_re = mix(half_im, g2, greaterThan(w_re, vec3(0.0))) * (1.0 / sqrt(g2));
@@ -135,7 +135,7 @@ vec3 sum_F_conductor_half(float cos_h, float sin2_h, vec3 eta, vec3 k) {
     vec3 cross = 2.0 * c * g_re;
     vec3 s_abs2 = c2 + w_abs + cross;
     vec3 p = c2 * w_abs + sin2_h * sin2_h;
-    return sum_reflected_value(contrast_re, im, s_abs2, p, p + cross * sin2_h);
+    return sum_reflected(contrast_re, im, s_abs2, p, p + cross * sin2_h);
 }
 
 // Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
@@ -211,12 +211,6 @@ vec3 sum_eval(Sum params, vec3 wi, vec3 wo) {
 }
 
 // ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-vec3 sum_half_vector(vec3 wi, vec3 wo) {
-    vec3 h = wi + wo;
-    return h / sqrt(sum_length2(h));  // the root is the cosine's as well
-}
 
 // Mean of the three channels, by which lobes are weighed against each other.
 float sum_average(vec3 color) {
@@ -334,31 +328,17 @@ vec3 sum_second_sample_facets(SumSecond params, vec3 wo, vec2 u) {
     return sum_sample_ggx_lobe(sum_second_facets(params), wo, u);
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-float sum_ggx_D(SumGGX ggx, vec3 m) {
-    const float inv_pi = 0.31830987;
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    vec3 v = vec3(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
-    float s = dot(v, v);
-    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
-}
-
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
-float sum_pdf_visible(SumGGX facets, vec3 wo, vec3 m) {
-    return 0.5 * sum_ggx_D(facets, m) / (wo.z + sum_ggx_area(facets, wo));
-}
-
 // Density of sum_sample_ggx_lobe in 1/sr.
 float sum_pdf_ggx_lobe(SumGGX facets, vec3 wi, vec3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = sum_pdf_visible(facets, wo, sum_half_vector(wi, wo));
-    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    float seen = 0.5 / (wo.z + sum_ggx_area(facets, wo));  // Smith's G1 over 4 mu_o
+    float straight = sum_ggx_D_along(facets, wi + wo);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
+    // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits.
     bool exists = wo.z > wi.z;
-    vec3 image = vec3(wi.x, wi.y, exists ? -wi.z : wi.z);
-    // The least lift, for two that are equally high but for their last digits
-    vec3 higher = vec3(wo.x, wo.y, wo.z + mu_min);
-    float folded = sum_pdf_visible(facets, wo, sum_half_vector(image, higher));
-    return straight + (exists ? folded : 0.0);
+    vec3 across = vec3(wi.x, wi.y, exists ? wo.z - wi.z : wi.z);
+    float folded = sum_ggx_D_along(facets, across + vec3(wo.x, wo.y, exists ? mu_min : wo.z));
+    return (straight + (exists ? folded : 0.0)) * seen;
 }
 
 // Density of sum_second_sample_facets.

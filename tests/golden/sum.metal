@@ -104,12 +104,12 @@ inline float sum_sin2_half(float3 wi, float3 wo) {
 }
 
 // |re + i im| for im of at least 2 ABSORPTION_MIN.
-inline float3 sum_size_value(float3 re, float3 im) {
+inline float3 sum_size(float3 re, float3 im) {
     return sqrt(re * re + im * im);
 }
 
 // |re + i im|^2 / s2^2 p / q.
-inline float3 sum_reflected_value(float3 re, float3 im, float3 s2, float3 p, float3 q) {
+inline float3 sum_reflected(float3 re, float3 im, float3 s2, float3 p, float3 q) {
     // In two quotients, as the square of s2 is 1e-34 for a matched index in the horizon
     return (re * re + im * im) / s2 * (p / (s2 * q));
 }
@@ -130,7 +130,7 @@ inline float3 sum_F_conductor_half(float cos_h, float sin2_h, float3 eta, float3
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
     float3 w_re = cos_h > NEAR_NORMAL ? eta * eta - k * k - sin2_h : contrast_re + c2;
     float3 im = 2.0 * half_im;
-    float3 w_abs = sum_size_value(w_re, im);
+    float3 w_abs = sum_size(w_re, im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     float3 g2 = 0.5 * (w_abs + abs(w_re));
     float3 g_re = select(half_im, g2, w_re > float3(0.0)) * (1.0 / sqrt(g2));
@@ -138,7 +138,7 @@ inline float3 sum_F_conductor_half(float cos_h, float sin2_h, float3 eta, float3
     float3 cross = 2.0 * c * g_re;
     float3 s_abs2 = c2 + w_abs + cross;
     float3 p = c2 * w_abs + sin2_h * sin2_h;
-    return sum_reflected_value(contrast_re, im, s_abs2, p, p + cross * sin2_h);
+    return sum_reflected(contrast_re, im, s_abs2, p, p + cross * sin2_h);
 }
 
 // Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
@@ -214,12 +214,6 @@ inline float3 sum_eval(Sum params, float3 wi, float3 wo) {
 }
 
 // ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline float3 sum_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
-    return h / sqrt(sum_length2(h));  // the root is the cosine's as well
-}
 
 // Mean of the three channels, by which lobes are weighed against each other.
 inline float sum_average(float3 color) {
@@ -337,31 +331,17 @@ inline float3 sum_second_sample_facets(SumSecond params, float3 wo, float2 u) {
     return sum_sample_ggx_lobe(sum_second_facets(params), wo, u);
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-inline float sum_ggx_D(SumGGX ggx, float3 m) {
-    const float inv_pi = 0.31830987;
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    float3 v = float3(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
-    float s = dot(v, v);
-    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
-}
-
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
-inline float sum_pdf_visible(SumGGX facets, float3 wo, float3 m) {
-    return 0.5 * sum_ggx_D(facets, m) / (wo.z + sum_ggx_area(facets, wo));
-}
-
 // Density of sum_sample_ggx_lobe in 1/sr.
 inline float sum_pdf_ggx_lobe(SumGGX facets, float3 wi, float3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = sum_pdf_visible(facets, wo, sum_half_vector(wi, wo));
-    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    float seen = 0.5 / (wo.z + sum_ggx_area(facets, wo));  // Smith's G1 over 4 mu_o
+    float straight = sum_ggx_D_along(facets, wi + wo);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
+    // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits.
     bool exists = wo.z > wi.z;
-    float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
-    // The least lift, for two that are equally high but for their last digits
-    float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
-    float folded = sum_pdf_visible(facets, wo, sum_half_vector(image, higher));
-    return straight + (exists ? folded : 0.0);
+    float3 across = float3(wi.x, wi.y, exists ? wo.z - wi.z : wi.z);
+    float folded = sum_ggx_D_along(facets, across + float3(wo.x, wo.y, exists ? mu_min : wo.z));
+    return (straight + (exists ? folded : 0.0)) * seen;
 }
 
 // Density of sum_second_sample_facets.

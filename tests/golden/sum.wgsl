@@ -100,12 +100,12 @@ fn sum_sin2_half(wi: vec3f, wo: vec3f) -> f32 {
 }
 
 // |re + i im| for im of at least 2 ABSORPTION_MIN.
-fn sum_size_value(re: vec3f, im: vec3f) -> vec3f {
+fn sum_size(re: vec3f, im: vec3f) -> vec3f {
     return sqrt(re * re + im * im);
 }
 
 // |re + i im|^2 / s2^2 p / q.
-fn sum_reflected_value(re: vec3f, im: vec3f, s2: vec3f, p: vec3f, q: vec3f) -> vec3f {
+fn sum_reflected(re: vec3f, im: vec3f, s2: vec3f, p: vec3f, q: vec3f) -> vec3f {
     // In two quotients, as the square of s2 is 1e-34 for a matched index in the horizon
     return (re * re + im * im) / s2 * (p / (s2 * q));
 }
@@ -126,7 +126,7 @@ fn sum_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3f) -> vec3f 
     // The same as eta^2 - k^2 - sin^2, of which a small index leaves little else near the normal
     let w_re = select(contrast_re + c2, eta * eta - k * k - sin2_h, cos_h > NEAR_NORMAL);
     let im = 2.0 * half_im;
-    let w_abs = sum_size_value(w_re, im);
+    let w_abs = sum_size(w_re, im);
     // Of the two parts of the root, the larger has no cancellation; the smaller follows from it.
     let g2 = 0.5 * (w_abs + abs(w_re));
     let g_re = select(half_im, g2, w_re > vec3f(0.0)) * (1.0 / sqrt(g2));
@@ -134,7 +134,7 @@ fn sum_F_conductor_half(cos_h: f32, sin2_h: f32, eta: vec3f, k: vec3f) -> vec3f 
     let cross = 2.0 * c * g_re;
     let s_abs2 = c2 + w_abs + cross;
     let p = c2 * w_abs + sin2_h * sin2_h;
-    return sum_reflected_value(contrast_re, im, s_abs2, p, p + cross * sin2_h);
+    return sum_reflected(contrast_re, im, s_abs2, p, p + cross * sin2_h);
 }
 
 // Widths along x and y: aspect sqrt(1 - 0.9 anisotropy), their product remains alpha^2.
@@ -210,12 +210,6 @@ fn sum_eval(params: Sum, wi: vec3f, wo: vec3f) -> vec3f {
 }
 
 // ---- sampling ------------------------------------------------------------------------------
-
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-fn sum_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    let h = wi + wo;
-    return h / sqrt(sum_length2(h));  // the root is the cosine's as well
-}
 
 // Mean of the three channels, by which lobes are weighed against each other.
 fn sum_average(color: vec3f) -> f32 {
@@ -332,31 +326,17 @@ fn sum_second_sample_facets(params: SumSecond, wo: vec3f, u: vec2f) -> vec3f {
     return sum_sample_ggx_lobe(sum_second_facets(params), wo, u);
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33; Burley, Eq. 13 (anisotropic).
-fn sum_ggx_D(ggx: SumGGX, m: vec3f) -> f32 {
-    const inv_pi = 0.31830987;
-    // (N.H)^2 (alpha^2 - 1) + 1 = alpha^2 ((x^2 + y^2) / alpha^2 + z^2), without its cancellation
-    let v = vec3f(m.x / ggx.alpha_x, m.y / ggx.alpha_y, m.z);
-    let s = dot(v, v);
-    return inv_pi / (ggx.alpha_x * ggx.alpha_y * s * s);
-}
-
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
-fn sum_pdf_visible(facets: SumGGX, wo: vec3f, m: vec3f) -> f32 {
-    return 0.5 * sum_ggx_D(facets, m) / (wo.z + sum_ggx_area(facets, wo));
-}
-
 // Density of sum_sample_ggx_lobe in 1/sr.
 fn sum_pdf_ggx_lobe(facets: SumGGX, wi: vec3f, wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
-    let straight = sum_pdf_visible(facets, wo, sum_half_vector(wi, wo));
-    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    let seen = 0.5 / (wo.z + sum_ggx_area(facets, wo));  // Smith's G1 over 4 mu_o
+    let straight = sum_ggx_D_along(facets, wi + wo);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
+    // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits.
     let exists = wo.z > wi.z;
-    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
-    // The least lift, for two that are equally high but for their last digits
-    let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
-    let folded = sum_pdf_visible(facets, wo, sum_half_vector(image, higher));
-    return straight + select(0.0, folded, exists);
+    let across = vec3f(wi.x, wi.y, select(wi.z, wo.z - wi.z, exists));
+    let folded = sum_ggx_D_along(facets, across + vec3f(wo.x, wo.y, select(wo.z, mu_min, exists)));
+    return (straight + select(0.0, folded, exists)) * seen;
 }
 
 // Density of sum_second_sample_facets.

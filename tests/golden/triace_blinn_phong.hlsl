@@ -273,45 +273,34 @@ float triace_blinn_phong_pdf_cosine(float3 w) {
     return w.z * inv_pi;
 }
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-float3 triace_blinn_phong_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
-    return h / sqrt(triace_blinn_phong_length2(h));  // the root is the cosine's as well
-}
-
-// Density of facets, in 1/sr. Walter et al., Eq. 33.
-float triace_blinn_phong_round_ggx_D(TriaceBlinnPhongRoundGGX round_ggx, float3 m) {
-    const float inv_pi = 0.31830987;
-    float a2 = round_ggx.alpha * round_ggx.alpha;
-    float s = a2 + (1.0 - a2) * (m.x * m.x + m.y * m.y);
-    return inv_pi * a2 / (s * s);
-}
-
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
 float triace_blinn_phong_round_ggx_area(TriaceBlinnPhongRoundGGX round_ggx, float3 w) {
     float a2 = round_ggx.alpha * round_ggx.alpha;
     return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
-float triace_blinn_phong_pdf_visible(TriaceBlinnPhongRoundGGX facets, float3 wo, float3 m) {
-    return 0.5 * triace_blinn_phong_round_ggx_D(facets, m)
-        / (wo.z + triace_blinn_phong_round_ggx_area(facets, wo));
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
+float triace_blinn_phong_round_ggx_D_along(TriaceBlinnPhongRoundGGX round_ggx, float3 h) {
+    const float inv_pi = 0.31830987;
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float tan2 = triace_blinn_phong_tangent2(h);
+    float r = (1.0 + tan2) / (a2 + tan2);
+    return inv_pi * a2 * (r * r);
 }
 
 // Density of triace_blinn_phong_sample_ggx_lobe in 1/sr.
 float triace_blinn_phong_pdf_ggx_lobe(TriaceBlinnPhongRoundGGX facets, float3 wi, float3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = triace_blinn_phong_pdf_visible(facets, wo,
-        triace_blinn_phong_half_vector(wi, wo));
-    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    // Smith's G1 over 4 mu_o
+    float seen = 0.5 / (wo.z + triace_blinn_phong_round_ggx_area(facets, wo));
+    float straight = triace_blinn_phong_round_ggx_D_along(facets, wi + wo);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
+    // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits.
     bool exists = wo.z > wi.z;
-    float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
-    // The least lift, for two that are equally high but for their last digits
-    float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
-    float folded = triace_blinn_phong_pdf_visible(facets, wo,
-        triace_blinn_phong_half_vector(image, higher));
-    return straight + (exists ? folded : 0.0);
+    float3 across = float3(wi.x, wi.y, exists ? wo.z - wi.z : wi.z);
+    float folded = triace_blinn_phong_round_ggx_D_along(facets, across
+        + float3(wo.x, wo.y, exists ? mu_min : wo.z));
+    return (straight + (exists ? folded : 0.0)) * seen;
 }
 
 // Density of triace_blinn_phong_sample_matte_gloss in 1/sr.

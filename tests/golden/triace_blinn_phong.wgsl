@@ -268,47 +268,35 @@ fn triace_blinn_phong_pdf_cosine(w: vec3f) -> f32 {
     return w.z * inv_pi;
 }
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-fn triace_blinn_phong_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    let h = wi + wo;
-    return h / sqrt(triace_blinn_phong_length2(h));  // the root is the cosine's as well
-}
-
-// Density of facets, in 1/sr. Walter et al., Eq. 33.
-fn triace_blinn_phong_round_ggx_D(round_ggx: TriaceBlinnPhongRoundGGX, m: vec3f) -> f32 {
-    const inv_pi = 0.31830987;
-    let a2 = round_ggx.alpha * round_ggx.alpha;
-    let s = a2 + (1.0 - a2) * (m.x * m.x + m.y * m.y);
-    return inv_pi * a2 / (s * s);
-}
-
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
 fn triace_blinn_phong_round_ggx_area(round_ggx: TriaceBlinnPhongRoundGGX, w: vec3f) -> f32 {
     let a2 = round_ggx.alpha * round_ggx.alpha;
     return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
-fn triace_blinn_phong_pdf_visible(facets: TriaceBlinnPhongRoundGGX, wo: vec3f,
-    m: vec3f) -> f32 {
-    return 0.5 * triace_blinn_phong_round_ggx_D(facets, m)
-        / (wo.z + triace_blinn_phong_round_ggx_area(facets, wo));
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
+fn triace_blinn_phong_round_ggx_D_along(round_ggx: TriaceBlinnPhongRoundGGX, h: vec3f) -> f32 {
+    const inv_pi = 0.31830987;
+    let a2 = round_ggx.alpha * round_ggx.alpha;
+    let tan2 = triace_blinn_phong_tangent2(h);
+    let r = (1.0 + tan2) / (a2 + tan2);
+    return inv_pi * a2 * (r * r);
 }
 
 // Density of triace_blinn_phong_sample_ggx_lobe in 1/sr.
 fn triace_blinn_phong_pdf_ggx_lobe(facets: TriaceBlinnPhongRoundGGX, wi: vec3f,
     wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
-    let straight = triace_blinn_phong_pdf_visible(facets, wo,
-        triace_blinn_phong_half_vector(wi, wo));
-    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    // Smith's G1 over 4 mu_o
+    let seen = 0.5 / (wo.z + triace_blinn_phong_round_ggx_area(facets, wo));
+    let straight = triace_blinn_phong_round_ggx_D_along(facets, wi + wo);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
+    // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits.
     let exists = wo.z > wi.z;
-    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
-    // The least lift, for two that are equally high but for their last digits
-    let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
-    let folded = triace_blinn_phong_pdf_visible(facets, wo,
-        triace_blinn_phong_half_vector(image, higher));
-    return straight + select(0.0, folded, exists);
+    let across = vec3f(wi.x, wi.y, select(wi.z, wo.z - wi.z, exists));
+    let folded = triace_blinn_phong_round_ggx_D_along(facets, across
+        + vec3f(wo.x, wo.y, select(wo.z, mu_min, exists)));
+    return (straight + select(0.0, folded, exists)) * seen;
 }
 
 // Density of triace_blinn_phong_sample_matte_gloss in 1/sr.

@@ -513,42 +513,32 @@ inline Vec3 triace_layered_sample_cosine(Vec2 u) {
     return Vec3{r * cosf(phi), r * sinf(phi), sqrtf(fmaxf(1.0f - u.x, 0.0f))};
 }
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline Vec3 triace_layered_half_vector(Vec3 wi, Vec3 wo) {
-    Vec3 h = wi + wo;
-    return h / sqrtf(triace_layered_length2(h));  // the root is the cosine's as well
-}
-
-// Density of facets, in 1/sr. Walter et al., Eq. 33.
-inline float triace_layered_round_ggx_D(TriaceLayeredRoundGGX round_ggx, Vec3 m) {
-    float a2 = round_ggx.alpha * round_ggx.alpha;
-    float s = a2 + (1.0f - a2) * (m.x * m.x + m.y * m.y);
-    return inv_pi * a2 / (s * s);
-}
-
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
 inline float triace_layered_round_ggx_area(TriaceLayeredRoundGGX round_ggx, Vec3 w) {
     float a2 = round_ggx.alpha * round_ggx.alpha;
     return sqrtf(a2 + (1.0f - a2) * (w.z * w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
-inline float triace_layered_pdf_visible(TriaceLayeredRoundGGX facets, Vec3 wo, Vec3 m) {
-    return 0.5f * triace_layered_round_ggx_D(facets, m)
-        / (wo.z + triace_layered_round_ggx_area(facets, wo));
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
+inline float triace_layered_round_ggx_D_along(TriaceLayeredRoundGGX round_ggx, Vec3 h) {
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float tan2 = triace_layered_tangent2(h);
+    float r = (1.0f + tan2) / (a2 + tan2);
+    return inv_pi * a2 * (r * r);
 }
 
 // Density of triace_layered_sample_ggx_lobe in 1/sr.
 inline float triace_layered_pdf_ggx_lobe(TriaceLayeredRoundGGX facets, Vec3 wi, Vec3 wo) {
-    float straight = triace_layered_pdf_visible(facets, wo, triace_layered_half_vector(wi, wo));
-    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    // Smith's G1 over 4 mu_o
+    float seen = 0.5f / (wo.z + triace_layered_round_ggx_area(facets, wo));
+    float straight = triace_layered_round_ggx_D_along(facets, wi + wo);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
+    // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits.
     bool exists = wo.z > wi.z;
-    Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
-    // The least lift, for two that are equally high but for their last digits
-    Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
-    float folded = triace_layered_pdf_visible(facets, wo,
-        triace_layered_half_vector(image, higher));
-    return straight + (exists ? folded : 0.0f);
+    Vec3 across = Vec3{wi.x, wi.y, exists ? wo.z - wi.z : wi.z};
+    float folded = triace_layered_round_ggx_D_along(facets, across
+        + Vec3{wo.x, wo.y, exists ? mu_min : wo.z});
+    return (straight + (exists ? folded : 0.0f)) * seen;
 }
 
 // Density of triace_layered_sample_cosine in 1/sr, for w above the horizon.

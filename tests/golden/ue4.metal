@@ -148,12 +148,6 @@ inline float3 ue4_eval(Ue4 params, float3 wi, float3 wo) {
 
 // ---- sampling ------------------------------------------------------------------------------
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-inline float3 ue4_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
-    return h / sqrt(ue4_length2(h));  // the root is the cosine's as well
-}
-
 // (1 - cos_theta)^5 of Schlick's approximation.
 inline float ue4_schlick_weight(float cos_theta) {
     float k = 1.0 - cos_theta;
@@ -274,36 +268,24 @@ inline float ue4_pdf_cosine(float3 w) {
     return w.z * inv_pi;
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33.
-inline float ue4_round_ggx_D(Ue4RoundGGX round_ggx, float3 m) {
-    const float inv_pi = 0.31830987;
-    float a2 = round_ggx.alpha * round_ggx.alpha;
-    float s = a2 + (1.0 - a2) * (m.x * m.x + m.y * m.y);
-    return inv_pi * a2 / (s * s);
-}
-
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
 inline float ue4_round_ggx_area(Ue4RoundGGX round_ggx, float3 w) {
     float a2 = round_ggx.alpha * round_ggx.alpha;
     return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
-inline float ue4_pdf_visible(Ue4RoundGGX facets, float3 wo, float3 m) {
-    return 0.5 * ue4_round_ggx_D(facets, m) / (wo.z + ue4_round_ggx_area(facets, wo));
-}
-
 // Density of ue4_sample_ggx_lobe in 1/sr.
 inline float ue4_pdf_ggx_lobe(Ue4RoundGGX facets, float3 wi, float3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = ue4_pdf_visible(facets, wo, ue4_half_vector(wi, wo));
-    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    float seen = 0.5 / (wo.z + ue4_round_ggx_area(facets, wo));  // Smith's G1 over 4 mu_o
+    float straight = ue4_round_ggx_D_along(facets, wi + wo);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
+    // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits.
     bool exists = wo.z > wi.z;
-    float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
-    // The least lift, for two that are equally high but for their last digits
-    float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
-    float folded = ue4_pdf_visible(facets, wo, ue4_half_vector(image, higher));
-    return straight + (exists ? folded : 0.0);
+    float3 across = float3(wi.x, wi.y, exists ? wo.z - wi.z : wi.z);
+    float folded = ue4_round_ggx_D_along(facets, across
+        + float3(wo.x, wo.y, exists ? mu_min : wo.z));
+    return (straight + (exists ? folded : 0.0)) * seen;
 }
 
 // Density of ue4_sample_matte_gloss in 1/sr.

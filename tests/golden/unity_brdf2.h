@@ -78,6 +78,10 @@ constexpr float COS2_UNITY = 0.1f;
 constexpr float D_UNITY = 1.0e-5f;
 // The smallest alpha^2 of the highlight's share: float32 ends there, and GPUs take what is smaller for 0.
 constexpr float ALPHA2_MIN = 1.0e-37f;
+// wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
+// squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
+// much longer.
+constexpr float LENGTHENED = 1.0995116e12f;
 constexpr float two_pi = 6.2831855f;
 constexpr float inv_pi = 0.31830987f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
@@ -148,7 +152,7 @@ inline float unity_brdf2_length2(Vec3 h) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 unity_brdf2_half_vector(Vec3 wi, Vec3 wo) {
-    Vec3 h = wi + wo;
+    Vec3 h = LENGTHENED * (wi + wo);
     return h / sqrtf(unity_brdf2_length2(h));  // the root is the cosine's as well
 }
 
@@ -287,35 +291,43 @@ inline float unity_brdf2_pdf_cosine(Vec3 w) {
     return w.z * inv_pi;
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33.
-inline float unity_brdf2_round_ggx_D(UnityBrdf2RoundGGX round_ggx, Vec3 m) {
-    float a2 = round_ggx.alpha * round_ggx.alpha;
-    float s = a2 + (1.0f - a2) * (m.x * m.x + m.y * m.y);
-    return inv_pi * a2 / (s * s);
-}
-
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
 inline float unity_brdf2_round_ggx_area(UnityBrdf2RoundGGX round_ggx, Vec3 w) {
     float a2 = round_ggx.alpha * round_ggx.alpha;
     return sqrtf(a2 + (1.0f - a2) * (w.z * w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
-inline float unity_brdf2_pdf_visible(UnityBrdf2RoundGGX facets, Vec3 wo, Vec3 m) {
-    return 0.5f * unity_brdf2_round_ggx_D(facets, m)
-        / (wo.z + unity_brdf2_round_ggx_area(facets, wo));
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+inline Vec2 unity_brdf2_slopes(Vec3 h) {
+    float inv = 1.0f / h.z;
+    return Vec2{h.x * inv, h.y * inv};
+}
+
+// Squared tangent of that facet's angle.
+inline float unity_brdf2_tangent2(Vec3 h) {
+    Vec2 t = unity_brdf2_slopes(h);
+    return t.x * t.x + t.y * t.y;
+}
+
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
+inline float unity_brdf2_round_ggx_D_along(UnityBrdf2RoundGGX round_ggx, Vec3 h) {
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float tan2 = unity_brdf2_tangent2(h);
+    float r = (1.0f + tan2) / (a2 + tan2);
+    return inv_pi * a2 * (r * r);
 }
 
 // Density of unity_brdf2_sample_ggx_lobe in 1/sr.
 inline float unity_brdf2_pdf_ggx_lobe(UnityBrdf2RoundGGX facets, Vec3 wi, Vec3 wo) {
-    float straight = unity_brdf2_pdf_visible(facets, wo, unity_brdf2_half_vector(wi, wo));
-    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    float seen = 0.5f / (wo.z + unity_brdf2_round_ggx_area(facets, wo));  // Smith's G1 over 4 mu_o
+    float straight = unity_brdf2_round_ggx_D_along(facets, wi + wo);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
+    // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits.
     bool exists = wo.z > wi.z;
-    Vec3 image = Vec3{wi.x, wi.y, exists ? -wi.z : wi.z};
-    // The least lift, for two that are equally high but for their last digits
-    Vec3 higher = Vec3{wo.x, wo.y, wo.z + mu_min};
-    float folded = unity_brdf2_pdf_visible(facets, wo, unity_brdf2_half_vector(image, higher));
-    return straight + (exists ? folded : 0.0f);
+    Vec3 across = Vec3{wi.x, wi.y, exists ? wo.z - wi.z : wi.z};
+    float folded = unity_brdf2_round_ggx_D_along(facets, across
+        + Vec3{wo.x, wo.y, exists ? mu_min : wo.z});
+    return (straight + (exists ? folded : 0.0f)) * seen;
 }
 
 // Density of unity_brdf2_sample_matte_gloss in 1/sr.

@@ -65,7 +65,11 @@ float unity_brdf2_length2(float3 h) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 float3 unity_brdf2_half_vector(float3 wi, float3 wo) {
-    float3 h = wi + wo;
+    // wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
+    // squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
+    // much longer.
+    const float LENGTHENED = 1.0995116e12;
+    float3 h = LENGTHENED * (wi + wo);
     return h / sqrt(unity_brdf2_length2(h));  // the root is the cosine's as well
 }
 
@@ -235,37 +239,45 @@ float unity_brdf2_pdf_cosine(float3 w) {
     return w.z * inv_pi;
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33.
-float unity_brdf2_round_ggx_D(UnityBrdf2RoundGGX round_ggx, float3 m) {
-    const float inv_pi = 0.31830987;
-    float a2 = round_ggx.alpha * round_ggx.alpha;
-    float s = a2 + (1.0 - a2) * (m.x * m.x + m.y * m.y);
-    return inv_pi * a2 / (s * s);
-}
-
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
 float unity_brdf2_round_ggx_area(UnityBrdf2RoundGGX round_ggx, float3 w) {
     float a2 = round_ggx.alpha * round_ggx.alpha;
     return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
-float unity_brdf2_pdf_visible(UnityBrdf2RoundGGX facets, float3 wo, float3 m) {
-    return 0.5 * unity_brdf2_round_ggx_D(facets, m)
-        / (wo.z + unity_brdf2_round_ggx_area(facets, wo));
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+float2 unity_brdf2_slopes(float3 h) {
+    float inv = 1.0 / h.z;
+    return float2(h.x * inv, h.y * inv);
+}
+
+// Squared tangent of that facet's angle.
+float unity_brdf2_tangent2(float3 h) {
+    float2 t = unity_brdf2_slopes(h);
+    return t.x * t.x + t.y * t.y;
+}
+
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
+float unity_brdf2_round_ggx_D_along(UnityBrdf2RoundGGX round_ggx, float3 h) {
+    const float inv_pi = 0.31830987;
+    float a2 = round_ggx.alpha * round_ggx.alpha;
+    float tan2 = unity_brdf2_tangent2(h);
+    float r = (1.0 + tan2) / (a2 + tan2);
+    return inv_pi * a2 * (r * r);
 }
 
 // Density of unity_brdf2_sample_ggx_lobe in 1/sr.
 float unity_brdf2_pdf_ggx_lobe(UnityBrdf2RoundGGX facets, float3 wi, float3 wo) {
     const float mu_min = 1.0e-18;  // cosine of the horizon
-    float straight = unity_brdf2_pdf_visible(facets, wo, unity_brdf2_half_vector(wi, wo));
-    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    float seen = 0.5 / (wo.z + unity_brdf2_round_ggx_area(facets, wo));  // Smith's G1 over 4 mu_o
+    float straight = unity_brdf2_round_ggx_D_along(facets, wi + wo);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
+    // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits.
     bool exists = wo.z > wi.z;
-    float3 image = float3(wi.x, wi.y, exists ? -wi.z : wi.z);
-    // The least lift, for two that are equally high but for their last digits
-    float3 higher = float3(wo.x, wo.y, wo.z + mu_min);
-    float folded = unity_brdf2_pdf_visible(facets, wo, unity_brdf2_half_vector(image, higher));
-    return straight + (exists ? folded : 0.0);
+    float3 across = float3(wi.x, wi.y, exists ? wo.z - wi.z : wi.z);
+    float folded = unity_brdf2_round_ggx_D_along(facets, across
+        + float3(wo.x, wo.y, exists ? mu_min : wo.z));
+    return (straight + (exists ? folded : 0.0)) * seen;
 }
 
 // Density of unity_brdf2_sample_matte_gloss in 1/sr.

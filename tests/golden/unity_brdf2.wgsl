@@ -64,7 +64,11 @@ fn unity_brdf2_length2(h: vec3f) -> f32 {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn unity_brdf2_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    let h = wi + wo;
+    // wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
+    // squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
+    // much longer.
+    const LENGTHENED = 1.0995116e12;
+    let h = LENGTHENED * (wi + wo);
     return h / sqrt(unity_brdf2_length2(h));  // the root is the cosine's as well
 }
 
@@ -227,37 +231,45 @@ fn unity_brdf2_pdf_cosine(w: vec3f) -> f32 {
     return w.z * inv_pi;
 }
 
-// Density of facets, in 1/sr. Walter et al., Eq. 33.
-fn unity_brdf2_round_ggx_D(round_ggx: UnityBrdf2RoundGGX, m: vec3f) -> f32 {
-    const inv_pi = 0.31830987;
-    let a2 = round_ggx.alpha * round_ggx.alpha;
-    let s = a2 + (1.0 - a2) * (m.x * m.x + m.y * m.y);
-    return inv_pi * a2 / (s * s);
-}
-
 // mu (1 + 2 Lambda) = sqrt(mu^2 + alpha^2 sin^2(theta)), of which Smith's masking is made.
 fn unity_brdf2_round_ggx_area(round_ggx: UnityBrdf2RoundGGX, w: vec3f) -> f32 {
     let a2 = round_ggx.alpha * round_ggx.alpha;
     return sqrt(a2 + (1.0 - a2) * (w.z * w.z));
 }
 
-// Density of wo mirrored at a visible normal m, in 1/sr: G1(wo) D / (4 mu_o).
-fn unity_brdf2_pdf_visible(facets: UnityBrdf2RoundGGX, wo: vec3f, m: vec3f) -> f32 {
-    return 0.5 * unity_brdf2_round_ggx_D(facets, m)
-        / (wo.z + unity_brdf2_round_ggx_area(facets, wo));
+// Of the facet whose normal is along h, which is above the horizon and need not be unit.
+fn unity_brdf2_slopes(h: vec3f) -> vec2f {
+    let inv = 1.0 / h.z;
+    return vec2f(h.x * inv, h.y * inv);
+}
+
+// Squared tangent of that facet's angle.
+fn unity_brdf2_tangent2(h: vec3f) -> f32 {
+    let t = unity_brdf2_slopes(h);
+    return t.x * t.x + t.y * t.y;
+}
+
+// Density of facets at the normal along h, which need not be unit, in 1/sr.
+fn unity_brdf2_round_ggx_D_along(round_ggx: UnityBrdf2RoundGGX, h: vec3f) -> f32 {
+    const inv_pi = 0.31830987;
+    let a2 = round_ggx.alpha * round_ggx.alpha;
+    let tan2 = unity_brdf2_tangent2(h);
+    let r = (1.0 + tan2) / (a2 + tan2);
+    return inv_pi * a2 * (r * r);
 }
 
 // Density of unity_brdf2_sample_ggx_lobe in 1/sr.
 fn unity_brdf2_pdf_ggx_lobe(facets: UnityBrdf2RoundGGX, wi: vec3f, wo: vec3f) -> f32 {
     const mu_min = 1.0e-18;  // cosine of the horizon
-    let straight = unity_brdf2_pdf_visible(facets, wo, unity_brdf2_half_vector(wi, wo));
-    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both.
+    let seen = 0.5 / (wo.z + unity_brdf2_round_ggx_area(facets, wo));  // Smith's G1 over 4 mu_o
+    let straight = unity_brdf2_round_ggx_D_along(facets, wi + wo);
+    // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
+    // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits.
     let exists = wo.z > wi.z;
-    let image = vec3f(wi.x, wi.y, select(wi.z, -wi.z, exists));
-    // The least lift, for two that are equally high but for their last digits
-    let higher = vec3f(wo.x, wo.y, wo.z + mu_min);
-    let folded = unity_brdf2_pdf_visible(facets, wo, unity_brdf2_half_vector(image, higher));
-    return straight + select(0.0, folded, exists);
+    let across = vec3f(wi.x, wi.y, select(wi.z, wo.z - wi.z, exists));
+    let folded = unity_brdf2_round_ggx_D_along(facets, across
+        + vec3f(wo.x, wo.y, select(wo.z, mu_min, exists)));
+    return (straight + select(0.0, folded, exists)) * seen;
 }
 
 // Density of unity_brdf2_sample_matte_gloss in 1/sr.

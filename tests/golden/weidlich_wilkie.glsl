@@ -232,7 +232,11 @@ vec3 weidlich_wilkie_eval(WeidlichWilkie params, vec3 wi, vec3 wo) {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 vec3 weidlich_wilkie_half_vector(vec3 wi, vec3 wo) {
-    vec3 h = wi + wo;
+    // wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
+    // squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
+    // much longer.
+    const float LENGTHENED = 1.0995116e12;
+    vec3 h = LENGTHENED * (wi + wo);
     return h / sqrt(weidlich_wilkie_length2(h));  // the root is the cosine's as well
 }
 

@@ -90,6 +90,13 @@ inline Vec3 exp(Vec3 a) {
 constexpr float two_pi = 6.2831855f;
 constexpr float inv_pi = 0.31830987f;
 constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
+// Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
+// its reciprocal still fits into a float32.
+constexpr float SIN2_MIN = 1.0e-18f;
+// wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
+// squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
+// much longer.
+constexpr float LENGTHENED = 1.0995116e12f;
 // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
 // it still is a float32. It is reached at cosines of 5e-16.
 constexpr float V_MAX = 1.0e30f;
@@ -111,9 +118,6 @@ constexpr float COAT_SHARE_MIN = 0.1f;
 constexpr float LOBE_MIN = 1.0e-12f;
 // Flattest direction that a sample leaves in: derivatives by the index fit in a float32 there.
 constexpr float LEAVE_MIN = 1.0e-12f;
-// Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
-// its reciprocal still fits into a float32.
-constexpr float SIN2_MIN = 1.0e-18f;
 // Square of the cosine below which exp(-tan^2 / alpha^2) is 0 in any precision, for alpha up to 3.2.
 constexpr float COS2_MIN = 1.0e-6f;
 // Distance of a random number from the ends, where erfinv has no bound: half a float32 epsilon.
@@ -328,7 +332,7 @@ inline Vec3 weidlich_wilkie_eval(const WeidlichWilkie& params, Vec3 wi, Vec3 wo)
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 weidlich_wilkie_half_vector(Vec3 wi, Vec3 wo) {
-    Vec3 h = wi + wo;
+    Vec3 h = LENGTHENED * (wi + wo);
     return h / sqrtf(weidlich_wilkie_length2(h));  // the root is the cosine's as well
 }
 

@@ -233,7 +233,11 @@ fn weidlich_wilkie_eval(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> vec3f {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn weidlich_wilkie_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
-    let h = wi + wo;
+    // wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
+    // squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
+    // much longer.
+    const LENGTHENED = 1.0995116e12;
+    let h = LENGTHENED * (wi + wo);
     return h / sqrt(weidlich_wilkie_length2(h));  // the root is the cosine's as well
 }
 
