@@ -262,6 +262,21 @@ def test_a_picture_without_labels_has_no_strip_for_them(
             assert (picture.height > 8) is high
 
 
+def test_plots_on_a_page_have_letters_of_one_size() -> None:
+    from PIL import Image
+
+    for width, dots, fits in (
+        (800, None, 800),
+        (800, 240, 400),
+        (2000, 200, 1200),
+        (2400, 120, 1200),
+    ):
+        picture = Image.new("RGB", (width, 100))
+        if dots is not None:
+            picture.info["dpi"] = (dots, dots)
+        assert rendered.fitted(picture).width == fits
+
+
 def test_the_command_lists_and_writes(tmp_path: Path) -> None:
     listed = run("reproduce").stdout  # type: ignore[attr-defined]
     assert "eon:11 " in listed

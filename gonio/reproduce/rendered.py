@@ -115,18 +115,22 @@ class Shaded:
         return Path(output)
 
 
-# Pictures on a page are at most this wide, so that its text keeps its size.
-WIDTH = 1200
+# Pictures on a page are at most this wide, so that its text keeps its size; and plots, which know how many
+# pixels they have to an inch, have at most these, so that one panel's letters are as large as four panels'.
+WIDTH, DOTS_PER_INCH = 1200, 120
 
 
 def fitted(picture: Any) -> Any:
-    """A Pillow image as RGB, made smaller if it is too wide for a page."""
+    """A Pillow image as RGB, made smaller if it is too large for a page."""
     from PIL import Image
 
     rgb = picture.convert("RGB")
-    if rgb.width <= WIDTH:
+    dots = picture.info.get("dpi", (DOTS_PER_INCH,))[0]
+    scale = min(1.0, WIDTH / rgb.width, DOTS_PER_INCH / dots)
+    if scale == 1:
         return rgb
-    return rgb.resize((WIDTH, round(rgb.height * WIDTH / rgb.width)), Image.Resampling.LANCZOS)
+    size = round(rgb.width * scale), round(rgb.height * scale)
+    return rgb.resize(size, Image.Resampling.LANCZOS)
 
 
 @dataclass(frozen=True)

@@ -36,9 +36,16 @@ def passages(page: str) -> Iterator[Passage]:
 
 
 def of_class(page: str, name: str) -> list[Passage]:
-    """The passages that name a class such as `gonio.EON`."""
+    """The passages that name a class such as `gonio.EON`.
+
+    Raises:
+        ValueError: there are none.
+    """
     wanted = re.compile(rf"`gonio\.{name}`")
-    return [p for p in passages(page) if p.heading and wanted.search(p.text)]
+    found = [p for p in passages(page) if p.heading and wanted.search(p.text)]
+    if not found:
+        raise ValueError(f"docs/formulas.md: the equations of `gonio.{name}` are missing.")
+    return found
 
 
 def errata(page: str) -> dict[str, str]:

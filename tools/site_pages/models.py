@@ -21,9 +21,6 @@ from site_pages.sources import Sources
 
 FOLDER = "models"
 
-# Groups of the gallery are the headings under which docs/formulas.md has the equations.
-OTHERS = "Others"
-
 
 def write(
     sources: Sources, pictures: Pictures, formulas_page: str, languages: Sequence[str]
@@ -60,12 +57,12 @@ def _exports(languages: Sequence[str]) -> dict[str, str]:
 
 
 def _gallery(sources: Sources, pictures: Pictures, formulas_page: str) -> str:
+    """All models, in groups under the headings under which docs/formulas.md has their equations."""
     groups: dict[str, list[str]] = {}
     for passage in formulas.passages(formulas_page):
         groups.setdefault(passage.heading, [])
     for name, cls in gonio.models().items():
-        found = formulas.of_class(formulas_page, cls.__name__)
-        groups.setdefault(found[0].heading if found else OTHERS, []).append(name)
+        groups[formulas.of_class(formulas_page, cls.__name__)[0].heading].append(name)
     blocks = [
         "# Models",
         "Each is one published model in one file. `gonio list` shows them in the shell; what a page says "
@@ -220,10 +217,8 @@ def _promises(about: dict[str, Any]) -> Iterator[str]:
         yield "\n".join(f"- {plain(text)}" for text in about["caveats"])
 
 
-def _equations(cls: type[Any], formulas_page: str) -> str | None:
+def _equations(cls: type[Any], formulas_page: str) -> str:
     found = formulas.of_class(formulas_page, cls.__name__)
-    if not found:
-        return None
     # The passages are written for the folder docs/
     body = [p.text.replace("](", "](../docs/") for p in found]
     return page(
