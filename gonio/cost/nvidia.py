@@ -26,15 +26,15 @@ REGISTERS = 0x2F04
 """The attribute of a kernel that holds how many registers a thread has."""
 
 
-def measure(programs: Sequence[Program], gpu: Gpu) -> list[Measured]:
-    """Compile each program's kernel to machine code.
+def measure(programs: Sequence[Program], gpu: Gpu, *options: str) -> list[Measured]:
+    """Compile each program's kernel to machine code, with more options for the compiler.
 
     Raises:
         ProofError: the compiler is missing, or refuses a kernel.
     """
     with tempfile.TemporaryDirectory(prefix="gonio-") as name:
         folder = Path(name)
-        compile_kernels([program.cuda for program in programs], folder, gpu.name, FAST)
+        compile_kernels([program.cuda for program in programs], folder, gpu.name, FAST, *options)
         return [_read(program, gpu, folder / str(k)) for k, program in enumerate(programs)]
 
 
@@ -42,7 +42,8 @@ def _read(program: Program, gpu: Gpu, stem: Path) -> Measured:
     error = stem.with_suffix(".error")
     if error.exists():
         said = error.read_text(encoding="utf-8", errors="replace").strip()
-        first = said.splitlines()[0] if said else "no message"
+        wrong = [line for line in said.splitlines() if "error" in line] or said.splitlines()
+        first = wrong[0] if said else "no message"
         raise ProofError(f"{program.label}: NVRTC refuses it for {gpu.name}: {first}")
     instructions, registers = machine_code(stem.with_suffix(".cubin").read_bytes())
     return Measured(instructions=instructions, registers=registers)
