@@ -215,6 +215,7 @@ def test_plain_text_is_never_taken_for_markup() -> None:
     assert markdown.plain("1 - <E_F> * [a] `x_y * z`") == "1 - \\<E\\_F\\> \\* \\[a\\] `x_y * z`"
     assert markdown.sentence("slope along x") == "Slope along x."
     assert markdown.sentence("f is f.") == "f is f."
+    assert markdown.sentence("a map of the growth") == "A map of the growth."
 
 
 def test_docstrings_become_markup_with_their_code() -> None:

@@ -29,7 +29,7 @@ def plain(text: str) -> str:
 
 def sentence(text: str) -> str:
     """With a capital letter in front, unless it begins with a symbol or a name, and a full stop behind."""
-    if re.match(r"[a-z][a-z-]+[ ,:;]", text):
+    if re.match(r"(?:a )?[a-z][a-z-]+[ ,:;]", text):
         text = text[:1].upper() + text[1:]
     return text if text.endswith((".", "?", "!", ":")) else f"{text}."
 
