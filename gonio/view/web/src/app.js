@@ -701,14 +701,19 @@ export class App {
     }
 
     async #code() {
-        const side = this.edited();
+        const side = this.edited(),
+            { language } = this;
         if (!side.payload) return;
         const text = side.text();
+        let found;
         try {
-            this.code = { text: await this.source.code(text, this.language), of: text };
+            found = { text: await this.source.code(text, language), of: text };
         } catch (error) {
-            this.code = { error: error.message };
+            found = { error: error.message };
         }
+        // Another language or model has been asked for meanwhile
+        if (language !== this.language || side !== this.edited() || text !== side.text()) return;
+        this.code = found;
         this.update();
     }
 
