@@ -38,7 +38,7 @@ VISIBLE = 0.02
 # Jumps of the value count from this on, relative to the value; roundings in sharp lobes stay below.
 JUMP = 1e-5
 
-# Where there is less than this part of either a place is not looked at more closely.
+# A place that shows less than this part of both is not looked at more closely.
 HALF = 0.5
 
 # A place is one of the known ones if it is this near to it: the last look's step is 3e-9, and kinks are

@@ -88,6 +88,27 @@ def gradients(subject: Subject, cases: Cases, method: str) -> dict[str, NDArray[
     values = leaves(subject, cases.parameters, Float, True)
     names = METHODS[method]
     args = [vectors(Float, given[name]) for name in names]
+    found = {}
+    derivatives = derived(subject, values, args, method)
+    dr.eval(derivatives)  # together, in one kernel
+    for name, derivative in derivatives.items():
+        gradient = np.atleast_2d(np.array(derivative))
+        found[name] = np.broadcast_to(gradient, (len(gradient), len(cases)))
+    return found
+
+
+def derived(
+    subject: Subject, values: dict[str, Any], args: list[Any], method: str
+) -> dict[str, Any]:
+    """Derivatives of a method's sum, by name, as Dr.Jit arrays that are not evaluated yet.
+
+    Args:
+        subject: whose method it is.
+        values: of the parameters, by their paths: arrays of float32 that can be differentiated.
+        args: directions and random numbers, in the order of METHODS.
+        method: of METHODS.
+    """
+    Float = backend.array_module().Float
     dr.enable_grad(values, args)
     result = getattr(subject.bound(values, Float), method)(*args)
     total = dr.sum(result[1] if method == "sample" else result, axis=None)
@@ -95,14 +116,8 @@ def gradients(subject: Subject, cases: Cases, method: str) -> dict[str, NDArray[
         return {}  # constant, such as Lambert's density with respect to nothing
     # Not everything depends on a parameter: a cosine sampler, say, on none.
     dr.backward(total, flags=dr.ADFlag.Default | dr.ADFlag.AllowNoGrad)
-    found = {}
-    inputs = {**values, **dict(zip(names, args, strict=True))}
-    derivatives = {name: dr.grad(value) for name, value in inputs.items()}
-    dr.eval(derivatives)  # together, in one kernel
-    for name, derivative in derivatives.items():
-        gradient = np.atleast_2d(np.array(derivative))
-        found[name] = np.broadcast_to(gradient, (len(gradient), len(cases)))
-    return found
+    inputs = {**values, **dict(zip(METHODS[method], args, strict=True))}
+    return {name: dr.grad(value) for name, value in inputs.items()}
 
 
 def _steepest(subject: Subject, cases: Cases, method: str) -> Array:

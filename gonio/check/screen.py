@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from gonio import backend
 from gonio.check.adversarial import EXTRA, Cases, placed
 from gonio.check.finite import LENGTH, columns, departures
-from gonio.check.gradient import METHODS
+from gonio.check.gradient import METHODS, derived
 from gonio.check.subject import Array, Subject, columns_of, compute, gathered, stored
 
 # Pairs of directions for each row of parameters.
@@ -93,14 +93,9 @@ def _gradients(subject: Subject, values: dict[str, Any], given: dict[str, Any]) 
     for method, names in METHODS.items():
         leaves = {path: _differentiable(module, value) for path, value in values.items()}
         args = [_differentiable(module, given[name]) for name in names]
-        dr.enable_grad(leaves, args)
-        result = getattr(subject.bound(leaves, module.Float), method)(*args)
-        total = dr.sum(result[1] if method == "sample" else result, axis=None)
-        if dr.grad_enabled(total):
-            dr.backward(total, flags=dr.ADFlag.Default | dr.ADFlag.AllowNoGrad)
-            for value in [*leaves.values(), *args]:
-                gradient = dr.detach(dr.grad(value), preserve_type=False)
-                yield from [gradient] if dr.depth_v(gradient) == 1 else gradient
+        for gradient in derived(subject, leaves, args, method).values():
+            plain = dr.detach(gradient, preserve_type=False)
+            yield from [plain] if dr.depth_v(plain) == 1 else plain
 
 
 def cases(subject: Subject, rows: Rows, chosen: NDArray[np.intp]) -> Cases:
