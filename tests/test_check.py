@@ -194,8 +194,9 @@ def test_no_documented_gain_is_called_too_large_after_a_small_search() -> None:
     (subject,) = check.subjects(cls)
     full = replace(QUICK, generous=1.5)
     small = replace(full.less(), generous=1.5, albedos=8, rounds=1, confirmed=4, integrals=4)
-    assert energy.largest(subject, small).verdict == KNOWN
-    missed = energy.largest(subject, replace(small, full=None))
+    (report,) = check.check_subjects([subject], small, ["energy"])
+    assert report.verdict == KNOWN
+    missed = energy.largest(subject, small)
     assert missed.verdict == FAIL
     assert "it declares 1.8" in missed.text
 

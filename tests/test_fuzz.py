@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -92,7 +93,9 @@ def test_a_screen_measures_float32_as_the_check_does() -> None:
     assert unexcused.max() > 0.1  # it loses all digits
     large = np.isfinite(unexcused) & ~found.wrong & (unexcused > finite.FLOAT32)
     # Two roundings of one formula, which compilers contract in different ways
-    assert found.error[large] == pytest.approx(unexcused[large], rel=0.05, abs=finite.FLOAT32)
+    assert found.errors["float32"][large] == pytest.approx(
+        unexcused[large], rel=0.05, abs=finite.FLOAT32
+    )
 
 
 def test_cases_are_those_of_their_places() -> None:
@@ -143,6 +146,25 @@ def test_a_search_goes_on_where_it_stopped_and_finds_what_is_broken(
     (report,) = fuzz.reports([resumed])
     assert report.failed
     assert f"| overflow_near_normal | – | {count:.2g} |" in fuzz.table([resumed])
+
+
+def test_a_density_with_a_claim_of_its_own_is_held_to_it() -> None:
+    """Car paint's declares 1e-4, which says nothing of its values; here is ten times as much."""
+    size = 1e-3
+    cls: Any = gonio.models()["car_paint"]
+
+    class Wrong(cls, register=False):  # type: ignore[misc]
+        def pdf(self, wi: Any, wo: Any) -> Any:
+            value = super().pdf(wi, wo)
+            return value * (1 + size) if self.float_type.__name__ == "Float" else value
+
+    (state,) = fuzz.run([ModelSubject(Wrong())], 1 << 12)
+    values, density = fuzz.reports([state])[0].findings
+    assert (values.verdict, density.verdict) == ("pass", "FAIL")
+    assert density.measured == pytest.approx(size, rel=0.1)  # beside its own roundings
+    assert f"pdf {density.measured:.2g} " in fuzz.table([state])
+    assert density.replay is not None
+    assert density.replay.startswith("pdf: gonio eval")
 
 
 def test_a_search_leaves_other_files_alone(tmp_path: Path) -> None:

@@ -16,6 +16,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gonio.check import (
     albedo,
@@ -145,8 +146,9 @@ def _check_subjects(
         for subject, amount in chosen_subjects
         for name, run in chosen.items()
     ]
-    alike = _alike([s for s, _ in chosen_subjects], _values) if set(chosen) & OF_VALUES else {}
-    sampled_alike = _alike([s for s, _ in chosen_subjects], _samples) if SAMPLING in chosen else {}
+    alike, sampled_alike = _alike(
+        [s for s, _ in chosen_subjects], bool(set(chosen) & OF_VALUES), SAMPLING in chosen
+    )
     for done, (subject, name, run, amount) in enumerate(steps):
         if progress is not None:
             progress(done, len(steps))
@@ -158,6 +160,10 @@ def _check_subjects(
             if name == SAMPLING and subject.tag() in sampled_alike:  # whose density has been tested
                 amount = replace(amount, tests=0)
             report = run(subject, amount)
+            if report.overstated and amount.full is not None:
+                # That nothing comes near a documented size is said after a whole search
+                whole = replace(amount.full, generous=amount.generous)
+                report = run(subject, whole if amount.tests else replace(whole, tests=0))
         key = (subject.name, name)
         if key in found:
             report = replace(
@@ -170,29 +176,40 @@ def _check_subjects(
 
 
 def _alike(
-    these: Sequence[Subject], of: Callable[[Subject, Subject, Array, Array, Array], bytes]
-) -> dict[str, str]:
-    """Tags of the subjects that give what an earlier one gives, and in words which."""
-    found: dict[str, str] = {}
-    seen: dict[tuple[Any, ...], Subject] = {}
-    if len(these) < 2:
-        return found
+    these: Sequence[Subject], of_values: bool, of_samples: bool
+) -> tuple[dict[str, str], dict[str, str]]:
+    """Tags of the subjects that give what an earlier one gives, and in words which: values, and samples.
+
+    Args:
+        these: subjects.
+        of_values: whether the first of the two is asked for.
+        of_samples: whether the second one is.
+    """
+    alike: tuple[dict[str, str], dict[str, str]] = ({}, {})
+    if len(these) < 2 or not (of_values or of_samples):
+        return alike
     wi, wo = (w[::ALIKE].astype(np.float64) for w in hard_pairs())
     parameters = hard_parameters(these[0], len(wi), 71)
-    for subject in these:
-        key = (subject.name, of(subject, these[0], parameters, wi, wo))
-        twin = seen.setdefault(key, subject)
-        if twin is not subject:
-            found[subject.tag()] = f"with {twin.tag()}" if twin.tag() else "of the default options"
-    return found
-
-
-def _values(subject: Subject, first: Subject, parameters: Array, wi: Array, wo: Array) -> bytes:
-    """Values and closed-form albedos at hard pairs, bit by bit; nothing for another kind of subject."""
-    if subject.parameters != first.parameters:
-        return subject.tag().encode()
     index = np.arange(len(wi), dtype=np.uint32)
-    f, _ = kernels.evaluate(subject, parameters, index, wi, wo)
+    seen: tuple[dict[tuple[str, bytes], Subject], ...] = ({}, {})
+    for subject in these:
+        if subject.parameters != these[0].parameters:  # another kind of subject
+            continue
+        f, pdf = kernels.evaluate(subject, parameters, index, wi, wo)
+        given = (
+            _values(subject, parameters, wo, f) if of_values else None,
+            _samples(subject, parameters, index, wo, pdf) if of_samples else None,
+        )
+        for found, before, bits in zip(alike, seen, given, strict=True):
+            twin = subject if bits is None else before.setdefault((subject.name, bits), subject)
+            if twin is not subject:
+                options = f"with {twin.tag()}" if twin.tag() else "of the default options"
+                found[subject.tag()] = options
+    return alike
+
+
+def _values(subject: Subject, parameters: Array, wo: Array, f: NDArray[Any]) -> bytes:
+    """Values and closed-form albedos at hard pairs, bit by bit."""
     found = [f.tobytes(), subject.albedos.encode()]
     if subject.albedos == "closed form":
         found.append(kernels.albedo(subject, parameters, wo).tobytes())
@@ -202,14 +219,12 @@ def _values(subject: Subject, first: Subject, parameters: Array, wi: Array, wo: 
     return b"".join(found)
 
 
-def _samples(subject: Subject, first: Subject, parameters: Array, wi: Array, wo: Array) -> bytes:
-    """Samples and densities at hard cases, bit by bit; nothing for another kind of subject."""
-    if subject.parameters != first.parameters:
-        return subject.tag().encode()
-    index = np.arange(len(wi), dtype=np.uint32)
-    u = hard_numbers(len(wi), 72).astype(np.float64)
+def _samples(
+    subject: Subject, parameters: Array, index: NDArray[np.uint32], wo: Array, pdf: NDArray[Any]
+) -> bytes:
+    """Samples and densities at hard cases, bit by bit."""
+    u = hard_numbers(len(wo), 72).astype(np.float64)
     drawn = kernels.draw(subject, parameters, index, wo, u)
-    _, pdf = kernels.evaluate(subject, parameters, index, wi, wo)
     return b"".join(part.tobytes() for part in (*drawn, pdf))
 
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from gonio.check import hemisphere
 from gonio.check.adversarial import hard_parameters, special_parts
-from gonio.check.energy import dimensions, starts, viewer
+from gonio.check.energy import dimensions, spread_out, starts, viewer
 from gonio.check.hemisphere import CELLS, COSINE_SECOND, PDF, SECOND, UNREACHED
 from gonio.check.kernels import draw, evaluate_only, reflect, sample
 from gonio.check.report import FAIL, NOTE, PASS, Effort, Finding, Report, judge
@@ -64,8 +64,9 @@ SAME, SAME_FLOAT32 = 1e-6, 2e-2
 # Points at least of a search for unreached light, and those of a screening that are merely random.
 LOOKED_AT, EVEN = 48, 24
 
-# Samples wasted in the search, those that tell the worst of the best, and those that confirm it.
-FEW, MORE, MANY = 64, 1 << 12, 1 << 16
+# Samples that a search for waste draws at each point, where it looks around the best, and to confirm one:
+# the first tell 0.1 from nothing, the second 0.01.
+FEW, MORE, MANY = 64, 1 << 10, 1 << 16
 
 # Standard errors that a mean may be off. They are estimated from REPLICATES numbers: Student's t with 15
 # degrees of freedom exceeds 7 once in 200,000 times.
@@ -463,8 +464,20 @@ def _wasted(subject: Subject, effort: Effort) -> Finding:
         seed=42,
         starts=starts(subject)[: effort.albedos // 2],
         special=special_parts(subject),
+        bands=len(subject.parameters),
     )
-    worst = points[int(np.argmax(waste(subject, points[:8], MORE)))][None]
+    points, _ = maximise(
+        lambda p: waste(subject, p, MORE),
+        dimensions(subject),
+        population=4 * effort.confirmed,
+        rounds=effort.rounds,
+        seed=45,
+        starts=spread_out(points, 2 * effort.confirmed),
+        special=special_parts(subject),
+        bands=len(subject.parameters),
+        steps=(0.1, 1e-3),
+    )
+    worst = points[:1]
     measured = float(waste(subject, worst, MANY)[0])
     parameters, wo = viewer(subject, worst)
     if not subject.claiming:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from gonio import backend
 from gonio.check.adversarial import EXTRA, Cases, placed
-from gonio.check.finite import LENGTH, columns, departures
+from gonio.check.finite import LENGTH, columns, departures, promises
 from gonio.check.gradient import METHODS, derived
 from gonio.check.subject import Array, Subject, columns_of, compute, gathered, stored
 
@@ -43,8 +43,8 @@ class Rows:
 class Screened:
     """What a screen knows of each case."""
 
-    error: Array
-    """The largest relative error of float32, with nothing excused."""
+    errors: dict[str, Array]
+    """The largest relative error of float32, with nothing excused, by the promise it belongs to."""
     steep: NDArray[np.float32]
     """The largest derivative; infinite if one of them is not finite."""
     wrong: NDArray[np.bool_]
@@ -80,11 +80,13 @@ def screen(subject: Subject, rows: Rows, count: int) -> Screened:
 
     high = columns(subject, subject.bound(double, module.Float64), wi, wo)
     low = [module.Float64(value) for value in low]
-    error = dr.zeros(module.Float64, count)
-    for departure, scale in departures(subject, low, high, dr.maximum(wi.z, wo.z)):
-        error = dr.maximum(error, departure / scale)
-    dr.eval(error, steep, good)
-    return Screened(error.numpy(), steep.numpy(), ~good.numpy())
+    errors = {promise: dr.zeros(module.Float64, count) for promise in promises(subject)}
+    for promise in errors:
+        for departure, scale in departures(subject, low, high, dr.maximum(wi.z, wo.z), promise):
+            errors[promise] = dr.maximum(errors[promise], departure / scale)
+    dr.eval(errors, steep, good)
+    found = {promise: error.numpy() for promise, error in errors.items()}
+    return Screened(found, steep.numpy(), ~good.numpy())
 
 
 def _gradients(subject: Subject, values: dict[str, Any], given: dict[str, Any]) -> Iterator[Any]:

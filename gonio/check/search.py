@@ -96,17 +96,18 @@ def _offspring(rng: np.random.Generator, elite: Array, count: int, width: float)
     n, dimensions = elite.shape
     # The best have more
     parents = (n * rng.random(count) ** 2).astype(np.intp)
-    points = elite[parents].copy()
+    points = elite[parents]
     moved = rng.random(points.shape) < rng.choice([1.5 / max(dimensions, 1), 0.5, 1.0], (count, 1))
-    steps = width * 10.0 ** -rng.integers(0, 3, (count, 1)) * rng.normal(size=points.shape)
-    points = np.where(moved, points + steps, points)
+    steps = rng.standard_normal(points.shape)
+    steps *= width * 10.0 ** -rng.integers(0, 3, (count, 1))
+    np.add(points, steps, out=points, where=moved)
     # Every fourth: some coordinates from another of the best; every eighth: some to an end
-    other = elite[rng.integers(0, n, count)]
-    kind = np.arange(count) % 8
-    few = rng.random(points.shape) < 1.5 / max(dimensions, 1)
-    points = np.where((kind[:, None] % 4 == 1) & (rng.random(points.shape) < 0.5), other, points)
-    points = np.where((kind[:, None] == 2) & few, rng.integers(0, 2, points.shape), points)
-    return np.asarray(np.clip(points, 0, 1))
+    crossed, ended = points[1::4], points[2::8]
+    other = elite[rng.integers(0, n, len(crossed))]
+    np.copyto(crossed, other, where=rng.random(crossed.shape) < 0.5)
+    few = rng.random(ended.shape) < 1.5 / max(dimensions, 1)
+    np.copyto(ended, rng.integers(0, 2, ended.shape), where=few)
+    return np.asarray(np.clip(points, 0, 1, out=points))
 
 
 def specialised(

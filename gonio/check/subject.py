@@ -42,8 +42,8 @@ class FreeNumber:
     @functools.cached_property
     def parts(self) -> Array:
         """The parts in [0, 1] of the range at which something may change: both ends, and those values."""
-        inside = [float(part_of(self.declared, value)) for value in self.special]
-        return np.unique([0.0, 1.0, *inside])
+        inside = part_of(self.declared, np.array(self.special, np.float64))
+        return np.unique(np.concatenate([(0.0, 1.0), inside]))
 
 
 @dataclass(frozen=True)
@@ -189,12 +189,12 @@ class ModelSubject:
         table = self._ranges.values(parameters)
         if rounded:
             table = self._ranges.single(table)
-        found: dict[str, list[Array]] = {}
+        columns: dict[str, list[int]] = {}
         for number, free in enumerate(self.parameters):
-            found.setdefault(free.path, []).append(table[:, number])
+            columns.setdefault(free.path, []).append(number)
         return {
-            path: np.stack(channels, -1) if len(channels) > 1 else channels[0]
-            for path, channels in found.items()
+            path: table[:, these[0] : these[-1] + 1] if len(these) > 1 else table[:, these[0]]
+            for path, these in columns.items()
         }
 
     def at(self, parameters: Array, index: Any, Float: Any, rounded: bool = False) -> Any:
@@ -278,12 +278,11 @@ class ModelSubject:
 
 def _special_parts(free: FreeNumber) -> tuple[Array, Array]:
     """Parts of the range that stand for special values which roundings would miss, and these values."""
-    missed = {
-        float(part_of(free.declared, v)): v
-        for v in free.special
-        if value_at(free.declared, part_of(free.declared, v)) != v
-    }
-    return np.array(sorted(missed)), np.array([missed[t] for t in sorted(missed)])
+    special = np.array(free.special, np.float64)
+    parts = part_of(free.declared, special)
+    missed = value_at(free.declared, parts) != special
+    parts, first = np.unique(parts[missed][::-1], return_index=True)
+    return parts, special[missed][::-1][first]
 
 
 class _Ranges:
@@ -293,26 +292,27 @@ class _Ranges:
         declared = [free.declared for free in parameters]
         self.declared = declared
         self.wide = np.flatnonzero([is_wide(d) for d in declared])
-        self.even = np.flatnonzero([not is_wide(d) for d in declared])
         self.low = np.array([d.low for d in declared], np.float64)
-        self.span = np.array([d.high - d.low for d in declared], np.float64)
+        self.span = np.array([0 if is_wide(d) else d.high - d.low for d in declared], np.float64)
         self.ends = np.array([float32_range(d) for d in declared], np.float32).reshape(-1, 2)
         special = [_special_parts(free) for free in parameters]
-        self.special = [(n, *values) for n, values in enumerate(special) if len(values[0])]
+        self.special = np.flatnonzero([len(parts) for parts, _ in special])
+        most = max((len(parts) for parts, _ in special), default=0)
+        # One row for each number that has some, filled up with what is equal to nothing
+        self.parts, self.exact = np.full((2, len(self.special), most), np.nan)
+        for row, number in enumerate(self.special):
+            parts, exact = special[number]
+            self.parts[row, : len(parts)], self.exact[row, : len(parts)] = parts, exact
 
     def values(self, parameters: Array) -> Array:
         """Values (rows, numbers) at parts of the ranges."""
         t = np.asarray(parameters, np.float64)
-        found = np.empty(t.shape)
-        found[:, self.even] = self.low[self.even] + self.span[self.even] * t[:, self.even]
+        found = self.low + self.span * t
         for wide in self.wide:
             found[:, wide] = value_at(self.declared[wide], t[:, wide])
-        for number, parts, exact in self.special:
-            place = np.searchsorted(parts, t[:, number])
-            np.minimum(place, len(parts) - 1, out=place)
-            hit = np.flatnonzero(parts[place] == t[:, number])
-            if len(hit):
-                found[hit, number] = exact[place[hit]]
+        if len(self.special):
+            row, number, which = np.nonzero(t[:, self.special, None] == self.parts)
+            found[row, self.special[number]] = self.exact[number, which]
         return found
 
     def single(self, values: Array) -> Array:
@@ -397,7 +397,11 @@ def vectors(Float: Any, w: Array) -> Any:
 
 def columns_of(value: Any) -> NDArray[Any]:
     """An evaluated Dr.Jit vector as a NumPy array (n, components)."""
-    return np.stack([c.numpy() for c in value], -1)
+    columns = [c.numpy() for c in value]
+    found = np.empty((len(columns[0]), len(columns)), columns[0].dtype)
+    for number, column in enumerate(columns):
+        found[:, number] = column
+    return found
 
 
 def number_type(single_precision: bool = False) -> Any:

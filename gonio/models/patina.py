@@ -116,7 +116,7 @@ class Patina(Model):
     )
     claims = Claims(
         energy=(at_most(15, solid_angle="none"), at_most(3.1)),
-        wasted=(at_most(0.51, masking="cook_torrance"), at_most(0.055)),
+        wasted=(at_most(0.51, masking="cook_torrance"), at_most(0.059)),
         kinks=(
             kink(Place.EQUAL_COSINES, masking="cook_torrance"),
             kink(Place.ELSEWHERE, masking="cook_torrance"),
