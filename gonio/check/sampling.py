@@ -55,9 +55,6 @@ CUTS, INTEGRALS = 10, 2e-5
 # The same where something seems to be wrong: a lobe of width 1e-4 off the mirror direction needs it.
 CAREFULLY = 1e-8
 
-# Chi-square over its bins from which on nobody needs finer integrals.
-CLEAR = 1e3
-
 # The reported density is that of `pdf`, but for roundings of wi in between.
 SAME, SAME_FLOAT32 = 1e-6, 2e-2
 
@@ -92,7 +89,7 @@ def check(subject: Subject, effort: Effort) -> Report:
     first = [_test(subject, point[None], effort.samples, seed) for seed, point in enumerate(points)]
     trusted = TRUSTED_FLOAT32 if subject.float32 else TRUSTED
     tests = [
-        _test(subject, points[row : row + 1], effort.samples, 500 + row, careful=not test.clear())
+        _test(subject, points[row : row + 1], effort.samples, 500 + row, careful=True)
         if test.suspicious(trusted)
         else test
         for row, test in enumerate(first)
@@ -249,10 +246,6 @@ class Sampled:
         off = abs(self.mean - (self.albedo - self.unreached)) - SIGMAS * self.mean_error
         off -= self.integral_error
         return (off if off > 0 or np.isnan(off) else 0.0) / max(self.albedo, 1e-3)
-
-    def clear(self) -> bool:
-        """Whether it is so far off that finer integrals would not change that."""
-        return self.chi2 > CLEAR * self.bins
 
     def suspicious(self, trusted: float) -> bool:
         """Whether it has to be repeated with other random numbers and finer integrals."""
