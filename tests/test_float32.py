@@ -17,7 +17,6 @@ from gonio import reference
 from gonio.check.finite import FAR_TAIL
 from gonio.claims import UNBOUNDED
 from gonio.fields import ModelError
-from gonio.models import unity_brdf2
 from gonio.parts import frame, fresnel, lobes, masking
 
 COUNT = 1 << 14
@@ -373,22 +372,27 @@ def test_two_black_lobes_without_a_slope_are_noticed(monkeypatch: pytest.MonkeyP
     assert any(what.startswith("d pdf") for what in faults("metallic_roughness", {}))
 
 
-def smooth_black_unity() -> float:
-    """How far a density is off whose alpha^2, 1.17e-38, is 0 for threads that flush."""
-    model = gonio.model("unity_brdf2", base_color=0.0, roughness=3.29e-10)
+def black_unity(**given: float) -> float:
+    """How far off a density is to which a lobe adds whose weight is 0 for threads that flush."""
+    model = gonio.model("unity_brdf2", base_color=0.0, **given)
     wi = np.tile([0.0, 1.0, 1.26e-18], (1 << 18, 1))
     wo = wi * (1, -1, 1)
     single = model.pdf(wi.astype(np.float32), wo.astype(np.float32))
     return float(np.max(np.abs(np.asarray(single) / np.asarray(model.pdf(wi, wo)) - 1)))
 
 
-def test_a_share_of_numbers_that_are_flushed_ends_where_float32_does(
-    monkeypatch: pytest.MonkeyPatch,
+# alpha^2 is flushed, or its product with F0
+FAINT = [{"roughness": 3.29e-10}, {"roughness": 1e-9, "metallic": 1 - 2.0**-23}]
+
+
+@pytest.mark.parametrize("given", FAINT)
+def test_a_weight_that_is_flushed_ends_where_float32_does(
+    monkeypatch: pytest.MonkeyPatch, given: dict[str, float]
 ) -> None:
-    assert smooth_black_unity() < SINGLE_PROMISED
-    flushed = np.asarray(Float(np.full(1 << 18, 3.29e-10)) ** 4).max() == 0
-    monkeypatch.setattr(unity_brdf2, "ALPHA2_MIN", 0.0)
-    assert smooth_black_unity() > 0.9 or not flushed
+    assert black_unity(**given) < SINGLE_PROMISED
+    flushed = np.asarray(Float(np.full(1 << 18, 1e-19)) ** 2).max() == 0
+    monkeypatch.setattr(lobes, "WEIGHT_MIN", 0.0)
+    assert black_unity(**FAINT[1]) > 0.1 or not flushed
 
 
 def opposite_pairs(count: int) -> tuple[np.ndarray, np.ndarray]:

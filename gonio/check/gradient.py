@@ -111,7 +111,9 @@ def derived(
     Float = backend.array_module().Float
     dr.enable_grad(values, args)
     result = getattr(subject.bound(values, Float), method)(*args)
-    total = dr.sum(result[1] if method == "sample" else result, axis=None)
+    value = result[1] if method == "sample" else result
+    # The sum over the cases is not taken: it would be computed at once, in a kernel of its own.
+    total = value if dr.depth_v(value) == 1 else dr.sum(value, axis=0)
     if not dr.grad_enabled(total):
         return {}  # constant, such as Lambert's density with respect to nothing
     # Not everything depends on a parameter: a cosine sampler, say, on none.

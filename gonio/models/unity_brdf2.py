@@ -25,9 +25,6 @@ F0_DIELECTRIC = 0.04
 COS2_UNITY = 0.1
 D_UNITY = 1e-5
 
-# The smallest alpha^2 of the highlight's share: float32 ends there, and GPUs take what is smaller for 0.
-ALPHA2_MIN = 1e-37
-
 
 class UnityBRDF2(Model):
     """Lambert plus a highlight without masking and Fresnel. Reciprocal; gains energy."""
@@ -97,5 +94,6 @@ class UnityBRDF2(Model):
         """Probabilities of the diffuse lobe and of the highlight."""
         # The highlight's albedo at the normal is near 1 / (a + 0.5), times the part that D_UNITY leaves.
         a = self.roughness * self.roughness
-        reflected = maximum(a * a, ALPHA2_MIN) / ((a * a + D_UNITY) * (a + 0.5))
+        # In two quotients, as alpha^2 may be less than a float32 holds.
+        reflected = a / (a * a + D_UNITY) * (a / (a + 0.5))
         return shares(average(self._diffuse()), average(self._specular()) * reflected)

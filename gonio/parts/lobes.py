@@ -30,6 +30,10 @@ from gonio.parts.special import log_cos_along
 # reciprocal of their sum has a derivative; no albedo that can be seen is that small.
 BLACK = 1e-12
 
+# The smallest weight of the second lobe. Float32 ends there, and GPUs take what is smaller for 0, while a
+# grazing direction may have a density of 1e22 in that lobe.
+WEIGHT_MIN = 1e-37
+
 # The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
 # its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
 SHARE_LEAST = 0.1
@@ -48,13 +52,13 @@ def average(color: Color) -> Float:
 
 
 def shares(first: Float, second: Float) -> Vec2:
-    """Probabilities of two lobes with the given albedos; the first is certain if both are black."""
-    lifted = first + BLACK
-    inv = 1 / (lifted + second)
-    a, b = _raised(lifted * inv), _raised(second * inv)
+    """Probabilities of two lobes with the given albedos; the first is all but certain if both are black."""
+    a, b = first + BLACK, maximum(second, WEIGHT_MIN)
+    inv = 1 / (a + b)
+    P_first, P_second = _raised(a * inv), _raised(b * inv)
     # The smaller one by itself: 1 minus a probability near 1 has no digits left.
-    smaller = lifted < second
-    return vec2(select(smaller, a, 1 - b), select(smaller, 1 - a, b))
+    smaller = a < b
+    return vec2(select(smaller, P_first, 1 - P_second), select(smaller, 1 - P_first, P_second))
 
 
 def _raised(probability: Float) -> Float:

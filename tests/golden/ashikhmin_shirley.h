@@ -97,6 +97,9 @@ constexpr float V_MAX = 1.0e30f;
 // Added to the first lobe's weight, so that two black lobes still leave something to choose and the
 // reciprocal of their sum has a derivative; no albedo that can be seen is that small.
 constexpr float BLACK = 1.0e-12f;
+// The smallest weight of the second lobe. Float32 ends there, and GPUs take what is smaller for 0, while a
+// grazing direction may have a density of 1e22 in that lobe.
+constexpr float WEIGHT_MIN = 1.0e-37f;
 // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
 // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
 constexpr float SHARE_LEAST = 0.1f;
@@ -251,15 +254,16 @@ inline float ashikhmin_shirley_raised(float probability) {
     return fmaxf(probability, fminf(SHARE_LEAST, ESTIMATE_TRUST * probability));
 }
 
-// Probabilities of two lobes with the given albedos; the first is certain if both are black.
+// Probabilities of two lobes with the given albedos; the first is all but certain if both are black.
 inline Vec2 ashikhmin_shirley_lobes_shares(float first, float second) {
-    float lifted = first + BLACK;
-    float inv = 1.0f / (lifted + second);
-    float a = ashikhmin_shirley_raised(lifted * inv);
-    float b = ashikhmin_shirley_raised(second * inv);
+    float a = first + BLACK;
+    float b = fmaxf(second, WEIGHT_MIN);
+    float inv = 1.0f / (a + b);
+    float P_first = ashikhmin_shirley_raised(a * inv);
+    float P_second = ashikhmin_shirley_raised(b * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
-    bool smaller = lifted < second;
-    return Vec2{smaller ? a : 1.0f - b, smaller ? 1.0f - a : b};
+    bool smaller = a < b;
+    return Vec2{smaller ? P_first : 1.0f - P_second, smaller ? 1.0f - P_first : P_second};
 }
 
 // Probabilities of the diffuse part and of the highlight.

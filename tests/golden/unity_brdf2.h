@@ -76,8 +76,6 @@ constexpr float F0_DIELECTRIC = 0.04f;  // Unity's dielectric reflectance (linea
 // Unity's limits: of (wo.H)^2, and what its 1.00001 adds to the denominator of D.
 constexpr float COS2_UNITY = 0.1f;
 constexpr float D_UNITY = 1.0e-5f;
-// The smallest alpha^2 of the highlight's share: float32 ends there, and GPUs take what is smaller for 0.
-constexpr float ALPHA2_MIN = 1.0e-37f;
 // wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
 // squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
 // much longer.
@@ -88,6 +86,9 @@ constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
 // Added to the first lobe's weight, so that two black lobes still leave something to choose and the
 // reciprocal of their sum has a derivative; no albedo that can be seen is that small.
 constexpr float BLACK = 1.0e-12f;
+// The smallest weight of the second lobe. Float32 ends there, and GPUs take what is smaller for 0, while a
+// grazing direction may have a density of 1e22 in that lobe.
+constexpr float WEIGHT_MIN = 1.0e-37f;
 // The albedos that choose are estimates. A lobe gets at least this share, unless even ESTIMATE_TRUST times
 // its estimate is less: then the weight of the lobe stays bounded where the estimate is that much too low.
 constexpr float SHARE_LEAST = 0.1f;
@@ -198,22 +199,24 @@ inline float unity_brdf2_raised(float probability) {
     return fmaxf(probability, fminf(SHARE_LEAST, ESTIMATE_TRUST * probability));
 }
 
-// Probabilities of two lobes with the given albedos; the first is certain if both are black.
+// Probabilities of two lobes with the given albedos; the first is all but certain if both are black.
 inline Vec2 unity_brdf2_lobes_shares(float first, float second) {
-    float lifted = first + BLACK;
-    float inv = 1.0f / (lifted + second);
-    float a = unity_brdf2_raised(lifted * inv);
-    float b = unity_brdf2_raised(second * inv);
+    float a = first + BLACK;
+    float b = fmaxf(second, WEIGHT_MIN);
+    float inv = 1.0f / (a + b);
+    float P_first = unity_brdf2_raised(a * inv);
+    float P_second = unity_brdf2_raised(b * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
-    bool smaller = lifted < second;
-    return Vec2{smaller ? a : 1.0f - b, smaller ? 1.0f - a : b};
+    bool smaller = a < b;
+    return Vec2{smaller ? P_first : 1.0f - P_second, smaller ? 1.0f - P_first : P_second};
 }
 
 // Probabilities of the diffuse lobe and of the highlight.
 inline Vec2 unity_brdf2_shares(const UnityBrdf2& params) {
     // The highlight's albedo at the normal is near 1 / (a + 0.5), times the part that D_UNITY leaves.
     float a = params.roughness * params.roughness;
-    float reflected = fmaxf(a * a, ALPHA2_MIN) / ((a * a + D_UNITY) * (a + 0.5f));
+    // In two quotients, as alpha^2 may be less than a float32 holds.
+    float reflected = a / (a * a + D_UNITY) * (a / (a + 0.5f));
     return unity_brdf2_lobes_shares(unity_brdf2_average(unity_brdf2_diffuse(params)),
         unity_brdf2_average(unity_brdf2_specular(params)) * reflected);
 }

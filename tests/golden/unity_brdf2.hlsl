@@ -126,28 +126,31 @@ float unity_brdf2_raised(float probability) {
     return max(probability, min(SHARE_LEAST, ESTIMATE_TRUST * probability));
 }
 
-// Probabilities of two lobes with the given albedos; the first is certain if both are black.
+// Probabilities of two lobes with the given albedos; the first is all but certain if both are black.
 float2 unity_brdf2_lobes_shares(float first, float second) {
     // Added to the first lobe's weight, so that two black lobes still leave something to choose and the
     // reciprocal of their sum has a derivative; no albedo that can be seen is that small.
     const float BLACK = 1.0e-12;
-    float lifted = first + BLACK;
-    float inv = 1.0 / (lifted + second);
-    float a = unity_brdf2_raised(lifted * inv);
-    float b = unity_brdf2_raised(second * inv);
+    // The smallest weight of the second lobe. Float32 ends there, and GPUs take what is smaller for 0, while a
+    // grazing direction may have a density of 1e22 in that lobe.
+    const float WEIGHT_MIN = 1.0e-37;
+    float a = first + BLACK;
+    float b = max(second, WEIGHT_MIN);
+    float inv = 1.0 / (a + b);
+    float P_first = unity_brdf2_raised(a * inv);
+    float P_second = unity_brdf2_raised(b * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
-    bool smaller = lifted < second;
-    return float2(smaller ? a : 1.0 - b, smaller ? 1.0 - a : b);
+    bool smaller = a < b;
+    return float2(smaller ? P_first : 1.0 - P_second, smaller ? 1.0 - P_first : P_second);
 }
 
 // Probabilities of the diffuse lobe and of the highlight.
 float2 unity_brdf2_shares(UnityBrdf2 params) {
     const float D_UNITY = 1.0e-5;
-    // The smallest alpha^2 of the highlight's share: float32 ends there, and GPUs take what is smaller for 0.
-    const float ALPHA2_MIN = 1.0e-37;
     // The highlight's albedo at the normal is near 1 / (a + 0.5), times the part that D_UNITY leaves.
     float a = params.roughness * params.roughness;
-    float reflected = max(a * a, ALPHA2_MIN) / ((a * a + D_UNITY) * (a + 0.5));
+    // In two quotients, as alpha^2 may be less than a float32 holds.
+    float reflected = a / (a * a + D_UNITY) * (a / (a + 0.5));
     return unity_brdf2_lobes_shares(unity_brdf2_average(unity_brdf2_diffuse(params)),
         unity_brdf2_average(unity_brdf2_specular(params)) * reflected);
 }

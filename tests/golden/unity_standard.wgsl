@@ -167,18 +167,23 @@ fn unity_standard_raised(probability: f32) -> f32 {
     return max(probability, min(SHARE_LEAST, ESTIMATE_TRUST * probability));
 }
 
-// Probabilities of two lobes with the given albedos; the first is certain if both are black.
+// Probabilities of two lobes with the given albedos; the first is all but certain if both are black.
 fn unity_standard_lobes_shares(first: f32, second: f32) -> vec2f {
     // Added to the first lobe's weight, so that two black lobes still leave something to choose and the
     // reciprocal of their sum has a derivative; no albedo that can be seen is that small.
     const BLACK = 1.0e-12;
-    let lifted = first + BLACK;
-    let inv = 1.0 / (lifted + second);
-    let a = unity_standard_raised(lifted * inv);
-    let b = unity_standard_raised(second * inv);
+    // The smallest weight of the second lobe. Float32 ends there, and GPUs take what is smaller for 0, while a
+    // grazing direction may have a density of 1e22 in that lobe.
+    const WEIGHT_MIN = 1.0e-37;
+    let a = first + BLACK;
+    let b = max(second, WEIGHT_MIN);
+    let inv = 1.0 / (a + b);
+    let P_first = unity_standard_raised(a * inv);
+    let P_second = unity_standard_raised(b * inv);
     // The smaller one by itself: 1 minus a probability near 1 has no digits left.
-    let smaller = lifted < second;
-    return vec2f(select(1.0 - b, a, smaller), select(b, 1.0 - a, smaller));
+    let smaller = a < b;
+    return vec2f(select(1.0 - P_second, P_first, smaller),
+        select(P_second, 1.0 - P_first, smaller));
 }
 
 // Probabilities of the diffuse lobe and of the highlight.
