@@ -42,7 +42,7 @@ from gonio.measured.files import load
 from gonio.measured.measurement import DataError, Measurement
 from gonio.measured.tabulate import ALBEDOS, AZIMUTHS, BINS, ROWS, Tables, tabulate
 from gonio.model import Model, param
-from gonio.parts.frame import azimuth, cos_half, half_vector, mirror, pdf_mirror
+from gonio.parts.frame import azimuth, cos_half, half_length, half_vector, mirror, pdf_mirror
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
 from gonio.table import Table, fetch
 
@@ -207,7 +207,7 @@ class MeasuredIsotropic(Model, register=False):
         theta_h = angle(smooth_sqrt(h.x * h.x + h.y * h.y), h.z)
         k = clamp(floor(BINS * smooth_sqrt(theta_h * (2 * INV_PI))), 0, BINS - 1)
         density = fetch(self.density, row * BINS + k)
-        return share * pdf_cosine(wi) + (1 - share) * pdf_mirror(density, cos_half(wi, wo))
+        return share * pdf_cosine(wi) + (1 - share) * pdf_mirror(density, half_length(wi, wo))
 
     def albedo(self, wo: Vec3) -> Color:
         """Integrated when the file was read, to 1e-3 below 80 degrees."""

@@ -32,7 +32,7 @@ from gonio.lang import (
 )
 from gonio.model import Model, param
 from gonio.parts.distribution import RANDOM_MARGIN, blinn_phong_alpha
-from gonio.parts.frame import cos_half, half_vector, mirror
+from gonio.parts.frame import half_length, half_vector, mirror
 from gonio.parts.fresnel import schlick_weight, schlick_weight_half
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
 from gonio.parts.image import ImageLobes, schlick_albedo
@@ -71,7 +71,7 @@ class AshikhminShirley(Model):
 
     def highlight(self, wi: Vec3, wo: Vec3) -> Float:
         """The highlight of Eq. 4 without F."""
-        V = minimum(0.25 / cos_half(wi, wo) / maximum(wi.z, wo.z), V_MAX)
+        V = minimum(0.25 / half_length(wi, wo) / maximum(wi.z, wo.z), V_MAX)
         return self._weighed(half_vector(wi, wo), V)
 
     def highlight_albedo(self, split: Vec2) -> Color:
@@ -99,7 +99,7 @@ class AshikhminShirley(Model):
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample` in 1/sr (Eq. 8)."""
         P = self._shares(wo)
-        facets = self._weighed(half_vector(wi, wo), 0.25 / cos_half(wi, wo))
+        facets = self._weighed(half_vector(wi, wo), 0.25 / half_length(wi, wo))
         return P.x * pdf_cosine(wi) + P.y * facets
 
     def slope_widths(self) -> Vec2:

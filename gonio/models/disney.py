@@ -27,7 +27,7 @@ from gonio.lang import (
 )
 from gonio.model import Model, option, param
 from gonio.parts.distribution import GGX, GTR1, RoundGGX, anisotropic_alpha
-from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
+from gonio.parts.frame import cos_half, half_length, half_vector, mirror, pdf_mirror
 from gonio.parts.fresnel import schlick_complement, schlick_weight, schlick_weight_half
 from gonio.parts.hemisphere import pdf_cosine, pdf_uniform, sample_cosine, sample_uniform
 from gonio.parts.image import (
@@ -161,7 +161,7 @@ class Disney(Model):
         """Density of `sample` in 1/sr."""
         P, Q = self._diffuse_shares(wo), self._specular_shares(wo)
         m = half_vector(wi, wo)
-        coat = pdf_mirror(self._coat().D_narrow(m) * m.z, cos_half(wi, wo))
+        coat = pdf_mirror(self._coat().D_narrow(m) * m.z, half_length(wi, wo))
         specular = Q.x * pdf_ggx_lobe(self._facets(), wi, wo) + Q.y * coat
         diffuse = lerp(pdf_cosine(wi), pdf_uniform(), self._uniform_share())
         return P.x * diffuse + P.y * specular

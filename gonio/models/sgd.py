@@ -35,7 +35,7 @@ from gonio.lang import (
     vec3,
 )
 from gonio.model import Model, param
-from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
+from gonio.parts.frame import cos_half, half_length, half_vector, mirror, pdf_mirror
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
 from gonio.parts.lobes import average, choose, shares
 from gonio.parts.special import expm1, log1p
@@ -179,7 +179,7 @@ class SGD(Model):
         P, m = self._shares(wo), half_vector(wi, wo)
         facets = self._red().density(m) + self._green().density(m)
         facets = (facets + self._blue().density(m)) / 3
-        return P.x * pdf_cosine(wi) + P.y * pdf_mirror(facets, cos_half(wi, wo))
+        return P.x * pdf_cosine(wi) + P.y * pdf_mirror(facets, half_length(wi, wo))
 
     def _red(self) -> ShiftedGamma:
         """The facets of a channel."""

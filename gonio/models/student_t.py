@@ -29,7 +29,7 @@ from gonio.lang import (
 )
 from gonio.model import Model, param
 from gonio.parts.distribution import RANDOM_MARGIN
-from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
+from gonio.parts.frame import half_length, half_vector, mirror, pdf_mirror
 from gonio.parts.fresnel import schlick_weight_half
 from gonio.parts.image import ImageLobes, schlick_albedo
 from gonio.parts.masking import V_cook_torrance
@@ -94,7 +94,7 @@ class StudentT(Model):
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         """Density of `sample` in 1/sr."""
         m = half_vector(wi, wo)
-        return pdf_mirror(self._D(m) * m.z, cos_half(wi, wo))
+        return pdf_mirror(self._D(m) * m.z, half_length(wi, wo))
 
     def _D(self, m: Vec3) -> Float:
         """1 / (pi a^2 z^4 (1 + x)^g) with x = tan^2 / ((g - 1) a^2)."""

@@ -325,7 +325,7 @@ class TorranceSparrow(Model):
         if self.masking == "cook_torrance":
             return masking.V_cook_torrance(wi, wo)
         if self.masking == "kelemen":
-            return masking.V_kelemen(frame.cos_half(wi, wo))
+            return masking.V_kelemen(frame.half_length(wi, wo))
         if self.masking == "neumann":
             return masking.V_neumann(wi, wo)
         if self.masking == "implicit":
@@ -405,7 +405,7 @@ class TorranceSparrow(Model):
         """Density of `_sample_facets`."""
         m = frame.half_vector(wi, wo)
         if self.masking in GROOVES or self.distribution == "gaussian":
-            return frame.pdf_mirror(self._facets().density(m), frame.cos_half(wi, wo))
+            return frame.pdf_mirror(self._facets().density(m), frame.half_length(wi, wo))
         if self.distribution == "beckmann":
             return pdf_visible(self._facets(), wo, m)
         if self.distribution == "blinn_phong":

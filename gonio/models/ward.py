@@ -11,7 +11,7 @@ from gonio.claims import UNBOUNDED, Claims, at_most
 from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3, minimum, select, sqrt, vec2
 from gonio.model import Model, option, param
 from gonio.parts.distribution import Beckmann
-from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
+from gonio.parts.frame import cos_half, half_length, half_vector, mirror, pdf_mirror
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
 from gonio.parts.image import ImageLobes
 from gonio.parts.lobes import average, choose, shares
@@ -95,7 +95,7 @@ class Ward(Model):
         """Density of `sample` in 1/sr."""
         P, m = self._shares(), half_vector(wi, wo)
         facets = self._facets().density(m)
-        return P.x * pdf_cosine(wi) + P.y * pdf_mirror(facets, cos_half(wi, wo))
+        return P.x * pdf_cosine(wi) + P.y * pdf_mirror(facets, half_length(wi, wo))
 
     def slope_widths(self) -> Vec2:
         """As the highlight's."""

@@ -17,7 +17,7 @@ from gonio.lang import Color, Float, Sample, Vec2, Vec3, exp, maximum, minimum, 
 from gonio.model import Model, child, option, param
 from gonio.parts.coat import attenuation_least, optical_depth, past_facets, usual_cos_half
 from gonio.parts.distribution import ALPHA_MIN, BlinnPhong, Gaussian, RoundBeckmann, RoundGGX
-from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror, sin2_half
+from gonio.parts.frame import cos_half, half_length, half_vector, mirror, pdf_mirror, sin2_half
 from gonio.parts.fresnel import (
     F_conductor,
     F_dielectric_entering,
@@ -277,7 +277,7 @@ class WeidlichWilkie(Model):
         if self.masking != "cook_torrance":
             return pdf_ggx_lobe(RoundGGX(self.alpha), wi, wo)
         density = self._facets().density(half_vector(wi, wo))
-        return pdf_mirror(density, cos_half(wi, wo))
+        return pdf_mirror(density, half_length(wi, wo))
 
     def _optical_depth(self) -> Color:
         """Optical depth of the coat along its normal (Eq. 3)."""

@@ -5,7 +5,7 @@ Source: Elek, "Layered materials in real-time rendering", CESCG 2010, Eq. 2 to 4
 
 from gonio.lang import Color, Float, Vec2, Vec3, vec3
 from gonio.parts.distribution import RoundBeckmann, RoundGGX, ggx_bound, pdf_bounded
-from gonio.parts.frame import cos_half, half_vector, mirror, pdf_mirror
+from gonio.parts.frame import half_length, half_vector, mirror, pdf_mirror
 from gonio.parts.interface import attenuation
 from gonio.parts.lobes import pdf_ggx_lobe, sample_ggx_lobe
 from gonio.parts.masking import (
@@ -77,7 +77,7 @@ def sample_facets(facets: Round, wo: Vec3, u: Vec2, masking: str) -> Vec3:
 def pdf_facets(facets: Round, wi: Vec3, wo: Vec3, masking: str) -> Float:
     """Density of `sample_facets` in 1/sr."""
     if masking == "cook_torrance":
-        return pdf_mirror(facets.density(half_vector(wi, wo)), cos_half(wi, wo))
+        return pdf_mirror(facets.density(half_vector(wi, wo)), half_length(wi, wo))
     return pdf_ggx_lobe(RoundGGX(facets.alpha), wi, wo)
 
 

@@ -77,13 +77,18 @@ def tangent2(h: Vec3) -> Float:
 def cos_half(wi: Vec3, wo: Vec3) -> Float:
     """wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo."""
     # 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return (0.5 / LENGTHENED) * sqrt(length2(LENGTHENED * (wi + wo)))
+    return half_length(wi, wo)
 
 
 def cos_half_value(wi: Vec3, wo: Vec3) -> Float:
     """wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo."""
     # 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
     return 0.5 * sqrt(length2(wi + wo))
+
+
+def half_length(wi: Vec3, wo: Vec3) -> Float:
+    """|wi + wo| / 2, the same with all digits however short it is: for what is divided by it."""
+    return (0.5 / LENGTHENED) * sqrt(length2(LENGTHENED * (wi + wo)))
 
 
 def sin2_half(wi: Vec3, wo: Vec3) -> Float:

@@ -183,6 +183,11 @@ inline Vec3 ashikhmin_shirley_eval_round(const AshikhminShirley& params, Vec3 wi
     return DIFFUSE * inv_pi * below * params.rho * (1.0f - params.f0);
 }
 
+// |wi + wo| / 2, the same with all digits however short it is: for what is divided by it.
+inline float ashikhmin_shirley_half_length(Vec3 wi, Vec3 wo) {
+    return 0.5f / LENGTHENED * sqrtf(ashikhmin_shirley_length2(LENGTHENED * (wi + wo)));
+}
+
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline Vec3 ashikhmin_shirley_half_vector(Vec3 wi, Vec3 wo) {
     Vec3 h = LENGTHENED * (wi + wo);
@@ -222,7 +227,7 @@ inline float ashikhmin_shirley_weighed(const AshikhminShirley& params, Vec3 m, f
 
 // The highlight of Eq. 4 without F.
 inline float ashikhmin_shirley_highlight(const AshikhminShirley& params, Vec3 wi, Vec3 wo) {
-    float V = fminf(0.25f / ashikhmin_shirley_cos_half(wi, wo) / fmaxf(wi.z, wo.z), V_MAX);
+    float V = fminf(0.25f / ashikhmin_shirley_half_length(wi, wo) / fmaxf(wi.z, wo.z), V_MAX);
     return ashikhmin_shirley_weighed(params, ashikhmin_shirley_half_vector(wi, wo), V);
 }
 
@@ -329,7 +334,7 @@ inline float ashikhmin_shirley_pdf(const AshikhminShirley& params, Vec3 wi, Vec3
     }
     Vec2 P = ashikhmin_shirley_shares(params, wo);
     float facets = ashikhmin_shirley_weighed(params, ashikhmin_shirley_half_vector(wi, wo),
-        0.25f / ashikhmin_shirley_cos_half(wi, wo));
+        0.25f / ashikhmin_shirley_half_length(wi, wo));
     return P.x * ashikhmin_shirley_pdf_cosine(wi) + P.y * facets;
 }
 

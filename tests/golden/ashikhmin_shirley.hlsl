@@ -82,11 +82,17 @@ float3 ashikhmin_shirley_eval_round(AshikhminShirley params, float3 wi, float3 w
     return DIFFUSE * inv_pi * below * params.rho * (1.0 - params.f0);
 }
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-float3 ashikhmin_shirley_half_vector(float3 wi, float3 wo) {
+// |wi + wo| / 2, the same with all digits however short it is: for what is divided by it.
+float ashikhmin_shirley_half_length(float3 wi, float3 wo) {
     // wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
     // squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
     // much longer.
+    const float LENGTHENED = 1.0995116e12;
+    return 0.5 / LENGTHENED * sqrt(ashikhmin_shirley_length2(LENGTHENED * (wi + wo)));
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+float3 ashikhmin_shirley_half_vector(float3 wi, float3 wo) {
     const float LENGTHENED = 1.0995116e12;
     float3 h = LENGTHENED * (wi + wo);
     return h / sqrt(ashikhmin_shirley_length2(h));  // the root is the cosine's as well
@@ -131,7 +137,7 @@ float ashikhmin_shirley_highlight(AshikhminShirley params, float3 wi, float3 wo)
     // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
     // it still is a float32. It is reached at cosines of 5e-16.
     const float V_MAX = 1.0e30;
-    float V = min(0.25 / ashikhmin_shirley_cos_half(wi, wo) / max(wi.z, wo.z), V_MAX);
+    float V = min(0.25 / ashikhmin_shirley_half_length(wi, wo) / max(wi.z, wo.z), V_MAX);
     return ashikhmin_shirley_weighed(params, ashikhmin_shirley_half_vector(wi, wo), V);
 }
 
@@ -264,7 +270,7 @@ float ashikhmin_shirley_pdf(AshikhminShirley params, float3 wi, float3 wo) {
     }
     float2 P = ashikhmin_shirley_shares(params, wo);
     float facets = ashikhmin_shirley_weighed(params, ashikhmin_shirley_half_vector(wi, wo),
-        0.25 / ashikhmin_shirley_cos_half(wi, wo));
+        0.25 / ashikhmin_shirley_half_length(wi, wo));
     return P.x * ashikhmin_shirley_pdf_cosine(wi) + P.y * facets;
 }
 

@@ -82,11 +82,17 @@ fn ashikhmin_shirley_eval_round(params: AshikhminShirley, wi: vec3f, wo: vec3f) 
     return DIFFUSE * inv_pi * below * params.rho * (1.0 - params.f0);
 }
 
-// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
-fn ashikhmin_shirley_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+// |wi + wo| / 2, the same with all digits however short it is: for what is divided by it.
+fn ashikhmin_shirley_half_length(wi: vec3f, wo: vec3f) -> f32 {
     // wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
     // squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
     // much longer.
+    const LENGTHENED = 1.0995116e12;
+    return 0.5 / LENGTHENED * sqrt(ashikhmin_shirley_length2(LENGTHENED * (wi + wo)));
+}
+
+// The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
+fn ashikhmin_shirley_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
     const LENGTHENED = 1.0995116e12;
     let h = LENGTHENED * (wi + wo);
     return h / sqrt(ashikhmin_shirley_length2(h));  // the root is the cosine's as well
@@ -131,7 +137,7 @@ fn ashikhmin_shirley_highlight(params: AshikhminShirley, wi: vec3f, wo: vec3f) -
     // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
     // it still is a float32. It is reached at cosines of 5e-16.
     const V_MAX = 1.0e30;
-    let V = min(0.25 / ashikhmin_shirley_cos_half(wi, wo) / max(wi.z, wo.z), V_MAX);
+    let V = min(0.25 / ashikhmin_shirley_half_length(wi, wo) / max(wi.z, wo.z), V_MAX);
     return ashikhmin_shirley_weighed(params, ashikhmin_shirley_half_vector(wi, wo), V);
 }
 
@@ -261,7 +267,7 @@ fn ashikhmin_shirley_pdf(params: AshikhminShirley, wi: vec3f, wo: vec3f) -> f32 
     }
     let P = ashikhmin_shirley_shares(params, wo);
     let facets = ashikhmin_shirley_weighed(params, ashikhmin_shirley_half_vector(wi, wo),
-        0.25 / ashikhmin_shirley_cos_half(wi, wo));
+        0.25 / ashikhmin_shirley_half_length(wi, wo));
     return P.x * ashikhmin_shirley_pdf_cosine(wi) + P.y * facets;
 }
 

@@ -432,6 +432,12 @@ float disney_gtr1_D_narrow(DisneyGTR1 gtr1, vec3 m) {
     return inv_pi * below_one / (-log(a2) * (a2 + below_one * (m.x * m.x + m.y * m.y)));
 }
 
+// |wi + wo| / 2, the same with all digits however short it is: for what is divided by it.
+float disney_half_length(vec3 wi, vec3 wo) {
+    const float LENGTHENED = 1.0995116e12;
+    return 0.5 / LENGTHENED * sqrt(disney_length2(LENGTHENED * (wi + wo)));
+}
+
 // Density of disney_mirror in 1/sr, if m has the given density and cos_h = wo . m.
 float disney_pdf_mirror(float density, float cos_h) {
     // Walter et al., Eq. 14
@@ -473,7 +479,7 @@ float disney_pdf(Disney params, vec3 wi, vec3 wo) {
     vec2 Q = disney_specular_shares(params, wo);
     vec3 m = disney_half_vector(wi, wo);
     float coat = disney_pdf_mirror(disney_gtr1_D_narrow(disney_coat(params), m) * m.z,
-        disney_cos_half(wi, wo));
+        disney_half_length(wi, wo));
     float specular = Q.x * disney_pdf_ggx_lobe(disney_facets(params), wi, wo) + Q.y * coat;
     float diffuse = mix(disney_pdf_cosine(wi), inv_two_pi, disney_uniform_share(params));
     return P.x * diffuse + P.y * specular;

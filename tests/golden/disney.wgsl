@@ -431,6 +431,12 @@ fn disney_gtr1_D_narrow(gtr1: DisneyGTR1, m: vec3f) -> f32 {
     return inv_pi * below_one / (-log(a2) * (a2 + below_one * (m.x * m.x + m.y * m.y)));
 }
 
+// |wi + wo| / 2, the same with all digits however short it is: for what is divided by it.
+fn disney_half_length(wi: vec3f, wo: vec3f) -> f32 {
+    const LENGTHENED = 1.0995116e12;
+    return 0.5 / LENGTHENED * sqrt(disney_length2(LENGTHENED * (wi + wo)));
+}
+
 // Density of disney_mirror in 1/sr, if m has the given density and cos_h = wo . m.
 fn disney_pdf_mirror(density: f32, cos_h: f32) -> f32 {
     // Walter et al., Eq. 14
@@ -473,7 +479,7 @@ fn disney_pdf(params: Disney, wi: vec3f, wo: vec3f) -> f32 {
     let Q = disney_specular_shares(params, wo);
     let m = disney_half_vector(wi, wo);
     let coat = disney_pdf_mirror(disney_gtr1_D_narrow(disney_coat(params), m) * m.z,
-        disney_cos_half(wi, wo));
+        disney_half_length(wi, wo));
     let specular = Q.x * disney_pdf_ggx_lobe(disney_facets(params), wi, wo) + Q.y * coat;
     let diffuse = mix(disney_pdf_cosine(wi), inv_two_pi, disney_uniform_share(params));
     return P.x * diffuse + P.y * specular;

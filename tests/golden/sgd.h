@@ -423,6 +423,11 @@ inline float sgd_pdf_cosine(Vec3 w) {
     return w.z * inv_pi;
 }
 
+// |wi + wo| / 2, the same with all digits however short it is: for what is divided by it.
+inline float sgd_half_length(Vec3 wi, Vec3 wo) {
+    return 0.5f / LENGTHENED * sqrtf(sgd_length2(LENGTHENED * (wi + wo)));
+}
+
 // Density of sgd_mirror in 1/sr, if m has the given density and cos_h = wo . m.
 inline float sgd_pdf_mirror(float density, float cos_h) {
     // Walter et al., Eq. 14
@@ -439,7 +444,7 @@ inline float sgd_pdf(const Sgd& params, Vec3 wi, Vec3 wo) {
     float facets = sgd_shifted_gamma_density(sgd_red(params), m)
         + sgd_shifted_gamma_density(sgd_green(params), m);
     facets = (facets + sgd_shifted_gamma_density(sgd_blue(params), m)) / 3.0f;
-    return P.x * sgd_pdf_cosine(wi) + P.y * sgd_pdf_mirror(facets, sgd_cos_half(wi, wo));
+    return P.x * sgd_pdf_cosine(wi) + P.y * sgd_pdf_mirror(facets, sgd_half_length(wi, wo));
 }
 
 // Cosine-weighted, or wo mirrored at a normal of one of the channels.

@@ -334,6 +334,12 @@ float sgd_pdf_cosine(float3 w) {
     return w.z * inv_pi;
 }
 
+// |wi + wo| / 2, the same with all digits however short it is: for what is divided by it.
+float sgd_half_length(float3 wi, float3 wo) {
+    const float LENGTHENED = 1.0995116e12;
+    return 0.5 / LENGTHENED * sqrt(sgd_length2(LENGTHENED * (wi + wo)));
+}
+
 // Density of sgd_mirror in 1/sr, if m has the given density and cos_h = wo . m.
 float sgd_pdf_mirror(float density, float cos_h) {
     // Walter et al., Eq. 14
@@ -351,7 +357,7 @@ float sgd_pdf(Sgd params, float3 wi, float3 wo) {
     float facets = sgd_shifted_gamma_density(sgd_red(params), m)
         + sgd_shifted_gamma_density(sgd_green(params), m);
     facets = (facets + sgd_shifted_gamma_density(sgd_blue(params), m)) / 3.0;
-    return P.x * sgd_pdf_cosine(wi) + P.y * sgd_pdf_mirror(facets, sgd_cos_half(wi, wo));
+    return P.x * sgd_pdf_cosine(wi) + P.y * sgd_pdf_mirror(facets, sgd_half_length(wi, wo));
 }
 
 // Cosine-weighted, or wo mirrored at a normal of one of the channels.

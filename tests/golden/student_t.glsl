@@ -169,6 +169,12 @@ vec3 student_t_mirror(vec3 wo, vec3 m) {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
+// |wi + wo| / 2, the same with all digits however short it is: for what is divided by it.
+float student_t_half_length(vec3 wi, vec3 wo) {
+    const float LENGTHENED = 1.0995116e12;
+    return 0.5 / LENGTHENED * sqrt(student_t_length2(LENGTHENED * (wi + wo)));
+}
+
 // Density of student_t_mirror in 1/sr, if m has the given density and cos_h = wo . m.
 float student_t_pdf_mirror(float density, float cos_h) {
     // Walter et al., Eq. 14
@@ -182,7 +188,7 @@ float student_t_pdf(StudentT params, vec3 wi, vec3 wo) {
         return 0.0;
     }
     vec3 m = student_t_half_vector(wi, wo);
-    return student_t_pdf_mirror(student_t_D(params, m) * m.z, student_t_cos_half(wi, wo));
+    return student_t_pdf_mirror(student_t_D(params, m) * m.z, student_t_half_length(wi, wo));
 }
 
 // wo mirrored at a normal by its density.

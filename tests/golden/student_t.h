@@ -233,6 +233,11 @@ inline Vec3 student_t_mirror(Vec3 wo, Vec3 m) {
     return 2.0f * dot(wo, m) * m - wo;
 }
 
+// |wi + wo| / 2, the same with all digits however short it is: for what is divided by it.
+inline float student_t_half_length(Vec3 wi, Vec3 wo) {
+    return 0.5f / LENGTHENED * sqrtf(student_t_length2(LENGTHENED * (wi + wo)));
+}
+
 // Density of student_t_mirror in 1/sr, if m has the given density and cos_h = wo . m.
 inline float student_t_pdf_mirror(float density, float cos_h) {
     // Walter et al., Eq. 14
@@ -245,7 +250,7 @@ inline float student_t_pdf(const StudentT& params, Vec3 wi, Vec3 wo) {
         return 0.0f;
     }
     Vec3 m = student_t_half_vector(wi, wo);
-    return student_t_pdf_mirror(student_t_D(params, m) * m.z, student_t_cos_half(wi, wo));
+    return student_t_pdf_mirror(student_t_D(params, m) * m.z, student_t_half_length(wi, wo));
 }
 
 // wo mirrored at a normal by its density.

@@ -169,6 +169,12 @@ fn student_t_mirror(wo: vec3f, m: vec3f) -> vec3f {
     return 2.0 * dot(wo, m) * m - wo;
 }
 
+// |wi + wo| / 2, the same with all digits however short it is: for what is divided by it.
+fn student_t_half_length(wi: vec3f, wo: vec3f) -> f32 {
+    const LENGTHENED = 1.0995116e12;
+    return 0.5 / LENGTHENED * sqrt(student_t_length2(LENGTHENED * (wi + wo)));
+}
+
 // Density of student_t_mirror in 1/sr, if m has the given density and cos_h = wo . m.
 fn student_t_pdf_mirror(density: f32, cos_h: f32) -> f32 {
     // Walter et al., Eq. 14
@@ -182,7 +188,7 @@ fn student_t_pdf(params: StudentT, wi: vec3f, wo: vec3f) -> f32 {
         return 0.0;
     }
     let m = student_t_half_vector(wi, wo);
-    return student_t_pdf_mirror(student_t_D(params, m) * m.z, student_t_cos_half(wi, wo));
+    return student_t_pdf_mirror(student_t_D(params, m) * m.z, student_t_half_length(wi, wo));
 }
 
 // wo mirrored at a normal by its density.

@@ -236,10 +236,9 @@ inline float ward_pdf_cosine(Vec3 w) {
     return w.z * inv_pi;
 }
 
-// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
-inline float ward_cos_half(Vec3 wi, Vec3 wo) {
-    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5f * sqrtf(ward_length2(wi + wo));
+// |wi + wo| / 2, the same with all digits however short it is: for what is divided by it.
+inline float ward_half_length(Vec3 wi, Vec3 wo) {
+    return 0.5f / LENGTHENED * sqrtf(ward_length2(LENGTHENED * (wi + wo)));
 }
 
 // Density of ward_mirror in 1/sr, if m has the given density and cos_h = wo . m.
@@ -256,7 +255,7 @@ inline float ward_pdf(const Ward& params, Vec3 wi, Vec3 wo) {
     Vec2 P = ward_shares(params);
     Vec3 m = ward_half_vector(wi, wo);
     float facets = ward_beckmann_density(ward_facets(params), m);
-    return P.x * ward_pdf_cosine(wi) + P.y * ward_pdf_mirror(facets, ward_cos_half(wi, wo));
+    return P.x * ward_pdf_cosine(wi) + P.y * ward_pdf_mirror(facets, ward_half_length(wi, wo));
 }
 
 // Cosine-weighted, or wo mirrored at a normal of the Gaussian.

@@ -185,10 +185,10 @@ inline float ward_pdf_cosine(float3 w) {
     return w.z * inv_pi;
 }
 
-// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
-inline float ward_cos_half(float3 wi, float3 wo) {
-    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * sqrt(ward_length2(wi + wo));
+// |wi + wo| / 2, the same with all digits however short it is: for what is divided by it.
+inline float ward_half_length(float3 wi, float3 wo) {
+    const float LENGTHENED = 1.0995116e12;
+    return 0.5 / LENGTHENED * sqrt(ward_length2(LENGTHENED * (wi + wo)));
 }
 
 // Density of ward_mirror in 1/sr, if m has the given density and cos_h = wo . m.
@@ -206,7 +206,7 @@ inline float ward_pdf(Ward params, float3 wi, float3 wo) {
     float2 P = ward_shares(params);
     float3 m = ward_half_vector(wi, wo);
     float facets = ward_beckmann_density(ward_facets(params), m);
-    return P.x * ward_pdf_cosine(wi) + P.y * ward_pdf_mirror(facets, ward_cos_half(wi, wo));
+    return P.x * ward_pdf_cosine(wi) + P.y * ward_pdf_mirror(facets, ward_half_length(wi, wo));
 }
 
 // Cosine-weighted, or wo mirrored at a normal of the Gaussian.

@@ -182,10 +182,10 @@ fn ward_pdf_cosine(w: vec3f) -> f32 {
     return w.z * inv_pi;
 }
 
-// wo . m = wi . m, the cosine at which light meets the facet: half the length of wi + wo.
-fn ward_cos_half(wi: vec3f, wo: vec3f) -> f32 {
-    // 2 (wo . m)^2 = 1 + wi . wo, but the sum of 1 and a scalar product near -1 has few digits left.
-    return 0.5 * sqrt(ward_length2(wi + wo));
+// |wi + wo| / 2, the same with all digits however short it is: for what is divided by it.
+fn ward_half_length(wi: vec3f, wo: vec3f) -> f32 {
+    const LENGTHENED = 1.0995116e12;
+    return 0.5 / LENGTHENED * sqrt(ward_length2(LENGTHENED * (wi + wo)));
 }
 
 // Density of ward_mirror in 1/sr, if m has the given density and cos_h = wo . m.
@@ -203,7 +203,7 @@ fn ward_pdf(params: Ward, wi: vec3f, wo: vec3f) -> f32 {
     let P = ward_shares(params);
     let m = ward_half_vector(wi, wo);
     let facets = ward_beckmann_density(ward_facets(params), m);
-    return P.x * ward_pdf_cosine(wi) + P.y * ward_pdf_mirror(facets, ward_cos_half(wi, wo));
+    return P.x * ward_pdf_cosine(wi) + P.y * ward_pdf_mirror(facets, ward_half_length(wi, wo));
 }
 
 // Cosine-weighted, or wo mirrored at a normal of the Gaussian.

@@ -525,6 +525,11 @@ inline float weidlich_wilkie_round_beckmann_density(WeidlichWilkieRoundBeckmann 
     return weidlich_wilkie_round_beckmann_D(round_beckmann, m) * m.z;
 }
 
+// |wi + wo| / 2, the same with all digits however short it is: for what is divided by it.
+inline float weidlich_wilkie_half_length(Vec3 wi, Vec3 wo) {
+    return 0.5f / LENGTHENED * sqrtf(weidlich_wilkie_length2(LENGTHENED * (wi + wo)));
+}
+
 // Density of weidlich_wilkie_mirror in 1/sr, if m has the given density and cos_h = wo . m.
 inline float weidlich_wilkie_pdf_mirror(float density, float cos_h) {
     // Walter et al., Eq. 14
@@ -534,7 +539,7 @@ inline float weidlich_wilkie_pdf_mirror(float density, float cos_h) {
 inline float weidlich_wilkie_pdf_coat(const WeidlichWilkie& params, Vec3 wi, Vec3 wo) {
     float density = weidlich_wilkie_round_beckmann_density(weidlich_wilkie_facets(params),
         weidlich_wilkie_half_vector(wi, wo));
-    return weidlich_wilkie_pdf_mirror(density, weidlich_wilkie_cos_half(wi, wo));
+    return weidlich_wilkie_pdf_mirror(density, weidlich_wilkie_half_length(wi, wo));
 }
 
 // Density of weidlich_wilkie_sample in 1/sr.

@@ -474,6 +474,12 @@ float weidlich_wilkie_round_beckmann_density(WeidlichWilkieRoundBeckmann round_b
     return weidlich_wilkie_round_beckmann_D(round_beckmann, m) * m.z;
 }
 
+// |wi + wo| / 2, the same with all digits however short it is: for what is divided by it.
+float weidlich_wilkie_half_length(float3 wi, float3 wo) {
+    const float LENGTHENED = 1.0995116e12;
+    return 0.5 / LENGTHENED * sqrt(weidlich_wilkie_length2(LENGTHENED * (wi + wo)));
+}
+
 // Density of weidlich_wilkie_mirror in 1/sr, if m has the given density and cos_h = wo . m.
 float weidlich_wilkie_pdf_mirror(float density, float cos_h) {
     // Walter et al., Eq. 14
@@ -483,7 +489,7 @@ float weidlich_wilkie_pdf_mirror(float density, float cos_h) {
 float weidlich_wilkie_pdf_coat(WeidlichWilkie params, float3 wi, float3 wo) {
     float density = weidlich_wilkie_round_beckmann_density(weidlich_wilkie_facets(params),
         weidlich_wilkie_half_vector(wi, wo));
-    return weidlich_wilkie_pdf_mirror(density, weidlich_wilkie_cos_half(wi, wo));
+    return weidlich_wilkie_pdf_mirror(density, weidlich_wilkie_half_length(wi, wo));
 }
 
 // Density of weidlich_wilkie_sample in 1/sr.

@@ -462,6 +462,12 @@ fn weidlich_wilkie_round_beckmann_density(round_beckmann: WeidlichWilkieRoundBec
     return weidlich_wilkie_round_beckmann_D(round_beckmann, m) * m.z;
 }
 
+// |wi + wo| / 2, the same with all digits however short it is: for what is divided by it.
+fn weidlich_wilkie_half_length(wi: vec3f, wo: vec3f) -> f32 {
+    const LENGTHENED = 1.0995116e12;
+    return 0.5 / LENGTHENED * sqrt(weidlich_wilkie_length2(LENGTHENED * (wi + wo)));
+}
+
 // Density of weidlich_wilkie_mirror in 1/sr, if m has the given density and cos_h = wo . m.
 fn weidlich_wilkie_pdf_mirror(density: f32, cos_h: f32) -> f32 {
     // Walter et al., Eq. 14
@@ -471,7 +477,7 @@ fn weidlich_wilkie_pdf_mirror(density: f32, cos_h: f32) -> f32 {
 fn weidlich_wilkie_pdf_coat(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> f32 {
     let density = weidlich_wilkie_round_beckmann_density(weidlich_wilkie_facets(params),
         weidlich_wilkie_half_vector(wi, wo));
-    return weidlich_wilkie_pdf_mirror(density, weidlich_wilkie_cos_half(wi, wo));
+    return weidlich_wilkie_pdf_mirror(density, weidlich_wilkie_half_length(wi, wo));
 }
 
 // Density of weidlich_wilkie_sample in 1/sr.
