@@ -496,3 +496,10 @@ def test_angles_may_be_written_as_people_write_them(text, sigma):
 def test_what_is_no_rounding_of_a_range_s_end_is_refused(text):
     with pytest.raises(gonio.ModelError, match="allowed is 0 to"):
         load(text)
+
+
+def test_the_module_runs_as_the_command() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "gonio", "--version"], capture_output=True, text=True, check=False
+    )
+    assert done.stdout == f"gonio {gonio.__version__}\n", done.stderr

@@ -40,6 +40,7 @@ FLOORS = (
     {"cost"},
     {"reproduce"},
     {"cli"},
+    {"__main__"},
 )
 
 # Libraries that one room alone may know.

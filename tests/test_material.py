@@ -380,6 +380,11 @@ def test_a_texture_on_a_mesh_without_uvs_is_one_sentence_and_uv_gives_some(tmp_p
             'model = "eon"\nrho = "none.png"\n',
             r"clay.toml:2: rho names a picture that does not exist",
         ),
+        ('model = "eon"\nrho = "#12345"\n', r"clay.toml:2: rho: #12345 is not a colour such as"),
+        (
+            'model = "eon"\nroughness = "#888"\n',
+            r"clay.toml:2: roughness takes one number, and #888",
+        ),
         ('model = "eon"\nroughness = \n', r"not a TOML file: .*line 2"),
         ('model = "eon"\nroughness = [1, 2]\n', r"clay.toml:2: eon: roughness takes one number"),
         ("model = 3\n", r"clay.toml:1: model must be a name in quotes, got 3"),

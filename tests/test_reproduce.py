@@ -289,3 +289,17 @@ def test_the_command_lists_and_writes(tmp_path: Path) -> None:
     wrong = run("reproduce", "--text", "eno")
     assert wrong.exit_code == 1  # type: ignore[attr-defined]
     assert "no text 'eno'; there are" in wrong.stderr  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("eon",), "'eon' is a text, not an item; --text eon makes all its items"),
+        (("--again",), "nothing to make; name items"),
+        (("-o", "elsewhere"), "nothing to make; name items"),
+    ],
+)
+def test_what_makes_nothing_is_refused(words: tuple[str, ...], told: str) -> None:
+    result = run("reproduce", *words)
+    assert result.exit_code != 0  # type: ignore[attr-defined]
+    assert told in result.stderr  # type: ignore[attr-defined]

@@ -12,6 +12,9 @@ if TYPE_CHECKING:
     from gonio.reproduce import Item
 
 
+FOLDER = "reproduced"
+
+
 @click.command("reproduce", short_help="Figures, tables and numbers of the texts, beside gonio's.")
 @click.argument("names", nargs=-1, metavar="[ITEM]...")
 @click.option("--text", "texts", multiple=True, metavar="NAME", help="All items of a text: eon.")
@@ -19,7 +22,7 @@ if TYPE_CHECKING:
 @click.option(
     "-o",
     "--output",
-    default="reproduced",
+    default=FOLDER,
     show_default=True,
     metavar="FOLDER",
     help="Where pages, tables and numbers are written.",
@@ -54,6 +57,8 @@ def command(
         chosen = list(reproduce.items())
     chosen = list({item.id: item for item in chosen}.values())
     if not chosen:
+        if again or output != FOLDER:
+            raise click.UsageError("nothing to make; name items, or give --text or --all.")
         _list(list(reproduce.items()))
         return
     start = time.monotonic()

@@ -291,6 +291,11 @@ class _Reader:
         """A colour such as "#c08040" or an index such as "water"; None for the name of a picture."""
         if declared.width == 3 and (colour := hex_colour(value)) is not None:
             return colour
+        if value.startswith("#") and not (self.path.parent / split_channel(value)[0]).is_file():
+            message = f"{declared.name} takes one number, and {value} is a colour."
+            if declared.width == 3:
+                message = f"{declared.name}: {value} is not a colour such as #c08040."
+            raise self.error(declared.name, message, section)
         try:
             return named_index(model, declared, value)
         except ModelError as error:

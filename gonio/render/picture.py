@@ -110,7 +110,7 @@ def write_picture(
 def check_format(path: Path) -> None:
     """Raise a ValueError or OSError unless `write_picture` can write a file of this name."""
     if path.suffix.lower() not in FORMATS:
-        raise ValueError(f"cannot write {path.name!r}; the suffix must be {' or '.join(FORMATS)}.")
+        raise ValueError(f"cannot write {str(path)!r}; the suffix must be {' or '.join(FORMATS)}.")
     check_place(path)
 
 

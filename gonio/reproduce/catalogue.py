@@ -42,6 +42,8 @@ def find(name: str) -> Item:
         for alias in (item.name, *item.covers):
             known.setdefault(f"{item.text.name}:{alias}", item)
     wanted = name.lower()
+    if wanted in texts():
+        raise ValueError(f"{name!r} is a text, not an item; --text {wanted} makes all its items.")
     if wanted not in known:
         near = nearest(wanted, known, most=3)
         did = f"; did you mean {', '.join(near)}?" if near else "."
