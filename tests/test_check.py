@@ -121,6 +121,7 @@ CAUGHT: dict[str, set[str]] = {
     "coloured_mixture": {"sampling"},
     "dimmed_mirror": {"finite"},
     "equal_widths": NAN | {"finite", "gradient"},
+    "faint_step": {"continuity"},
     "green_gain": {"energy"},
     "growing": {"monotonicity"},
     "half_sampler": {"isotropy"},

@@ -55,8 +55,8 @@ LOW = 1e-3
 # half of the looks at car paint miss the flakes that are seen edge-on.
 ENOUGH, LOOKS = 512, 16
 
-# Walks along a parameter: how many for each effort's path, random steps of each, and how often the step
-# with the largest change is cut into CLOSER.
+# Walks along a parameter: how many for each effort's path, random steps of each, and how often a step
+# that may hold a jump is cut into CLOSER.
 WALKS, WALK_STEPS, WALK_ZOOMS = 4, 48, 14
 
 # The change over the last step, relative to the highest value, that is a jump.
@@ -289,20 +289,27 @@ def find_in_parameters(subject: Subject, walks: int, turn: int = 0) -> list[Foun
     steps = np.sort(np.clip(steps, 1e-9, 1 - 1e-9), axis=1)
     f = _walked(subject, rows, moved, wi, wo, steps)
     level = np.nan_to_num(np.abs(f), nan=0.0).max(axis=(1, 2)) + 1e-12
-    low, high, change = _largest_step(steps, f)
-    for _ in range(WALK_ZOOMS):
-        inner = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, CLOSER + 1)
-        low, high, change = _largest_step(inner, _walked(subject, rows, moved, wi, wo, inner))
+    # A jump may be less than what the value changes by in a step anyway: of each walk the largest step is
+    # looked at, and the one that stands out from its neighbours
+    looks: list[tuple[Array, Array, Array]] = []
+    for chosen in (_largest_step, _outstanding_step):
+        low, high, change = chosen(steps, f)
+        for _ in range(WALK_ZOOMS):
+            inner = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, CLOSER + 1)
+            low, high, change = chosen(inner, _walked(subject, rows, moved, wi, wo, inner))
+        looks.append((high, change, level))
+    high, change, level = (np.concatenate(each) for each in zip(*looks, strict=True))
     sizes = change / level
-    best = int(np.argmax(np.nan_to_num(sizes, nan=0.0)))
-    if not sizes[best] > WALK_JUMP:
+    worst = int(np.argmax(np.nan_to_num(sizes, nan=0.0)))
+    if not sizes[worst] > WALK_JUMP:
         return []
-    rows[best, moved[best]] = high[best]
+    best = worst % walks
+    rows[best, moved[best]] = high[worst]
     free = subject.parameters[moved[best]]
     value = subject.values(rows[best][None])[free.path][0]
     text = f"; at {free.path} = {np.atleast_1d(value)[min(free.channel, np.size(value) - 1)]:.9g}"
     here = Kink(Place.IN_A_PARAMETER, "jump")
-    return [Found(here, float(sizes[best]), rows[best], wi[best], wo[best], text)]
+    return [Found(here, float(sizes[worst]), rows[best], wi[best], wo[best], text)]
 
 
 def _walked(
@@ -325,3 +332,17 @@ def _largest_step(steps: Array, f: Array) -> tuple[Array, Array, Array]:
     best = change.argmax(axis=1)
     walk = np.arange(len(steps))
     return steps[walk, best], steps[walk, best + 1], change[walk, best]
+
+
+def _outstanding_step(steps: Array, f: Array) -> tuple[Array, Array, Array]:
+    """The same of the step whose change differs most from what the slopes beside it say."""
+    """The same of the step whose change is least what the slopes beside it say."""
+    width, change = np.diff(steps, axis=1), np.diff(f, axis=1)
+    slope = change / np.where(width > 0, width, 1)[..., None]  # special values may fall together
+    around = np.pad(slope, ((0, 0), (1, 1), (0, 0)), mode="reflect")
+    # The neighbour that is more like it: beside a jump, only one of both is; at an end there is only one
+    off = np.minimum(np.abs(slope - around[:, :-2]), np.abs(slope - around[:, 2:])).max(axis=2)
+    best = np.nan_to_num(off * width, nan=0.0, posinf=0.0).argmax(axis=1)
+    walk = np.arange(len(steps))
+    size = np.nan_to_num(np.abs(change[walk, best]).max(axis=1), nan=0.0, posinf=0.0)
+    return steps[walk, best], steps[walk, best + 1], size
