@@ -244,7 +244,12 @@ FAULTS: list[tuple[str, str, type[Model]]] = [
     (
         "monotonicity",
         "growth over a tenth of the parameter's range",
-        planted("qon", "sigma", eval=lambda f, i, o, r, n: f * (1 + n[0] * bump(r, n[2]))),
+        # Not at the range's beginning, where a bump only falls
+        planted(
+            "qon",
+            "sigma",
+            eval=lambda f, i, o, r, n: f * (1 + n[0] * bump(r, 3 * WIDTH + (1 - 3 * WIDTH) * n[2])),
+        ),
     ),
 ]
 

@@ -47,8 +47,8 @@ def check(subject: Subject, effort: Effort) -> Report:
 def _directional(subject: Subject, effort: Effort) -> Finding:
     rng = np.random.default_rng(31)
     closed = subject.albedos != "quadrature"
-    # Closed forms cost nothing; the quadrature is not the model's
-    count = 2 * effort.confirmed if closed else effort.confirmed
+    # A closed form may be wrong anywhere; the quadrature is not the model's
+    count = {"closed form": 24, "composed": 2}.get(subject.albedos, 1) * effort.confirmed
     points = np.concatenate(
         [
             hard_parameters(subject, count, 33),

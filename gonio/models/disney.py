@@ -102,7 +102,7 @@ class Disney(Model):
     claims = Claims(
         energy=(at_most(3, masking="anisotropic"), at_most(3.82)),
         wasted=at_most(0.165),
-        numeric_albedo=at_most(4e-4, masking="anisotropic"),
+        numeric_albedo=(at_most(4e-4, masking="anisotropic"), at_most(1e-4)),
     )
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:

@@ -124,7 +124,8 @@ class Patina(Model):
         # Near the normal, where what the patina keeps inside leaves by the azimuth that it had: the last
         # bits of that decide whether the narrowest facets mirror it
         float32_density=at_most(0.02),
-        numeric_albedo=at_most(1e-3),
+        # A metal without absorption, whose index is below 1
+        numeric_albedo=at_most(0.02),
     )
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:

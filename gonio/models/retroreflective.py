@@ -20,7 +20,7 @@ class Retroreflective(Model):
         "Over a base that looks different after half a turn, as measured ones may, it is not reciprocal.",
         "What the base claims holds here as well, with the light turned.",
     )
-    claims = Claims(numeric_albedo=at_most(1e-3))
+    claims = Claims(numeric_albedo=at_most(0.03))
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
         """The base's value for light from the other side."""

@@ -174,7 +174,8 @@ class TorranceSparrow(Model):
             at_most(0.74, distribution="ggx", masking=GROOVES),
         ),
         numeric_albedo=(
-            at_most(0.03, fresnel="dielectric"),
+            # Total reflection begins at a jump of the slope: in metals without absorption as well
+            at_most(0.03, fresnel=("dielectric", "conductor")),
             at_most(1e-3, masking=("cook_torrance", "smith_walter")),
             at_most(1e-3),
         ),
