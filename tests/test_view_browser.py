@@ -784,6 +784,20 @@ def test_a_saved_page_works_from_a_file(browser: Browser, tmp_path: Path) -> Non
     found.page.close()
 
 
+def test_a_saved_page_has_the_values_of_words(browser: Browser, tmp_path: Path) -> None:
+    texts = ["torrance_sparrow:metal=Cu", "eon:rho=#c08040"]
+    path = tmp_path / "words.html"
+    path.write_text(pages.saved(pages.Names(), texts), encoding="utf-8")
+    found = Shown(browser, path.as_uri())
+    metal: Any = load(texts[0])
+    clay: Any = load(texts[1])
+    for side, name, value in ((0, "eta", metal.eta), (0, "k", metal.k), (1, "rho", clay.rho)):
+        assert found.value(f"gonio.sides[{side}].values.get('{name}')") == pytest.approx(value)
+    told = found.run("return gonio.source.model('eon:rho=#ffffff').catch((e) => e.message)")
+    assert told == "This saved page reads numbers alone, and rho=#ffffff is none."
+    found.page.close()
+
+
 # A notebook's widget model, whose kernel is the server.
 WIDGET = """
 const values = { a: "eon:roughness=0.2", b: "", settings: "env=sun", height: 600, link: "" }, calls = {};

@@ -140,8 +140,10 @@ export class Saved {
     }
 
     async model(text) {
+        // As it was read in Python, which knows metal=Cu, eta=water and rho=#c08040 as well
+        if (Object.hasOwn(this.data.models, text)) return this.data.models[text];
         const [name, rest = ""] = [text.split(":")[0], text.slice(text.indexOf(":") + 1)];
-        const base = this.data.models[text] ?? Object.values(this.data.models).find((m) => m.name === name);
+        const base = Object.values(this.data.models).find((m) => m.name === name);
         if (!base) {
             const held = Object.keys(this.data.models);
             throw new Error(
@@ -168,6 +170,8 @@ export class Saved {
             const start = pieces.has(p.path)
                 ? pieces.get(p.path).split("/").map(Number)
                 : [base.start[p.path] ?? p.default].flat();
+            if (start.some(Number.isNaN))
+                throw new Error(`This saved page reads numbers alone, and ${p.path}=${pieces.get(p.path)} is none.`);
             return { ...p, value: Array.from({ length: p.width }, (_, c) => start[c] ?? start[0]) };
         });
         return { ...found, parameters };
