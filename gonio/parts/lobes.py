@@ -103,7 +103,7 @@ def pdf_ggx_lobe(facets: GGX | RoundGGX, wi: Vec3, wo: Vec3) -> Float:
     straight = facets.D(half_vector(wi, wo))
     # The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
     # cosines that are nearly equal the difference is exact; lifted before, they would lose its digits. The
-    # lift keeps derivatives finite: where the heights differ by no more, this is not the density of samples.
+    # lift keeps derivatives finite: where heights differ by no more, this is not the density of samples.
     exists = wo.z > wi.z
     across = vec3(wi.x, wi.y, select(exists, wo.z - wi.z, wi.z))
     folded = facets.D(half_vector(across, vec3(wo.x, wo.y, select(exists, MU_MIN, wo.z))))

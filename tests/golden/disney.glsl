@@ -456,7 +456,7 @@ float disney_pdf_ggx_lobe(DisneyGGX facets, vec3 wi, vec3 wo) {
     float straight = disney_ggx_D_along(facets, wi + wo);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
     // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits. The
-    // lift keeps derivatives finite: where the heights differ by no more, this is not the density of samples.
+    // lift keeps derivatives finite: where heights differ by no more, this is not the density of samples.
     bool exists = wo.z > wi.z;
     vec3 across = vec3(wi.x, wi.y, exists ? wo.z - wi.z : wi.z);
     float folded = disney_ggx_D_along(facets, across + vec3(wo.x, wo.y, exists ? mu_min : wo.z));

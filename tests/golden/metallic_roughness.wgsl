@@ -301,7 +301,7 @@ fn metallic_roughness_pdf_ggx_lobe(facets: MetallicRoughnessRoundGGX, wi: vec3f,
     let straight = metallic_roughness_round_ggx_D_along(facets, wi + wo);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
     // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits. The
-    // lift keeps derivatives finite: where the heights differ by no more, this is not the density of samples.
+    // lift keeps derivatives finite: where heights differ by no more, this is not the density of samples.
     let exists = wo.z > wi.z;
     let across = vec3f(wi.x, wi.y, select(wi.z, wo.z - wi.z, exists));
     let folded = metallic_roughness_round_ggx_D_along(facets, across

@@ -262,7 +262,7 @@ float retroreflective_pdf_ggx_lobe(RetroreflectiveGGX facets, float3 wi, float3 
     float straight = retroreflective_ggx_D_along(facets, wi + wo);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
     // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits. The
-    // lift keeps derivatives finite: where the heights differ by no more, this is not the density of samples.
+    // lift keeps derivatives finite: where heights differ by no more, this is not the density of samples.
     bool exists = wo.z > wi.z;
     float3 across = float3(wi.x, wi.y, exists ? wo.z - wi.z : wi.z);
     float folded = retroreflective_ggx_D_along(facets, across

@@ -438,7 +438,7 @@ inline float sum_pdf_ggx_lobe(SumGGX facets, Vec3 wi, Vec3 wo) {
     float straight = sum_ggx_D_along(facets, wi + wo);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
     // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits. The
-    // lift keeps derivatives finite: where the heights differ by no more, this is not the density of samples.
+    // lift keeps derivatives finite: where heights differ by no more, this is not the density of samples.
     bool exists = wo.z > wi.z;
     Vec3 across = Vec3{wi.x, wi.y, exists ? wo.z - wi.z : wi.z};
     float folded = sum_ggx_D_along(facets, across + Vec3{wo.x, wo.y, exists ? mu_min : wo.z});

@@ -289,7 +289,7 @@ fn unity_standard_pdf_ggx_lobe(facets: UnityStandardRoundGGX, wi: vec3f, wo: vec
     let straight = unity_standard_round_ggx_D_along(facets, wi + wo);
     // The normal that mirrors wo to wi's image below the horizon; it exists if wo is the higher of both. Of
     // cosines that are nearly equal the difference is exact; lifted before, they would lose its digits. The
-    // lift keeps derivatives finite: where the heights differ by no more, this is not the density of samples.
+    // lift keeps derivatives finite: where heights differ by no more, this is not the density of samples.
     let exists = wo.z > wi.z;
     let across = vec3f(wi.x, wi.y, select(wi.z, wo.z - wi.z, exists));
     let folded = unity_standard_round_ggx_D_along(facets, across
