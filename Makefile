@@ -36,7 +36,9 @@ format: $(VENV)/.installed-test
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
+# What has been reproduced is kept, and made again where the code has changed.
 docs: $(VENV)/.installed-docs
+	$(BIN)/gonio reproduce --all
 	$(BIN)/python tools/make_site.py
 
 bench: $(VENV)/.installed
