@@ -261,7 +261,6 @@ def test_a_function_that_others_wrote_stands_beside_an_export(tmp_path: Path) ->
         (["emo"], "did you mean"),
         (["own.glsl#diffuse", "--gpu", "sm_86"], "add --gpu navi21"),
         (["--texts", "--gpu", "sm_86"], "add --gpu navi21"),
-        (["--by-hand", "--gpu", "sm_86"], "add --gpu navi21"),
         (["--by-hand", "--only", "pdf"], "--only is for models"),
         (["--texts", "--against", "phong"], "--against is for models"),
         (["--texts", "--only", "pdf"], "--only is for models"),

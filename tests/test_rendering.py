@@ -201,7 +201,7 @@ def test_a_failed_write_leaves_nothing_and_keeps_the_old_file(tmp_path: Path) ->
         raise KeyboardInterrupt
     with pytest.raises(ValueError, match="not finite"):
         write_picture(target, np.full((2, 2, 3), np.nan, np.float32))
-    with pytest.raises(ValueError, match=r"'a.jpg'; the suffix must be .png or .exr"):
+    with pytest.raises(ValueError, match=r"a.jpg'; the suffix must be .png or .exr"):
         write_picture(tmp_path / "a.jpg", np.zeros((2, 2, 3), np.float32))
     with pytest.raises(FileNotFoundError, match="no folder"):
         write_picture(tmp_path / "none" / "a.png", np.zeros((2, 2, 3), np.float32))
