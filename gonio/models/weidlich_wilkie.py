@@ -133,8 +133,8 @@ class WeidlichWilkie(Model):
         "A coat under a denser one, which needs eta < 1, is not covered: past the critical angle its light "
         "ends at a jump that numeric albedos miss by up to 1.5 %.",
         "float32 has few digits of 1 - G where V-grooves begin to hide each other and wi is opposite to "
-        "wo, both grazing: off by all of it below cosines of 1e-10, up to 6 % at 1e-7, 5e-4 at 1e-4, 4e-5 at "
-        "1e-3, as much as the last bits of the directions change there.",
+        "wo, both grazing: off by all of it below cosines of 1e-10, up to 6 % at 1e-7, 5e-4 at 1e-4, 4e-5 "
+        "at 1e-3, as much as the last bits of the directions change there.",
         "Nothing scatters inside the coat, and refraction does not blur the base but for the roughness "
         "clamp.",
     )
