@@ -675,7 +675,7 @@ def test_a_lost_device_is_replaced_and_the_values_stay(shown: Shown) -> None:
 
 def test_a_device_that_only_throws_is_replaced(shown: Shown) -> None:
     shown.run(
-        "await gonio.show('eon'); gonio.kept = gonio.gpu; gonio.notes.length = 0;"
+        "await gonio.show('eon'); gonio.kept = gonio.gpu; gonio.notes.length = 0; delete gonio.lostAt;"
         "gonio.gpu.trace = () => { throw new Error('The instance is gone.'); };"
         "gonio.renderer.paused = false; gonio.moved(false);"
     )
@@ -685,6 +685,20 @@ def test_a_device_that_only_throws_is_replaced(shown: Shown) -> None:
     assert "The picture stopped." in shown.value("gonio.notes.map((n) => n.title)")
     picture = shown.film(1, 16, furnace=True, shape="sphere")
     assert picture.max() == pytest.approx(1, abs=BACKGROUND)
+
+
+def test_what_is_lost_twice_is_left_for_the_other_interface(
+    browser: Browser, server: Viewer
+) -> None:
+    found = Shown(browser, f"{server.origin}/#token={server.token}&a=eon")
+    found.until("gonio.gpu?.name === 'WebGPU' && gonio.sides[0].program")
+    found.run("gonio.kept = gonio.gpu; gonio.testLoss = true; gonio.gpu.device.destroy();")
+    found.until("gonio.notes.some((n) => n.title.includes('is back'))")
+    found.run("gonio.testLoss = true; gonio.gpu.device.destroy();")
+    found.until("gonio.notes.some((n) => n.title.startsWith('WebGL2 is used instead'))")
+    assert found.value("gonio.gpu.name") == "WebGL2"
+    assert np.isfinite(found.film(1, 16, furnace=True, shape="sphere")).all()
+    found.page.close()
 
 
 def test_a_link_restores_everything(browser: Browser, server: Viewer) -> None:

@@ -14,6 +14,7 @@ const STOPPED =
     "The picture and its sliders go on. New models, choices and code need it: start it again, and paste this page's link behind its address.";
 
 const LATE = 16; // models that are kept
+const LOST_AGAIN = 20_000; // milliseconds after a loss, within which a second one means another interface
 
 export class App {
     constructor(root, source, options = {}) {
@@ -127,6 +128,10 @@ export class App {
         if (this.closed || gpu !== this.gpu) return;
         this.testLoss = false;
         this.gpu = null;
+        // What is lost again at once does not hold
+        const again = gpu.name === "WebGPU" && performance.now() - (this.lostAt ?? -Infinity) < LOST_AGAIN;
+        this.lostAt = performance.now();
+        if (again) this.wanted = "webgl2";
         const found = await graphics(this.source, this.wanted).catch((error) => ({ reason: error.message }));
         if (!found.gpu) {
             this.say("The GPU was lost.", `${found.reason} The last picture stays.`, "warn");
@@ -136,8 +141,8 @@ export class App {
         this.update();
         await Promise.all(this.sides.map((side) => this.#compile(side)));
         this.say(
-            "The GPU was lost and is back.",
-            "Everything was restored from the page's state; the picture starts again.",
+            again ? "WebGL2 is used instead of WebGPU." : "The GPU was lost and is back.",
+            `${again ? "The GPU was lost twice. " : ""}Everything was restored from the page's state; the picture starts again.`,
         );
         this.moved(false);
     }
