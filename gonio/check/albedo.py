@@ -47,7 +47,8 @@ def check(subject: Subject, effort: Effort) -> Report:
 def _directional(subject: Subject, effort: Effort) -> Finding:
     rng = np.random.default_rng(31)
     closed = subject.albedos != "quadrature"
-    # A closed form may be wrong anywhere; the quadrature is not the model's
+    # A closed form may be wrong anywhere: with fewer places one that is off in a tenth of the cosines and
+    # of a parameter is missed (tools/measure_power.py). Others are mostly the quadrature's.
     count = {"closed form": 24, "composed": 2}.get(subject.albedos, 1) * effort.confirmed
     points = np.concatenate(
         [

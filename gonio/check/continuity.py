@@ -336,7 +336,6 @@ def _largest_step(steps: Array, f: Array) -> tuple[Array, Array, Array]:
 
 def _outstanding_step(steps: Array, f: Array) -> tuple[Array, Array, Array]:
     """The same of the step whose change differs most from what the slopes beside it say."""
-    """The same of the step whose change is least what the slopes beside it say."""
     width, change = np.diff(steps, axis=1), np.diff(f, axis=1)
     slope = change / np.where(width > 0, width, 1)[..., None]  # special values may fall together
     around = np.pad(slope, ((0, 0), (1, 1), (0, 0)), mode="reflect")

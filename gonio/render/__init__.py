@@ -55,7 +55,7 @@ def render(
         mesh: a path to .obj, .ply, .stl, .glb or .gltf instead of the ball.
         furnace: put the object into radiance 1 from everywhere; what loses no energy disappears.
         diffusion: how long a millimetre is in the scene's units, to let diffuse light wander on the screen
-            as it does in skin, red the farthest (see `gonio.render.diffusion`); 0 for other materials.
+            as it does in skin, red the farthest (see `gonio.render.diffusion`); 0 leaves it where it is.
         sampler: how paths are continued: by the model's "own" sampler, or "cosine" or "uniform" to see
             the difference in noise. Options of models, such as EON's sampler, choose among their own.
         size: width and height in pixels.
