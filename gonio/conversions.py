@@ -305,13 +305,15 @@ def metallic_from_specular(diffuse: Any, specular: Any, gloss: Any) -> Metallic:
     total = np.take_along_axis(d + s, brightest, -1)[..., 0]
     d_max = np.take_along_axis(np.broadcast_to(d, (d + s).shape), brightest, -1)[..., 0]
     root = np.sqrt(np.maximum(total * total - 4 * F0_DIELECTRIC * d_max, 0))
-    larger = np.minimum((total + root) / (2 * F0_DIELECTRIC), 1)
+    either = (total + root) / (2 * F0_DIELECTRIC)
+    larger = np.minimum(either, 1)
     # Of the two forms of the smaller root, the one without cancellation
     smaller = np.minimum(2 * d_max / np.where(total + root > 0, total + root, 1), 1)
-    # Darker than 0.04 both may fit the brightest channel, and the others decide.
+    # Darker than 0.04 both may fit the brightest channel, and the others decide. Else the larger one is
+    # above 1, which no material has, however near to it one of a metallic of nearly 0 is.
     base, error = _base_color(d, s, larger)
     base_smaller, error_smaller = _base_color(d, s, smaller)
-    less_metallic = error <= error_smaller + ROOT_ROUNDING
+    less_metallic = (either <= 1 + ROOT_ROUNDING) & (error <= error_smaller + ROOT_ROUNDING)
     q = np.where(less_metallic, larger, smaller)
     base = np.where(less_metallic[..., None], base, base_smaller)
     error = np.minimum(error, error_smaller)

@@ -33,6 +33,7 @@ def distance(a: Any, b: Any) -> float:
 @given(COLOR, UNIT, UNIT)
 @example((1.0, 1.0, 1.0), 1.0, 0.0)
 @example((0.05, 0.0, 0.0), 0.5, 1.0)
+@example((0.0, 0.0, 1.0), 1e-10, 0.0)
 def test_a_material_brighter_than_glass_comes_back(base: Any, metallic: float, r: float) -> None:
     assume(max(base) >= DARKEST)
     there = specular_from_metallic(base, metallic, r)
