@@ -430,6 +430,17 @@ def test_half_vectors_whose_squares_are_flushed_are_noticed(
     assert error_of_opposite_pairs("torrance_sparrow", "eval") > 1e-3 or not flushed
 
 
+def test_a_flake_seen_from_behind_has_no_density_below_zero() -> None:
+    """Its half vector lies behind it too, and D m.z of grooves was -8e-27 at a viewer in the horizon."""
+    flake = {"flake_x": 0.54, "flake_y": -1.63, "distance": 3.2, "eta": 1.0, "alpha": 1e-4}
+    model = gonio.model("car_paint", masking="cook_torrance", metal_alpha=0.76, **flake)
+    angle = np.linspace(0, 2 * np.pi, 64)
+    wi = np.stack([np.cos(angle), np.sin(angle), np.full(64, 5.6e-18)], 1).astype(np.float32)
+    densities = model.pdf(wi, (0.0, 1.0, 5.6e-18))
+    assert densities.min() >= 0
+    assert densities.max() > 0
+
+
 def test_a_masking_that_leaves_a_float32_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(masking, "V_MAX", 1e38)
     assert "eval" in faults("torrance_sparrow", {"masking": "kelemen"})

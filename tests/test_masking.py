@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from mpmath import mp
 from support.directions import polar, random_directions
-from support.tolerances import DOUBLE, DOUBLE_DIVIDED
+from support.tolerances import DOUBLE, DOUBLE_DIVIDED, SINGLE
 
 from gonio.lang import vec3
 from gonio.parts import distribution, frame, masking
@@ -264,26 +264,56 @@ def test_round_facets_are_those_of_equal_widths(name: str) -> None:
         )
 
 
-def test_what_grooves_hide_keeps_its_digits_where_it_is_little() -> None:
-    """1 - G of V-grooves in float32 at grazing mirror directions, beside fractions of the same inputs."""
+def at_the_edge_of_grooves(count: int) -> tuple[Any, Any]:
+    """Opposite float32 pairs where V-grooves begin to hide: 1 - G is what a cosine's last bit makes it."""
     rng = np.random.default_rng(5)
-    low = np.exp(rng.uniform(np.log(1e-6), np.log(1e-4), 400))
-    side = 1e-7 * rng.normal(size=(2, 400))
-    # Without a side way, G is 1 where one cosine is three times the other
-    high = 3 * low * (1 + np.exp(rng.uniform(np.log(1e-5), np.log(1e-2), 400)))
-    wi = np.stack([np.ones(400), side[0], high], 1).astype(np.float32)
-    wo = np.stack([-np.ones(400), side[1], low], 1).astype(np.float32)
+    low = 10 ** rng.uniform(-17, -2, count)
+    turn, way = 2 * np.pi * rng.random((2, count))
+    # In the plane of x as well, where one tangential part is tiny and not 0
+    turn = turn * rng.choice([0, 1], count) + 10 ** rng.uniform(-17, -1, count)
+    side = 2 * low * np.sqrt(rng.random(count)) * rng.choice([1, 1e-3], count)
+    wo = np.stack([np.cos(turn), np.sin(turn), low], 1).astype(np.float32)
+    across = np.stack([side * np.cos(way), side * np.sin(way)], 1)
+    wi = np.append(across - wo[:, :2], wo[:, 2:], 1).astype(np.float32)
+    flat2 = ((wi.astype(np.float64) + wo)[:, :2] ** 2).sum(axis=1)
+    low2 = wo[:, 2].astype(np.float64) ** 2
+    # |h|^2 = 4 h.z mu_o
+    wi[:, 2] = wo[:, 2] + np.sqrt(np.maximum(4 * low2 - flat2, 0))
+    fits = flat2 < 4 * low2
+    return wi[fits], wo[fits]
+
+
+def hidden_by_grooves(wi: Any, wo: Any) -> Any:
+    """1 - G in fractions, which are exact."""
     truth = []
     for a, b in zip(wi.tolist(), wo.tolist(), strict=True):
         h = [Fraction(x) + Fraction(y) for x, y in zip(a, b, strict=True)]
         G = 4 * h[2] * min(Fraction(a[2]), Fraction(b[2])) / sum(c * c for c in h)
         truth.append(float(1 - min(G, Fraction(1))))
-    i, o = vector(wi, Float), vector(wo, Float)
-    found = np.abs(numbers(masking.lost_cook_torrance(i, o)) - truth).max()
-    difference = np.abs(numbers(1 - masking.G_cook_torrance(i, o)) - truth).max()
-    # A difference of ones is off by their rounding, 6e-8 each
-    assert difference > 5e-8
-    assert found < 0.1 * difference
+    return np.array(truth)
+
+
+def test_what_grooves_hide_keeps_its_digits_where_it_is_little() -> None:
+    """1 - G of V-grooves in float32 beside fractions of the same inputs, and 1 - G as a difference."""
+    pairs = at_the_edge_of_grooves(3000)
+    truth, (i, o) = hidden_by_grooves(*pairs), (vector(w, Float) for w in pairs)
+    assert (truth[truth > 0] < 1e-9).sum() > 20
+    found = np.abs(numbers(masking.lost_cook_torrance(i, o)) - truth)
+    difference = np.abs(numbers(1 - masking.G_cook_torrance(i, o)) - truth)
+    # A difference of ones is off by their rounding, 6e-8 each; sums with theirs by its square, some times
+    assert difference.max() > 5e-8
+    assert found.max() < 2**-46
+    # A coat lets in about 3.6 |h| / 2 at an index of 1.5, and what it is off by counts beside that
+    share = np.linalg.norm(pairs[0].astype(np.float64) + pairs[1], axis=1) + truth
+    assert (found / share).max() < 1e-5
+    assert (difference / share).max() > 1
+
+
+def test_what_grooves_hide_is_that_of_fractions_anywhere() -> None:
+    wi, wo = (random_directions(500, seed).astype(np.float32) for seed in (8, 9))
+    found = numbers(masking.lost_cook_torrance(vector(wi, Float), vector(wo, Float)))
+    # Of 1 - G near 0 the square of a float32's rounding is left, four times
+    np.testing.assert_allclose(found, hidden_by_grooves(wi, wo), rtol=SINGLE, atol=2**-46)
 
 
 @pytest.mark.parametrize("lost", ["lost_smith", "lost_smith_correlated"])

@@ -266,7 +266,8 @@ class CarPaint(Model):
         m = normalize(to_tilted(both, n))
         cos_h, facing = cos_half(wi_t, wo_t), self._facing(tilted_o)
         density = pdf_facet(self._flake_facets(), facing, m, cos_h, self.masking)
-        return select((tilted_i.z > 0) & (wi_t.z > 0), density, 0)
+        # Of a viewer behind the flake the half vector may be behind it as well, where no facet looks
+        return select((tilted_i.z > 0) & (wi_t.z > 0) & (m.z > 0), density, 0)
 
     def _shares(self, wo: Vec3, wo_t: Vec3) -> Vec2:
         """Probabilities of the coat and of the flake."""

@@ -631,7 +631,8 @@ inline float car_paint_pdf_flake(const CarPaint& params, Vec3 wi_t, Vec3 wo_t, V
     Vec3 m = normalize(car_paint_to_tilted(both, n));
     Vec3 facing = car_paint_facing(tilted_o);
     float density = car_paint_pdf_facet(car_paint_flake_facets(params), facing, m);
-    return tilted_i.z > 0.0f && wi_t.z > 0.0f ? density : 0.0f;
+    // Of a viewer behind the flake the half vector may be behind it as well, where no facet looks
+    return tilted_i.z > 0.0f && wi_t.z > 0.0f && m.z > 0.0f ? density : 0.0f;
 }
 
 // The inner direction that car_paint_leave spreads to w; z = 0 for eta <= 1, which has none.

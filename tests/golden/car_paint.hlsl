@@ -541,7 +541,8 @@ float car_paint_pdf_flake(CarPaint params, float3 wi_t, float3 wo_t, float3 both
     float3 m = normalize(car_paint_to_tilted(both, n));
     float3 facing = car_paint_facing(tilted_o);
     float density = car_paint_pdf_facet(car_paint_flake_facets(params), facing, m);
-    return tilted_i.z > 0.0 && wi_t.z > 0.0 ? density : 0.0;
+    // Of a viewer behind the flake the half vector may be behind it as well, where no facet looks
+    return tilted_i.z > 0.0 && wi_t.z > 0.0 && m.z > 0.0 ? density : 0.0;
 }
 
 // The inner direction that car_paint_leave spreads to w; z = 0 for eta <= 1, which has none.

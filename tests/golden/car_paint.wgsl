@@ -523,7 +523,8 @@ fn car_paint_pdf_flake(params: CarPaint, wi_t: vec3f, wo_t: vec3f, both: vec3f) 
     let m = normalize(car_paint_to_tilted(both, n));
     let facing = car_paint_facing(tilted_o);
     let density = car_paint_pdf_facet(car_paint_flake_facets(params), facing, m);
-    return select(0.0, density, tilted_i.z > 0.0 && wi_t.z > 0.0);
+    // Of a viewer behind the flake the half vector may be behind it as well, where no facet looks
+    return select(0.0, density, tilted_i.z > 0.0 && wi_t.z > 0.0 && m.z > 0.0);
 }
 
 // The inner direction that car_paint_leave spreads to w; z = 0 for eta <= 1, which has none.
