@@ -7,6 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from drjit.llvm import Float64
+from hypothesis import given
+from hypothesis import strategies as st
+from mpmath import mp, mpf
 from support.tolerances import SINGLE
 
 import gonio
@@ -165,6 +169,38 @@ def test_a_density_with_a_claim_of_its_own_is_held_to_it() -> None:
     assert f"pdf {density.measured:.2g} " in fuzz.table([state])
     assert density.replay is not None
     assert density.replay.startswith("pdf: gonio eval")
+
+
+@given(
+    st.floats(-4, 0), st.floats(-18, 0), st.floats(-18, 0), st.floats(-18, 0), st.floats(0, 6.28)
+)
+def test_no_more_of_a_density_is_excused_than_its_exponential_loses(
+    log_alpha: float, log_i: float, log_o: float, log_turn: float, phi: float
+) -> None:
+    # Beckmann's facets in numbers without an end: D m.z / (4 wo.m) of a half vector as long as h
+    mp.dps = 50
+    alpha, mu_i, mu_o = (mpf(10) ** power for power in (log_alpha, log_i, log_o))
+    turn = mpf(10) ** log_turn
+    sin_i, sin_o = mp.sqrt(1 - mu_i**2), mp.sqrt(1 - mu_o**2)
+    across = sin_i * mp.cos(turn * phi) - sin_o, sin_i * mp.sin(turn * phi)
+    tangential2, z = across[0] ** 2 + across[1] ** 2, mu_i + mu_o
+    h2 = tangential2 + z**2
+    tail = tangential2 / (z * alpha) ** 2
+    cos2 = z**2 / h2
+    density = mp.exp(-tail) / (mp.pi * alpha**2 * cos2**2) * z / (2 * h2)
+    lost = density if tail > 126 * mp.log(2) else mpf(0)
+    subject = ModelSubject(gonio.models()["ward"](form="balanced"))
+
+    def left(error: float) -> float:
+        low, high, higher = (Float64(number) for number in (0.0, error, float(max(mu_i, mu_o))))
+        return float(
+            finite.departures(subject, [low] * 4, [high] * 4, higher)[finite.DENSITY][0][0]
+        )
+
+    assert left(float(lost)) == 0
+    # Twice what the narrowest facets can lose is not excused
+    larger = 4e-31 / float(max(mu_i, mu_o))
+    assert left(larger) > 0.5 * larger
 
 
 def test_a_search_leaves_other_files_alone(tmp_path: Path) -> None:

@@ -50,9 +50,9 @@ FAR_TAIL = 1e-15
 # float64. None of the directions: what depends on their length is a formula that has a better one.
 ROUNDINGS = 8
 
-# The narrowest distribution of facets, D, ends where its exponential leaves a float32; a value is D times
+# The narrowest distribution of facets, D, ends where its exponential leaves a float32. A value is D times
 # G / (4 mu_i mu_o), and G is at most the smaller cosine over the larger one: D over four times the square
-# of the larger.
+# of the larger. A density is D m.z / (4 wo.m), and wo.m at least half the larger: D over twice the larger.
 D_END = 2.0**-126 / (np.pi * ALPHA_MIN * ALPHA_MIN)
 
 # What float32 is allowed to be off by, where a model documents nothing else.
@@ -410,16 +410,17 @@ def departures(
     crossing = subject.size("negative") is not None
     clipped = subject.size("unreached") is not None
     apart = subject.size("float32_density") is not None
+    higher = dr.maximum(higher, MU_MIN)
     found = []
     for column, (one, exact) in enumerate(zip(low, high, strict=True)):
         error, size = dr.abs(one - exact), dr.abs(exact)
         least = FAR_TAIL  # a float32 ends at 1e-38
         if NAMES[column] == "eval":
             least = ZERO_CROSSING if crossing else least
-            higher = dr.maximum(higher, MU_MIN)
             error = dr.maximum(error - 0.25 * D_END / higher / higher, 0)
-        elif column == DENSITY and clipped:
-            least = RIM
+        elif column == DENSITY:
+            least = RIM if clipped else least
+            error = dr.maximum(error - 0.5 * D_END / higher, 0)
         scale = dr.select(size > 0, dr.maximum(size, least), 1)
         error = dr.select(dr.isfinite(error), error, 0)
         if apart and (column == DENSITY) == (promise == "float32"):
