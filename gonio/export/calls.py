@@ -48,7 +48,8 @@ POLYNOMIAL_MIN = 4
 ALONG = "_along"
 
 # Ends the name of the function of gonio.parts that exports call in the place of one whose operations are
-# there for derivatives, or for what arrays share with another function: it has the same value.
+# there for derivatives, for what arrays share with another function, or for digits that the rearranging
+# compilers of shaders lose: it has the same value.
 VALUE = "_value"
 PARTS = "gonio.parts."
 

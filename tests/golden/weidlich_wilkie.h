@@ -87,6 +87,9 @@ inline Vec3 exp(Vec3 a) {
     return Vec3{expf(a.x), expf(a.y), expf(a.z)};
 }
 
+constexpr float two_pi = 6.2831855f;
+constexpr float inv_pi = 0.31830987f;
+constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
 // Below this squared sine the azimuth of wo is taken as 0: any azimuth is right there, and the square of
 // its reciprocal still fits into a float32.
 constexpr float SIN2_MIN = 1.0e-18f;
@@ -94,9 +97,6 @@ constexpr float SIN2_MIN = 1.0e-18f;
 // squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
 // much longer.
 constexpr float LENGTHENED = 1.0995116e12f;
-constexpr float two_pi = 6.2831855f;
-constexpr float inv_pi = 0.31830987f;
-constexpr float mu_min = 1.0e-18f;  // cosine of the horizon
 // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
 // it still is a float32. It is reached at cosines of 5e-16.
 constexpr float V_MAX = 1.0e30f;
@@ -243,41 +243,16 @@ inline float weidlich_wilkie_transmittance_entering(float mu, float eta) {
     return weidlich_wilkie_split_entering(mu, eta).T;
 }
 
-// a + b as it is rounded, and what is missing to a + b; both together are exact (Knuth's TwoSum).
-inline Vec2 weidlich_wilkie_two_sum(float a, float b) {
-    float rounded = a + b;
-    float of_b = rounded - a;
-    return Vec2{rounded, a - (rounded - of_b) + (b - of_b)};
-}
-
-// a b as it is rounded, and what is missing to a b; both together are exact.
-inline Vec2 weidlich_wilkie_two_product(float a, float b) {
-    float rounded = a * b;
-    return Vec2{rounded, fmaf(a, b, -rounded)};
-}
-
 // 1 - G of V-grooves, 1 - 4 h.z min(mu_i, mu_o) / |h|^2 with h = wi + wo, exact where G is nearly 1.
 //
-// To within 1e-14 in float32: a coat's transmittance, which it is added to, is as small as |h|.
+// To within 1e-7 in float32. Shaders' compilers rearrange sums, and what was carried along would be 0.
 inline float weidlich_wilkie_lost_cook_torrance(Vec3 wi, Vec3 wo) {
-    Vec3 a = LENGTHENED * wi;
-    Vec3 b = LENGTHENED * wo;
-    float low = fminf(a.z, b.z);
-    float high = fmaxf(a.z, b.z);
-    // h.z^2 - 4 h.z low = h.z (high - 3 low); high - 2 low is exact where G is nearly 1
-    Vec2 x = weidlich_wilkie_two_sum(a.x, b.x);
-    Vec2 y = weidlich_wilkie_two_sum(a.y, b.y);
-    Vec2 z = weidlich_wilkie_two_sum(low, high);
-    Vec2 rest = weidlich_wilkie_two_sum(high - 2.0f * low, -low);
-    Vec2 xx = weidlich_wilkie_two_product(x.x, x.x);
-    Vec2 yy = weidlich_wilkie_two_product(y.x, y.x);
-    Vec2 zr = weidlich_wilkie_two_product(z.x, rest.x);
-    Vec2 flat = weidlich_wilkie_two_sum(xx.x, yy.x);
-    Vec2 whole = weidlich_wilkie_two_sum(flat.x, zr.x);
-    // What the roundings of the sums and products left out, each counted once
-    float missed = 2.0f * (x.x * x.y + y.x * y.y) + (z.x * rest.y + z.y * rest.x);
-    missed = missed + (xx.y + yy.y + zr.y) + (flat.y + whole.y);
-    return fmaxf((whole.x + missed) / (flat.x + z.x * z.x), 0.0f);
+    Vec3 h = wi + wo;
+    float low = fminf(wi.z, wo.z);
+    float high = fmaxf(wi.z, wo.z);
+    // h.z^2 - 4 h.z low = h.z (high - 3 low); in two steps, both are exact where G is nearly 1
+    float rest = high - 2.0f * low - low;
+    return fmaxf((h.x * h.x + h.y * h.y + h.z * rest) / weidlich_wilkie_length2(h), 0.0f);
 }
 
 // T12 t of Eq. 2 and 4 with lost = 1 - G.

@@ -137,45 +137,16 @@ inline float weidlich_wilkie_transmittance_entering(float mu, float eta) {
     return weidlich_wilkie_split_entering(mu, eta).T;
 }
 
-// a + b as it is rounded, and what is missing to a + b; both together are exact (Knuth's TwoSum).
-inline float2 weidlich_wilkie_two_sum(float a, float b) {
-    float rounded = a + b;
-    float of_b = rounded - a;
-    return float2(rounded, a - (rounded - of_b) + (b - of_b));
-}
-
-// a b as it is rounded, and what is missing to a b; both together are exact.
-inline float2 weidlich_wilkie_two_product(float a, float b) {
-    float rounded = a * b;
-    return float2(rounded, fma(a, b, -rounded));
-}
-
 // 1 - G of V-grooves, 1 - 4 h.z min(mu_i, mu_o) / |h|^2 with h = wi + wo, exact where G is nearly 1.
 //
-// To within 1e-14 in float32: a coat's transmittance, which it is added to, is as small as |h|.
+// To within 1e-7 in float32. Shaders' compilers rearrange sums, and what was carried along would be 0.
 inline float weidlich_wilkie_lost_cook_torrance(float3 wi, float3 wo) {
-    // wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
-    // squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
-    // much longer.
-    const float LENGTHENED = 1.0995116e12;
-    float3 a = LENGTHENED * wi;
-    float3 b = LENGTHENED * wo;
-    float low = min(a.z, b.z);
-    float high = max(a.z, b.z);
-    // h.z^2 - 4 h.z low = h.z (high - 3 low); high - 2 low is exact where G is nearly 1
-    float2 x = weidlich_wilkie_two_sum(a.x, b.x);
-    float2 y = weidlich_wilkie_two_sum(a.y, b.y);
-    float2 z = weidlich_wilkie_two_sum(low, high);
-    float2 rest = weidlich_wilkie_two_sum(high - 2.0 * low, -low);
-    float2 xx = weidlich_wilkie_two_product(x.x, x.x);
-    float2 yy = weidlich_wilkie_two_product(y.x, y.x);
-    float2 zr = weidlich_wilkie_two_product(z.x, rest.x);
-    float2 flat = weidlich_wilkie_two_sum(xx.x, yy.x);
-    float2 whole = weidlich_wilkie_two_sum(flat.x, zr.x);
-    // What the roundings of the sums and products left out, each counted once
-    float missed = 2.0 * (x.x * x.y + y.x * y.y) + (z.x * rest.y + z.y * rest.x);
-    missed = missed + (xx.y + yy.y + zr.y) + (flat.y + whole.y);
-    return max((whole.x + missed) / (flat.x + z.x * z.x), 0.0);
+    float3 h = wi + wo;
+    float low = min(wi.z, wo.z);
+    float high = max(wi.z, wo.z);
+    // h.z^2 - 4 h.z low = h.z (high - 3 low); in two steps, both are exact where G is nearly 1
+    float rest = high - 2.0 * low - low;
+    return max((h.x * h.x + h.y * h.y + h.z * rest) / weidlich_wilkie_length2(h), 0.0);
 }
 
 // T12 t of Eq. 2 and 4 with lost = 1 - G.
@@ -266,6 +237,9 @@ inline float3 weidlich_wilkie_eval(WeidlichWilkie params, float3 wi, float3 wo) 
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 inline float3 weidlich_wilkie_half_vector(float3 wi, float3 wo) {
+    // wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
+    // squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
+    // much longer.
     const float LENGTHENED = 1.0995116e12;
     float3 h = LENGTHENED * (wi + wo);
     return h / sqrt(weidlich_wilkie_length2(h));  // the root is the cosine's as well

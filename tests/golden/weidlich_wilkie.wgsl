@@ -135,45 +135,16 @@ fn weidlich_wilkie_transmittance_entering(mu: f32, eta: f32) -> f32 {
     return weidlich_wilkie_split_entering(mu, eta).T;
 }
 
-// a + b as it is rounded, and what is missing to a + b; both together are exact (Knuth's TwoSum).
-fn weidlich_wilkie_two_sum(a: f32, b: f32) -> vec2f {
-    let rounded = a + b;
-    let of_b = rounded - a;
-    return vec2f(rounded, a - (rounded - of_b) + (b - of_b));
-}
-
-// a b as it is rounded, and what is missing to a b; both together are exact.
-fn weidlich_wilkie_two_product(a: f32, b: f32) -> vec2f {
-    let rounded = a * b;
-    return vec2f(rounded, fma(a, b, -rounded));
-}
-
 // 1 - G of V-grooves, 1 - 4 h.z min(mu_i, mu_o) / |h|^2 with h = wi + wo, exact where G is nearly 1.
 //
-// To within 1e-14 in float32: a coat's transmittance, which it is added to, is as small as |h|.
+// To within 1e-7 in float32. Shaders' compilers rearrange sums, and what was carried along would be 0.
 fn weidlich_wilkie_lost_cook_torrance(wi: vec3f, wo: vec3f) -> f32 {
-    // wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
-    // squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
-    // much longer.
-    const LENGTHENED = 1.0995116e12;
-    let a = LENGTHENED * wi;
-    let b = LENGTHENED * wo;
-    let low = min(a.z, b.z);
-    let high = max(a.z, b.z);
-    // h.z^2 - 4 h.z low = h.z (high - 3 low); high - 2 low is exact where G is nearly 1
-    let x = weidlich_wilkie_two_sum(a.x, b.x);
-    let y = weidlich_wilkie_two_sum(a.y, b.y);
-    let z = weidlich_wilkie_two_sum(low, high);
-    let rest = weidlich_wilkie_two_sum(high - 2.0 * low, -low);
-    let xx = weidlich_wilkie_two_product(x.x, x.x);
-    let yy = weidlich_wilkie_two_product(y.x, y.x);
-    let zr = weidlich_wilkie_two_product(z.x, rest.x);
-    let flat = weidlich_wilkie_two_sum(xx.x, yy.x);
-    let whole = weidlich_wilkie_two_sum(flat.x, zr.x);
-    // What the roundings of the sums and products left out, each counted once
-    var missed = 2.0 * (x.x * x.y + y.x * y.y) + (z.x * rest.y + z.y * rest.x);
-    missed = missed + (xx.y + yy.y + zr.y) + (flat.y + whole.y);
-    return max((whole.x + missed) / (flat.x + z.x * z.x), 0.0);
+    let h = wi + wo;
+    let low = min(wi.z, wo.z);
+    let high = max(wi.z, wo.z);
+    // h.z^2 - 4 h.z low = h.z (high - 3 low); in two steps, both are exact where G is nearly 1
+    let rest = high - 2.0 * low - low;
+    return max((h.x * h.x + h.y * h.y + h.z * rest) / weidlich_wilkie_length2(h), 0.0);
 }
 
 // T12 t of Eq. 2 and 4 with lost = 1 - G.
@@ -264,6 +235,9 @@ fn weidlich_wilkie_eval(params: WeidlichWilkie, wi: vec3f, wo: vec3f) -> vec3f {
 
 // The normal m of the facets that mirror wi into wo: (wi + wo) / |wi + wo|.
 fn weidlich_wilkie_half_vector(wi: vec3f, wo: vec3f) -> vec3f {
+    // wi + wo is as short as 2e-18 where light and viewer are opposite and hardly above the horizon. The
+    // squares of its tangential part are numbers that threads of LLVM and GPUs take for 0, unless it is so
+    // much longer.
     const LENGTHENED = 1.0995116e12;
     let h = LENGTHENED * (wi + wo);
     return h / sqrt(weidlich_wilkie_length2(h));  // the root is the cosine's as well
