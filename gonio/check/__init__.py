@@ -12,7 +12,7 @@ from __future__ import annotations
 import contextlib
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -54,6 +54,8 @@ __all__ = [
     "ModelSubject",
     "Report",
     "Reports",
+    "Runner",
+    "Step",
     "Subject",
     "check_all",
     "check_model",
@@ -118,53 +120,80 @@ def subjects(
     ]
 
 
+@dataclass(frozen=True)
+class Step:
+    """One check of one subject."""
+
+    subject: Subject
+    check: str
+    effort: Effort
+
+    def run(self) -> Report:
+        """Measure."""
+        report = CHECKS[self.check](self.subject, self.effort)
+        if report.overstated and self.effort.full is not None:
+            # That nothing comes near a documented size is said after a whole search
+            whole = replace(self.effort.full, generous=self.effort.generous)
+            whole = whole if self.effort.tests else replace(whole, tests=0)
+            report = CHECKS[self.check](self.subject, whole)
+        return report
+
+
+Runner = Callable[[Sequence[Step], Progress | None], Iterable[Report]]
+"""Does steps, in whatever order, and gives their reports in theirs."""
+
+
+def one_by_one(steps: Sequence[Step], progress: Progress | None) -> Iterator[Report]:
+    """The steps in this process."""
+    for done, step in enumerate(steps):
+        if progress is not None:
+            progress(done, len(steps))
+        yield step.run()
+
+
 def check_subjects(
     these: Iterable[Subject],
     effort: str | Effort = "normal",
     only: Iterable[str] = (),
     progress: Progress | None = None,
+    runner: Runner = one_by_one,
 ) -> Reports:
     """Run all checks, or `only` those named, and put what belongs together into one report each.
 
-    The first subject gets the whole effort, variants of it less.
+    The first subject gets the whole effort, variants of it less. `runner` does the steps.
     """
     level = EFFORTS[effort] if isinstance(effort, str) else effort
     with kernels.one_thread() if level.small else contextlib.nullcontext():
-        return _check_subjects(list(these), level, list(only), progress)
+        return _check_subjects(list(these), level, list(only), progress, runner)
 
 
 def _check_subjects(
-    these: list[Subject], level: Effort, only: list[str], progress: Progress | None
+    these: list[Subject], level: Effort, only: list[str], progress: Progress | None, runner: Runner
 ) -> Reports:
-    chosen = {name: CHECKS[name] for name in (only or CHECKS)}
-    found: dict[tuple[str, str], Report] = {}
-    chosen_subjects = _efforts(these, level)
-    for subject, _ in chosen_subjects:
+    chosen = only or list(CHECKS)
+    subjects = _efforts(these, level)
+    for subject, _ in subjects:
         subject.prepare()
-    steps = [
-        (subject, name, run, amount)
-        for subject, amount in chosen_subjects
-        for name, run in chosen.items()
-    ]
     alike, sampled_alike = _alike(
-        [s for s, _ in chosen_subjects], bool(set(chosen) & OF_VALUES), SAMPLING in chosen
+        [s for s, _ in subjects], bool(set(chosen) & OF_VALUES), SAMPLING in chosen
     )
-    for done, (subject, name, run, amount) in enumerate(steps):
-        if progress is not None:
-            progress(done, len(steps))
-        if name in OF_VALUES and subject.tag() in alike:
-            text = f"the values are those {alike[subject.tag()]}, bit by bit"
-            finding = Finding("differs from the default", 0.0, PASS, text, subject.tag())
-            report = Report(name, subject.name, (finding,))
-        else:
-            if name == SAMPLING and subject.tag() in sampled_alike:  # whose density has been tested
-                amount = replace(amount, tests=0)
-            report = run(subject, amount)
-            if report.overstated and amount.full is not None:
-                # That nothing comes near a documented size is said after a whole search
-                whole = replace(amount.full, generous=amount.generous)
-                report = run(subject, whole if amount.tests else replace(whole, tests=0))
-        key = (subject.name, name)
+    steps: list[Step] = []
+    reports: list[Report | None] = []  # None where a step says it
+    for subject, amount in subjects:
+        for name in chosen:
+            if name in OF_VALUES and subject.tag() in alike:
+                text = f"the values are those {alike[subject.tag()]}, bit by bit"
+                finding = Finding("differs from the default", 0.0, PASS, text, subject.tag())
+                reports.append(Report(name, subject.name, (finding,)))
+                continue
+            tested = name == SAMPLING and subject.tag() in sampled_alike
+            steps.append(Step(subject, name, replace(amount, tests=0) if tested else amount))
+            reports.append(None)
+    measured = iter(runner(steps, progress))
+    found: dict[tuple[str, str], Report] = {}
+    for given in reports:
+        report = next(measured) if given is None else given
+        key = (report.model, report.check)
         if key in found:
             report = replace(
                 found[key],

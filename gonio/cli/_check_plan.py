@@ -50,23 +50,34 @@ class Plan:
     identify: bool = False
     """Whether to find out which models these are."""
 
-    def run(self, effort: str = "normal", progress: Progress | None = None) -> Result:
+    def run(
+        self,
+        effort: str = "normal",
+        progress: Progress | None = None,
+        processes: int | None = None,
+    ) -> Result:
         """Check one group after the other, and write what is asked for.
 
         Args:
             effort: "quick", "normal" or "thorough".
             progress: called with what is done and what there is to do.
+            processes: share the checks among so many; None for as many as are worth it.
         """
+        # Tasks bring what is needed for clusters
+        from gonio.cluster import checks
+
         reports = list(self.notes)
-        for done, group in enumerate(self.groups):
+        wanted = [name for name in self.only if name in CHECKS]
+        groups = self.groups if wanted or not self.only else []
+        count = checks.worthwhile(groups, effort, wanted) if processes is None else processes
+        with checks.beside(count - 1) as runner:
+            for done, group in enumerate(groups):
 
-            def step(part: int, parts: int, done: int = done) -> None:
-                if progress is not None:
-                    progress(done * 1000 + 1000 * part // parts, len(self.groups) * 1000)
+                def step(part: int, parts: int, done: int = done) -> None:
+                    if progress is not None:
+                        progress(done * 1000 + 1000 * part // parts, len(groups) * 1000)
 
-            wanted = [name for name in self.only if name in CHECKS]
-            if wanted or not self.only:
-                reports += check_subjects(group, effort, wanted, step)
+                reports += check_subjects(group, effort, wanted, step, runner)
         for path in self.files:
             wanted = [name for name in self.only if name in DATA_CHECKS]
             if wanted or not self.only:

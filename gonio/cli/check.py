@@ -52,6 +52,21 @@ def _fuzz(
     return fuzz_search.reports(states), whole
 
 
+def _processes_refused(
+    planned: Plan, effort: str | None, fuzz: str | None, shared: str | None
+) -> None:
+    """Raise a UsageError where --processes has no effect."""
+    if shared is not None:
+        raise click.UsageError("--cluster and --run-dir share the checks; leave --processes out")
+    if fuzz is not None or effort == "thorough":
+        other = "--fuzz" if fuzz is not None else "--thorough"
+        raise click.UsageError(f"{other} uses all cores in one process; leave --processes out")
+    if not planned.groups:
+        raise click.UsageError(
+            f"--processes shares checks of models; check {planned.others[0]} without it"
+        )
+
+
 def _show(result: Result, as_json: bool, since: Sequence[str] = ()) -> None:
     """Print what was found and written, and what has changed since an earlier run."""
     if as_json:
@@ -89,6 +104,13 @@ def _show(result: Result, as_json: bool, since: Sequence[str] = ()) -> None:
 @click.option("--junit", metavar="FILE", help="Also write a JUnit report for other programs.")
 @click.option("--plot", "picture", metavar="FILE", help="Also draw the worst cases.")
 @click.option("--identify", is_flag=True, help="Of code: also say which model it is.")
+@click.option(
+    "--processes",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help="Share the checks of models among N processes; by default among as many as there are cores, up "
+    "to 8, where there is work for some seconds. The results are the same.",
+)
 @cluster_options
 @code_options
 @json_option
@@ -106,6 +128,7 @@ def command(
     junit: str | None,
     picture: str | None,
     identify: bool,
+    processes: int | None,
     cluster: str | None,
     run_dir: str | None,
     code: Code,
@@ -148,6 +171,8 @@ def command(
         code=code,
         identify=identify,
     )
+    if processes is not None:
+        _processes_refused(planned, effort, fuzz, cluster or run_dir)
     shared = None
     if cluster is not None or run_dir is not None:
         shared = run_of(cluster, run_dir, record or junit or "gonio-check", "checking")
@@ -173,7 +198,7 @@ def command(
         whole = not run.failures
     else:
         with progress("checking") as step:
-            result = planned.run(effort or "normal", step)
+            result = planned.run(effort or "normal", step, processes)
     change = None if before is None else baselines.checks(before, data(result.reports))
     since = change.lines(str(baseline)) if change is not None else []
     _show(result, as_json, since)

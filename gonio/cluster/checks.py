@@ -1,14 +1,34 @@
-"""Checks of models by tasks: each check of each model is one; a long search is a chain of them."""
+"""Checks of models by tasks: each check of each model is one; a long search is a chain of them.
+
+Processes of this machine share the checks of each variant, and need no Dask.
+"""
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
-from collections.abc import Iterable, Sequence
+import functools
+import time
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from gonio.check import CHECKS, ModelSubject, Subject, check_subjects, fuzz
-from gonio.check.report import Report
-from gonio.cluster.codec import NotPortableError
+import drjit as dr
+
+from gonio import backend
+from gonio.check import (
+    CHECKS,
+    ModelSubject,
+    Progress,
+    Runner,
+    Step,
+    Subject,
+    check_subjects,
+    fuzz,
+    one_by_one,
+)
+from gonio.check.report import Effort, Report
+from gonio.cluster.codec import NotPortableError, encode
+from gonio.cluster.processes import Processes
 from gonio.cluster.run import Run
 from gonio.cluster.task import Done, Task
 from gonio.model import Model
@@ -33,6 +53,7 @@ def describe(subject: Subject) -> Described:
     return subject.model, tuple(sorted(subject.fixed)), subject.label
 
 
+@functools.lru_cache(maxsize=256)
 def subject_of(described: Described, name: str) -> ModelSubject:
     """The subject again."""
     model, fixed, label = described
@@ -74,6 +95,68 @@ def check(
     """The work of a task: one check of all variants of a model."""
     these = [subject_of(s, n) for s, n in zip(subjects, names, strict=True)]
     return list(check_subjects(these, effort, [name]))
+
+
+# --- on the cores of this machine ----------------------------------------------------------------
+
+# With fewer checks than these a process that comes up in half a second gains little: by effort.
+ENOUGH = {"quick": 27, "normal": 5}
+
+# More processes than these wait for the checks of the first variant, which are the longest.
+MOST = 8
+
+
+def worthwhile(groups: Sequence[Sequence[Subject]], effort: str, only: Sequence[str] = ()) -> int:
+    """How many processes are worth their start; with the thorough effort one, which has many threads."""
+    steps = sum(map(len, groups)) * len(only or CHECKS)
+    if effort not in ENOUGH or steps < ENOUGH[effort] or backend.current() != "llvm":
+        return 1
+    try:
+        for group in groups:
+            encode(describe(group[0]))
+    except NotPortableError:
+        return 1
+    cores: int = dr.thread_count()
+    return min(cores, MOST)
+
+
+@contextlib.contextmanager
+def beside(count: int) -> Iterator[Runner]:
+    """Does the steps of `gonio.check.check_subjects` together with so many other processes.
+
+    What they find is the same bit by bit; what they cannot do is done here, and gives its own errors.
+    """
+    if count < 1:
+        yield one_by_one
+        return
+    with Processes(count) as processes:
+
+        def run(steps: Sequence[Step], progress: Progress | None) -> list[Report]:
+            def task(number: int) -> Task:
+                one = steps[number]
+                return Task.of(
+                    f"{__name__}:step",
+                    f"{one.subject.name}: {one.check}",
+                    subject=describe(one.subject),
+                    name=one.subject.name,
+                    check=one.check,
+                    effort=one.effort,
+                )
+
+            begin = time.perf_counter()
+            found: list[Report] = processes.results(
+                len(steps), task, lambda number: steps[number].run(), progress
+            )
+            # Seconds are those that were waited for, also where some were spent at the same time
+            share = (time.perf_counter() - begin) / max(sum(r.seconds for r in found), 1e-9)
+            return [dataclasses.replace(r, seconds=r.seconds * share) for r in found]
+
+        yield run
+
+
+def step(subject: Described, name: str, check: str, effort: Effort) -> Report:
+    """The work of a task: one check of one variant."""
+    return Step(subject_of(subject, name), check, effort).run()
 
 
 # --- long searches ---------------------------------------------------------------------------------
