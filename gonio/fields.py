@@ -50,14 +50,15 @@ class Parameter:
         if not all(isinstance(v, Real) and not isinstance(v, bool) for v in values):
             raise ModelError(
                 f"{model}: {self.name} must be a number"
-                f"{' or three numbers' if self.width == 3 else ''}, got {value!r}."
+                f"{' or three numbers' if self.width == 3 else ''}, got {value!r}; "
+                f"allowed is {self.range_text()}."
             )
         if len(values) not in {1, self.width} or (
             isinstance(value, (tuple, list)) and self.width == 1
         ):
             raise ModelError(
                 f"{model}: {self.name} takes {'one or three numbers' if self.width == 3 else 'one number'}"
-                f", got {value!r}."
+                f", got {value!r}; allowed is {self.range_text()}."
             )
         values = tuple(rounded_end(float(v), self.low, self.high) for v in values)
         for v in values:

@@ -7,8 +7,10 @@ import os
 import shlex
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -217,7 +219,11 @@ def test_text_is_read_as_numbers_colours_and_options():
         ("eon", ("=1",), "eon: '=1' is not name=value; its names are rho, roughness,"),
         ("eon:roughness=abc", (), "eon: roughness=abc is not a number; allowed is 0 to 1."),
         ("eon", ("roughness=",), "eon: roughness= is not a number; allowed is 0 to 1."),
-        ("eon", ("roughness=0.5,1",), "eon: roughness takes one number, got (0.5, 1.0)."),
+        (
+            "eon",
+            ("roughness=0.5,1",),
+            "eon: roughness takes one number, got (0.5, 1.0); allowed is 0 to 1.",
+        ),
         ("eon", ("roughness=2",), "eon: roughness=2.0 is out of range; allowed is 0 to 1."),
         ("eon", ("roughness=nan",), "eon: roughness=nan is out of range; allowed is 0 to 1."),
         (
@@ -225,7 +231,7 @@ def test_text_is_read_as_numbers_colours_and_options():
             ("rho=red",),
             "eon: rho=red is not one or three numbers, such as 0.8/0.3/0.1, or #c08040;",
         ),
-        ("eon", ("rho=1,2",), "eon: rho takes one or three numbers, got (1.0, 2.0)."),
+        ("eon", ("rho=1,2",), "eon: rho takes one or three numbers, got (1.0, 2.0);"),
         ("eon:rho=0.8,0.3,0.1", (), "in a model's text a colour has slashes, such as rho=0.8/0.3"),
         ("eon", ("roughness=1", "roughness=0"), "eon: roughness is given twice."),
         ("eon", ("sampler=best",), "eon: sampler='best' is not known; allowed are cltc_matched,"),
@@ -345,7 +351,7 @@ def test_doctor_ends_with_1_when_nothing_computes(monkeypatch):
         (("eval", "eon"), 1, "give both directions, either as vectors, --wi X Y Z --wo X Y Z"),
         (("eval", "eon", "--wi", "0", "0", "1"), 1, "give both directions"),
         (("eval", "eon", "--theta-i", "1", "--wo", "0", "0", "1"), 1, "give both directions"),
-        (("eval", "eon", "--theta-i", "nan", "--theta-o", "1"), 1, "theta-i must be a number of"),
+        (("eval", "eon", "--wi", "0", "0", "1", "--theta-o", "1"), 1, "give both directions"),
         (("eval", "eon", "--wi", "0", "1"), 2, "Option '--wi' requires 3 arguments"),
         (
             ("eval", "eon", "--wi", "0", "0", "2", "--wo", "0", "0", "1"),
@@ -363,7 +369,15 @@ def test_doctor_ends_with_1_when_nothing_computes(monkeypatch):
         (("view", "eon", "--save", ""), 2, "the output has no name; is a variable of the shell"),
         (("plot", "eon", "-o", "x.gif"), 1, "'x.gif': its name must end in .png, .svg, .pdf or"),
         (("plot", "eon", "-o", "no/x.png"), 1, "cannot write 'no/x.png': no folder 'no'."),
-        (("plot", "eon", "--theta-o", "30;60"), 1, "--theta-o 30;60 is not a list of degrees"),
+        (("plot", "eon", "--theta-o", "30;60"), 2, "'--theta-o': '30;60' is not a list of degrees"),
+        (("plot", "eon", "--theta-o", "90"), 2, "degrees from 0 to less than 90, such as 0,30,60"),
+        (("render", "eon", "--camera", "0,91"), 2, "'0,91' is not AZIMUTH,ELEVATION in degrees"),
+        (("render", "eon", "--noise", "inf"), 2, "inf is not a finite number above 0; see 'gonio"),
+        (("bake", "blur", "studio", "--alpha", "1", "--width", "0"), 1, "width=0 is out of range"),
+        (("bake", "cube", "studio", "--size", "0"), 1, "size=0 is out of range; allowed are 64,"),
+        (("reproduce", "-o", "reproduced"), 2, "nothing to make; name items, or give --text or"),
+        (("compare", "eon", "fon", "--no-pictures", "--spp", "9"), 2, "--spp is for pictures, and"),
+        (("check", "eon", "--time-limit", "20"), 1, "--map and the like belong to a FILE of code"),
         (("plot", "eon", "--phi", "0,90"), 1, "the polar plot takes one plane phi; the cartesian"),
         (("plot", "eon", "--log"), 1, "the polar plot has no log; it takes theta_o, phi, cosine"),
         (("plot", "eon", "-k", "fresnel"), 1, "eon has no Fresnel terms of its own to plot;"),
@@ -389,6 +403,57 @@ def test_errors_are_one_line_and_say_what_is_allowed(
     assert result.stderr.count("\n") == 1
     assert message in result.stderr
     assert list(tmp_path.iterdir()) == []
+
+
+def commands(group: click.Group) -> Iterator[click.Command]:
+    """All commands, also those of groups."""
+    for name in group.list_commands(click.Context(group)):
+        command = group.get_command(click.Context(group), name)
+        if isinstance(command, click.Group):
+            yield from commands(command)
+        elif command is not None:
+            yield command
+
+
+def test_no_option_takes_a_number_that_is_not_finite():
+    taken = 0
+    for command in commands(cli.main):
+        for option in command.params:
+            for given in ("0.5", "1", "0.5,1", "1,0.5"):
+                try:
+                    value = option.type.convert(given, option, None)
+                except click.BadParameter:
+                    continue
+                numbers = value if isinstance(value, tuple) else (value,)
+                if not any(isinstance(number, float) for number in numbers):
+                    continue
+                taken += 1
+                for word in ("nan", "inf", "-inf", "1e999"):
+                    with pytest.raises(click.BadParameter):
+                        option.type.convert(given.replace(given[0], word, 1), option, None)
+    assert taken > 20
+
+
+@pytest.mark.parametrize(
+    ("said", "meant"),
+    [
+        ("metal", "msl"),
+        ("cuda c++", "cuda"),
+        ("WebGL 2", "essl"),
+        ("webgpu", "wgsl"),
+        ("c++17", "cpp"),
+        ("SPIR-V", "glsl"),
+        ("DX12", "hlsl"),
+        ("Direct3D 11", "hlsl"),
+        ("OpenGL", "glsl"),
+        ("MaterialX", "mtlx"),
+        ("Open Shading Language", "osl"),
+        ("slnag", "slang"),
+    ],
+)
+def test_what_people_call_a_language_is_told_its_name_here(said, meant):
+    result = run("export", "eon", "--to", said)
+    assert f"no language {said!r}; did you mean {meant!r}? there are glsl, essl" in result.stderr
 
 
 @pytest.mark.parametrize("place", [0, 2])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import re
 import subprocess
 from pathlib import Path
 
@@ -21,7 +22,7 @@ from gonio.cli.program import main
 from gonio.export.prove import tools
 from gonio.foreign import registry, roles, source, terms, textures
 from gonio.foreign.expressions import parse
-from gonio.foreign.function import parse_map, parse_ranges, probe
+from gonio.foreign.function import parse_map, parse_ranges, parse_uniforms, probe
 from gonio.foreign.source import ForeignError
 from gonio.measured import is_data_file
 
@@ -161,6 +162,23 @@ def test_ranges_come_from_brdf_files_the_registry_and_the_user(tmp_path: Path) -
     assert found["tint"].default == (0.8, 0.2, 0.1)
     assert "on" not in found
     assert parse_ranges(["roughness=0.01..1"]) == {"roughness": (0.01, 1.0)}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("a=nan", "--uniform a=nan is no number; give a finite one"),
+        ("a=-inf", "--uniform a=-inf is no number"),
+        ("a=1/0", "--uniform a=1/0 is not a finite number"),
+        ("a=1e999", "--uniform a=1e999 is not a finite number"),
+        ("a=(1, 0, 1e999)", "not a finite number, or some as in"),
+        ("a=true", '--map "a=true" sets it by a formula'),
+        ("a", "--uniform 'a' is not NAME=NUMBER, such as"),
+    ],
+)
+def test_a_uniform_is_a_finite_number(text: str, message: str) -> None:
+    with pytest.raises(ForeignError, match=re.escape(message)):
+        parse_uniforms([text])
 
 
 def test_maps_hold_formulas() -> None:

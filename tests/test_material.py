@@ -118,14 +118,20 @@ def test_a_texture_drives_an_inner_parameter(tmp_path: Path) -> None:
         ),
         ('model = "eon"\nmetal = "Au"\n', r"clay.toml:2: eon has no eta and k"),
         ('model = "torrance_sparrow"\nmetal = "Xx"\n', r"clay.toml:2: .*Xx"),
-        ('model = "eon"\n[flakes]\n seed = 1\n', r"clay.toml:1: eon has no flake_x"),
+        ('model = "eon"\n[flakes]\n seed = 1\n', r"clay.toml:1: eon has no flake_x.* is car_paint"),
+        ('model = "eon"\n[Flakes]\n seed = 1\n', r"clay.toml:2: eon has no 'Flakes'.* 'flakes'\?"),
+        (
+            'model = "weidlich_wilkie"\n[base]\nmodel = "eon"\n[base.flakes]\nseed = 1\n',
+            r"clay.toml:4: flakes is for the whole file",
+        ),
+        ('model = "car_paint"\n[flakes]\nsize = 3\n', r"clay.toml:3: .*flake_size=4 is larger"),
         (
             'model = "car_paint"\n[flakes]\nsede = 1\n',
-            r"clay.toml:3: no setting 'sede'; allowed are",
+            r"clay.toml:3: flakes: no setting 'sede'; did you mean 'seed'",
         ),
         (
             'model = "car_paint"\n[flakes]\nseed = "a"\n',
-            r"clay.toml:3: seed must be a whole number",
+            r"clay.toml:3: flakes: seed must be a whole number, got 'a'; allowed is 0 to 4294967295",
         ),
         ('model = "car_paint"\nflakes = 3\n', r"clay.toml:2: flakes is a table"),
         ('model = "eon"\ngrowth = "mesh"\n', r"clay.toml:1: eon has no growth"),
@@ -143,7 +149,10 @@ def test_a_texture_drives_an_inner_parameter(tmp_path: Path) -> None:
             r"clay.toml:3: eon: rho takes",
         ),
         ('model = "weidlich_wilkie"\n\nbase = { rho = 1 }\n', r"clay.toml:3: .*missing under"),
-        ('model = "car_paint"\nflakes.size = 64\nflakes.seed = "a"\n', r"clay.toml:3: seed must"),
+        (
+            'model = "car_paint"\nflakes.size = 64\nflakes.seed = "a"\n',
+            r"clay.toml:3: flakes: seed must",
+        ),
         (
             'model = "eon"\ndescription = """\nrho = 1\n[base]\n"""\nrho = 7\n',
             r"clay.toml:6: eon: rho=7",

@@ -245,6 +245,14 @@ def test_a_logarithmic_axis_ends_at_the_peak_however_low_the_tails_are():
     assert 1e-9 < low < 1e-3
 
 
+@pytest.mark.parametrize("beside", [(), (1.0,)])
+def test_a_logarithmic_axis_shows_the_whole_tail_of_narrow_facets(beside):
+    models = [gonio.TorranceSparrow(alpha=a, distribution="ggx") for a in (0.01, *beside)]
+    low, high = distribution(models, log=True).figure().axes[0].get_ylim()
+    assert high > 1 / (math.pi * 0.01**2)  # D along the normal
+    assert low < 0.01**2 / math.pi < 1e4 * low  # D across it
+
+
 def test_masking_of_v_cavities_is_theirs():
     columns = masking([gonio.TorranceSparrow(masking="cook_torrance")], theta_i=60).columns
     at = dict(zip(np.round(columns["theta_o [deg]"], 6), columns["G"], strict=True))
@@ -365,6 +373,8 @@ def test_of_many_parameters_those_are_told_that_were_changed():
     assert named([patina])[2] == "all parameters at their defaults"
     told = named([patina.replace(alpha=0.2)])[2]
     assert told == "alpha = 0.2, other parameters at their defaults"
+    narrow, wide = (gonio.TorranceSparrow(alpha=a) for a in (0.01, 1))
+    assert named([narrow, wide])[2] == "other parameters at their defaults"
     assert named([patina, patina.replace(alpha=0.2)])[1] == [
         "patina, alpha = 0.5",
         "patina, alpha = 0.2",

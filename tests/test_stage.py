@@ -19,7 +19,16 @@ import gonio
 from gonio.cli import main
 from gonio.render import render
 from gonio.render.picture import write_picture
-from gonio.render.stage import FIELD_OF_VIEW, FILLED, FROM_ABOVE, VIEW, _fitted, usual_view
+from gonio.render.stage import (
+    BALL_DISTANCE,
+    FIELD_OF_VIEW,
+    FILLED,
+    FROM_ABOVE,
+    VIEW,
+    _fitted,
+    shader_ball,
+    usual_view,
+)
 from gonio.render.tone import TONES, to_srgb
 
 
@@ -35,7 +44,7 @@ def _variant() -> None:
 @given(
     st.tuples(*[st.floats(0.02, 1.0)] * 3),
     st.floats(-180, 180),
-    st.floats(-80, 80),
+    st.floats(-90, 90),
     st.sampled_from([(100, 100), (192, 108), (50, 200)]),
 )
 def test_a_mesh_of_any_proportions_fills_the_frame(
@@ -123,12 +132,24 @@ def test_zoom_is_a_longer_lens_and_camera_goes_around() -> None:
     assert front[14:18, 18:24].mean() > 3 * behind[14:18, 18:24].mean()  # the lamp is at the front
 
 
+def test_straight_down_is_turned_as_almost_straight_down_is() -> None:
+    straight, almost = (
+        np.array(shader_ball({"type": "diffuse"}, camera=(40, e))["sensor"]["to_world"].matrix)
+        for e in (90, 89.99)
+    )
+    # A hundredth of a degree at the distance of the camera
+    np.testing.assert_allclose(straight, almost, atol=1.1 * np.radians(0.01) * BALL_DISTANCE)
+
+
 @pytest.mark.parametrize(
     ("stage", "message"),
     [
         ({"camera": (0, -10)}, "below the ground"),
-        ({"camera": (0, 90)}, "elevation between -90 and 90"),
-        ({"camera": (np.nan, 0)}, "elevation between -90 and 90"),
+        ({"camera": (0, 91)}, "elevation from -90 to 90"),
+        ({"camera": (np.nan, 0)}, "elevation from -90 to 90"),
+        ({"environment_turn": np.nan}, "environment_turn=nan is not a finite number"),
+        ({"noise": np.inf}, "noise=inf is out of range; allowed is a finite number above 0"),
+        ({"seconds": np.nan}, "seconds=nan is out of range"),
         ({"zoom": 0}, "zoom=0 is out of range"),
         ({"uv": "box"}, "uv is for a mesh"),
         ({"environment_turn": 30}, "'studio' is not a picture that could be turned"),

@@ -89,6 +89,14 @@ def check_place_of(path: str | Path) -> Path:
     return path if path.is_dir() else check_place(path)
 
 
+def check_size(size: int) -> None:
+    """A ValueError unless a face of a cube can be so large."""
+    if size & (size - 1) or not 64 <= size <= 2048:
+        raise ValueError(
+            f"size={size} is out of range; allowed are 64, 128, 256, 512, 1024 and 2048."
+        )
+
+
 def prefiltered(
     environment: Environment, size: int = SIZE, *, progress: Progress | None = None
 ) -> Cube:
@@ -102,10 +110,7 @@ def prefiltered(
     Raises:
         ValueError: a size out of its range.
     """
-    if size & (size - 1) or not 64 <= size <= 2048:
-        raise ValueError(
-            f"size={size} is out of range; allowed are 64, 128, 256, 512, 1024 and 2048."
-        )
+    check_size(size)
     levels = []
     for k in range(LAST_LEVEL + 1):
         alpha = (k / LAST_LEVEL) ** 2

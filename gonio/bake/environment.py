@@ -91,10 +91,7 @@ class Environment:
         Raises:
             ValueError: an argument out of its range.
         """
-        if not 0 < alpha <= 1:
-            raise ValueError(f"alpha={alpha} is out of range; allowed is above 0 to 1.")
-        if width is not None and not 8 <= width <= BLUR_WIDTH_MAX:
-            raise ValueError(f"width={width} is out of range; allowed is 8 to {BLUR_WIDTH_MAX}.")
+        check_blur(alpha, width)
         wanted = min(
             max(BLUR_WIDTH_MIN, 2 * np.pi * PIXELS_PER_ALPHA / alpha), self.pixels.shape[1]
         )
@@ -144,6 +141,14 @@ def check_format(path: str | Path) -> Path:
     if path.suffix.lower() not in {".exr", ".hdr"}:
         raise ValueError(f"cannot write {path.name!r}; the suffix must be .exr or .hdr.")
     return check_place(path)
+
+
+def check_blur(alpha: float, width: int | None) -> None:
+    """A ValueError unless `Environment.blurred` can blur so much, into a picture so wide."""
+    if not 0 < alpha <= 1:
+        raise ValueError(f"alpha={alpha} is out of range; allowed is above 0 to 1.")
+    if width is not None and not 8 <= width <= BLUR_WIDTH_MAX:
+        raise ValueError(f"width={width} is out of range; allowed is 8 to {BLUR_WIDTH_MAX}.")
 
 
 def load(

@@ -10,7 +10,8 @@ from typing import Any
 import click
 
 from gonio import foreign
-from gonio.cli.program import FloatRange, plain_materials
+from gonio.cli._numbers import Number
+from gonio.cli.program import plain_materials
 from gonio.foreign import Foreign, ForeignError, is_foreign
 from gonio.materials import Material, notation
 from gonio.model import Model
@@ -32,7 +33,7 @@ class Code:
     pdf: str | None
     albedo: str | None
     textures: tuple[str, ...]
-    seconds: float
+    seconds: float | None
 
     @property
     def given(self) -> bool:
@@ -46,7 +47,7 @@ class Code:
             self.textures,
         )
         words = (self.function, self.returns, self.signature, self.sample, self.pdf, self.albedo)
-        return any(lists) or any(word is not None for word in words)
+        return any(lists) or any(option is not None for option in (*words, self.seconds))
 
     def named(self, text: str) -> str:
         """The text with the function of --function, where a file of Python is code because of it."""
@@ -92,6 +93,7 @@ class Code:
 
     def load(self, text: str) -> Foreign:
         """The function that a text and the options name, running."""
+        limit: dict[str, Any] = {} if self.seconds is None else {"seconds": self.seconds}
         return foreign.load(
             text,
             function=self.function,
@@ -106,7 +108,7 @@ class Code:
             pdf=self.pdf,
             albedo=self.albedo,
             textures=self.textures,
-            seconds=self.seconds,
+            **limit,
         )
 
 
@@ -164,10 +166,8 @@ OPTIONS = (
     click.option(
         "--time-limit",
         "seconds",
-        type=FloatRange(0.1),
-        default=20.0,
-        show_default=True,
-        help="Seconds for a call of code.",
+        type=Number(0.1),
+        help="Seconds for a call of code (default: 20).",
     ),
 )
 

@@ -9,23 +9,8 @@ from typing import Any
 
 import click
 
+from gonio.cli._numbers import VIEW, Number
 from gonio.messages import notice
-
-
-class View(click.ParamType[tuple[float, float]]):
-    """Where the camera is: azimuth and elevation in degrees, such as 30,20."""
-
-    name = "view"
-
-    def convert(self, value: Any, param: Any, ctx: Any) -> tuple[float, float]:
-        """Two numbers."""
-        if isinstance(value, tuple):
-            return value
-        try:
-            azimuth, elevation = (float(n) for n in str(value).split(","))
-        except ValueError:
-            self.fail(f"{value!r} is not AZIMUTH,ELEVATION in degrees, such as 30,20", param, ctx)
-        return azimuth, elevation
 
 
 class Stops(click.ParamType[float | str]):
@@ -96,21 +81,21 @@ _STAGE = (
     click.option(
         "--up", type=click.Choice(["y", "z"]), help="The mesh's vertical axis (default: y)."
     ),
-    click.option("--turn", type=float, metavar="DEG", help="Turn the mesh about the vertical."),
+    click.option("--turn", type=Number(), metavar="DEG", help="Turn the mesh about the vertical."),
     click.option(
         "--uv",
         type=click.Choice(["box", "sphere"]),
         help="Project texture coordinates on the mesh, in place of its own.",
     ),
-    click.option("--env-turn", type=float, metavar="DEG", help="Turn an --env file."),
+    click.option("--env-turn", type=Number(), metavar="DEG", help="Turn an --env file."),
     click.option(
         "--camera",
-        type=View(),
+        type=VIEW,
         metavar="AZ,EL",
         help="Where to look from, in degrees: right of the front, and up (default: 0,13; higher up for "
         "a flat mesh).",
     ),
-    click.option("--zoom", type=float, help="A longer lens (default: 1)."),
+    click.option("--zoom", type=Number(0.05, 100), help="A longer lens (default: 1)."),
     click.option(
         "--max-depth",
         type=click.IntRange(1, 1 << 16),

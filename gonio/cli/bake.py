@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from gonio.cli.program import FloatRange, complete, echo_json, json_option, progress
+from gonio.cli._numbers import Number
+from gonio.cli.program import complete, echo_json, json_option, progress
 
 if TYPE_CHECKING:
     from gonio.bake.tables import TableError
@@ -91,8 +93,8 @@ def _parse_numbers(option: str, text: str) -> list[float]:
         numbers = [float(number) for number in text.split(",")]
     except ValueError:
         numbers = []
-    if len(numbers) not in (1, 3):
-        raise ValueError(f"{option} {text} is not a number, or three as in 0.2,0.9,1.1.")
+    if len(numbers) not in (1, 3) or not all(map(math.isfinite, numbers)):
+        raise ValueError(f"{option} {text} is not a finite number, or three as in 0.2,0.9,1.1.")
     return numbers
 
 
@@ -145,7 +147,7 @@ def _index_of(name: str) -> dict[str, Any]:
 @click.option("--size", type=click.IntRange(2, 8192), default=512, show_default=True)
 @click.option(
     "--exponent",
-    type=FloatRange(1, 16),
+    type=Number(1, 16),
     default=8,
     show_default=True,
     help="The angle is a quarter turn times u to this power; with 1 sharp highlights are lost.",
@@ -181,7 +183,7 @@ def distribution(kind: str, size: int, output: str | None, exponent: float, bits
 @click.argument("environment", metavar="NAME|FILE")
 @click.option(
     "--alpha",
-    type=FloatRange(0, 1, min_open=True),
+    type=Number(0, 1, above=True),
     required=True,
     help="Width of the surface's GGX facets.",
 )
@@ -198,6 +200,7 @@ def blur(environment: str, alpha: float, width: int | None, output: str) -> None
     from gonio.bake import environment as environments
 
     environments.check_format(output)
+    environments.check_blur(alpha, width)
     with progress("blurring") as step:
         environments.load(environment).blurred(alpha, width=width, progress=step).write(output)
     click.echo(output)
@@ -250,6 +253,7 @@ def cube(environment: str, size: int, output: str) -> None:
     from gonio.bake import environment as environments
 
     target = cubes.check_place_of(output.rstrip("/") or "/")
+    cubes.check_size(size)
     sky = environments.load(environment)
     with progress("blurring") as step:
         made = cubes.prefiltered(sky, size, progress=step)

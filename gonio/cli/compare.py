@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,6 +10,7 @@ import click
 
 from gonio.cli import _baseline as baselines
 from gonio.cli._code import Code, code_options
+from gonio.cli._numbers import Number
 from gonio.cli.program import (
     check_params,
     complete,
@@ -17,6 +19,7 @@ from gonio.cli.program import (
     param_option,
     plain_models,
     progress,
+    was_given,
 )
 from gonio.foreign import is_foreign
 
@@ -37,7 +40,9 @@ from gonio.foreign import is_foreign
 @click.option("--seed", type=click.IntRange(0, 65535), default=0, help="Of the random numbers.")
 @click.option("-o", "--output", metavar="FILE", help="A .png file (default: compare.png).")
 @click.option("--fit-parameters", is_flag=True, help="Of code: fit what only the model has.")
-@click.option("--tolerance", type=float, metavar="X", help="Of code: differ by more, exit with 1.")
+@click.option(
+    "--tolerance", type=Number(0), metavar="X", help="Of code: differ by more, exit with 1."
+)
 @click.option(
     "--baseline",
     metavar="FILE.json",
@@ -89,10 +94,10 @@ def command(
         raise click.UsageError("give a MODEL; 'gonio list' shows the models")
     models = tuple(code.named(text) for text in models)
     if is_foreign(models[0]):
-        if truth or vary or walks or no_pictures:
+        of_models = ("truth", "vary", "walks", "no_pictures", "size", "spp", "seed")
+        if idle := [name for name in of_models if was_given(name)]:
             raise click.UsageError(
-                "code is compared with models as they are; it goes with no --truth, --vary, --walks or "
-                "--no-pictures"
+                f"code is compared with models as they are; it goes with no {_options(idle)}"
             )
         wanted = _Wanted(fit_parameters, tolerance, baseline, identify, output, as_json)
         return _code(models[0], models[1:], params, code, wanted)
@@ -101,6 +106,9 @@ def command(
             "--map, --tolerance and the like take FILE.glsl#FUNCTION before the models"
         )
     target = output or ("" if as_json else "compare.png")
+    idle = [name for name in ("size", "spp") if was_given(name)]
+    if idle and (no_pictures or not target):
+        raise click.UsageError(f"{_options(idle)} is for pictures, and none are made")
     if target:
         drawing.check_format(target)
     check_params(models, params)
@@ -128,6 +136,10 @@ def command(
     click.echo("\n".join(line for c in found for line in comparison.lines(c)))
     click.echo(target)
     return 0
+
+
+def _options(names: Iterable[str]) -> str:
+    return " or ".join(f"--{name.replace('_', '-')}" for name in names)
 
 
 @dataclass(frozen=True)

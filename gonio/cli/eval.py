@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gonio.cli._code import Code, code_options
+from gonio.cli._numbers import Number
 from gonio.cli.program import complete, echo_json, json_option, param_option
 from gonio.lang import MU_MIN
 from gonio.model import Model
@@ -133,9 +134,6 @@ def directions(
         vectors = np.array(wi, np.float64), np.array(wo, np.float64)
         return (_normalized("wi", wi), _normalized("wo", wo)) if normalize else vectors
     if wi is None and wo is None and theta_i is not None and theta_o is not None:
-        for name, angle in (("theta-i", theta_i), ("theta-o", theta_o), ("phi", phi or 0)):
-            if not math.isfinite(angle):
-                raise ValueError(f"{name} must be a number of degrees, got {angle}.")
         ti, to, p = (math.radians(a or 0) for a in (theta_i, theta_o, phi))
         wi = (math.sin(ti) * math.cos(p), math.sin(ti) * math.sin(p), math.cos(ti))
         wo = (math.sin(to), 0, math.cos(to))
@@ -210,18 +208,26 @@ def _readable(value: Any) -> Any:
 
 @click.command("eval", short_help="Evaluate a model for two directions.")
 @click.argument("model", shell_complete=complete)
-@click.option("--wi", type=float, nargs=3, metavar="X Y Z", help="Unit vector towards the light.")
-@click.option("--wo", type=float, nargs=3, metavar="X Y Z", help="Unit vector towards the viewer.")
-@click.option("--theta-i", type=float, metavar="DEG", help="Polar angle of the light, instead.")
-@click.option("--theta-o", type=float, metavar="DEG", help="Polar angle of the viewer, instead.")
+@click.option(
+    "--wi", type=Number(), nargs=3, metavar="X Y Z", help="Unit vector towards the light."
+)
+@click.option(
+    "--wo", type=Number(), nargs=3, metavar="X Y Z", help="Unit vector towards the viewer."
+)
+@click.option("--theta-i", type=Number(), metavar="DEG", help="Polar angle of the light, instead.")
+@click.option("--theta-o", type=Number(), metavar="DEG", help="Polar angle of the viewer, instead.")
 @click.option(
     "--phi",
-    type=float,
+    type=Number(),
     metavar="DEG",
     help="Azimuth between the two: 0 (default) is the viewer's side, 180 the mirror's.",
 )
 @click.option(
-    "--u", type=float, nargs=2, metavar="U1 U2", help="Sample the light with these random numbers."
+    "--u",
+    type=Number(),
+    nargs=2,
+    metavar="U1 U2",
+    help="Sample the light with these random numbers.",
 )
 @param_option
 @click.option("--normalize", is_flag=True, help="Scale the vectors to length 1 first.")

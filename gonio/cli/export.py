@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import click
-from click.core import ParameterSource
 
-from gonio.cli.program import check_params, complete, param_option, say
+from gonio.cli.program import check_params, complete, param_option, say, was_given
 from gonio.export import FUNCTIONS, export
 from gonio.export.buffer import RESOURCES
 from gonio.export.files import exports, manifests, write
@@ -104,9 +103,7 @@ from gonio.lights.catalogue import listed
     metavar="PATH",
     help="A file, whose name says the language (x.wgsl), or a folder/.",
 )
-@click.pass_context
 def command(
-    ctx: click.Context,
     models: tuple[str, ...],
     languages: tuple[str, ...],
     params: tuple[str, ...],
@@ -156,10 +153,10 @@ def command(
     if lights and not (models or everything or materials):
         raise click.UsageError(f"--lit took {lit[0]!r} for its lights; name the model before it")
     idle = {"--embed": embed, "--load": load, "--manifest": manifest, "--prefix": prefix}
-    idle |= {"--output": output, "--lookups": lookups != "textures"}
+    idle |= {"--output": output, "--lookups": was_given("lookups")}
     if prove and (unused := [option for option, value in idle.items() if value]):
         raise click.UsageError(f"--prove writes no file; leave out {' and '.join(unused)}.")
-    if not prove and _given(ctx, "rows"):
+    if not prove and was_given("rows"):
         raise click.UsageError("--rows is for --prove; give that as well.")
     check_params([named(text)[1] for text in models], [*params, *options])
     selection = choose(models, [*params, *options], everything, materials)
@@ -168,7 +165,7 @@ def command(
         to = _able(to, selection, lit=lights is not None, tables=bool(tables))
     usual_functions = list(FUNCTIONS) if lights is None and not tables else ["eval"]
     functions = [name.strip() for name in only.split(",")] if only else usual_functions
-    _check_lookups(ctx, lookups, to, lit=lights is not None, tables=bool(tables))
+    _check_lookups(lookups, to, lit=lights is not None, tables=bool(tables))
     request = tables_of(tables, int(bits), selection.found) if tables else None
     if by_row is not None:
         if request is None:
@@ -200,10 +197,6 @@ def command(
     return 0
 
 
-def _given(ctx: click.Context, name: str) -> bool:
-    return ctx.get_parameter_source(name) is ParameterSource.COMMANDLINE
-
-
 def _able(to: list[str], selection: Selection, *, lit: bool, tables: bool) -> list[str]:
     """Of all languages those that can do what is asked for; the others are noted."""
     if lit or tables:
@@ -217,20 +210,18 @@ def _able(to: list[str], selection: Selection, *, lit: bool, tables: bool) -> li
     return to
 
 
-def _check_lookups(
-    ctx: click.Context, lookups: str, to: list[str], *, lit: bool, tables: bool
-) -> None:
+def _check_lookups(lookups: str, to: list[str], *, lit: bool, tables: bool) -> None:
     """Refuse options of tables and lights that would do nothing."""
-    if not lit and not tables and lookups != "textures":
+    if not lit and not tables and was_given("lookups"):
         raise click.UsageError("--lookups is for lights and tables; give --lit or --table as well.")
     if lookups == "array" and not tables:
         raise click.UsageError("--lookups array is for tables; give --table as well.")
     arrays = [name for name in to if name in OBJECTS]
-    if _given(ctx, "lookups") and tables and lookups == "textures" and arrays:
+    if was_given("lookups") and tables and lookups == "textures" and arrays:
         raise click.UsageError(
             f"{TARGETS[arrays[0]].title} has its tables as arrays in the text; leave out --lookups."
         )
-    if not tables and _given(ctx, "bits"):
+    if not tables and was_given("bits"):
         raise click.UsageError("--bits is for tables; give --table as well.")
 
 

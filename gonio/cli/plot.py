@@ -9,6 +9,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from gonio.cli._code import Code, code_options
+from gonio.cli._numbers import AZIMUTHS, POLAR_ANGLES
 from gonio.cli.program import complete, param_option
 from gonio.messages import did_you_mean
 
@@ -69,14 +70,18 @@ class Kind(click.ParamType[str]):
     metavar="NAME=A,B,...",
     help="Plot every model once for each of these values of a parameter or option.",
 )
-@click.option("--theta-o", metavar="DEG,...", help="Angles of the viewer, a panel each.")
+@click.option(
+    "--theta-o", type=POLAR_ANGLES, metavar="DEG,...", help="Angles of the viewer, a panel each."
+)
 @click.option(
     "--phi",
+    type=AZIMUTHS,
     metavar="DEG,...",
     help="Planes through the normal, by their azimuth from the viewer: 90 is the one across.",
 )
 @click.option(
     "--theta-i",
+    type=POLAR_ANGLES,
     metavar="DEG,...",
     help="Angles of the light: it turns about the normal at these (cartesian), or stands there (masking).",
 )
@@ -102,9 +107,9 @@ def command(
     output: str | None,
     params: tuple[str, ...],
     vary: str | None,
-    theta_o: str | None,
-    phi: str | None,
-    theta_i: str | None,
+    theta_o: tuple[float, ...] | None,
+    phi: tuple[float, ...] | None,
+    theta_i: tuple[float, ...] | None,
     axis: str | None,
     log: bool,
     dots: bool,
@@ -149,11 +154,8 @@ def command(
         "dots": dots or None,
         "cosine": False if no_cosine else None,
     }
-    for name, text in (("theta-o", theta_o), ("theta-i", theta_i), ("phi", phi)):
-        if text is not None:
-            angles = _parse_angles(name, text)
-            alone = name == "phi" and kind == "polar" and len(angles) == 1
-            settings[name.replace("-", "_")] = angles[0] if alone else angles
+    alone = phi is not None and kind == "polar" and len(phi) == 1
+    settings |= {"theta_o": theta_o, "theta_i": theta_i, "phi": phi[0] if phi and alone else phi}
     given = {name: value for name, value in settings.items() if value is not None}
     path = plots.plot(materials, kind, output or f"{kind}.png", dpi=dpi, **given)
     click.echo(path)
@@ -171,10 +173,3 @@ def _variations(models: Iterable[str], vary: str | None) -> list[str]:
         for text in models
         for value in values.split(",")
     ]
-
-
-def _parse_angles(option: str, text: str) -> list[float]:
-    try:
-        return [float(angle) for angle in text.split(",")]
-    except ValueError:
-        raise ValueError(f"--{option} {text} is not a list of degrees, such as 0,30,60.") from None

@@ -15,9 +15,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 import gonio
 from gonio.cli._interrupt import CODE, prompt_interrupt
+from gonio.cli._numbers import Number
 from gonio.files import remove_unfinished
 from gonio.messages import Notice, did_you_mean
 from gonio.model import Model
@@ -157,6 +159,12 @@ param_option = click.option(
 )
 
 
+def was_given(name: str) -> bool:
+    """Whether an option stands on the command line, be it with its default."""
+    source = click.get_current_context().get_parameter_source(name)
+    return source is ParameterSource.COMMANDLINE
+
+
 @contextmanager
 def progress(label: str) -> Iterator[Callable[[int, int], None]]:
     """A progress bar on stderr, shown on terminals only."""
@@ -254,22 +262,9 @@ def spp_option(default: int | None) -> Callable[[Any], Any]:
     return click.option("--spp", type=click.IntRange(1, 1 << 20), default=default, help=text)
 
 
-class FloatRange(click.FloatRange):
-    """A range that NaN, which is neither below nor above its ends, is not in."""
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> float:
-        """The number, or click's error."""
-        number = float(super().convert(value, param, ctx))
-        if number != number:
-            self.fail(f"{value} is not in the range {self._describe_range()}.", param, ctx)
-        return number
-
-
 noise_option = click.option(
     "--noise",
-    type=FloatRange(0, min_open=True),
+    type=Number(0, above=True),
     metavar="PART",
     help="Stop when the noise is below this part of a pixel's brightness (default, without --spp: "
     f"{NOISE}; with --denoise {NOISE_DENOISED}).",
@@ -277,7 +272,7 @@ noise_option = click.option(
 time_option = click.option(
     "--time",
     "seconds",
-    type=FloatRange(0, min_open=True),
+    type=Number(0, above=True),
     metavar="SECONDS",
     help="Begin no further pass after that time, for each picture of a strip.",
 )

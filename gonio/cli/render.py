@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from gonio.cli._cluster import cluster_options, exact_spp, pictures_of
+from gonio.cli._numbers import Number
 from gonio.cli._stage import (
     check_denoise,
     check_look,
@@ -20,7 +21,6 @@ from gonio.cli._stage import (
     tone_option,
 )
 from gonio.cli.program import (
-    FloatRange,
     Size,
     check_params,
     complete,
@@ -50,7 +50,7 @@ from gonio.cli.program import (
 @stage_options
 @click.option(
     "--diffusion",
-    type=FloatRange(0, 10),
+    type=Number(0, 10),
     default=0.0,
     metavar="MM",
     help="Diffuse light wanders as in skin, red the farthest: a millimetre in units of the ball's radius, "
@@ -67,7 +67,7 @@ from gonio.cli.program import (
 @time_option
 @click.option(
     "--clamp",
-    type=click.FloatRange(0, min_open=True),
+    type=Number(0, above=True),
     metavar="WHITES",
     help="Against bright dots (fireflies): cut samples of indirect light above so many times white, "
     "such as 1. The picture gets darker; a line says by how much.",

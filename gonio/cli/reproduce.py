@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from gonio.cli.program import was_given
+
 if TYPE_CHECKING:
     from gonio.reproduce import Item
 
@@ -57,7 +59,7 @@ def command(
         chosen = list(reproduce.items())
     chosen = list({item.id: item for item in chosen}.values())
     if not chosen:
-        if again or output != FOLDER:
+        if again or was_given("output"):
             raise click.UsageError("nothing to make; name items, or give --text or --all.")
         _list(list(reproduce.items()))
         return

@@ -7,26 +7,10 @@ from typing import Any
 import click
 
 from gonio.cli._cluster import cluster_options, run_of
-from gonio.cli.program import complete, param_option, plain_models
+from gonio.cli._numbers import POLAR_ANGLES
+from gonio.cli.program import complete, param_option, plain_models, was_given
 from gonio.cluster.grid import COLUMNS
 from gonio.materials.notation import split
-
-
-class Angles(click.ParamType[tuple[float, ...]]):
-    """Polar angles in degrees, such as 0,30,60."""
-
-    name = "angles"
-
-    def convert(self, value: Any, param: Any, ctx: Any) -> tuple[float, ...]:
-        """Numbers above the horizon."""
-        from gonio.plot.numbers import viewer_angles
-
-        if isinstance(value, tuple):
-            return value
-        try:
-            return tuple(viewer_angles([float(piece) for piece in str(value).split(",")]))
-        except ValueError as error:
-            self.fail(f"{value!r}: {error}", param, ctx)
 
 
 @click.command("sweep", short_help="Tabulate a model's numbers over its parameters.")
@@ -54,7 +38,7 @@ class Angles(click.ParamType[tuple[float, ...]]):
 )
 @click.option(
     "--theta-o",
-    type=Angles(),
+    type=POLAR_ANGLES,
     metavar="DEG,...",
     default="0,30,60,80",
     show_default=True,
@@ -131,14 +115,7 @@ def command(
 
 def _used(wanted: Any) -> None:
     """Raise a UsageError for an option that has no effect."""
-    from click.core import ParameterSource
-
-    context = click.get_current_context()
-
-    def said(name: str) -> bool:
-        return context.get_parameter_source(name) is ParameterSource.COMMANDLINE
-
-    if said("theta_o") and not wanted.by_angle:
+    if was_given("theta_o") and not wanted.by_angle:
         raise click.UsageError("--theta-o is for --measure albedo and variance")
-    if said("samples") and "variance" not in wanted.measures:
+    if was_given("samples") and "variance" not in wanted.measures:
         raise click.UsageError("--samples is for --measure variance")

@@ -10,7 +10,7 @@ from pathlib import Path
 from gonio.export import materialx
 from gonio.export.by_row import together
 from gonio.export.coded import Request
-from gonio.export.targets import TARGETS
+from gonio.export.targets import TARGETS, did_you_mean_language
 from gonio.export.tree import ExportError
 from gonio.materials import Material, library, load
 from gonio.model import Model
@@ -105,9 +105,9 @@ def chosen_languages(names: Sequence[str], output: str | None = None) -> list[st
     """The languages that are asked for; "all" is all of them, none that of the file's name.
 
     Raises:
-        ExportError: none is named, or another one than the file's name says.
+        ExportError: none is named, one that there is not, or another one than the file's name says.
     """
-    found = [part for name in names for part in name.split(",") if part]
+    found = [part.strip() for name in names for part in name.split(",") if part.strip()]
     of_file = by_extension(output or "")
     if not found and of_file:
         return [of_file]
@@ -117,12 +117,14 @@ def chosen_languages(names: Sequence[str], output: str | None = None) -> list[st
             f"--to {named.name} and {output} do not agree; leave out --to, or name the file "
             f"NAME.{named.extension}."
         )
+    known = [*TARGETS, materialx.NAME]
     if not found:
-        known = ", ".join(TARGETS)
-        raise ExportError(f"no language; add --to and one of {known}, {materialx.NAME}, all.")
-    if "all" in found:
-        return [*TARGETS, materialx.NAME]
-    return list(dict.fromkeys(found))
+        raise ExportError(f"no language; add --to and one of {', '.join(known)}, all.")
+    for name in found:
+        if name not in (*known, "all"):
+            did = did_you_mean_language(name, known)
+            raise ExportError(f"no language {name!r}; {did}there are {', '.join(known)}, all.")
+    return known if "all" in found else list(dict.fromkeys(found))
 
 
 def by_rows(selection: Selection, name: str, tables: Request) -> tuple[Selection, Request]:

@@ -6,9 +6,12 @@ shader), stands in `gonio.export.printer` behind a flag of the target.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
+
+from gonio.messages import did_you_mean
 
 # Functions of the vocabulary that graphics languages lack or have too inexact: see gonio.export.library.
 SHADER_LIBRARY = frozenset({"safe_acos", "safe_asin", "twice_atan_over", "erf", "erfinv"})
@@ -498,3 +501,32 @@ vector {p}_not_equal(vector a, vector b) {
 TARGETS: Mapping[str, Target] = MappingProxyType(
     {t.name: t for t in (GLSL, ESSL, HLSL, WGSL, MSL, SLANG, OSL, CPP, CUDA)}
 )
+
+# What people say who mean a language: interfaces, programs and platforms that read it, and its full name.
+MEANT = MappingProxyType(
+    {
+        "glsl": "opengl gl vulkan vk spirv opengl_shading_language godot",
+        "essl": "webgl gles opengl_es glsl_es three threejs android",
+        "hlsl": "directx dx direct3d d3d fx cg unity unreal",
+        "wgsl": "webgpu wgpu dawn",
+        "msl": "metal metal_shading_language apple ios macos",
+        "cpp": "c++ cxx cc c h hpp",
+        "cuda": "cuda_c++ cuda_c cu cuh nvidia nvcc nvrtc optix hip",
+        "osl": "open_shading_language arnold cycles blender",
+        "mtlx": "materialx mx",
+    }
+)
+
+
+def did_you_mean_language(name: str, known: Iterable[str]) -> str:
+    """As `did_you_mean`, of languages: "metal" is no near spelling of msl, but means it."""
+    known, said = list(known), _bare(name)
+    for language in known:
+        if said in (language, *map(_bare, MEANT.get(language, "").split())):
+            return did_you_mean(language, [language])
+    return did_you_mean(name.lower(), known)
+
+
+def _bare(name: str) -> str:
+    """A name without its version: WebGL 2 and DX12 are webgl and dx."""
+    return re.sub(r"[^a-z+]", "", name.lower())

@@ -24,11 +24,10 @@ from gonio.export.printer import INDENT, WIDTH, Printer, constants_of, in_order
 from gonio.export.read import Reader, camel
 from gonio.export.table_text import array
 from gonio.export.tabled import with_tables
-from gonio.export.targets import TARGETS, Target
+from gonio.export.targets import TARGETS, Target, did_you_mean_language
 from gonio.export.tidy import members, tidy
 from gonio.export.tree import CALLED, METHODS, SELF, Call, ExportError, Function, Struct, walk
 from gonio.fields import Parameter
-from gonio.messages import did_you_mean
 from gonio.model import Child, Model, as_written
 
 FUNCTIONS = METHODS
@@ -171,7 +170,7 @@ def check_prefixes(names: Iterable[str]) -> None:
 def target_named(name: str) -> Target:
     """The table of a language, or an ExportError that lists them."""
     if name not in TARGETS:
-        did = did_you_mean(name, TARGETS)
+        did = did_you_mean_language(name, TARGETS)
         raise ExportError(f"no language {name!r}; {did}there are {', '.join(TARGETS)}.")
     return TARGETS[name]
 

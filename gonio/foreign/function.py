@@ -83,7 +83,11 @@ def parse_returns(text: str) -> Returns:
     return RETURNS[key]
 
 
-def parse_map(texts: Iterable[str]) -> dict[str, str]:
+# What would be taken for the name of a parameter.
+NO_NUMBERS = {"nan", "inf", "infinity"}
+
+
+def parse_map(texts: Iterable[str], option: str = "--map") -> dict[str, str]:
     """What --map says: "L=wi V=wo roughness=roughness^2", separated by spaces.
 
     Raises:
@@ -97,12 +101,34 @@ def parse_map(texts: Iterable[str]) -> dict[str, str]:
         left = text
         for name, value in pieces:
             if name in found:
-                raise ForeignError(f"--map has {name} twice.")
+                raise ForeignError(f"{option} has {name} twice.")
+            if value.strip("+-, ").lower() in NO_NUMBERS:
+                raise ForeignError(f"{option} {name}={value} is no number; give a finite one.")
             found[name] = value.strip().rstrip(",")
             left = left.replace(name, "", 1).replace(value, "", 1)
         if not pieces or re.sub(r"[\s=,]", "", left):
+            what = 'NAME=FORMULA; write "L=wi V=wo alpha=roughness^2"'
+            if option == "--uniform":
+                what = "NAME=NUMBER, such as anisotropy=0 or tint=(1, 0.5, 0)"
+            raise ForeignError(f"{option} {text!r} is not {what}.")
+    return found
+
+
+def parse_uniforms(texts: Iterable[str]) -> dict[str, str]:
+    """What --uniform says: "anisotropy=0", or "tint=(1, 0.5, 0)".
+
+    Raises:
+        ForeignError: something else, or a name twice.
+    """
+    found = parse_map(texts, "--uniform")
+    for name, text in found.items():
+        formula = parse(text)
+        with np.errstate(all="ignore"):
+            fixed = not formula.names and np.isfinite(formula.value({})).all()
+        if not fixed:
             raise ForeignError(
-                f'--map {text!r} is not NAME=FORMULA; write "L=wi V=wo alpha=roughness^2".'
+                f"--uniform {name}={text} is not a finite number, or some as in (1, 0.5, 0); "
+                f'--map "{name}={text}" sets it by a formula.'
             )
     return found
 

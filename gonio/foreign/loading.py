@@ -13,6 +13,7 @@ from gonio.foreign.function import (
     parse_map,
     parse_ranges,
     parse_returns,
+    parse_uniforms,
     probe,
     split,
 )
@@ -77,7 +78,7 @@ def load(
     start = _Start(
         dict(parse_map(mapping)),
         parse_ranges(ranges),
-        parse_map(uniforms),
+        parse_uniforms(uniforms),
         tuple(defines),
         tuple(include),
         seconds,

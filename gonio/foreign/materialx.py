@@ -94,8 +94,11 @@ def read(text: str) -> Source:
     name, _, target = rest.partition("@")
     target = target or "glsl"
     if target not in TARGETS:
+        from gonio.export.targets import did_you_mean_language
+
         raise ForeignError(
-            f"{text}: MaterialX has no target {target!r} here; say {', '.join(TARGETS)}."
+            f"{text}: MaterialX has no target {target!r} here; "
+            f"{did_you_mean_language(target, TARGETS)}there are {', '.join(TARGETS)}."
         )
     import MaterialX
 

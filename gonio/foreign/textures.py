@@ -112,8 +112,8 @@ def texels(value: str) -> Texels:
         return _filled(np.repeat(pixels, 3, axis=2) if pixels.shape[2] == 1 else pixels)[
             ::-1
         ].copy()
-    if len(numbers) not in (1, 3, 4):
-        raise ForeignError(f"--texture {value}: a value has 1, 3 or 4 numbers.")
+    if len(numbers) not in (1, 3, 4) or not np.isfinite(numbers).all():
+        raise ForeignError(f"--texture {value}: a value has 1, 3 or 4 finite numbers.")
     numbers = numbers * 3 if len(numbers) == 1 else numbers
     return _filled(np.array(numbers, np.float32).reshape(1, 1, -1))
 

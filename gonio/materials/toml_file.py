@@ -42,7 +42,7 @@ from gonio.materials.notation import (
 )
 from gonio.materials.texture_file import split_channel, stored_values, texture_values
 from gonio.materials.toml_lines import lines
-from gonio.messages import nearest, notice
+from gonio.messages import did_you_mean, nearest, notice
 from gonio.model import Child, Model, models
 
 # What a [flakes] table may hold; gonio.mitsuba.textures.flake_map says what each does.
@@ -60,6 +60,10 @@ FLAKE_SETTINGS = {
         Parameter(1, 1e-6, 1e9, "distance at which flakes begin to even out", "fade"),
     )
 }
+# What a table of a model, and the file itself, may say beside the model's parameters.
+OF_MODEL = ("model", "metal")
+OF_FILE = (*OF_MODEL, "description", "flakes", "normal_map", "texture_scale")
+
 WHOLE_NUMBERS = ("size", "seed")
 
 # How far values of a picture may leave their range by compression and filtering alone.
@@ -109,8 +113,11 @@ def read(path: Path, resolve: Resolve) -> Material:
         wanted = FLAKE_PARAMETERS[0] if flakes else GROWTH_PARAMETER
         paths = [p for p, _, _ in found.model.parameters() if p.rpartition(".")[2] == wanted]
         if not paths:
+            said = "[flakes]" if flakes else 'growth = "mesh"'
+            fitting = ", ".join(name for name, cls in models().items() if wanted in cls.fields)
             raise reader.error(
-                "model", f"{found.model.name} has no {wanted}, which this file drives."
+                "model",
+                f"{found.model.name} has no {wanted}, which {said} drives; a model with it is {fitting}.",
             )
         driven = paths[0].removesuffix(wanted)
     elif found.flakes or found.grows:  # of a material inside
@@ -143,22 +150,33 @@ class _Reader:
             return {}
         settings = table.pop("flakes")
         if not isinstance(settings, dict):
-            raise self.error("flakes", "flakes is a table: write [flakes] and settings below.")
+            allowed = ", ".join(FLAKE_SETTINGS)
+            message = f"flakes is a table, got {settings!r}; write [flakes] and below it any of {allowed}."
+            raise self.error("flakes", message)
         for key, value in settings.items():
             if key not in FLAKE_SETTINGS:
+                did = did_you_mean(key.lower(), FLAKE_SETTINGS)
                 allowed = ", ".join(FLAKE_SETTINGS)
-                raise self.error(key, f"no setting {key!r}; allowed are {allowed}.", "flakes.")
+                message = f"flakes: no setting {key!r}; {did}allowed are {allowed}."
+                raise self.error(key, message, "flakes.")
+            declared = FLAKE_SETTINGS[key]
             if key in WHOLE_NUMBERS and (isinstance(value, bool) or not isinstance(value, int)):
-                raise self.error(key, f"{key} must be a whole number, got {value!r}.", "flakes.")
+                allowed = f"{declared.low:.0f} to {declared.high:.0f}"
+                message = (
+                    f"flakes: {key} must be a whole number, got {value!r}; allowed is {allowed}."
+                )
+                raise self.error(key, message, "flakes.")
             try:
-                FLAKE_SETTINGS[key].check("flakes", value)
+                declared.check("flakes", value)
             except ModelError as error:
                 raise self.error(key, str(error), "flakes.") from None
-        size = settings.get("size", FLAKE_SETTINGS["size"].default)
-        if settings.get("flake_size", FLAKE_SETTINGS["flake_size"].default) > size:
-            raise self.error(
-                "flake_size", f"flake_size is larger than the map's size, {size}.", "flakes."
-            )
+        size, flake_size = (
+            settings.get(key, FLAKE_SETTINGS[key].default) for key in ("size", "flake_size")
+        )
+        if flake_size > size:
+            blamed = "flake_size" if "flake_size" in settings else "size"
+            message = f"flakes: flake_size={flake_size} is larger than the map's size={size}."
+            raise self.error(blamed, message, "flakes.")
         return settings or {"seed": 0}
 
     def normal_map(self, table: dict[str, Any]) -> Path | None:
@@ -231,6 +249,8 @@ class _Reader:
                 given[key] = children[key].model
                 continue
             value = tuple(value) if isinstance(value, list) else value
+            if key not in cls.fields and "." not in key:
+                raise self.error(key, _unknown_key(cls, key, section), section)
             try:
                 start.model.replace(**{key: value})
             except (ModelError, TypeError) as error:
@@ -356,6 +376,17 @@ class _Reader:
         if twice := sorted(set(indices) & set(table)):
             raise self.error(twice[0], f"metal says what {twice[0]} is; leave one out.", section)
         return indices
+
+
+def _unknown_key(cls: type[Model], key: str, section: str) -> str:
+    if section and key in OF_FILE:
+        return f"{key} is for the whole file; write it without {section[:-1]!r}."
+    beside = OF_MODEL if section else OF_FILE
+    did = did_you_mean(key.lower(), [*cls.fields, *beside])
+    return (
+        f"{cls.name} has no {key!r}; {did}known are {', '.join(cls.fields)}, and beside them "
+        f"{', '.join(beside)}."
+    )
 
 
 def unknown(name: str, materials: dict[str, Path]) -> ModelError:

@@ -57,7 +57,8 @@ def named(shown: Shown) -> tuple[list[Model], list[str], str]:
         return models, labels, found[0].description if len(found) == 1 else ""
     told = [(found[0], name) for name in common if _telling(found[0], name)]
     kept = _without_defaults(told)
-    rest = [f"{'other' if kept else 'all'} {DEFAULTS}"] if len(kept) < len(told) else []
+    others = kept or any(label != m.name for label, m in zip(labels, models, strict=True))
+    rest = [f"{'other' if others else 'all'} {DEFAULTS}"] if len(kept) < len(told) else []
     return models, labels, ", ".join([*map(_value_text, kept), *rest])
 
 

@@ -18,8 +18,9 @@ from gonio.plot.output import Plot
 from gonio.plot.panels import DEGREES, SIGNED, Curve, Panel, draw_panels
 from gonio.plot.style import curve_styles
 
-# Logarithmic axes end this far below the highest peak.
-TAIL = 1e-7
+# Logarithmic axes show tails whole that end above the second of these parts of the peak, and others down to
+# the first: GGX's fall by alpha^4, Beckmann's by hundreds of decades.
+TAIL, LONG_TAIL = 1e-7, 1e-13
 
 
 def _bound(model: Model) -> Model:
@@ -115,13 +116,19 @@ def distribution(
             [Curve(i, theta, y) for i, y in enumerate(values)],
             scale=DEGREES if log else SIGNED,
             log=log,
-            floor=TAIL * float(values.max()) if log else None,
+            floor=_floor(values) if log else None,
             ylim=(None if log else 0, None),
         )
         facts = (shared,)
         return draw_panels([panel], labels, curve_styles(models), title or "Distribution", facts)
 
     return Plot(columns, draw)
+
+
+def _floor(values: Floats) -> float:
+    """Where a logarithmic axis of distributions, (models, angles), ends."""
+    peaks, ends = values.max(axis=1), values[:, -1]
+    return float(np.where(ends > LONG_TAIL * peaks, ends / 2, TAIL * peaks).min())
 
 
 def masking(

@@ -115,10 +115,13 @@ def integrate(
         Linear RGB, (height, width, 3), whatever the film's format is.
 
     Raises:
-        ValueError: no samples, or a film whose channels are no colours.
+        ValueError: no samples, a goal that is not above 0, or a film whose channels are no colours.
     """
     if spp < 1:
         raise ValueError(f"spp={spp} is out of range; allowed is at least 1.")
+    for name, goal in (("noise", noise), ("seconds", seconds)):
+        if goal is not None and not 0 < goal < math.inf:
+            raise ValueError(f"{name}={goal} is out of range; allowed is a finite number above 0.")
     width, height = (int(n) for n in loaded.sensors()[0].film().crop_size())
     integrator = loaded.integrator()
     if clamp is not None:

@@ -37,9 +37,18 @@ FILLED = 0.84  # of the frame's width or height, by a mesh seen in it
 
 
 def _sensor(
-    size: tuple[int, int], spp: int, place: Floats, target: Floats, zoom: float, rfilter: str
+    size: tuple[int, int],
+    spp: int,
+    place: Floats,
+    view: tuple[float, float],
+    zoom: float,
+    rfilter: str,
 ) -> Nodes:
+    """The camera at a place, looking against the direction of the view's azimuth and elevation."""
     import mitsuba as mi
+
+    azimuth, elevation = view
+    towards, up = direction(azimuth, elevation), direction(azimuth, elevation + 90)
 
     half = np.tan(np.radians(FIELD_OF_VIEW) / 2) / zoom
     return {
@@ -47,7 +56,7 @@ def _sensor(
         "fov": float(np.degrees(2 * np.arctan(half))),
         "fov_axis": "smaller",
         "to_world": mi.ScalarTransform4f().look_at(
-            origin=place.tolist(), target=target.tolist(), up=[0, 1, 0]
+            origin=place.tolist(), target=(place - towards).tolist(), up=up.tolist()
         ),
         "film": {
             "type": "hdrfilm",
@@ -71,9 +80,7 @@ def _fitted(points: Floats, view: tuple[float, float], size: tuple[int, int]) ->
     them along its normal says how far back the camera must be, exactly.
     """
     towards = direction(*view)
-    right = np.cross([0.0, 1.0, 0.0], towards)
-    right /= np.linalg.norm(right)
-    up = np.cross(towards, right)
+    right, up = direction(view[0] + 90, 0), direction(view[0], view[1] + 90)
     depth = points @ -towards  # along the view
     shorter = min(size)
     half = FILLED * np.tan(np.radians(FIELD_OF_VIEW) / 2)
@@ -179,6 +186,9 @@ def shader_ball(
         raise ValueError(
             "the furnace is radiance 1 from everywhere, without ground, and cannot be turned or left out"
         )
+    for name, angle in (("turn", turn), ("environment_turn", environment_turn)):
+        if not math.isfinite(angle):
+            raise ValueError(f"{name}={angle} is not a finite number of degrees")
     ground = ground and not transparent
     _check_view(camera or VIEW, zoom, ground and not furnace)
     material = mi.load_dict(bsdf)
@@ -207,7 +217,6 @@ def shader_ball(
         points = shape.positions[np.unique(shape.faces)]
         camera = camera or usual_view(points)
         place = _fitted(points, camera, size)
-        target = place - direction(*camera)
     if furnace:
         # Russian roulette would only add noise: nothing is lost, so no path is worth cutting.
         integrator = {"type": "path", "max_depth": max_depth, "rr_depth": max_depth}
@@ -221,7 +230,7 @@ def shader_ball(
     if not ground:
         scene.pop("ground", None)
     scene["integrator"] = integrator
-    scene["sensor"] = _sensor(size, spp, place, target, zoom, rfilter)
+    scene["sensor"] = _sensor(size, spp, place, camera, zoom, rfilter)
     if transparent:
         integrator["hide_emitters"] = True
         scene["sensor"]["film"]["pixel_format"] = "rgba"  # type: ignore[index]
@@ -229,9 +238,9 @@ def shader_ball(
 
 
 def _check_view(camera: tuple[float, float], zoom: float, ground: bool) -> None:
-    if not (np.isfinite(camera).all() and -90 < camera[1] < 90):
+    if not (np.isfinite(camera).all() and -90 <= camera[1] <= 90):
         raise ValueError(
-            f"camera is an azimuth and an elevation between -90 and 90 degrees, not {camera}"
+            f"camera is an azimuth and an elevation from -90 to 90 degrees, not {camera}"
         )
     if ground and camera[1] < 0:
         raise ValueError(
