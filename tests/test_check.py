@@ -144,6 +144,7 @@ CAUGHT: dict[str, set[str]] = {
     "rounded_claim": {"energy"},
     "sharp_density": {"sampling"},
     "slight_gain": {"energy"},
+    "steep_sampler": {"gradient"},
     "stepped_parameter": {"continuity"},
     "swapped_widths": {"sampling"},
     "toon": {"continuity"},

@@ -33,7 +33,11 @@ def some_rows(subject: ModelSubject, count: int) -> Rows:
 
 
 @pytest.mark.parametrize(
-    "name", ["nan_at_tiny_cosines", "infinite_gradient", "overflow_near_normal", "equal_widths"]
+    "name",
+    [
+        *("nan_at_tiny_cosines", "infinite_gradient", "overflow_near_normal", "equal_widths"),
+        "steep_sampler",
+    ],
 )
 def test_a_screen_suspects_what_the_checks_find(name: str) -> None:
     subject = ModelSubject(model_file.load(BROKEN / f"{name}.py")())

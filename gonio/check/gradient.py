@@ -51,7 +51,7 @@ ALLOWED = 4.0
 # Pairs of directions at which derivatives are compared.
 PAIRS = 3000
 
-# One number for the three channels, in which each can be told from the others.
+# One number for three channels or coordinates, in which each can be told from the others.
 MIXED = np.array([1.0, 0.7, 0.4])
 
 # So many may lie too near to a kink, or in a lobe too sharp, for differences to tell; with fewer nothing is
@@ -82,7 +82,7 @@ METHODS = {"eval": ("wi", "wo"), "pdf": ("wi", "wo"), "sample": ("wo", "u")}
 
 
 def gradients(subject: Subject, cases: Cases, method: str) -> dict[str, NDArray[Any]]:
-    """Derivatives in float32 of a method's sum (for `sample` that of the density), by name."""
+    """Derivatives in float32 of a method's sum (for `sample` that of density and direction), by name."""
     Float = backend.array_module().Float
     given = {"wi": cases.wi, "wo": cases.wo, "u": cases.u}
     values = leaves(subject, cases.parameters, Float, True)
@@ -111,7 +111,11 @@ def derived(
     Float = backend.array_module().Float
     dr.enable_grad(values, args)
     result = getattr(subject.bound(values, Float), method)(*args)
-    value = result[1] if method == "sample" else result
+    value = result
+    if method == "sample":
+        # What is not finite in one of them is not finite in their sum
+        wi, density = result
+        value = density + sum(float(m) * w for w, m in zip(wi, MIXED, strict=True))
     # The sum over the cases is not taken: it would be computed at once, in a kernel of its own.
     total = value if dr.depth_v(value) == 1 else dr.sum(value, axis=0)
     if not dr.grad_enabled(total):
@@ -168,7 +172,8 @@ def _finite(subject: Subject, effort: Effort) -> Finding:
                 worst = (tried, int(bad[0]), method) if worst is None else worst
     if worst is None:
         text = (
-            f"derivatives of eval, pdf and sample finite at {len(cases)} hard cases and in a search"
+            f"derivatives of eval, pdf, sampled directions and densities finite at {len(cases)} hard "
+            "cases and in a search"
         )
         return Finding("not finite", 0.0, PASS, text, subject.tag())
     tried, row, method = worst
