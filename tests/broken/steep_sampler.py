@@ -1,4 +1,4 @@
-"""Broken on purpose: a sampled direction with an infinite derivative at u.x = 0, under a constant density."""
+"""Broken on purpose: a sampled direction with an infinite derivative at u.x = 0, of constant density."""
 
 from gonio.lang import (
     INV_TWO_PI,
