@@ -15,11 +15,12 @@ from support.tolerances import SINGLE
 
 import gonio
 from gonio.check import finite, fuzz
-from gonio.check.adversarial import EXTRA, hard_cases, hard_parameters, random_points
+from gonio.check.adversarial import EXTRA, Cases, hard_cases, hard_parameters, random_points
 from gonio.check.gradient import METHODS, gradients
 from gonio.check.kernels import evaluate
 from gonio.check.screen import LANES, MOVED, Rows, cases, places, screen
 from gonio.check.subject import ModelSubject
+from gonio.check.variants import part_of
 from gonio.materials import model_file
 
 BROKEN = Path(__file__).parent / "broken"
@@ -134,6 +135,20 @@ def test_all_parameters_together_never_excuse_more_than_one_by_one(name: str) ->
     # Second order, and the digits of float64, which steep values have fewer of
     assert (together <= each * (1 + 1e-3) + 1e-9 * np.abs(value) + 1e-20).all()
     assert (together > 0).any()
+
+
+def test_roundings_are_told_where_one_of_them_does_not_reach_total_reflection() -> None:
+    """sin^2 is 4.7e-8 above eta^2, where all is reflected, and one rounding of eta moves that by 4.2e-8."""
+    subject = ModelSubject(gonio.models()["torrance_sparrow"]())
+    row = subject.default()
+    for number, free in enumerate(subject.parameters):
+        given = {"eta": 0.698647677898407, "k": 0.0, "alpha": 0.1625055372714996}.get(free.path)
+        row[number] = row[number] if given is None else part_of(free.declared, given)
+    wi = [-0.9880371689796448, -0.00010845065844478086, 0.15421584248542786]
+    wo = [0.00010823820775840431, -0.9880371689796448, 0.15421584248542786]
+    case = Cases(*(np.array([numbers] * 2) for numbers in (row, wi, wo, [0.5, 0.5])))
+    assert finite.float32_error(subject, case, np.inf).max() > 1e-4  # with nothing excused
+    assert finite.float32_error(subject, case).max() < finite.FLOAT32
 
 
 def test_a_search_goes_on_where_it_stopped_and_finds_what_is_broken(

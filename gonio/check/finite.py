@@ -50,6 +50,9 @@ FAR_TAIL = 1e-15
 # float64. None of the directions: what depends on their length is a formula that has a better one.
 ROUNDINGS = 8
 
+# How a parameter is moved to see what roundings change: whether up, and by how many of them.
+WAYS = ((True, 1), (False, 1), (True, ROUNDINGS), (False, ROUNDINGS))
+
 # The narrowest distribution of facets, D, ends where its exponential leaves a float32. A value is D times
 # G / (4 mu_i mu_o), and G is at most the smaller cosine over the larger one: D over four times the square
 # of the larger. A density is D m.z / (4 wo.m), and wo.m at least half the larger: D over twice the larger.
@@ -475,21 +478,24 @@ def columns(subject: Subject, model: Any, wi: Any, wo: Any) -> list[Any]:
     return [value + zero for value in found]
 
 
-def _beside(free: FreeNumber, value: Array, up: Any) -> Array:
-    """A number that is half a float32 epsilon larger or smaller, inside its range."""
-    changed = value * np.where(up, 1 + 2.0**-24, 1 - 2.0**-24)
+def _beside(free: FreeNumber, value: Array, up: Any, roundings: int = 1) -> Array:
+    """A number that is so many halves of a float32 epsilon larger or smaller, inside its range."""
+    step = roundings * 2.0**-24
+    changed = value * np.where(up, 1 + step, 1 - step)
     return np.clip(changed, free.declared.lowest, free.declared.highest)
 
 
 def _one_by_one(subject: Subject, values: dict[str, Array]) -> dict[str, Array]:
-    """Blocks of the same values, each with one of the numbers a bit larger; then smaller."""
+    """Blocks of the same values, each with one of the numbers changed, for each of WAYS."""
     numbers, n = len(subject.parameters), len(next(iter(values.values())))
-    blocks = 2 * numbers
+    blocks = len(WAYS) * numbers
     found = {path: np.tile(v, (blocks, 1) if v.ndim == 2 else blocks) for path, v in values.items()}
-    for number, free in enumerate(subject.parameters):
-        for block, up in ((number, True), (number + numbers, False)):
-            part = number_of(found, free)[block * n : (block + 1) * n]
-            part[:] = _beside(free, part, up)
+    for (way, (up, roundings)), (number, free) in itertools.product(
+        enumerate(WAYS), enumerate(subject.parameters)
+    ):
+        block = way * numbers + number
+        part = number_of(found, free)[block * n : (block + 1) * n]
+        part[:] = _beside(free, part, up, roundings)
     return found
 
 
@@ -507,13 +513,15 @@ def _together(subject: Subject, values: dict[str, Array]) -> dict[str, Array]:
 def _rounding_effect(subject: Subject, cases: Cases, value: Array) -> Array:
     """Change of the values in float64 by half a float32 epsilon in each parameter.
 
-    Both ways are tried: where something ends in black, one of them may change nothing.
+    Both ways are tried: where something ends in black, one of them may change nothing. So is the change by
+    all the roundings that are allowed: where total reflection is that near, one of them may not reach it.
     """
     if not subject.parameters:
         return np.zeros_like(value)
     changed = _values(subject, cases, single_precision=False, disturb=_one_by_one)
-    ways = np.abs(changed.reshape(2, -1, *value.shape) - value)
-    return np.asarray(ways.max(axis=0).sum(axis=0))
+    ways = np.abs(changed.reshape(len(WAYS), -1, *value.shape) - value)
+    each = [way / roundings for way, (_, roundings) in zip(ways, WAYS, strict=True)]
+    return np.asarray(np.max(each, axis=0).sum(axis=0))
 
 
 def _rounding_effect_at_least(subject: Subject, cases: Cases, value: Array) -> Array:
