@@ -807,8 +807,22 @@ def test_a_saved_page_has_the_values_of_words(browser: Browser, tmp_path: Path) 
     clay: Any = load(texts[1])
     for side, name, value in ((0, "eta", metal.eta), (0, "k", metal.k), (1, "rho", clay.rho)):
         assert found.value(f"gonio.sides[{side}].values.get('{name}')") == pytest.approx(value)
-    told = found.run("return gonio.source.model('eon:rho=#ffffff').catch((e) => e.message)")
-    assert told == "This saved page reads numbers alone, and rho=#ffffff is none."
+    # Links to other materials of the same shader, as people paste them behind the page's address
+    for text, names in (
+        ("torrance_sparrow:metal=Al,alpha=0.2", ("eta", "k", "alpha")),
+        ("torrance_sparrow:eta=flint glass", ("eta", "k")),
+        ("eon:rho=#48c", ("rho",)),
+    ):
+        read = found.run("return gonio.source.model(given)", text)
+        shown = {p["path"]: p["value"] for p in read["parameters"]}
+        for name in names:
+            value = np.broadcast_to(getattr(load(text), name), len(shown[name]))
+            assert shown[name] == pytest.approx(list(value))
+    for text in ("eon:rho=red", "eon:metal=Cu", "torrance_sparrow:metal=Xx"):
+        told = found.run("return gonio.source.model(given).catch((e) => e.message)", text)
+        assert told == f"This saved page does not know {text.partition(':')[2]}."
+    told = found.run("return gonio.source.model('eon:rough=1').catch((e) => e.message)")
+    assert told == "eon has no 'rough'."
     found.page.close()
 
 

@@ -27,6 +27,7 @@ from gonio.materials.notation import assign, split
 from gonio.materials.texture_file import stored_values, texture_values
 from gonio.mitsuba.textures import flake_map
 from gonio.model import Model, models
+from gonio.parts.dielectrics import INDICES
 from gonio.parts.metals import metal, metals
 from gonio.version import __version__
 from gonio.view import foreign_code
@@ -345,7 +346,8 @@ def start(names: Names, texts: Iterable[str]) -> dict[str, Any]:
         "shapes": shapes(),
         "environments": environments(),
         "fade": fade(),
-        "metals": {word: metal(symbol) for symbol, word in metals().items()},
+        "metals": {word: {"symbol": symbol, **metal(symbol)} for symbol, word in metals().items()},
+        "indices": INDICES,
         "show": list(texts),
         "models": {text: payload(names, text, reasons=True) for text in texts},
     }

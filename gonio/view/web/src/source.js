@@ -1,4 +1,5 @@
 // Where models come from: a live server, a saved page, or a notebook.
+import { numbersOf } from "./words.js";
 
 /** Base64 of little-endian numbers as a typed array. */
 export function unpacked(text, Kind) {
@@ -166,12 +167,12 @@ export class Saved {
         const found = chosen.every(([, value], i) => base.options[i].value === value)
             ? base
             : this.#variant(base, `${name}|${chosen.map(([path, value]) => `${path}=${value}`).join()}`);
+        const numbers = numbersOf(found.parameters, pieces, this.data);
+        const paths = [...found.parameters, ...base.options, ...base.models].map((field) => field.path);
+        for (const path of pieces.keys())
+            if (!paths.includes(path) && !/(^|\.)metal$/.test(path)) throw new Error(`${name} has no '${path}'.`);
         const parameters = found.parameters.map((p) => {
-            const start = pieces.has(p.path)
-                ? pieces.get(p.path).split("/").map(Number)
-                : [base.start[p.path] ?? p.default].flat();
-            if (start.some(Number.isNaN))
-                throw new Error(`This saved page reads numbers alone, and ${p.path}=${pieces.get(p.path)} is none.`);
+            const start = numbers.get(p.path) ?? [base.start[p.path] ?? p.default].flat();
             return { ...p, value: Array.from({ length: p.width }, (_, c) => start[c] ?? start[0]) };
         });
         return { ...found, parameters };
