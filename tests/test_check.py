@@ -113,6 +113,7 @@ NAN = {"energy", "reciprocity", "sampling", "isotropy", "continuity"}
 CAUGHT: dict[str, set[str]] = {
     "albedo_of_x": {"albedo", "isotropy"},
     "below_horizon": {"sampling"},
+    "blue_left_out": {"sampling"},
     "brushed": {"isotropy"},
     "bump_in_parameter": {"monotonicity"},
     "cancelling": {"finite"},
@@ -124,6 +125,7 @@ CAUGHT: dict[str, set[str]] = {
     "faint_step": {"continuity"},
     "green_gain": {"energy"},
     "growing": {"monotonicity"},
+    "growing_when_wet": {"monotonicity"},
     "half_sampler": {"isotropy"},
     "infinite_gradient": {"gradient"},
     "missing_cosine": {"reciprocity"},
@@ -140,6 +142,7 @@ CAUGHT: dict[str, set[str]] = {
     "pdf_half_percent": {"sampling"},
     "pdf_tilted": {"sampling"},
     "pi_twice": {"energy", "albedo"},
+    "reported_elsewhere": {"sampling"},
     "rho_cubed": {"albedo"},
     "rounded_claim": {"energy"},
     "sharp_density": {"sampling"},

@@ -21,7 +21,7 @@ from gonio.check import hemisphere
 from gonio.check.adversarial import hard_parameters, special_parts
 from gonio.check.energy import dimensions, spread_out, starts, viewer
 from gonio.check.hemisphere import CELLS, COSINE_SECOND, PDF, SECOND, UNREACHED
-from gonio.check.kernels import draw, evaluate_only, reflect, sample
+from gonio.check.kernels import draw, evaluate, reflect, sample
 from gonio.check.report import FAIL, NOTE, PASS, Effort, Finding, Report, judge
 from gonio.check.search import maximise
 from gonio.check.statistics import chi2_limit, chi2_tail, noncentral_tail
@@ -95,6 +95,7 @@ def check(subject: Subject, effort: Effort) -> Report:
         for row, test in enumerate(first)
     ]
     findings += _judged(subject, points, tests, first, effort)
+    findings += _reported(subject, points, tests, screened)
     return Report("sampling", subject.name, tuple(findings), time.perf_counter() - start)
 
 
@@ -110,6 +111,20 @@ def screened_points(subject: Subject, count: int, seed: int) -> Array:
     )
 
 
+def _at_ends(subject: Subject, most: int, seed: int) -> Array:
+    """Points with each number in turn, and each channel of a colour, exactly at each of its ends.
+
+    The others are random: a lobe that is chosen by one number alone is never drawn there. Of more than
+    `most` points those are random as well.
+    """
+    rng = np.random.default_rng(seed)
+    count = len(subject.parameters)
+    points = rng.random((2 * count, dimensions(subject)))
+    number = np.arange(count)
+    points[2 * number, number], points[2 * number + 1, number] = 0.0, 1.0
+    return rng.permutation(points)[:most]
+
+
 @dataclass(frozen=True)
 class Screened:
     """Points with few samples each: how suspicious they are (above 1), and what they never sample."""
@@ -122,14 +137,21 @@ class Screened:
     shape: Array
     unreached: Array
     """Albedo in directions that are never drawn."""
+    different: Array
+    """Largest relative difference between the reported density and that of `pdf`."""
+    which: Array
+    """The sample that has it."""
+    below: Array
+    """Samples below the horizon with a density."""
 
 
 def _screened(subject: Subject, effort: Effort) -> Screened:
-    """Hard rows of parameters, and some that are merely random."""
+    """Hard rows of parameters, some that are merely random, and those with one number at an end."""
     rng = np.random.default_rng(43)
     points = [
         screened_points(subject, effort.screened, 41),
         rng.random((EVEN, dimensions(subject))),
+        _at_ends(subject, effort.screened, 46),
     ]
     return screen(subject, np.concatenate(points))
 
@@ -164,7 +186,8 @@ def screen(subject: Subject, points: Array) -> Screened:
     cut = hemisphere.partition(subject, parameters, wo, hemisphere.FEWER, SCREEN_SAMPLES, samples)
     found = hemisphere.integrate(subject, parameters, wo, cut, INTEGRALS, 1)
     n = len(points)
-    kept, mean, scatter = _few(subject, parameters, wo, *samples)
+    few = _few(subject, parameters, wo, *samples)
+    kept, mean, scatter = few.kept, few.mean, few.scatter
     total = found.total
     # The rule's own error, of which this is four times an estimate
     error = 4 * found.error
@@ -180,6 +203,9 @@ def screen(subject: Subject, points: Array) -> Screened:
         weight / (SUSPICIOUS * np.maximum(albedo, 1e-3)),
         shape / CROWDED,
         total[:, UNREACHED],
+        few.different,
+        few.which,
+        few.below,
     ]
     return Screened(points, *(np.where(np.isnan(score), np.inf, score) for score in scores))
 
@@ -189,18 +215,41 @@ SCREEN_SAMPLES = hemisphere.FEWER_PROBES
 QUASI = 4e-3
 
 
-def _few(
-    subject: Subject, parameters: Array, wo: Array, wi: Array, reported: Array
-) -> tuple[Array, Array, Array]:
-    """Part of the samples that is kept, mean weight and its standard deviation, for every row."""
+@dataclass(frozen=True)
+class Few:
+    """What a few samples of each point have shown, (points,) each."""
+
+    kept: Array
+    """Part of them that is kept."""
+    mean: Array
+    """Of the weights, and their standard deviation."""
+    scatter: Array
+    different: Array
+    """Largest relative difference between the reported density and that of `pdf`, and whose it is."""
+    which: Array
+    below: Array
+    """Samples below the horizon with a density."""
+
+
+def _few(subject: Subject, parameters: Array, wo: Array, wi: Array, reported: Array) -> Few:
     index = repeated(len(parameters), len(wi) // len(parameters))
-    f = evaluate_only(subject, parameters, index, wi, wo[index])
+    f, pdf = evaluate(subject, parameters, index, wi, wo[index])
     good = (reported > 0) & (wi[:, 2] > 0)
     with np.errstate(invalid="ignore", over="ignore"):
         weight = np.where(good, f.mean(axis=1) * wi[:, 2] / np.where(good, reported, 1), 0)
-    weight = weight.reshape(len(parameters), -1)
-    kept = good.reshape(weight.shape).mean(axis=1)
-    return kept, weight.mean(axis=1), weight.std(axis=1)
+        different = np.where(good, np.abs(pdf - reported) / np.where(good, reported, 1), 0)
+    low = (reported > 0) & (wi[:, 2] <= 0)
+    weight, kept, different, below = (
+        value.reshape(len(parameters), -1) for value in (weight, good, different, low)
+    )
+    return Few(
+        kept.mean(axis=1),
+        weight.mean(axis=1),
+        weight.std(axis=1),
+        different.max(axis=1),
+        different.argmax(axis=1),
+        below.sum(axis=1),
+    )
 
 
 # --- one test ------------------------------------------------------------------------------------
@@ -403,17 +452,6 @@ def _judged(
     text = f"integral {t.integral:.6g}, {t.kept:.6g} of the samples have a direction"
     findings.append(finding("density off 1 - wasted", row, abs(t.integral - t.kept), verdict, text))
 
-    # What is reported
-    row = _worst([t.different for t in tests])
-    same = SAME_FLOAT32 if subject.float32 else SAME
-    verdict = PASS if tests[row].different <= same else FAIL
-    text = f"largest relative difference between sample's density and pdf, at most {same:g}"
-    findings.append(finding("reported density", row, tests[row].different, verdict, text))
-    row = int(np.argmax([t.below for t in tests]))
-    if tests[row].below:
-        text = "samples below the horizon have a density above 0"
-        findings.append(finding("below the horizon", row, float(tests[row].below), FAIL, text))
-
     # The mean weight
     missed = [t.mean_off() for t in tests]
     row = _worst(missed)
@@ -430,6 +468,36 @@ def _judged(
         f"cosine sampling; largest weight {max(s.largest for s in tests):.3g}"
     )
     findings.append(finding("variance", row, t.variance / max(t.albedo, 1e-9) ** 2, NOTE, text))
+    return findings
+
+
+def _reported(
+    subject: Subject, points: Array, tests: list[Sampled], screened: Screened
+) -> list[Finding]:
+    """The density that a sampler reports, at the settings that were tested and all that were looked at."""
+    different = np.concatenate([screened.different, [t.different for t in tests]])
+    below = np.concatenate([screened.below, [t.below for t in tests]])
+    points = np.concatenate([screened.points, points])
+
+    def finding(
+        what: str, row: int, measured: float, verdict: str, text: str, u: Array | None = None
+    ) -> Finding:
+        parameters, wo = viewer(subject, points[row : row + 1])
+        case = (parameters[0], wo[0], wo[0])
+        replay = subject.replay(*case, u=u)
+        return Finding(what, measured, verdict, text, subject.tag(), replay, case)
+
+    row = _worst(list(different))
+    same = SAME_FLOAT32 if subject.float32 else SAME
+    verdict = PASS if different[row] <= same else FAIL
+    text = f"largest relative difference between sample's density and pdf, at most {same:g}"
+    few = row < len(screened.points)  # those samples are known one by one
+    u = even(SCREEN_SAMPLES)[int(screened.which[row])] if few else None
+    findings = [finding("reported density", row, float(different[row]), verdict, text, u)]
+    row = int(np.argmax(below))
+    if below[row]:
+        text = "samples below the horizon have a density above 0"
+        findings.append(finding("below the horizon", row, float(below[row]), FAIL, text))
     return findings
 
 
