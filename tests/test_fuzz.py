@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from drjit.llvm import Float64
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 from support.tolerances import SINGLE
@@ -190,13 +190,14 @@ def test_a_density_with_a_claim_of_its_own_is_held_to_it() -> None:
     assert density.replay.startswith("pdf: gonio eval")
 
 
+@example(-4, -5.97, -17.7, -9, 1.003)  # light and viewer opposite, of which one is in the horizon
 @given(
     st.floats(-4, 0), st.floats(-18, 0), st.floats(-18, 0), st.floats(-18, 0), st.floats(0, 6.28)
 )
-def test_no_more_of_a_density_is_excused_than_its_exponential_loses(
+def test_no_more_is_excused_of_values_and_densities_than_an_exponential_loses(
     log_alpha: float, log_i: float, log_o: float, log_turn: float, phi: float
 ) -> None:
-    # Beckmann's facets in numbers without an end: D m.z / (4 wo.m) of a half vector as long as h
+    # Beckmann's facets in V-grooves, in numbers without an end; h is the half vector before it is unit
     mp.dps = 50
     alpha, mu_i, mu_o = (mpf(10) ** power for power in (log_alpha, log_i, log_o))
     turn = mpf(10) ** log_turn
@@ -206,20 +207,22 @@ def test_no_more_of_a_density_is_excused_than_its_exponential_loses(
     h2 = tangential2 + z**2
     tail = tangential2 / (z * alpha) ** 2
     cos2 = z**2 / h2
-    density = mp.exp(-tail) / (mp.pi * alpha**2 * cos2**2) * z / (2 * h2)
-    lost = density if tail > 126 * mp.log(2) else mpf(0)
+    D = mp.exp(-tail) / (mp.pi * alpha**2 * cos2**2)
+    lost = D if tail > 126 * mp.log(2) else mpf(0)
+    lower, higher = min(mu_i, mu_o), max(mu_i, mu_o)
+    G = min(mpf(1), 4 * z * lower / h2)  # 2 m.z mu / wo.m
     subject = ModelSubject(gonio.models()["ward"](form="balanced"))
 
-    def left(error: float) -> float:
-        low, high, higher = (Float64(number) for number in (0.0, error, float(max(mu_i, mu_o))))
-        return float(
-            finite.departures(subject, [low] * 4, [high] * 4, higher)[finite.DENSITY][0][0]
-        )
+    def left(error: mpf, column: int) -> float:
+        low, high, cosine = (Float64(float(number)) for number in (0, error, higher))
+        return float(finite.departures(subject, [low] * 4, [high] * 4, cosine)[column][0][0])
 
-    assert left(float(lost)) == 0
+    value, density = finite.NAMES.index("eval"), finite.DENSITY
+    assert left(lost * G / (4 * mu_i * mu_o), value) == 0
+    assert left(lost * z / (2 * h2), density) == 0  # D m.z / (4 wo.m)
     # Twice what the narrowest facets can lose is not excused
-    larger = 4e-31 / float(max(mu_i, mu_o))
-    assert left(larger) > 0.5 * larger
+    for larger, column in ((8e-31 / higher**2, value), (4e-31 / higher, density)):
+        assert left(larger, column) > 0.5 * float(larger)
 
 
 def test_a_search_leaves_other_files_alone(tmp_path: Path) -> None:

@@ -54,8 +54,9 @@ ROUNDINGS = 8
 WAYS = ((True, 1), (False, 1), (True, ROUNDINGS), (False, ROUNDINGS))
 
 # The narrowest distribution of facets, D, ends where its exponential leaves a float32. A value is D times
-# G / (4 mu_i mu_o), and G is at most the smaller cosine over the larger one: D over four times the square
-# of the larger. A density is D m.z / (4 wo.m), and wo.m at least half the larger: D over twice the larger.
+# G / (4 mu_i mu_o), and G at most the smaller cosine over the larger one, of V-grooves four times that: D
+# over the square of the larger. A density is D m.z / (4 wo.m), and wo.m at least half the larger: D over
+# twice the larger.
 D_END = 2.0**-126 / (np.pi * ALPHA_MIN * ALPHA_MIN)
 
 # What float32 is allowed to be off by, where a model documents nothing else.
@@ -420,7 +421,7 @@ def departures(
         least = FAR_TAIL  # a float32 ends at 1e-38
         if NAMES[column] == "eval":
             least = ZERO_CROSSING if crossing else least
-            error = dr.maximum(error - 0.25 * D_END / higher / higher, 0)
+            error = dr.maximum(error - D_END / higher / higher, 0)
         elif column == DENSITY:
             least = RIM if clipped else least
             error = dr.maximum(error - 0.5 * D_END / higher, 0)
