@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from gonio.check import failed
+from gonio.check.mitsuba_bsdf import SCOPE
 from gonio.check.report import FAIL, NOTE, PASS, UNSURE, Report, summary, table
 
 
@@ -24,7 +25,13 @@ def lines(reports: Sequence[Report]) -> list[str]:
         seconds = sum(r.seconds for r in own)
         verdict = state(own)
         said = "not judged" if verdict in (UNSURE, NOTE) else verdict
-        found += [f"{name}: {said}", *table(own), f"  {summary(own)} in {seconds:.1f} s", ""]
+        left_out = [f.text for r in own if r.check == SCOPE for f in r.findings]
+        found += [
+            f"{name}: {'; '.join([said, *left_out])}",
+            *table(own),
+            f"  {summary(own)} in {seconds:.1f} s",
+            "",
+        ]
     return found[:-1]
 
 

@@ -31,6 +31,9 @@ FIBRES = "hair"
 # Places at which is looked for a texture, and what roundings change there.
 PLACES, SAME = 256, 1e-5
 
+# Name of the report on what is left out of the checks.
+SCOPE = "scope"
+
 # Divides f cos(theta_i); far below any cosine that float32 directions of the search have.
 COSINE_MIN = 1e-30
 
@@ -171,7 +174,7 @@ class MitsubaSubject:
             return []
         text = f"not checked: {' and '.join(self.left_out)}"
         finding = Finding("left out", float(len(self.left_out)), NOTE, text)
-        return [Report("scope", self.name, (finding,))]
+        return [Report(SCOPE, self.name, (finding,))]
 
 
 class _Bound:
