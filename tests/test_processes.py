@@ -63,6 +63,17 @@ def test_an_error_here_ends_the_processes() -> None:
     assert [process.poll() is None for process in started] == [False, False]
 
 
+def test_where_none_can_be_started_all_is_done_here(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refused() -> None:
+        raise BlockingIOError("no process is left to this user")
+
+    monkeypatch.setattr(processes, "_start", refused)
+    with Processes(3) as others:
+        found = others.results(2, lambda n: Task.of("os:getpid", "its number"), lambda n: n)
+        assert others.results(0, lambda n: Task.of("os:getpid", ""), lambda n: n) == []
+    assert found == [0, 1]
+
+
 def test_a_process_ends_with_the_one_that_asked_for_it() -> None:
     process = processes._start()
     assert process.stdin is not None

@@ -44,7 +44,10 @@ class Processes:
         self._more = threading.Semaphore(0)
         self._landed: queue.SimpleQueue[tuple[int, bytes]] = queue.SimpleQueue()
         self._said: set[str] = set()
-        running = [_start() for _ in range(count)]
+        running: list[subprocess.Popen[bytes]] = []
+        with contextlib.suppress(OSError):  # where no more may be started, fewer help
+            for _ in range(count):
+                running.append(_start())
         self._close = weakref.finalize(self, _stop, running, self._more)
         for process in running:
             lane = (process, self._waiting, self._more, self._landed)
@@ -77,7 +80,8 @@ class Processes:
         """
         found: dict[int, Any] = {}
         self._waiting.extend((number, task) for number in range(count))
-        self._more.release(count)
+        for _ in range(count):
+            self._more.release()
         while len(found) < count:
             if progress is not None:
                 progress(len(found), count)
@@ -107,14 +111,20 @@ class Processes:
 
 
 def _start() -> subprocess.Popen[bytes]:
-    # The same search path as here, whatever the working folder holds; Ctrl-C is this process' to hear
+    # The same search path as here, whatever the working folder holds; Ctrl-C is this process' to hear, and
+    # what a model says has been said here
     code = (
         "import signal, sys; signal.signal(signal.SIGINT, signal.SIG_IGN)\n"
         f"sys.path[:] = {sys.path!r}\n"
         f"from gonio.cluster import processes; processes.serve({backend.current()!r})"
     )
     command = [sys.executable, "-c", code]
-    return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    return subprocess.Popen(
+        command,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+    )
 
 
 def _lane(
