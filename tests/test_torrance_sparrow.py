@@ -346,3 +346,15 @@ def test_stretched_beckmann_facets_waste_what_their_slopes_mirror_below_the_hori
     claimed = model.claims.size("wasted", {"distribution": "beckmann", "masking": "kelemen"})
     assert claimed is not None
     assert 0.97 * claimed < expected < claimed
+
+
+def test_what_facets_lose_keeps_its_digits_in_float32_at_any_width() -> None:
+    """Two and a half of the last digits of a float32; powers of 2 alpha - 1 cancelled, and left 5e-6."""
+    rng = np.random.default_rng(8)
+    mu, alpha = (10 ** rng.uniform(low, 0, 100_000) for low in (-6, -4))
+    mu, alpha = mu.astype(np.float32), alpha.astype(np.float32)
+    single, double = (
+        np.array(ggx_loss.loss(Float(mu), Float(alpha)), dtype=np.float64)
+        for Float in (dr.llvm.Float, dr.llvm.Float64)
+    )
+    assert np.abs(single / double - 1).max() < 2e-6

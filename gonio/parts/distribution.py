@@ -452,7 +452,7 @@ class Gaussian(NamedTuple):
     def D(self, m: Vec3) -> Float:
         """Density of facets, in 1/sr; with c normalised."""
         t = _angle(m) / self.alpha
-        return INV_PI * exp(-t * t) / (self.alpha * self.alpha * self.norm())
+        return INV_PI / (self.alpha * self.alpha * self.norm()) * exp(-t * t)
 
     def norm(self) -> Float:
         """Integral of exp(-(theta / alpha)^2) cos(theta) over the hemisphere, over pi alpha^2.
@@ -483,7 +483,7 @@ class Gaussian(NamedTuple):
         t = theta / self.alpha
         sine = safe_sqrt(m.x * m.x + m.y * m.y)
         ratio = select(sine > MU_MIN, theta / maximum(sine, MU_MIN), 1)
-        return INV_PI * exp(-t * t) * ratio / (self.alpha * self.alpha * self.covered())
+        return INV_PI / (self.alpha * self.alpha * self.covered()) * ratio * exp(-t * t)
 
 
 def _angle(m: Vec3) -> Float:
