@@ -15,6 +15,16 @@ import numpy as np
 class ModelError(ValueError):
     """An unknown model, parameter or option, or a value out of its range."""
 
+    about: str = ""
+    """The declaration or method of a class that is wrong, for whoever knows the class's file."""
+
+
+def wrong(about: str, message: str) -> ModelError:
+    """An error about a declaration or a method of a class."""
+    error = ModelError(message)
+    error.about = about
+    return error
+
 
 @dataclass
 class Parameter:

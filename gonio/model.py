@@ -36,7 +36,7 @@ from gonio.albedos import quadrature
 from gonio.albedos.numeric import for_quadrature, mean_over_directions
 from gonio.albedos.quadrature import NumericAlbedo
 from gonio.claims import Claims
-from gonio.fields import ModelError, Option, Parameter, framework, shown
+from gonio.fields import ModelError, Option, Parameter, framework, shown, wrong
 from gonio.horizon import GUARDS
 from gonio.lang import Color, Float, Sample, Vec2, Vec3
 from gonio.messages import did_you_mean
@@ -95,7 +95,16 @@ def param(
     A parameter that is the width of a highlight says by a function of `gonio.parts.roughness` on which
     scale, so that a rough coat can widen it. `kind` says what a number is where its name does not, such as
     "index" (see `gonio.export.manifest.kind`): it decides how hosts show it.
+
+    Raises:
+        ModelError: ends that are no numbers, or in the wrong order, or a meaning that is no text.
     """
+    numbers = all(isinstance(v, (int, float)) and not isinstance(v, bool) for v in (low, high))
+    if not numbers or not low < high or not isinstance(doc, str):
+        raise ModelError(
+            'write param(default, low, high, "what it means") with low < high, '
+            f"not param({default!r}, {low!r}, {high!r}, {doc!r})."
+        )
     return Parameter(default, low, high, doc, rougher=rougher, kind=kind)
 
 
@@ -178,7 +187,7 @@ class Model:
                 declared.name = name
                 if isinstance(declared, Parameter):
                     declared.width = _width(cls, name)
-                    declared.default = declared.check(cls.name, declared.default)
+                    declared.default = _default(cls, declared)
                 cls.fields[name] = declared
                 delattr(cls, name)
         quadrature.check_declared(cls, cls.writes)
@@ -498,17 +507,29 @@ def _check_written(cls: type[Model]) -> None:
                     f"{cls.__name__}: {base.__name__} has {found[0]}, but is no model; write "
                     f"class {base.__name__}(Model, register=False)."
                 )
+    annotated = inspect.get_annotations(cls, eval_str=False)
     for name, value in vars(cls).items():
-        if isinstance(value, Field) and (name in vars(Model) or name in Model.__annotations__):
-            raise ModelError(
-                f"{cls.__name__}: every model has {name}; give the parameter another name."
+        known = vars(Model).get(name)
+        if isinstance(value, Field) and (known is not None or name in Model.__annotations__):
+            raise wrong(
+                name, f"{cls.__name__}: every model has {name}; give the parameter another name."
             )
-        if name not in GUARDS:
-            continue
-        wanted = list(inspect.signature(vars(Model)[name]).parameters)
-        given = list(inspect.signature(value).parameters) if inspect.isfunction(value) else []
-        if len(given) != len(wanted):
-            raise ModelError(f"{cls.__name__}: write def {name}({', '.join(wanted)}).")
+        if inspect.isfunction(value) and name in annotated:
+            raise wrong(
+                name,
+                f"{cls.__name__}: {name} is a parameter and a method; give one of them another name.",
+            )
+        if name in GUARDS:
+            wanted = list(inspect.signature(vars(Model)[name]).parameters)
+            given = list(inspect.signature(value).parameters) if inspect.isfunction(value) else []
+            swapped = given != wanted and sorted(given) == sorted(wanted)
+            if len(given) != len(wanted) or swapped:
+                raise wrong(name, f"{cls.__name__}: write def {name}({', '.join(wanted)}).")
+        elif name[:2] != "__" and inspect.isroutine(known) and not inspect.isroutine(value):
+            raise wrong(
+                name,
+                f"{cls.__name__}: {name} is a method of every model; give what is not one another name.",
+            )
 
 
 def _width(cls: type[Model], name: str) -> int:
@@ -517,14 +538,24 @@ def _width(cls: type[Model], name: str) -> int:
         declared = (inspect.get_annotations(base, eval_str=True) for base in cls.__mro__)
         hint = next((hints[name] for hints in declared if name in hints), None)
     except NameError as error:
-        raise ModelError(
-            f"{cls.name}: the annotation {error.name} is not known; import it at the top of the file."
+        raise wrong(
+            name,
+            f"{cls.name}: the annotation {error.name} is not known; import it at the top of the file.",
         ) from None
     if hint is not Color and hint is not Float:
-        raise ModelError(
-            f"{cls.name}: write {name}: Float = param(...) or {name}: Color = param(...)."
+        raise wrong(
+            name, f"{cls.name}: write {name}: Float = param(...) or {name}: Color = param(...)."
         )
     return 3 if hint is Color else 1
+
+
+def _default(cls: type[Model], declared: Parameter) -> Any:
+    """A parameter's default, as it is checked for all values."""
+    try:
+        return declared.check(cls.name, declared.default)
+    except ModelError as error:
+        error.about = declared.name
+        raise
 
 
 def as_written(method: Any) -> Any:

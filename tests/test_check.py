@@ -31,7 +31,18 @@ from gonio.check import (
 )
 from gonio.check.continuity import find, find_in_parameters
 from gonio.check.kernels import evaluate
-from gonio.check.report import EFFORTS, FAIL, KNOWN, PASS, Finding, Report, judge, junit, table
+from gonio.check.report import (
+    EFFORTS,
+    FAIL,
+    KNOWN,
+    NOTE,
+    PASS,
+    Finding,
+    Report,
+    judge,
+    junit,
+    table,
+)
 from gonio.check.search import maximise
 from gonio.check.subject import ModelSubject, cosine_at, directions
 from gonio.check.variants import part_of, value_at
@@ -815,6 +826,7 @@ def test_evaluation_in_batches_is_that_of_the_model() -> None:
 
 MODEL = """
 import math
+from math import sqrt as root
 
 import numpy as np
 
@@ -825,6 +837,7 @@ from gonio.parts.hemisphere import pdf_cosine, sample_cosine
 
 class Mine(Model):
     rho: Color = param((0.5, 0.5, 0.5), 0, 0.9, "colour")
+    k: Float = param(0.3, 0, 1, "number")
     {declaration}
 
     def eval(self, wi: Vec3, wo: Vec3) -> Color:
@@ -837,7 +850,19 @@ class Mine(Model):
     def pdf(self, wi: Vec3, wo: Vec3) -> Float:
         return pdf_cosine(wi)
 """
-DECLARED, VALUE, SAMPLED = 13, 16, 20  # the lines of the three gaps
+DECLARED, VALUE, SAMPLED = 15, 18, 22  # the lines of the three gaps
+
+
+def mine(tmp_path: Path, gap: str, text: str) -> type[Model]:
+    """The model above with something else in one of its gaps."""
+    good = {
+        "declaration": "pass",
+        "value": "return self.rho * INV_PI",
+        "sample": "return Sample(wi, pdf_cosine(wi))",
+    }
+    path = tmp_path / "mine.py"
+    path.write_text(MODEL.format(**good | {gap: text}))
+    return model_file.load(path)
 
 
 @pytest.mark.parametrize(
@@ -856,21 +881,82 @@ DECLARED, VALUE, SAMPLED = 13, 16, 20  # the lines of the three gaps
         ("sample", "return wi", SAMPLED, "return Sample(wi, pdf)"),
         ("declaration", "alpha: Float = 0.3", DECLARED, "alpha: Float = param(0.3"),
         ("declaration", "alpha: Float", DECLARED, "without param()"),
+        # Decisions about what parameters are, which differ between the rays of one call
+        ("value", "return self.rho if self.k > 0.5 else 0 * self.rho", VALUE, "select(condition"),
+        ("value", "return self.rho * (1 if self.rho.x == 0 else 2)", VALUE, "select(condition"),
+        ("value", "assert self.k < 0.5", VALUE, "leave it out"),
+        ("value", "return self.rho * (0 < wi.z < 1)", VALUE, "(a < x) & (x < b)"),
+        ("value", "return self.rho * sum([1 for i in range(self.k)])", VALUE, "range(8)"),
+        ("value", "return self.rho * int(wi.z)", VALUE, "int() makes one number of many"),
+        ("value", "return self.rho * float(f'{wi.z:.3f}')", VALUE, "has no text"),
+        ("value", "return self.rho * pdf_cosine()", VALUE, "write pdf_cosine(w)"),
+        ("value", "return self.rho * pdf_cosine", VALUE, "write pdf_cosine(w)"),
+        ("value", "return self.rho * self.pdf(wi)", VALUE, "write self.pdf(wi, wo)"),
+        ("value", "return self.rho * self.half(wi)", VALUE, "has no 'half'"),
+        (
+            "value",
+            "return self.rho * half_vector(wi, wo).z",
+            VALUE,
+            "from gonio.parts.frame import",
+        ),
+        ("value", "return self.rho * wi.dot(wo)", VALUE, "write dot(...) of gonio.lang"),
+        ("value", "return self.rho * root(wi.z)", VALUE, "root does not work on the values"),
+        ("value", "return self.rho.x, self.rho.y, self.rho.z", VALUE, "write return vec3(x, y, z)"),
+        ("value", "return wi.z > 0.5", VALUE, "returns a mask; write return select(mask, yes, no)"),
+        ("value", "return super().evaluate(wi, wo)", VALUE, "no class above"),
+        ("value", "self.k += 1", VALUE, "give the value a name of its own"),
+        ("value", "x = self.k; x += 1; return self.rho * x", VALUE, "changes self.k itself"),
+        ("sample", "return Sample(pdf_cosine(wi), wi)", SAMPLED, "return Sample(wi, pdf)"),
+        ("sample", "return Sample(wi, density=1)", SAMPLED, "write Sample(wi, pdf)"),
+        # What Python tells when the class is made
+        ("declaration", "alpha: Float = param(3, 0, 1, '')", DECLARED, "allowed is 0 to 1"),
+        ("declaration", "alpha: Float = param(0.3, 0, 1)", DECLARED, "param(default, low, high"),
+        ("declaration", "alpha: Float = param(0.3, 1, 0, '')", DECLARED, "with low < high"),
+        ("declaration", "alpha = param(0.3, 0, 1, '')", DECLARED, "write alpha: Float = param"),
+        ("declaration", "alpha: Flaot = param(0.3, 0, 1, '')", DECLARED, "did you mean 'Float'"),
+        ("declaration", "replace = 3", DECLARED, "is a method of every model"),
+        ("declaration", "def albedo(wo): return wo", DECLARED, "write def albedo(self, wo)"),
+        ("declaration", "def albedo(self, wo): return wo.z > 0.5", DECLARED, "returns a mask"),
+        ("declaration", "from gonio.lang import clip", DECLARED, "did you mean clamp?"),
     ],
 )
 def test_a_mistake_gets_its_line_and_what_to_write(
     tmp_path: Path, gap: str, text: str, line: int, advice: str
 ) -> None:
-    good = {
-        "declaration": "pass",
-        "value": "return self.rho * INV_PI",
-        "sample": "return Sample(wi, pdf_cosine(wi))",
-    }
-    path = tmp_path / "mine.py"
-    path.write_text(MODEL.format(**good | {gap: text}))
     with pytest.raises(ModelError) as caught_:
-        check.check_model(model_file.load(path), "quick", only=["isotropy"])
+        check.check_model(mine(tmp_path, gap, text)(), "quick", only=["isotropy"])
     message = str(caught_.value)
-    assert message.startswith(f"{path}, line {line}: ")
+    assert message.startswith(f"{tmp_path / 'mine.py'}, line {line}: ")
     assert advice in message
     assert "\n" not in message
+
+
+@pytest.mark.parametrize(
+    ("gap", "text", "line", "advice"),
+    [
+        ("value", "return self.rho * wi[2]", VALUE, "write v.x, v.y, v.z"),
+        ("value", "return self.rho * len(self.k)", VALUE, "write the number itself"),
+        ("value", "return self.rho * {'a': wi.z}['a']", VALUE, "(subscript) cannot be exported"),
+        ("value", "return self.k * INV_PI", VALUE, "one number for all three channels"),
+        ("sample", "return Sample(sample_cosine(u * 0.5), 1)", SAMPLED, "compute with its x and y"),
+        ("sample", "return Sample(sample_cosine(wo), 1)", SAMPLED, "must be a Vec2"),
+    ],
+)
+def test_what_only_python_understands_is_noted_with_its_line(
+    tmp_path: Path, gap: str, text: str, line: int, advice: str
+) -> None:
+    """The exporter's own reader is what says it: these files work on arrays."""
+    reports = check.check_model(mine(tmp_path, gap, text)(), "quick", only=["isotropy"])
+    assert (reports[0].check, reports[0].verdict) == ("language", NOTE)
+    (text,) = (f.text for f in reports[0].findings)
+    assert text.startswith(f"{tmp_path / 'mine.py'}, line {line}: ")
+    assert advice in text
+
+
+def test_what_stops_later_in_a_check_gets_its_line_too(tmp_path: Path) -> None:
+    """Two rays are tried beforehand; here more of them are too many."""
+    cls = mine(tmp_path, "value", "return self.rho * (1, 1)[len(wi.z) - 1]")
+    with pytest.raises(ModelError) as caught_:
+        check.check_model(cls(), "quick", only=["isotropy"])
+    start = f"{tmp_path / 'mine.py'}, line {VALUE}: "
+    assert str(caught_.value).startswith(start)

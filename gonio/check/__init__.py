@@ -33,6 +33,7 @@ from gonio.check import (
 from gonio.check.adversarial import hard_numbers, hard_pairs, hard_parameters
 from gonio.check.report import (
     EFFORTS,
+    NOTE,
     PASS,
     Effort,
     Finding,
@@ -130,6 +131,10 @@ class Step:
 
     def run(self) -> Report:
         """Measure."""
+        with faults(self.subject):
+            return self._run()
+
+    def _run(self) -> Report:
         report = CHECKS[self.check](self.subject, self.effort)
         if report.overstated and self.effort.full is not None:
             # That nothing comes near a documented size is said after a whole search
@@ -204,6 +209,29 @@ def _check_subjects(
     return Reports(report for report in found.values() if report.findings)
 
 
+def notes(these: Iterable[Subject]) -> list[Report]:
+    """What was left out of the checks of these, and what else is to be known, each once."""
+    found: dict[tuple[str, str], dict[Finding, None]] = {}
+    for subject in these:
+        if len(subject.varied) < 2:  # what two options do together, each does by itself
+            for remark in subject.notes():
+                own = found.setdefault((remark.check, subject.name), {})
+                own[Finding(remark.what, 0.0, NOTE, remark.text)] = None
+    return [Report(*key, tuple(findings)) for key, findings in found.items()]
+
+
+@contextlib.contextmanager
+def faults(subject: Subject) -> Iterator[None]:
+    """What goes wrong inside a subject's own code, in the subject's words."""
+    try:
+        yield
+    except Exception as error:
+        better = subject.fault(error)
+        if better is error:
+            raise
+        raise better from error
+
+
 def _alike(
     these: Sequence[Subject], of_values: bool, of_samples: bool
 ) -> tuple[dict[str, str], dict[str, str]]:
@@ -224,11 +252,12 @@ def _alike(
     for subject in these:
         if subject.parameters != these[0].parameters:  # another kind of subject
             continue
-        f, pdf = kernels.evaluate(subject, parameters, index, wi, wo)
-        given = (
-            _values(subject, parameters, wo, f) if of_values else None,
-            _samples(subject, parameters, index, wo, pdf) if of_samples else None,
-        )
+        with faults(subject):
+            f, pdf = kernels.evaluate(subject, parameters, index, wi, wo)
+            given = (
+                _values(subject, parameters, wo, f) if of_values else None,
+                _samples(subject, parameters, index, wo, pdf) if of_samples else None,
+            )
         for found, before, bits in zip(alike, seen, given, strict=True):
             twin = subject if bits is None else before.setdefault((subject.name, bits), subject)
             if twin is not subject:
@@ -299,7 +328,9 @@ def check_model(
         label: how the model is called on the command line, if not by its name.
         progress: called with what is done and what there is to do.
     """
-    return check_subjects(subjects(model, fixed, label), effort, only, progress)
+    these = subjects(model, fixed, label)
+    reports = check_subjects(these, effort, only, progress)
+    return Reports([*notes(these), *reports])
 
 
 def check_all(

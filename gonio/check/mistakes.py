@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import ast
 import inspect
-import linecache
+import math
 import re
 import textwrap
-import traceback
 from collections.abc import Iterator
 from typing import Any
 
@@ -19,10 +18,10 @@ import drjit as dr
 import numpy as np
 
 from gonio import lang
-from gonio.arrays.kernel import opaque
 from gonio.check.special import inner_models
 from gonio.fields import ModelError, Parameter
-from gonio.messages import nearest
+from gonio.materials.advice import LANGUAGE, Stop, advice, own_files, place, stop
+from gonio.materials.model_file import path_of
 from gonio.model import Model, as_written
 
 # Methods, what they are given, and what they return: the width and how it is called.
@@ -31,33 +30,14 @@ METHODS = {
     "pdf": (("wi", "wo"), 1, "a Float"),
     "sample": (("wo", "u"), 0, "Sample(wi, pdf)"),
     "albedo": (("wo",), 3, "a Color"),
-}
-
-# Names by which Python's own mathematics is called in a line of code.
-FOREIGN = re.compile(r"\b(np|numpy|math|torch|jnp|cmath)\.(\w+)")
-
-# What the same is called in gonio.lang, where it has another name.
-SPELLED = {
-    "arccos": "safe_acos",
-    "acos": "safe_acos",
-    "arcsin": "safe_asin",
-    "asin": "safe_asin",
-    "where": "select",
-    "clip": "clamp",
-    "pow": "power",
-    "abs": "absolute",
-    "fabs": "absolute",
-    "min": "minimum",
-    "max": "maximum",
-    "linalg": "length",
-    "pi": "PI",
-    "array": "vec3",
-    "if": "select",
+    "mean_albedo": ((), 3, "a Color"),
 }
 
 
-def find(model: Model, Float: Any) -> None:
+def find(model: Model, Float: Any) -> list[str]:
     """Raise a ModelError about the first mistake in a model or in one inside it.
+
+    Returns what may be meant as it is, but looks like a mistake.
 
     Args:
         model: what is looked at.
@@ -66,9 +46,24 @@ def find(model: Model, Float: Any) -> None:
     Raises:
         ModelError: with the file, the line, and what to write.
     """
+    found = []
     for one in [model, *inner_models(model)]:
         _undeclared(one.written)
-        _called(one, Float)
+        found += _called(one, Float)
+    return found
+
+
+def notes(model: Model, Float: Any) -> list[str]:
+    """What works in Python, but is outside the language or looks like a mistake: file, line and words.
+
+    Files of gonio itself are not looked at.
+    """
+    if path_of(model.written) is None:
+        return []
+    from gonio.export.outside import outside  # takes a tenth of a second
+
+    read = (f"{place(*e.place)}: {e.reason}" for e in outside(model) if e.place)
+    return [*find(model, Float), *read]
 
 
 def _undeclared(cls: type[Model]) -> None:
@@ -92,11 +87,13 @@ def _word(kind: Any) -> str:
     return next((name for name, value in known.items() if kind is value), "")
 
 
-def _called(model: Model, Float: Any) -> None:
+def _called(model: Model, Float: Any) -> list[str]:
     Vec2, Vec3 = dr.replace_shape_t(Float, (2, -1)), dr.replace_shape_t(Float, (3, -1))
+    held: dict[str, Any] = {}
 
     def convert(path: str, declared: Parameter, value: Any) -> Any:
-        return opaque(Float, declared.width, value)
+        held[f"self.{path}"] = found = _two(Float, declared, value)
+        return found
 
     bound = model.bind(Float, convert)
     given = {
@@ -104,19 +101,46 @@ def _called(model: Model, Float: Any) -> None:
         "wo": Vec3(Float(0, -0.8), Float(0.6, 0), Float(0.8, 0.6)),
         "u": Vec2(Float(0.3, 0.6), Float(0.7, 0.2)),
     }
+    held |= given
+    remarks = []
+    before = {name: value.numpy().copy() for name, value in held.items()}
     for name, (arguments, width, wanted) in METHODS.items():
         if not model.writes(name):
             continue
         method = as_written(getattr(model.written, name))
         try:
             result = method(bound, *(given[a] for a in arguments))
-        except ModelError:
-            raise
         except Exception as error:
-            raise ModelError(_stopped(model.written, method, error)) from error
+            if (found := stopped(model, error)) is None:
+                reason = (
+                    error if isinstance(error, ModelError) else f"{type(error).__name__}: {error}"
+                )
+                found = ModelError(f"{_start_of(method)}: {reason}")
+            raise found from error
         if complaint := _unfit(name, result, width, wanted):
             where = _return_of(method)
             raise ModelError(f"{where}: {model.name}.{name} {complaint}")
+        for path, value in held.items():
+            if not np.array_equal(value.numpy(), before[path], equal_nan=True):
+                raise ModelError(
+                    f"{_changes_of(model, method)}: {name} changes {path} itself, which later steps compute"
+                    " with; write x = x + y in place of x += y."
+                )
+        coloured = any(declared.width == 3 for _, declared, _ in model.parameters())
+        if width == 3 and coloured and _kind(result) not in ("a Vec3", "a Color"):
+            remarks.append(
+                f"{_return_of(method)}: {name} returns one number for all three channels; if that is not "
+                "meant, multiply it by a Color."
+            )
+    return remarks
+
+
+def _two(Float: Any, declared: Parameter, value: Any) -> Any:
+    """A parameter's values for two rays, of which no decision holds for both."""
+    end = declared.high if math.isfinite(declared.high) else declared.low + 1
+    channels = value if isinstance(value, tuple) else (value,) * declared.width
+    pairs = [Float(v, (v + (end if v != end else declared.low)) / 2) for v in channels]
+    return pairs[0] if declared.width == 1 else dr.replace_shape_t(Float, (3, -1))(*pairs)
 
 
 def _unfit(name: str, result: Any, width: int, wanted: str) -> str:
@@ -126,10 +150,19 @@ def _unfit(name: str, result: Any, width: int, wanted: str) -> str:
     if name == "sample":
         if not isinstance(result, tuple) or len(result) != 2:
             return f"returns {_kind(result)} alone; write return {wanted}, with the density of wi."
-        found = [_unfit("wi", result[0], 3, "a Vec3"), _unfit("pdf", result[1], 1, "a Float")]
-        return next((f"has a part that {text}" for text in found if text), "")
+        wi, pdf = (
+            _unfit(*part) for part in (("wi", result[0], 3, "a Vec3"), ("pdf", result[1], 1, ""))
+        )
+        if wi or pdf:
+            kinds = " and ".join(_kind(part) for part in result)
+            return f"returns {kinds}; write return {wanted}: a Vec3, and a Float."
+        return ""
     if isinstance(result, (np.ndarray, np.generic)):
         return "returns a NumPy array; write it with the functions of gonio.lang, not with NumPy's."
+    if isinstance(result, bool) or dr.is_mask_v(result):
+        return f"returns a mask; write return select(mask, yes, no), with {wanted}."
+    if isinstance(result, (tuple, list)) and width == 3 and len(result) == 3:
+        return f"returns {_kind(result)}; write return vec3(x, y, z), {wanted}."
     if not (dr.is_array_v(result) or isinstance(result, (int, float))):
         return f"returns {_kind(result)}; write return with {wanted}."
     components = dr.size_v(result) if dr.depth_v(result) == 2 else 1
@@ -141,6 +174,8 @@ def _unfit(name: str, result: Any, width: int, wanted: str) -> str:
 
 
 def _kind(value: Any) -> str:
+    if dr.is_mask_v(value):
+        return "a mask"
     if dr.is_array_v(value):
         return {1: "a Float", 2: "a Vec2", 3: "a Vec3"}.get(
             dr.size_v(value) if dr.depth_v(value) == 2 else 1, "an array"
@@ -153,65 +188,34 @@ def _kind(value: Any) -> str:
 # --- where a method stopped ----------------------------------------------------------------------
 
 
-def _stopped(cls: type[Model], method: Any, error: Exception) -> str:
-    """File and line of the last step inside the user's own code, and what to write instead."""
-    own = {inspect.getsourcefile(c) for c in cls.__mro__ if issubclass(c, Model) and c is not Model}
-    frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename in own]
-    frame = frames[-1] if frames else None
-    if frame is None:
-        return f"{_start_of(method)}: {type(error).__name__}: {error}"
-    where = f"{frame.filename}, line {frame.lineno}"
-    return f"{where}: {_advice(cls, error, frame.filename, frame.lineno or 0)}"
+def stopped(model: Model, error: Exception) -> ModelError | None:
+    """File, line and what to write, for an exception that went through a model's own file; else None."""
+    for one in [model, *inner_models(model)]:
+        at = stop(error, own_files(one.written))
+        if at is not None:
+            return ModelError(f"{at.where}: {_sentence(one, error, at)}")
+    return None
 
 
-def _advice(cls: type[Model], error: Exception, filename: str, lineno: int) -> str:
-    line = linecache.getline(filename, lineno).strip()
-    reason = " ".join(str(error).split())
-    if isinstance(error, (NameError, UnboundLocalError)):
-        name = getattr(error, "name", "") or ""
-        if hasattr(lang, name):
-            return f"{name} is not known here; write 'from gonio.lang import {name}' at the top."
-        if name in cls.fields:
-            return f"{name} is not known here; a parameter is written self.{name}."
-        near = nearest(name, (n for n in dir(lang) if not n.startswith("_")))
-        hint = f"did you mean {near[0]!r} of gonio.lang?" if near else "define or import it."
-        return f"{name} is not known here; {hint}"
-    if isinstance(error, AttributeError):
-        name = getattr(error, "name", "") or ""
-        if isinstance(getattr(error, "obj", None), Model):
-            near = nearest(name, cls.fields)
-            hint = f"; did you mean self.{near[0]}?" if near else ""
-            return (
-                f"the model has no parameter {name!r}{hint} Declare it in the class: "
-                f'{name}: Float = param(0.5, 0, 1, "what it means").'
-            )
-    if found := FOREIGN.search(line):
-        name = SPELLED.get(found[2], found[2])
-        known = hasattr(lang, name)
-        write = f"{name} of gonio.lang" if known else "a function of gonio.lang (docs/language.md)"
-        return f"{found[0]} does not work on the values of a model; write {write}."
-    if _tests(line) and ("bool" in reason or "condition" in reason or "scalar" in reason):
-        if builtin := re.search(r"\b(min|max)\(", line):
-            return (
-                f"{builtin[1]} cannot compare the values of a model; write {SPELLED[builtin[1]]} of "
-                "gonio.lang."
-            )
-        return (
-            "a value has no truth of its own: it stands for many at once. Write "
-            "select(condition, yes, no) in place of if, and & | ~ in place of and, or, not."
-        )
-    return f"{type(error).__name__}: {reason}"
+def _sentence(model: Model, error: Exception, at: Stop) -> str:
+    text = advice(error, at, model.written)
+    if text and "super(" not in at.text:
+        return text
+    from gonio.export.outside import outside
 
-
-def _tests(line: str) -> bool:
-    return re.search(r"\b(if|while|and|or|not|elif|assert|bool|max|min)\b", line) is not None
+    places = {e.place[1]: e.reason for e in outside(model) if e.place is not None}
+    if at.line in places:
+        return places[at.line]
+    found = text or f"{type(error).__name__}: {' '.join(str(error).split())}"
+    others = " ".join(f"See line {line} as well: {reason}" for line, reason in places.items())
+    return f"{found.rstrip('.')}. {others or LANGUAGE}"
 
 
 # --- lines ---------------------------------------------------------------------------------------
 
 
 def _start_of(method: Any) -> str:
-    return f"{inspect.getsourcefile(method)}, line {method.__code__.co_firstlineno}"
+    return place(str(inspect.getsourcefile(method)), method.__code__.co_firstlineno)
 
 
 def _return_of(method: Any) -> str:
@@ -222,7 +226,20 @@ def _return_of(method: Any) -> str:
     except (OSError, SyntaxError):
         return _start_of(method)
     returns = sorted(n.lineno for n in _own(tree.body[0]) if isinstance(n, ast.Return))
-    return f"{inspect.getsourcefile(method)}, line {first + (returns[0] - 1 if returns else 0)}"
+    return place(str(inspect.getsourcefile(method)), first + (returns[0] - 1 if returns else 0))
+
+
+def _changes_of(model: Model, method: Any) -> str:
+    """Where a value that others hold is changed: as exports tell, else the first such step."""
+    from gonio.export.outside import outside
+
+    for error in outside(model):
+        if error.place is not None and "=" in error.reason and "Python changes" in error.reason:
+            return place(*error.place)
+    lines, first = inspect.getsourcelines(method)
+    tree = ast.parse(textwrap.dedent("".join(lines)))
+    steps = [n.lineno for n in ast.walk(tree) if isinstance(n, ast.AugAssign)]
+    return place(str(inspect.getsourcefile(method)), first + (min(steps) - 1 if steps else 0))
 
 
 def _own(node: ast.AST) -> Iterator[ast.AST]:
@@ -236,4 +253,4 @@ def _own(node: ast.AST) -> Iterator[ast.AST]:
 def _line_of(cls: type, pattern: str) -> str:
     lines, first = inspect.getsourcelines(cls)
     number = next((n for n, text in enumerate(lines) if re.search(pattern, text)), 0)
-    return f"{inspect.getsourcefile(cls)}, line {first + number}"
+    return place(str(inspect.getsourcefile(cls)), first + number)

@@ -20,8 +20,7 @@ import drjit as dr
 import numpy as np
 
 from gonio import backend
-from gonio.check.report import NOTE, Finding, Report
-from gonio.check.subject import Array, FreeNumber, Size, compute, even, stored, vectors
+from gonio.check.subject import Array, FreeNumber, Remark, Size, compute, even, stored, vectors
 from gonio.claims import Claims, Kink, WhiteFurnace
 from gonio.fields import Parameter
 
@@ -112,6 +111,14 @@ class MitsubaSubject:
     def prepare(self) -> None:
         """It has been loaded; that is all."""
 
+    def fault(self, error: Exception) -> Exception:
+        """What Mitsuba cannot do, with the plug-in's name."""
+        if isinstance(error, RuntimeError) and not isinstance(error, ValueError):
+            return ValueError(
+                f"Mitsuba cannot evaluate {self.name!r}: {' '.join(str(error).split())}"
+            )
+        return error
+
     def at(self, parameters: Array, index: Any, Float: Any, rounded: bool = False) -> Any:
         """The BSDF with gonio's conventions, for Dr.Jit arrays of any precision."""
         if not self.parameters:
@@ -168,13 +175,12 @@ class MitsubaSubject:
             f"{name} = ({', '.join(f'{x:.9g}' for x in numbers)})" for name, numbers in given
         )
 
-    def notes(self) -> list[Report]:
+    def notes(self) -> list[Remark]:
         """What was left out of the checks."""
         if not self.left_out:
             return []
         text = f"not checked: {' and '.join(self.left_out)}"
-        finding = Finding("left out", float(len(self.left_out)), NOTE, text)
-        return [Report(SCOPE, self.name, (finding,))]
+        return [Remark(SCOPE, "left out", text)]
 
 
 class _Bound:

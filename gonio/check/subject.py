@@ -55,6 +55,15 @@ class Size:
     """Whether the model itself documents it for these options alone; else it is an upper bound only."""
 
 
+@dataclass(frozen=True)
+class Remark:
+    """Something to know beside what is measured: what it belongs to, what it is about, and the words."""
+
+    check: str
+    what: str
+    text: str
+
+
 class Subject(Protocol):
     """What the checks need to know; `ModelSubject` here, `MitsubaSubject` in gonio.check.mitsuba_bsdf."""
 
@@ -81,6 +90,12 @@ class Subject(Protocol):
 
     def prepare(self) -> None:
         """Raise a ValueError where it cannot be evaluated at all, with what to do about it."""
+
+    def notes(self) -> list[Remark]:
+        """What is left out of the checks, or else to be known before they are read."""
+
+    def fault(self, error: Exception) -> Exception:
+        """What to raise for an exception that came out of it: with the place in its own code."""
 
     def at(self, parameters: Array, index: Any, Float: Any, rounded: bool = False) -> Any:
         """Something with eval, sample, pdf (and albedo) on Dr.Jit arrays.
@@ -183,6 +198,14 @@ class ModelSubject:
     def prepare(self) -> None:
         """Raise a ModelError about a mistake in the model's methods."""
         mistakes.find(self.model, number_type())
+
+    def notes(self) -> list[Remark]:
+        """What of the model's file is outside the language of models."""
+        return [Remark("language", "file", t) for t in mistakes.notes(self.model, number_type())]
+
+    def fault(self, error: Exception) -> Exception:
+        """A ModelError with file, line and what to write, where the model's file is to blame."""
+        return mistakes.stopped(self.model, error) or error
 
     def values(self, parameters: Array, rounded: bool = False) -> dict[str, Array]:
         """Values of the free parameters, (rows,) or (rows, 3), by path."""

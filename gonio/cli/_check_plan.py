@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gonio.check import CHECKS, Progress, check_subjects
+from gonio.check import CHECKS, Progress, check_subjects, notes
 from gonio.check.measured_data import DATA_CHECKS, check_file
 from gonio.check.named import subjects_of
 from gonio.check.picture import check_format, drawable, plot
@@ -39,7 +39,6 @@ class Plan:
     """What is to be checked and written; everything that a user can get wrong has been looked at."""
 
     groups: list[list[Subject]]
-    notes: list[Report]
     only: list[str]
     junit_file: str | None
     picture_file: str | None
@@ -66,7 +65,7 @@ class Plan:
         # Tasks bring what is needed for clusters
         from gonio.cluster import checks
 
-        reports = list(self.notes)
+        reports: list[Report] = []
         wanted = [name for name in self.only if name in CHECKS]
         groups = self.groups if wanted or not self.only else []
         count = checks.worthwhile(groups, effort, wanted) if processes is None else processes
@@ -77,7 +76,8 @@ class Plan:
                     if progress is not None:
                         progress(done * 1000 + 1000 * part // parts, len(groups) * 1000)
 
-                reports += check_subjects(group, effort, wanted, step, runner)
+                checked = check_subjects(group, effort, wanted, step, runner)
+                reports += [*notes(group), *checked]
         for path in self.files:
             wanted = [name for name in self.only if name in DATA_CHECKS]
             if wanted or not self.only:
@@ -99,11 +99,7 @@ class Plan:
         Raises:
             UsageError: something in the plan that is no model of gonio's kind.
         """
-        if (
-            self.others
-            or self.notes
-            or any(not isinstance(s, ModelSubject) for g in self.groups for s in g)
-        ):
+        if self.others or any(not isinstance(s, ModelSubject) for g in self.groups for s in g):
             what = self.others[0] if self.others else "--mitsuba"
             raise click.UsageError(
                 f"--cluster and --run-dir are for models and materials; check {what} without them"
@@ -112,7 +108,8 @@ class Plan:
 
         wanted = [name for name in self.only if name in CHECKS]
         groups = self.groups if wanted or not self.only else []
-        return self.written(checks.reports(run, groups, effort, wanted))
+        found = checks.reports(run, groups, effort, wanted)
+        return self.written([*(note for group in groups for note in notes(group)), *found])
 
     @property
     def others(self) -> list[str]:
@@ -183,18 +180,15 @@ def plan(
         raise ForeignError(f"code has values only; its checks are {', '.join(VERDICTS)}.")
     groups = [subjects_of(t, given) for t in texts if t not in files and t not in foreign]
     loaded = _loaded(foreign, code) if code is not None else []
-    notes: list[Report] = []
     if plugins:
         from gonio.check.mitsuba_bsdf import MitsubaSubject
 
-        others = [MitsubaSubject(text) for text in plugins]
-        notes = [note for subject in others for note in subject.notes()]
-        groups += [[subject] for subject in others]
+        groups += [[MitsubaSubject(text)] for text in plugins]
     if picture_file is not None and files:
         raise ValueError(
             f"{files[0]} is a measurement; 'gonio data {files[0]} --picture {picture_file}' draws it."
         )
-    return Plan(groups, notes, chosen, junit_file, picture_file, files, loaded, identify)
+    return Plan(groups, chosen, junit_file, picture_file, files, loaded, identify)
 
 
 def _loaded(texts: Sequence[str], code: Code) -> list[Foreign]:

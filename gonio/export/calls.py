@@ -295,10 +295,28 @@ class Calls(Expressions):
                 f"{function.__name__} is wrapped by a decorator, which would be left out; write what the "
                 "decorator does into the function.",
             )
-        passed, kinds = self._typed(self._arguments(node, function, 0))
+        arguments = self._arguments(node, function, 0)
+        passed, kinds = self._typed(arguments)
+        self._check_pairs(arguments, function, kinds)
         function = self._for_values(function)
         made = self._made(node, function, kinds, None, "", True, passed)
         return Call(made, tuple(passed), made.result)
+
+    def _check_pairs(
+        self,
+        arguments: Sequence[tuple[ast.expr, Value]],
+        function: types.FunctionType,
+        kinds: Sequence[Type | Static],
+    ) -> None:
+        """Refuse a vector in the place of a pair of numbers, of which Python would take two components."""
+        names = list(inspect.signature(function).parameters)
+        for (node, _), name, kind in zip(arguments, names, kinds, strict=True):
+            wanted = function.__annotations__.get(name)
+            pair = wanted == "Vec2" or wanted is lang.Vec2
+            if pair != (kind == "vec2") and (pair or wanted in ("Vec3", lang.Vec3)):
+                self.refuse(
+                    node, f"{name} of {function.__name__} must be a {'Vec2' if pair else 'Vec3'}."
+                )
 
     def _for_values(self, function: types.FunctionType) -> types.FunctionType:
         """What is called where no derivatives are taken."""

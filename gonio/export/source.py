@@ -119,7 +119,9 @@ class Source:
         # Both lines without what moves the eye: tabs and form feeds
         before = re.sub(r"\S", " ", text[:column])
         marked = f"{text.rstrip()}\n{before}{'^' * max(width, 1)}"
-        return ExportError(f"{self.path}:{line}:{column + 1}: {message}\n{marked}")
+        error = ExportError(f"{self.path}:{line}:{column + 1}: {message}\n{marked}")
+        error.place, error.reason = (str(self.path), line), message
+        return error
 
     def _at(self, line: int) -> ast.AST:
         """What begins in a line, or the whole line where nothing does."""

@@ -23,6 +23,11 @@ CALLED = (*METHODS, "shade")
 class ExportError(ValueError):
     """Something that cannot be exported, with its place in the Python file and what to write instead."""
 
+    place: tuple[str, int] | None = None
+    """File and line, where there is one."""
+    reason: str = ""
+    """What is wrong there, and what to write."""
+
 
 @dataclass(eq=False)
 class Struct:

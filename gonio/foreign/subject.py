@@ -8,7 +8,7 @@ from typing import Any
 import drjit as dr
 import numpy as np
 
-from gonio.check.subject import Array, FreeNumber, Size, stored
+from gonio.check.subject import Array, FreeNumber, Remark, Size, stored
 from gonio.check.variants import value_at
 from gonio.claims import Claims, Kink, WhiteFurnace
 from gonio.foreign.function import Foreign, picked
@@ -47,6 +47,14 @@ class ForeignSubject:
 
     def prepare(self) -> None:
         """It is running; that is all."""
+
+    def notes(self) -> list[Remark]:
+        """`gonio.foreign.verdicts` says what is assumed."""
+        return []
+
+    def fault(self, error: Exception) -> Exception:
+        """What stops in a process of its own has its place already."""
+        return error
 
     def values(self, parameters: Array, rounded: bool = False) -> dict[str, Array]:
         """Values of the parameters, (rows,) or (rows, 3), by name."""

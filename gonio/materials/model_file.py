@@ -10,15 +10,17 @@ of one name, or one named like a model of gonio's, do not disturb each other.
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import importlib.util
 import inspect
+import os
 import sys
-import traceback
 from importlib.abc import SourceLoader
 from pathlib import Path
 
 from gonio.fields import ModelError
+from gonio.materials.advice import advice, stop
 from gonio.model import Model, _registry
 
 
@@ -121,8 +123,16 @@ def _only_model(path: Path, module: str, names: dict[str, object]) -> type[Model
     cls.name = path.stem.encode(errors="replace").decode()  # Mitsuba's names are UTF-8
     for method in ("eval", "sample", "pdf"):
         if getattr(cls, method) is getattr(Model, method):
-            raise ModelFileError(f"{path}: {cls.__name__} has no method {method}.")
+            wanted = ", ".join(inspect.signature(getattr(Model, method)).parameters)
+            raise ModelFileError(
+                f"{path}, line {_line_of_class(cls)}: {cls.__name__} has no method {method}; write "
+                f"def {method}({wanted})."
+            )
     return cls
+
+
+def _line_of_class(cls: type[Model]) -> int:
+    return inspect.getsourcelines(cls)[1]
 
 
 def _line_of_nul(path: Path) -> int:
@@ -134,6 +144,31 @@ def _problem(path: Path, error: Exception) -> str:
     """What went wrong in a user's file, in one line with the file's line number."""
     if isinstance(error, SyntaxError):
         return f"{path}, line {error.lineno or _line_of_nul(path)}: {error.msg}."
-    lines = [f.lineno for f in traceback.extract_tb(error.__traceback__) if f.filename == str(path)]
-    where = f"{path}, line {lines[-1]}" if lines else str(path)
+    at = stop(error, {str(path), str(path.resolve()), os.path.abspath(path)})
+    if at is None:
+        return f"{path}: {type(error).__name__}: {error}"
+    where = f"{path}, line {at.line}"
+    if isinstance(error, ModelError) and error.about:
+        where = f"{path}, line {_line_of(path, at.line, error.about)}"
+    if text := advice(error, at):
+        return f"{where}: {text}"
     return f"{where}: {type(error).__name__}: {error}"
+
+
+def _line_of(path: Path, line: int, name: str) -> int:
+    """The line of a declaration or method in the class that stands in a line; else the latter."""
+    for cls in ast.walk(ast.parse(path.read_bytes())):
+        if isinstance(cls, ast.ClassDef) and line in (
+            cls.lineno,
+            cls.lineno - len(cls.decorator_list),
+        ):
+            for node in reversed(cls.body):
+                targets = (
+                    node.targets
+                    if isinstance(node, ast.Assign)
+                    else [getattr(node, "target", node)]
+                )
+                names = [getattr(t, "id", getattr(t, "name", "")) for t in targets]
+                if name in names:
+                    return node.lineno
+    return line
