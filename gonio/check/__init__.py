@@ -136,10 +136,10 @@ class Step:
 
     def _run(self) -> Report:
         report = CHECKS[self.check](self.subject, self.effort)
-        if report.overstated and self.effort.full is not None:
-            # That nothing comes near a documented size is said after a whole search
-            whole = replace(self.effort.full, generous=self.effort.generous)
-            whole = whole if self.effort.tests else replace(whole, tests=0)
+        # That nothing comes near a documented size is said after whole searches
+        for whole in self.effort.whole():
+            if not report.overstated:
+                break
             report = CHECKS[self.check](self.subject, whole)
         return report
 

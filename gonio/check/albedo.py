@@ -80,9 +80,7 @@ def _directional(subject: Subject, effort: Effort) -> Finding:
         sure[suspect] = True
     measured = float(np.maximum(off[row], 0)) if not np.isnan(off[row]) else float("nan")
     # Whether a kink falls between two nodes is luck
-    verdict, text = judge(
-        subject, "numeric_albedo", measured, limit=limit, searched=False, effort=effort
-    )
+    verdict, text = judge(subject, "numeric_albedo", measured, limit=limit, searched=False)
     text += (
         f"; {subject.albedos}, compared with integrals good to {max(float(error.max()), 1e-9):.1g}"
     )

@@ -75,6 +75,13 @@ FURNACE = 5e-6
 # A furnace that is claimed to within this is white to every eye, and may be better than it says.
 NEGLIGIBLE = 1e-4
 
+# So many times larger than found a claimed error may be: what is left of a correction has many summits that
+# are nearly as high, and searches from different beginnings found between 83 and 100 % of the highest.
+MISSED = 1.25
+
+# Points of the first look for it, and of each of so many rounds around the best.
+LOOKED_AT, AROUND, CLOSER = 256, 48, 12
+
 # Where an integral errs by more than this, gains of less than so many times the error are not judged.
 BLURRED, SURE = 1e-4, 5.0
 
@@ -82,9 +89,9 @@ BLURRED, SURE = 1e-4, 5.0
 FURNACE_ANGLES = (0.0, 30.0, 60.0, 85.0)
 FURNACE_NODES = 12
 
-# A gain smaller than this may be hidden by the errors of the estimates that the search begins with; its
-# documented size is then an upper bound only.
-HARDLY = 0.03
+# A gain smaller than this may be hidden by the errors of the estimates that the search begins with, and is
+# no more than a size rounded to two decimals adds: what is documented is then an upper bound only.
+HARDLY = 0.01
 
 # Albedos within this of 1 everywhere mean that a model preserves energy.
 PRESERVED = 1e-4
@@ -244,11 +251,11 @@ class _Contest:
         return found
 
 
-def _scattered(subject: Subject, count: int) -> Array:
+def _scattered(subject: Subject, effort: Effort) -> Array:
     """Points anywhere, every second one white."""
-    rng = np.random.default_rng(6)
+    count, rng = effort.integrals, np.random.default_rng(effort.beginning(6))
     angles = dimensions(subject) - len(subject.parameters)
-    parameters = hard_parameters(subject, count, 7)
+    parameters = hard_parameters(subject, count, effort.beginning(7))
     colours = np.array([f.declared.width == 3 for f in subject.parameters], bool)
     parameters[::2] = np.where(colours, 1.0, parameters[::2])
     return np.concatenate([parameters, rng.random((count, angles))], axis=1)
@@ -262,21 +269,21 @@ def largest(subject: Subject, effort: Effort, low: float = MU_LOW) -> Finding:
         dimensions(subject),
         population=effort.albedos,
         rounds=effort.rounds,
-        seed=1,
+        seed=effort.beginning(1),
         starts=starts(subject)[: effort.albedos // 2],
         special=special,
         bands=len(subject.parameters),
     )
     # From here on with the integrals that count; the estimates hide what gains less than a percent
     surely = _Contest(subject, low)
-    scattered = _scattered(subject, effort.integrals)
+    scattered = _scattered(subject, effort)
     order = np.argsort(-surely(scattered, SKETCHY), kind="stable")
     points, _ = maximise(
         surely,
         dimensions(subject),
         population=effort.confirmed * (2 if dimensions(subject) <= FEW else 1),
         rounds=max(effort.rounds - 2, 3),
-        seed=5,
+        seed=effort.beginning(5),
         starts=np.concatenate(
             [spread_out(points, effort.confirmed // 2), scattered[order[: effort.confirmed // 4]]]
         ),
@@ -296,9 +303,7 @@ def largest(subject: Subject, effort: Effort, low: float = MU_LOW) -> Finding:
             break
     # A white surface of a sharp lobe is only as white as the integral is exact
     limit = 1 + max(TRUSTED, error)
-    verdict, text = judge(
-        subject, "energy", measured, limit=limit, ideal=1.0, error=limit - 1, effort=effort
-    )
+    verdict, text = judge(subject, "energy", measured, limit=limit, ideal=1.0, error=limit - 1)
     if verdict == FAIL and documented is not None and measured < documented.size < 1 + HARDLY:
         verdict, text = (
             PASS,
@@ -311,9 +316,7 @@ def largest(subject: Subject, effort: Effort, low: float = MU_LOW) -> Finding:
         found = _integrated(subject, parameters[again], wo[again], 1e-9)
         measured, error = float(found.total.max()), 2 * float(found.error[0])
         limit = 1 + max(TRUSTED, error)
-        verdict, text = judge(
-            subject, "energy", measured, limit=limit, ideal=1.0, error=limit - 1, effort=effort
-        )
+        verdict, text = judge(subject, "energy", measured, limit=limit, ideal=1.0, error=limit - 1)
     if verdict == FAIL and error > BLURRED and measured < 1 + SURE * error:
         verdict, text = UNSURE, "the integral did not converge"
     theta = np.degrees(np.arccos(wo[best, 2]))
@@ -392,26 +395,33 @@ def _furnaces(subject: Subject, effort: Effort) -> list[Finding]:
 def _furnace(subject: Subject, entry: WhiteFurnace, effort: Effort) -> Finding:
     """The largest |albedo - 1| with the parameters of a claimed white furnace."""
     numbers = {k: v for k, v in entry.values.items() if not isinstance(v, str)}
-    points = furnace_points(subject, numbers, max(effort.albedos // 8, 48), seed=3)
-    off = np.abs(precise(subject, *viewer(subject, points), ROUGHLY, SHALLOW) - 1).max(axis=1)
+
+    def off(points: Array) -> Array:
+        at = viewer(subject, fix(subject, points, numbers))
+        return np.asarray(np.abs(precise(subject, *at, ROUGHLY, SHALLOW) - 1).max(axis=1))
+
+    # As many with any effort: fewer miss the highest of many summits, and cost as much in the end
+    points = furnace_points(
+        subject, numbers, max(effort.albedos // 4, LOOKED_AT), effort.beginning(3)
+    )
+    found = off(points)
     best, _ = maximise(
-        lambda p: np.abs(
-            precise(subject, *viewer(subject, fix(subject, p, numbers)), ROUGHLY, SHALLOW) - 1
-        ).max(axis=1),
+        off,
         dimensions(subject),
-        population=effort.confirmed,
-        rounds=3,
-        seed=4,
-        starts=points[np.argsort(-np.where(np.isnan(off), np.inf, off))[: effort.confirmed // 2]],
+        population=max(2 * effort.confirmed, AROUND),
+        rounds=max(effort.rounds // 2, CLOSER),
+        seed=effort.beginning(4),
+        starts=points[np.argsort(-np.where(np.isnan(found), np.inf, found))[: AROUND // 2]],
+        special=special_parts(subject),
+        steps=(0.1, 1e-3),
     )
     parameters, wo = viewer(subject, fix(subject, best[:1], numbers))
-    found = _integrated(subject, parameters, wo, 1e-8)
-    measured = float(np.abs(found.total[0] - 1).max())
-    trusted = max(FURNACE, 2 * float(found.error[0]))
-    generous = effort.generous * measured + trusted
+    integral = _integrated(subject, parameters, wo, 1e-8)
+    measured = float(np.abs(integral.total[0] - 1).max())
+    trusted = max(FURNACE, 2 * float(integral.error[0]))
     if not measured <= max(entry.error, trusted):
         verdict, text = FAIL, f"the model claims {entry.error:g}"
-    elif subject.whole and entry.error > max(2 * generous, NEGLIGIBLE):
+    elif subject.whole and entry.error > max(MISSED * measured + trusted, NEGLIGIBLE):
         verdict, text = FAIL, f"the claimed {entry.error:g} {TOO_LARGE}"
     else:
         verdict, text = PASS, f"|albedo - 1|, at most {entry.error:g} is claimed"

@@ -257,7 +257,7 @@ def _lowest(subject: Subject, cases: Cases, effort: Effort) -> Finding:
         dimensions(subject),
         population=effort.population,
         rounds=effort.rounds,
-        seed=12,
+        seed=effort.beginning(12),
         special=special_parts(subject),
     )
     parameters, wi, wo = pairs(subject, points[:1])
@@ -281,7 +281,7 @@ def _lowest(subject: Subject, cases: Cases, effort: Effort) -> Finding:
             lowest, double = float(below[row]), False
             case = (cases.parameters[row], cases.wi[row], cases.wo[row])
     # Roundings of a lobe that ends in zero
-    verdict, text = judge(subject, "negative", lowest, limit=1e-12, effort=effort)
+    verdict, text = judge(subject, "negative", lowest, limit=1e-12)
     return Finding(
         "below zero, times pi",
         lowest,
@@ -328,7 +328,7 @@ def _searched(subject: Subject, effort: Effort, promise: str) -> Finding:
 def _worst(subject: Subject, effort: Effort, cases: Cases, promise: str, errors: Array) -> Finding:
     row, column = np.unravel_index(int(errors.argmax()), errors.shape)
     measured = float(errors[row, column])
-    verdict, text = judge(subject, promise, measured, limit=FLOAT32, searched=False, effort=effort)
+    verdict, text = judge(subject, promise, measured, limit=FLOAT32, searched=False)
     case = (cases.parameters[row], cases.wi[row], cases.wo[row])
     return Finding(
         "float32 error",

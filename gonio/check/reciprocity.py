@@ -40,13 +40,13 @@ def check(subject: Subject, effort: Effort) -> Report:
         dimensions(subject),
         population=effort.population,
         rounds=effort.rounds,
-        seed=11,
+        seed=effort.beginning(11),
         special=special_parts(subject),
     )
     parameters, wi, wo = pairs(subject, points[:1])
     measured = float(values[0]) if not np.isinf(values[0]) else float("nan")
     limit = ROUNDING_FLOAT32 if subject.float32 else ROUNDING
-    verdict, text = judge(subject, "reciprocity", measured, limit=limit, effort=effort)
+    verdict, text = judge(subject, "reciprocity", measured, limit=limit)
     finding = Finding(
         "relative difference",
         measured,

@@ -522,7 +522,7 @@ def _wasted(subject: Subject, effort: Effort) -> Finding:
         dimensions(subject),
         population=2 * effort.albedos,
         rounds=effort.rounds,
-        seed=42,
+        seed=effort.beginning(42),
         starts=starts(subject)[: effort.albedos // 2],
         special=special_parts(subject),
         bands=len(subject.parameters),
@@ -532,7 +532,7 @@ def _wasted(subject: Subject, effort: Effort) -> Finding:
         dimensions(subject),
         population=4 * effort.confirmed,
         rounds=effort.rounds,
-        seed=45,
+        seed=effort.beginning(45),
         starts=spread_out(points, 2 * effort.confirmed),
         special=special_parts(subject),
         bands=len(subject.parameters),
@@ -545,7 +545,7 @@ def _wasted(subject: Subject, effort: Effort) -> Finding:
         verdict, text = NOTE, "samples without a direction"
     else:
         # A few samples in the horizon itself are nothing, and evenly spread ones err by 1e-4
-        verdict, text = judge(subject, "wasted", measured, limit=1e-4, error=2e-4, effort=effort)
+        verdict, text = judge(subject, "wasted", measured, limit=1e-4, error=2e-4)
     case = (parameters[0], wo[0], wo[0])
     return Finding(
         "wasted samples", measured, verdict, text, subject.tag(), subject.replay(*case), case
@@ -570,15 +570,13 @@ def _unreached(subject: Subject, screened: Screened, effort: Effort) -> Finding:
             dimensions(subject),
             population=count,
             rounds=8,
-            seed=44,
+            seed=effort.beginning(44),
             starts=points[np.argsort(-found)[: count // 2]],
         )
     best = points[_worst(list(found))][None]
     # The rule has seen values with a density alone, wherever it looked
     measured = float(unreached(subject, best)[0]) if found.max() != 0 else 0.0
-    verdict, text = judge(
-        subject, "unreached", measured, limit=trusted, error=trusted, effort=effort
-    )
+    verdict, text = judge(subject, "unreached", measured, limit=trusted, error=trusted)
     parameters, wo = viewer(subject, best)
     case = (parameters[0], wo[0], wo[0])
     return Finding(

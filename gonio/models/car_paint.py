@@ -138,7 +138,7 @@ class CarPaint(Model):
                 flake_cosine="light",
             ),
             at_most(5.45, transmission="half_vector", solid_angle="none"),
-            at_most(2.4, transmission="half_vector"),
+            at_most(2, transmission="half_vector"),
             at_most(5.32, solid_angle="none"),
         ),
         reciprocity=at_most(1, flake_cosine="light"),

@@ -115,7 +115,7 @@ class Patina(Model):
         "free or solid_angle='none'. The default stays below 0.83.",
     )
     claims = Claims(
-        energy=(at_most(15, solid_angle="none"), at_most(3.1)),
+        energy=(at_most(15, solid_angle="none"), at_most(3.05)),
         wasted=(at_most(0.51, masking="cook_torrance"), at_most(0.059)),
         kinks=(
             kink(Place.EQUAL_COSINES, masking="cook_torrance"),

@@ -150,7 +150,7 @@ class SGD(Model):
     )
     claims = Claims(
         energy=at_most(UNBOUNDED),
-        wasted=at_most(0.6),
+        wasted=at_most(0.51),
         float32=at_most(UNBOUNDED),
         # Where masking is a step; 0.014 in 999 of 1,000 settings
         numeric_albedo=at_most(0.15),
