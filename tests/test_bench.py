@@ -384,8 +384,11 @@ def test_a_stopwatch_gives_the_median_of_its_calls():
     assert len(calls) == 3
 
 
-def test_a_process_is_timed_or_says_why_not():
+def test_a_process_is_timed_or_says_why_not(monkeypatch):
     assert isinstance(startup.process_seconds(["-c", "pass"], 1), float)
+    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")
+    compiled = "import sys; raise SystemExit(sys.dont_write_bytecode)"
+    assert isinstance(startup.process_seconds(["-c", compiled], 1), float)
     assert startup.process_seconds(["-c", "raise SystemExit('no luck')"], 1) == "failed: no luck"
 
 
