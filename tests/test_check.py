@@ -175,6 +175,9 @@ CAUGHT: dict[str, set[str]] = {
 # What only options other than the default ones show.
 OF_OPTIONS = {"pair_of_options", "generous_option"}
 
+# With `--quick` what options document is an upper bound.
+JUDGED_LATER = {"generous_option"}
+
 
 # Of the checks that see a NaN, those that always do are asked; the others depend on luck.
 def required(name: str) -> set[str]:
@@ -187,7 +190,7 @@ def caught(name: str, only: tuple[str, ...]) -> list[Report]:
     """Reports on a broken model, with all its options where only those show the fault."""
     variants = check.subjects(model_file.load(BROKEN / f"{name}.py"))
     variants = variants if name in OF_OPTIONS else variants[:1]
-    return check.check_subjects(variants, "quick", only)
+    return check.check_subjects(variants, "normal" if name in JUDGED_LATER else "quick", only)
 
 
 @pytest.mark.parametrize("name", sorted(CAUGHT))
@@ -707,9 +710,10 @@ def judged(size: float | None, measured: float, whole: bool = True) -> str:
         (1.433, 1.433, True, "known"),
         (1.45, 1.433, True, "known"),  # a bit generous
         (1.03, 1.02, True, "known"),
-        (1.05, 1.02, True, "FAIL"),  # a gain that is two and a half times as large
+        (1.05, 1.02, True, "known"),  # three percent of the albedo
+        (1.06, 1.02, True, "FAIL"),  # a gain that is three times as large
         (1.6, 1.5576, True, "known"),
-        (1.613, 1.5576, True, "FAIL"),  # a tenth more gain
+        (1.64, 1.5576, True, "FAIL"),  # 15 % more gain
         (1.2, 1.04, True, "FAIL"),  # far less than documented
         (1.1, 1.0, True, "FAIL"),  # kept, but not promised
         (1.1, 1.0, False, "pass"),  # with some parameters fixed it may be less
@@ -762,8 +766,8 @@ def test_an_honest_size_passes_however_it_is_rounded_up_and_whatever_a_search_mi
     assert judged(size, 1 + gain * (1 - missed)) == "known"
 
 
-@given(gain=st.floats(0.3, 20), more=st.floats(1.1, 3))
-def test_a_gain_that_is_a_tenth_too_large_is_refused(gain: float, more: float) -> None:
+@given(gain=st.floats(0.5, 20), more=st.floats(1.15, 3))
+def test_a_gain_that_is_a_seventh_too_large_is_refused(gain: float, more: float) -> None:
     assert judged(1 + more * gain, 1 + gain) == FAIL
 
 

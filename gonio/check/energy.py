@@ -90,8 +90,8 @@ FURNACE_ANGLES = (0.0, 30.0, 60.0, 85.0)
 FURNACE_NODES = 12
 
 # A gain smaller than this may be hidden by the errors of the estimates that the search begins with, and is
-# no more than a size rounded to two decimals adds: what is documented is then an upper bound only.
-HARDLY = 0.01
+# no more than a size may be too large by: what is documented is then an upper bound only.
+HARDLY = 0.03
 
 # Albedos within this of 1 everywhere mean that a model preserves energy.
 PRESERVED = 1e-4
