@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,45 @@ from gonio.plot.style import curve_styles
 DECADES = 1e-6
 
 AXES = ("degrees", "cosine")
+
+
+@dataclass(frozen=True)
+class _Cuts:
+    """Directions of the light that are shown: slices of the hemisphere, with one axis for all."""
+
+    slices: list[tuple[str, float, Floats]]
+    """What a slice is called, its angle, and the directions in it."""
+    fixed: str
+    """Of which a slice has one angle."""
+    varied: str
+    """Of which it has all `angles`."""
+    angles: Floats
+    x: Floats
+    """Where they stand on the axis."""
+    label: str
+    scale: str
+
+
+def _planes(phi: Sequence[float] | float, axis: str) -> _Cuts:
+    """Planes through the normal, by their azimuths."""
+    turns = [float(p) for p in ([phi] if isinstance(phi, (int, float)) else phi)]
+    angles = np.linspace(-90, 90, 361)
+    slices = [(f"phi = {t:g}°", t, direction(angles, t)) for t in turns]
+    if len(turns) == 1 and turns[0] == 0:
+        slices = [("", 0.0, direction(angles))]
+    x, label, scale = angles, "angle of the light $\\theta_i$  [degrees]", SIGNED
+    if axis == "cosine":
+        x = np.sign(angles) * np.cos(np.radians(angles))
+        label, scale = "cosine of the light, negative away from the viewer", ""
+    return _Cuts(slices, "phi [deg]", "theta_i [deg]", angles, x, label, scale)
+
+
+def _circles(theta_i: Sequence[float] | float) -> _Cuts:
+    """Circles about the normal, by the angles of the light."""
+    angles = np.linspace(0, 360, 361)
+    slices = [(rf"$\theta_i$ = {t:g}°", t, direction(t, angles)) for t in light_angles(theta_i)]
+    label = "azimuth of the light from the viewer's  [degrees]"
+    return _Cuts(slices, "theta_i [deg]", "phi_i - phi_o [deg]", angles, angles, label, "")
 
 
 def cartesian(
@@ -63,64 +103,49 @@ def cartesian(
     if axis not in AXES:
         raise ValueError(f"axis={axis!r} is not known; allowed are {', '.join(AXES)}.")
     views = viewer_angles(theta_o)
-    if theta_i is None:
-        turns = [float(p) for p in ([phi] if isinstance(phi, (int, float)) else phi)]
-        angles = np.linspace(-90, 90, 361)
-        columns = {"theta_i [deg]": angles}
-        slices = [(f"phi = {t:g}°", t, direction(angles, t)) for t in turns]
-        name, scale = "angle of the light $\\theta_i$  [degrees]", SIGNED
-        if len(turns) == 1 and turns[0] == 0:
-            slices = [("", 0.0, direction(angles))]
-    else:
-        if axis == "cosine":
-            raise ValueError("axis='cosine' goes with planes, not with theta_i.")
-        lights = light_angles(theta_i)
-        angles = np.linspace(0, 360, 361)
-        columns = {"phi_i - phi_o [deg]": angles}
-        slices = [(rf"$\theta_i$ = {t:g}°", t, direction(t, angles)) for t in lights]
-        name, scale = "azimuth of the light from the viewer's  [degrees]", ""
+    if theta_i is not None and axis == "cosine":
+        raise ValueError("axis='cosine' goes with planes, not with theta_i.")
+    cuts = _planes(phi, axis) if theta_i is None else _circles(theta_i)
+    slices = cuts.slices
     values = np.stack(
         [
             [[brdf_values(m, wi, direction(view), cosine) for _, _, wi in slices] for view in views]
             for m in models
         ]
     )  # model, view, slice, angle, rgb
-    count = len(models) * len(views) * len(slices)
-    fixed = "theta_i [deg]" if theta_i is not None else "phi [deg]"
-    each = np.repeat([s[1] for s in slices], angles.size)
+    count = len(models) * len(views)
+    each = np.repeat([at for _, at, _ in slices], cuts.angles.size)
     told = {
         "model": np.repeat(labels, values[0].size // 3).tolist(),
-        "theta_o [deg]": np.tile(np.repeat(views, len(slices) * angles.size), len(models)),
-        fixed: np.tile(each, len(models) * len(views)),
-        **{key: np.tile(column, count) for key, column in columns.items()},
+        "theta_o [deg]": np.tile(np.repeat(views, each.size), len(models)),
+        cuts.fixed: np.tile(each, count),
+        cuts.varied: np.tile(cuts.angles, count * len(slices)),
         **rgb_columns(quantity_symbol(cosine, "f_cos", "f"), values, " [1/sr]"),
     }
     shown = choose_channel(values, channel)
-    x = angles
-    if axis == "cosine":
-        x = np.sign(angles) * np.cos(np.radians(angles))
-        name, scale = r"cosine of the light, negative away from the viewer", ""
 
     def draw() -> Any:
         label = f"{_symbol(cosine)}  [1/sr]"
         panels = []
         for v, view in enumerate(views):
             for s, (what, _, _) in enumerate(slices):
-                curves = [Curve(m, *_split(x, shown[m, v, s], axis)) for m in range(len(models))]
+                curves = [
+                    Curve(m, *_split(cuts.x, shown[m, v, s], axis)) for m in range(len(models))
+                ]
                 at = rf"$\theta_o$ = {view:g}°"
                 high = float(shown[:, v, s].max())
                 panels.append(
                     Panel(
                         f"{at}, {what}" if what else at,
-                        name,
+                        cuts.label,
                         label,
                         curves,
-                        scale=scale,
+                        scale=cuts.scale,
                         log=log,
                         floor=DECADES * high if log else None,
                         ylim=(None if log or shown.min() < 0 else 0, None),
                         marks=[(view, "viewer"), (-view, "mirror")]
-                        if scale == SIGNED and view > 0 and slices[s][1] == 0
+                        if cuts.scale == SIGNED and view > 0 and slices[s][1] == 0
                         else [],
                     )
                 )
