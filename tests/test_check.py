@@ -141,6 +141,7 @@ CAUGHT: dict[str, set[str]] = {
     "growing_when_wet": {"monotonicity"},
     "half_sampler": {"isotropy"},
     "infinite_gradient": {"gradient"},
+    "mean_in_a_corner": {"albedo"},
     "missing_cosine": {"reciprocity"},
     "modest": {"energy", "reciprocity", "finite", "sampling", "continuity"},
     "nan_albedo": {"finite", "albedo", "isotropy"},
