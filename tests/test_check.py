@@ -156,6 +156,7 @@ CAUGHT: dict[str, set[str]] = {
     "pdf_half_percent": {"sampling"},
     "pdf_tilted": {"sampling"},
     "pi_twice": {"energy", "albedo"},
+    "quantised_lobe": {"sampling"},
     "reported_elsewhere": {"sampling"},
     "rho_cubed": {"albedo"},
     "rounded_claim": {"energy"},

@@ -500,7 +500,7 @@ def _one_by_one(subject: Subject, values: dict[str, Array]) -> dict[str, Array]:
     return found
 
 
-def _together(subject: Subject, values: dict[str, Array]) -> dict[str, Array]:
+def together(subject: Subject, values: dict[str, Array]) -> dict[str, Array]:
     """Blocks of the same values: all numbers a bit larger, all smaller, and every second one so."""
     n = len(next(iter(values.values())))
     found = {path: np.tile(v, (4, 1) if v.ndim == 2 else 4) for path, v in values.items()}
@@ -527,5 +527,5 @@ def _rounding_effect(subject: Subject, cases: Cases, value: Array) -> Array:
 
 def _rounding_effect_at_least(subject: Subject, cases: Cases, value: Array) -> Array:
     """The same by a few evaluations: what all parameters change together is not more."""
-    changed = _values(subject, cases, single_precision=False, disturb=_together)
+    changed = _values(subject, cases, single_precision=False, disturb=together)
     return np.asarray(np.abs(changed.reshape(-1, *value.shape) - value).max(axis=0))

@@ -7,14 +7,14 @@ at least two elements.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import drjit as dr
 import numpy as np
 from numpy.typing import NDArray
 
-from gonio.check.subject import Array, Subject, columns_of, number_type, stored, vectors
+from gonio.check.subject import Array, Subject, columns_of, gathered, number_type, stored, vectors
 
 
 @contextlib.contextmanager
@@ -102,6 +102,22 @@ def draw(
     Float = number_type(single_precision)
     rows = stored(dr.uint32_array_t(Float), _two(index))
     model = subject.at(parameters, rows, Float, single_precision)
+    wi, pdf = sample(model, vectors(Float, _two(wo)), vectors(Float, _two(u)))
+    return columns_of(wi)[: len(wo)], pdf.numpy()[: len(wo)]
+
+
+def draw_at(
+    subject: Subject,
+    values: Mapping[str, Array],
+    wo: Array,
+    u: Array,
+    *,
+    single_precision: bool = False,
+) -> tuple[NDArray[Any], NDArray[Any]]:
+    """The same for values of the parameters by path, a row for each wo."""
+    Float = number_type(single_precision)
+    rows = stored(dr.uint32_array_t(Float), _two(np.arange(len(wo), dtype=np.uint32)))
+    model = subject.bound(gathered(values, rows, Float), Float)
     wi, pdf = sample(model, vectors(Float, _two(wo)), vectors(Float, _two(u)))
     return columns_of(wi)[: len(wo)], pdf.numpy()[: len(wo)]
 

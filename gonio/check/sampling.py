@@ -17,7 +17,7 @@ import drjit as dr
 import numpy as np
 from numpy.typing import NDArray
 
-from gonio.check import hemisphere
+from gonio.check import hemisphere, sampled
 from gonio.check.adversarial import hard_parameters, special_parts
 from gonio.check.energy import dimensions, spread_out, starts, viewer
 from gonio.check.hemisphere import CELLS, COSINE_SECOND, PDF, SECOND, UNREACHED
@@ -96,6 +96,8 @@ def check(subject: Subject, effort: Effort) -> Report:
     ]
     findings += _judged(subject, points, tests, first, effort)
     findings += _reported(subject, points, tests, screened)
+    if subject.claiming and not subject.float32:
+        findings.append(sampled.check(subject, effort))
     return Report("sampling", subject.name, tuple(findings), time.perf_counter() - start)
 
 

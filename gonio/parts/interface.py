@@ -159,9 +159,10 @@ def leave(w: Vec3, excess: Float) -> Vec3:
     spread = minimum(w.z / maximum(k, MU_MIN), 1)
     # The sine from x and y: under many layers 1 - z^2 has few digits
     sin2 = w.x * w.x + w.y * w.y
-    cos_refracted = safe_sqrt(1 - eta * eta * sin2)
-    z = select(refracted, cos_refracted, spread)
-    scale = safe_sqrt(1 - z * z) / sqrt(maximum(sin2, SIN2_MIN))
+    z = select(refracted, safe_sqrt(1 - eta * eta * sin2), spread)
+    # Refracted sines are eta times as large, of which 1 - z^2 would leave no digits near the normal
+    spread_out = safe_sqrt(1 - spread * spread) / sqrt(maximum(sin2, SIN2_MIN))
+    scale = select(refracted, eta, spread_out)
     # A sample above the horizon stays there, however flat.
     z = select(w.z > 0, maximum(z, LEAVE_MIN), -1)
     return normalize(vec3(w.x * scale, w.y * scale, z))

@@ -495,9 +495,10 @@ vec3 car_paint_leave(vec3 w, float excess) {
     float spread = min(w.z / max(k, mu_min), 1.0);
     // The sine from x and y: under many layers 1 - z^2 has few digits
     float sin2 = w.x * w.x + w.y * w.y;
-    float cos_refracted = sqrt(max(1.0 - eta * eta * sin2, 0.0));
-    float z = refracted ? cos_refracted : spread;
-    float scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
+    float z = refracted ? sqrt(max(1.0 - eta * eta * sin2, 0.0)) : spread;
+    // Refracted sines are eta times as large, of which 1 - z^2 would leave no digits near the normal
+    float spread_out = sqrt(max(1.0 - spread * spread, 0.0)) / sqrt(max(sin2, SIN2_MIN));
+    float scale = refracted ? eta : spread_out;
     // A sample above the horizon stays there, however flat.
     z = w.z > 0.0 ? max(z, LEAVE_MIN) : -1.0;
     return normalize(vec3(w.x * scale, w.y * scale, z));

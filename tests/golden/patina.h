@@ -658,9 +658,10 @@ inline Vec3 patina_leave(Vec3 w, float excess) {
     float spread = fminf(w.z / fmaxf(k, mu_min), 1.0f);
     // The sine from x and y: under many layers 1 - z^2 has few digits
     float sin2 = w.x * w.x + w.y * w.y;
-    float cos_refracted = sqrtf(fmaxf(1.0f - eta * eta * sin2, 0.0f));
-    float z = refracted ? cos_refracted : spread;
-    float scale = sqrtf(fmaxf(1.0f - z * z, 0.0f)) / sqrtf(fmaxf(sin2, SIN2_MIN));
+    float z = refracted ? sqrtf(fmaxf(1.0f - eta * eta * sin2, 0.0f)) : spread;
+    // Refracted sines are eta times as large, of which 1 - z^2 would leave no digits near the normal
+    float spread_out = sqrtf(fmaxf(1.0f - spread * spread, 0.0f)) / sqrtf(fmaxf(sin2, SIN2_MIN));
+    float scale = refracted ? eta : spread_out;
     // A sample above the horizon stays there, however flat.
     z = w.z > 0.0f ? fmaxf(z, LEAVE_MIN) : -1.0f;
     return normalize(Vec3{w.x * scale, w.y * scale, z});

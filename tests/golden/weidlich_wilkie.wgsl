@@ -360,9 +360,10 @@ fn weidlich_wilkie_leave(w: vec3f, excess: f32) -> vec3f {
     let spread = min(w.z / max(k, mu_min), 1.0);
     // The sine from x and y: under many layers 1 - z^2 has few digits
     let sin2 = w.x * w.x + w.y * w.y;
-    let cos_refracted = sqrt(max(1.0 - eta * eta * sin2, 0.0));
-    var z = select(spread, cos_refracted, refracted);
-    let scale = sqrt(max(1.0 - z * z, 0.0)) / sqrt(max(sin2, SIN2_MIN));
+    var z = select(spread, sqrt(max(1.0 - eta * eta * sin2, 0.0)), refracted);
+    // Refracted sines are eta times as large, of which 1 - z^2 would leave no digits near the normal
+    let spread_out = sqrt(max(1.0 - spread * spread, 0.0)) / sqrt(max(sin2, SIN2_MIN));
+    let scale = select(spread_out, eta, refracted);
     // A sample above the horizon stays there, however flat.
     z = select(-1.0, max(z, LEAVE_MIN), w.z > 0.0);
     return normalize(vec3f(w.x * scale, w.y * scale, z));
