@@ -337,20 +337,20 @@ def test_wasted_samples_are_those_that_a_rough_facet_mirrors_below_the_horizon()
 
 
 def test_a_density_that_float32_has_wrong_fails_where_roundings_of_directions_are_excused() -> None:
-    """Car paint's declares 1e-4 beyond these; here is ten times as much."""
+    """Car paint's declares 5e-3 beyond these; here is ten times as much."""
     cls: Any = gonio.models()["car_paint"]
 
     class Wrong(cls, register=False):  # type: ignore[misc]
         def pdf(self, wi: Any, wo: Any) -> Any:
             value = super().pdf(wi, wo)
-            return value * (1 + 1e-3) if self.float_type.__name__ == "Float" else value
+            return value * (1 + 5e-2) if self.float_type.__name__ == "Float" else value
 
     wrong = [
         f for f in finite.check(ModelSubject(Wrong()), QUICK.less()).findings if f.verdict == FAIL
     ]
     assert [f.what for f in wrong] == ["float32 error"]
     # What eight roundings of the directions change is taken off
-    assert wrong[0].measured == pytest.approx(1e-3, rel=0.1)
+    assert wrong[0].measured == pytest.approx(5e-2, rel=0.1)
 
 
 def test_no_sampler_is_called_wrong_because_an_integral_is(monkeypatch: pytest.MonkeyPatch) -> None:
