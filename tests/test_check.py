@@ -37,6 +37,7 @@ from gonio.check.report import (
     KNOWN,
     NOTE,
     PASS,
+    UNSURE,
     Finding,
     Report,
     judge,
@@ -1000,3 +1001,27 @@ def test_what_stops_later_in_a_check_gets_its_line_too(tmp_path: Path) -> None:
         check.check_model(cls(), "quick", only=["isotropy"])
     start = f"{tmp_path / 'mine.py'}, line {VALUE}: "
     assert str(caught_.value).startswith(start)
+
+
+class Black(Model, register=False):
+    """Reflects nothing, and samples nothing."""
+
+    rho: Color = param((0.5, 0.5, 0.5), 0, 1, "colour")
+
+    def eval(self, wi: Vec3, wo: Vec3) -> Color:
+        return 0 * self.rho
+
+    def sample(self, wo: Vec3, u: Vec2) -> Sample:
+        return Sample(vec3(0, 0, 1), 0 * u.x)
+
+    def pdf(self, wi: Vec3, wo: Vec3) -> Float:
+        return 0 * wi.z
+
+
+def test_what_reflects_nothing_is_not_judged() -> None:
+    reports = check.check_model(
+        Black, "quick", only=["energy", "reciprocity", "sampling", "isotropy"]
+    )
+    assert [r.check for r in reports] == ["energy", "reciprocity", "sampling", "isotropy"]
+    assert not [f.what for r in reports for f in r.findings if f.verdict == PASS]
+    assert {f.verdict for r in reports for f in r.findings if r.check == "energy"} == {UNSURE}

@@ -183,14 +183,14 @@ def test_materials_with_textures_flakes_and_growth_go_into_scenes(tmp_path: Path
 
 
 def test_a_checked_bsdf_finds_its_textures_beside_its_file(tmp_path: Path) -> None:
-    from gonio.check.mitsuba_bsdf import MitsubaSubject
+    from gonio.check.mitsuba_bsdf import sides_of
 
     colour(tmp_path, (255, 0, 0))
     texture = TEXTURED.replace("<bsdf", '<bsdf version="3.0.0"', 1)
     path = write(tmp_path, "paint.xml", texture)
-    assert MitsubaSubject(str(path)).name == "paint"
+    assert sides_of(str(path))[0].name == "paint"
     with pytest.raises(ValueError, match=r"cannot load .*c\.png"):
-        MitsubaSubject(str(write(tmp_path / "other", "paint.xml", texture)))
+        sides_of(str(write(tmp_path / "other", "paint.xml", texture)))
 
 
 MATTE = '<bsdf type="twosided" id="both"><bsdf type="diffuse" id="inner"/></bsdf>'

@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 
 from gonio.check import (
     albedo,
+    all_parts,
     continuity,
-    energy,
     finite,
     gradient,
     isotropy,
@@ -31,6 +31,7 @@ from gonio.check import (
     sampling,
 )
 from gonio.check.adversarial import hard_numbers, hard_pairs, hard_parameters
+from gonio.check.dark import judged
 from gonio.check.report import (
     EFFORTS,
     NOTE,
@@ -70,7 +71,7 @@ __all__ = [
 ]
 
 CHECKS: dict[str, Callable[[Subject, Effort], Report]] = {
-    "energy": energy.check,
+    "energy": all_parts.check,
     "reciprocity": reciprocity.check,
     "finite": finite.check,
     "gradient": gradient.check,
@@ -132,7 +133,7 @@ class Step:
     def run(self) -> Report:
         """Measure."""
         with faults(self.subject):
-            return self._run()
+            return judged(self.subject, self._run())
 
     def _run(self) -> Report:
         report = CHECKS[self.check](self.subject, self.effort)
@@ -191,7 +192,7 @@ def _check_subjects(
             if name in OF_VALUES and subject.tag() in alike:
                 text = f"the values are those {alike[subject.tag()]}, bit by bit"
                 finding = Finding("differs from the default", 0.0, PASS, text, subject.tag())
-                reports.append(Report(name, subject.name, (finding,)))
+                reports.append(judged(subject, Report(name, subject.name, (finding,))))
                 continue
             tested = name == SAMPLING and subject.tag() in sampled_alike
             steps.append(Step(subject, name, replace(amount, tests=0) if tested else amount))
@@ -201,6 +202,8 @@ def _check_subjects(
     for given in reports:
         report = next(measured) if given is None else given
         key = (report.model, report.check)
+        if given is not None and not found.get(key, report).findings:
+            continue  # that nothing was measured is no verdict on what is alike
         if key in found:
             report = replace(
                 found[key],

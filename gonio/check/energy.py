@@ -89,6 +89,9 @@ BLURRED, SURE = 1e-4, 5.0
 FURNACE_ANGLES = (0.0, 30.0, 60.0, 85.0)
 FURNACE_NODES = 12
 
+# Places of a texture at which a furnace is shown.
+FURNACE_PLACES = 16
+
 # A gain smaller than this may be hidden by the errors of the estimates that the search begins with, and is
 # no more than a size may be too large by: what is documented is then an upper bound only.
 HARDLY = 0.03
@@ -109,21 +112,35 @@ def check(subject: Subject, effort: Effort) -> Report:
 
 
 def _in_a_furnace(subject: Subject) -> Finding:
-    """What a plug-in reflects of a world that is bright all around, at four angles and on average."""
+    """What a plug-in reflects of a world that is bright all around, at four angles and on average.
+
+    Textures are looked at in many places; of each angle their mean is told, and the least and most.
+    """
     x, w = np.polynomial.legendre.leggauss(FURNACE_NODES)
     mu2 = (x + 1) / 2  # (1/π) ∫ E μ dω = ∫ E dμ²
     mu = np.append(np.cos(np.radians(FURNACE_ANGLES)), np.sqrt(mu2))
     azimuth = np.concatenate(
         [0 * np.array(FURNACE_ANGLES), 2 * np.pi * 0.618034 * np.arange(len(mu2))]
     )
-    parameters = np.tile(subject.default(), (len(mu), 1))
+    places = even(FURNACE_PLACES) if subject.parameters else np.zeros((1, 0))
+    parameters = np.tile(places, (len(mu), 1))
+    wo = np.repeat(directions(mu, azimuth), len(places), axis=0)
     tolerance = ROUGHLY if subject.float32 else SINGLE  # four digits are shown
-    E = precise(subject, parameters, directions(mu, azimuth), tolerance).mean(axis=1)
+    E = precise(subject, parameters, wo, tolerance).mean(axis=1).reshape(len(mu), len(places))
     shown = ", ".join(
-        f"{albedo:.4f} at {angle:g}°" for albedo, angle in zip(E, FURNACE_ANGLES, strict=False)
+        f"{each.mean():.4f}{_between(each)} at {angle:g}°"
+        for each, angle in zip(E, FURNACE_ANGLES, strict=False)
     )
-    mean = float((E[len(FURNACE_ANGLES) :] * w / 2).sum())
+    if len(places) > 1:
+        shown += f", over {len(places)} places of uv"
+    mean = float((E[len(FURNACE_ANGLES) :].mean(axis=1) * w / 2).sum())
     return Finding("in a white furnace", mean, NOTE, f"mean albedo; {shown}", subject.tag())
+
+
+def _between(albedos: Array) -> str:
+    """The least and the most of several places, where four digits tell them apart."""
+    least, most = (f"{x:.4f}" for x in (albedos.min(), albedos.max()))
+    return "" if least == most else f" ({least} to {most})"
 
 
 def viewer(subject: Subject, points: Array, low: float = MU_LOW) -> tuple[Array, Array]:

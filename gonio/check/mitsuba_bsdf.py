@@ -1,17 +1,18 @@
 """Any Mitsuba BSDF as a subject of the checks: Mitsuba's own plug-ins, and those of others.
 
-Its reflection is checked in Mitsuba's default context, as an integrator uses it. Samples of mirrors (delta
-lobes are no functions) and transmitted ones count as samples without a direction, and so do their parts of
-the probability. Textures are looked at all over: uv are free parameters then. Mitsuba has the
-directions the other way round and multiplies by the cosine; this file undoes both. It computes in single
-precision, which the checks allow for.
+Its reflection is checked in Mitsuba's default context, as an integrator uses it, and on both sides where
+both reflect. Samples of mirrors (delta lobes are no functions) and transmitted ones count as samples
+without a direction, and so do their parts of the probability; the energy of all parts together is what
+their weights say. Textures are looked at all over: uv are free parameters then. Mitsuba has the directions
+the other way round and multiplies by the cosine; this file undoes both. It computes in single precision,
+which the checks allow for.
 """
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, cast
@@ -20,7 +21,17 @@ import drjit as dr
 import numpy as np
 
 from gonio import backend
-from gonio.check.subject import Array, FreeNumber, Remark, Size, compute, even, stored, vectors
+from gonio.check.subject import (
+    Array,
+    FreeNumber,
+    Remark,
+    Size,
+    Subject,
+    compute,
+    even,
+    stored,
+    vectors,
+)
 from gonio.claims import Claims, Kink, WhiteFurnace
 from gonio.fields import Parameter
 
@@ -33,6 +44,9 @@ PLACES, SAME = 256, 1e-5
 # Name of the report on what is left out of the checks.
 SCOPE = "scope"
 
+# Sides of a surface, by the factor of z: what is behind it is mirrored to the front.
+SIDES = {"front": 1.0, "back": -1.0}
+
 # Divides f cos(theta_i); far below any cosine that float32 directions of the search have.
 COSINE_MIN = 1e-30
 
@@ -42,8 +56,6 @@ class MitsubaSubject:
 
     claims = Claims()
     claiming = False
-    chosen: Mapping[str, str] = {}
-    varied: frozenset[str] = frozenset()
     isotropic = False  # not known beforehand
     whole = False
     float32 = True
@@ -51,37 +63,24 @@ class MitsubaSubject:
     albedos = ""
     mean_closed = False
 
-    def __init__(self, description: str) -> None:
-        """Load a BSDF.
+    def __init__(self, mi: Any, name: str, bsdf: Any, side: str, both: bool) -> None:
+        """Look at one side of a BSDF; `sides_of` loads it.
 
         Args:
-            description: a plug-in's name, a dict as JSON, XML, or a file with one of the two.
-
-        Raises:
-            ValueError: it cannot be loaded, or it is no BSDF with a reflection that is a function.
+            mi: Mitsuba, with a variant.
+            name: what it is called.
+            bsdf: what it is.
+            side: one of SIDES.
+            both: whether the other side is looked at too.
         """
-        import mitsuba as mi
-
-        import gonio.mitsuba  # noqa: F401  (finds a usable LLVM before Mitsuba loads one)
-
-        if mi.variant() is None or "rgb" not in mi.variant() or mi.variant().startswith("scalar"):
-            mi.set_variant(backend.mitsuba_variant("rgb"))
-        self.name, self.bsdf = _load(mi, description)
-        self.mi = mi
-        if FIBRES in self.bsdf.class_name().lower():
-            raise ValueError(
-                f"{self.name} scatters light around fibres, over the whole sphere; gonio check knows "
-                "surfaces only."
-            )
+        self.mi, self.name, self.bsdf, self.side = mi, name, bsdf, SIDES[side]
+        self.chosen: Mapping[str, str] = {"side": side}
+        self.both = both
+        self.varied = frozenset({"side"} if both and side == "back" else ())
         flags = int(self.bsdf.flags())
-        reflection = int(mi.BSDFFlags.DiffuseReflection) | int(mi.BSDFFlags.GlossyReflection)
-        if not flags & reflection:
-            raise ValueError(
-                f"{self.name} reflects nothing that is a function; mirrors and transmission are left out."
-            )
         transmission = int(mi.BSDFFlags.DiffuseTransmission) | int(mi.BSDFFlags.GlossyTransmission)
         self.transmits = bool(flags & transmission)
-        self.left_out = [
+        self.left_out: Sequence[str] = [
             word
             for word, bits in (
                 ("delta lobes", int(mi.BSDFFlags.Delta)),
@@ -92,7 +91,11 @@ class MitsubaSubject:
         self.context = mi.BSDFContext()
         self.parameters: tuple[FreeNumber, ...] = ()
         # SpatiallyVarying is not set by every plug-in whose children are textures
-        if flags & int(mi.BSDFFlags.SpatiallyVarying) or self._varies():
+        try:
+            varies = flags & int(mi.BSDFFlags.SpatiallyVarying) or self._varies()
+        except RuntimeError as error:
+            raise self.fault(error) from error
+        if varies:
             self.parameters = tuple(
                 FreeNumber(name, 0, Parameter(0.5, 0, 1, name), ()) for name in ("u", "v")
             )
@@ -113,10 +116,10 @@ class MitsubaSubject:
 
     def fault(self, error: Exception) -> Exception:
         """What Mitsuba cannot do, with the plug-in's name."""
-        if isinstance(error, RuntimeError) and not isinstance(error, ValueError):
-            return ValueError(
-                f"Mitsuba cannot evaluate {self.name!r}: {' '.join(str(error).split())}"
-            )
+        if isinstance(error, RuntimeError):
+            from gonio.mitsuba.xml_files import reason
+
+            return ValueError(f"Mitsuba cannot evaluate {self.name!r}: {reason(error)}.")
         return error
 
     def at(self, parameters: Array, index: Any, Float: Any, rounded: bool = False) -> Any:
@@ -139,8 +142,8 @@ class MitsubaSubject:
         return np.full(len(self.parameters), 0.5)
 
     def tag(self) -> str:
-        """No options."""
-        return ""
+        """The side, where both are looked at."""
+        return f"side={self.chosen['side']}" if self.both else ""
 
     def with_options(self, choice: Mapping[str, str]) -> MitsubaSubject:
         """No options."""
@@ -168,6 +171,7 @@ class MitsubaSubject:
         u: Array | None = None,
     ) -> str:
         """The directions, in Mitsuba's terms, and the random numbers of a sample."""
+        wi, wo = (np.asarray(w) * (1, 1, self.side) for w in (wi, wo))
         given = [("si.wi", wo), ("wo", wi)] if u is None else [("si.wi", wo), ("sample2", u)]
         if self.parameters:
             given.append(("si.uv", parameters))
@@ -179,7 +183,7 @@ class MitsubaSubject:
         """What was left out of the checks."""
         if not self.left_out:
             return []
-        text = f"not checked: {' and '.join(self.left_out)}"
+        text = f"not checked: {' and '.join(self.left_out)}, but for their energy"
         return [Remark(SCOPE, "left out", text)]
 
 
@@ -193,19 +197,26 @@ class _Bound:
         mi = self.subject.mi
         si = dr.zeros(mi.SurfaceInteraction3f, dr.width(wo))
         si.wi = self._in(wo)
-        si.n = mi.Normal3f(0, 0, 1)
-        si.sh_frame = mi.Frame3f(si.n)
+        # A flat piece of surface, one unit long for one of uv: its derivatives are those of the frame
+        x, y, z = mi.Vector3f(1, 0, 0), mi.Vector3f(0, 1, 0), mi.Normal3f(0, 0, 1)
+        si.n, si.sh_frame = z, mi.Frame3f(x, y, mi.Vector3f(z))
+        si.dp_du, si.dp_dv = x, y
         si.uv = mi.Point2f(0.5) if self.uv is None else mi.Point2f(*map(mi.Float, self.uv))
+        si.p = mi.Point3f(si.uv.x, si.uv.y, 0)
         si.t = 1.0
         return si
 
     def _in(self, w: Any) -> Any:
         mi = self.subject.mi
-        return mi.Vector3f(mi.Float(w.x), mi.Float(w.y), mi.Float(w.z))
+        return mi.Vector3f(mi.Float(w.x), mi.Float(w.y), self.subject.side * mi.Float(w.z))
 
     def _out(self, value: Any) -> Any:
         Vec = dr.replace_shape_t(self.Float, (3, -1))
         return Vec(*(self.Float(dr.detach(c)) for c in value))
+
+    def _direction(self, value: Any) -> Any:
+        w = self._out(value)
+        return type(w)(w.x, w.y, self.subject.side * w.z)
 
     def eval(self, wi: Any, wo: Any) -> Any:
         """BRDF without the cosine."""
@@ -222,24 +233,72 @@ class _Bound:
         """Direction and density. The third random number is made of the last digits of the first."""
         mi = self.subject.mi
         third = self.Float(u.x) * 2.0**24
-        third = third - dr.floor(third)
-        numbers = mi.Point2f(mi.Float(u.x), mi.Float(u.y))
-        # Rounded to float32 they may be 1
-        numbers = mi.Point2f(dr.minimum(numbers, dr.one_minus_epsilon(mi.Float)))
-        choice = dr.minimum(mi.Float(third), dr.one_minus_epsilon(mi.Float))
-        bs, weight = self.subject.bsdf.sample(
-            self.subject.context, self._interaction(wo), choice, numbers
-        )
+        bs, weight = self._sample(self.subject.context, wo, third - dr.floor(third), u)
         pdf = self.Float(dr.detach(bs.pdf))
-        wi = self._out(bs.wo)
+        wi = self._direction(bs.wo)
         # principledthin has transmitted samples that go up, with a weight of 0
         others = int(mi.BSDFFlags.Delta) | int(mi.BSDFFlags.Transmission)
         left_out = (bs.sampled_type & mi.UInt32(others)) != 0
-        # Mitsuba marks what is of no use by a weight of 0 as well; what is transmitted is not judged
-        below = (wi.z <= 0) & (self.subject.transmits | (dr.max(self._out(weight)) == 0))
-        used = (pdf > 0) & (wo.z > 0) & ~below & ~type(wo.z > 0)(left_out)
+        # Mitsuba marks what is of no use by a weight of 0 as well: a bump map, what is above the horizon
+        # but below its own. What is transmitted is not judged
+        nothing = dr.max(self._out(weight)) == 0
+        below = (wi.z <= 0) & (self.subject.transmits | nothing)
+        useless = below | (nothing & (self.pdf(wi, wo) == 0))
+        used = (pdf > 0) & (wo.z > 0) & ~useless & ~type(wo.z > 0)(left_out)
         up = type(wi)(0, 0, 1)
         return dr.select(used, wi, up), dr.select(used, pdf, 0)
+
+    def weight(self, wo: Any, choice: Any, u: Any) -> Any:
+        """The part of the energy that a sample carries on, also of a mirror and of what is transmitted."""
+        mi = self.subject.mi
+        # Radiance is denser inside glass, by the square of the index; energy is not
+        context = mi.BSDFContext(mi.TransportMode.Importance)
+        _, weight = self._sample(context, wo, choice, u)
+        return dr.select(wo.z > 0, self._out(weight), 0)
+
+    def _sample(self, context: Any, wo: Any, choice: Any, u: Any) -> Any:
+        mi = self.subject.mi
+        # Rounded to float32 they may be 1
+        most = dr.one_minus_epsilon(mi.Float)
+        numbers = mi.Point2f(dr.minimum(mi.Point2f(mi.Float(u.x), mi.Float(u.y)), most))
+        choice = dr.minimum(mi.Float(choice), most)
+        return self.subject.bsdf.sample(context, self._interaction(wo), choice, numbers)
+
+
+def sides_of(description: str) -> list[Subject]:
+    """Load a BSDF; a subject for each side that reflects, the front first.
+
+    Args:
+        description: a plug-in's name, a dict as JSON, XML, or a file with one of the two.
+
+    Raises:
+        ValueError: it cannot be loaded, or it is no BSDF with a reflection that is a function.
+    """
+    import mitsuba as mi
+
+    import gonio.mitsuba  # noqa: F401  (finds a usable LLVM before Mitsuba loads one)
+
+    if mi.variant() is None or "rgb" not in mi.variant() or mi.variant().startswith("scalar"):
+        mi.set_variant(backend.mitsuba_variant("rgb"))
+    name, bsdf = _load(mi, description)
+    if FIBRES in bsdf.class_name().lower():
+        raise ValueError(
+            f"{name} scatters light around fibres, over the whole sphere; gonio check knows surfaces only."
+        )
+    flags = mi.BSDFFlags
+    reflection = int(flags.DiffuseReflection) | int(flags.GlossyReflection)
+    parts = [int(bsdf.flags(n)) for n in range(bsdf.component_count())]
+    reflecting = [part for part in parts or [int(bsdf.flags())] if part & reflection]
+    if not reflecting:
+        raise ValueError(
+            f"{name} reflects nothing that is a function; mirrors and transmission are left out."
+        )
+    back = any(part & int(flags.BackSide) for part in reflecting)
+    # Plug-ins that set neither flag are asked on the front
+    front = not back or any(part & int(flags.FrontSide) for part in reflecting)
+    both = front and back
+    sides = [side for side, looked_at in (("front", front), ("back", back)) if looked_at]
+    return [MitsubaSubject(mi, name, bsdf, side, both) for side in sides]
 
 
 def _load(mi: Any, description: str) -> tuple[str, Any]:

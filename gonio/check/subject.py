@@ -87,6 +87,8 @@ class Subject(Protocol):
     makes them of inner models' quadratures, each of which takes as long as hundreds of values."""
     mean_closed: bool
     """Whether its mean albedo is a closed form."""
+    left_out: Sequence[str]
+    """Parts that are no function and are known by samples alone: what `at` gives has a `weight` then."""
 
     def prepare(self) -> None:
         """Raise a ValueError where it cannot be evaluated at all, with what to do about it."""
@@ -189,6 +191,7 @@ class ModelSubject:
         self.differentiable = True
         self.albedos = _origin(model)
         self.mean_closed = model.writes("mean_albedo")
+        self.left_out: Sequence[str] = ()
 
     @functools.cached_property
     def _ranges(self) -> _Ranges:

@@ -181,9 +181,9 @@ def plan(
     groups = [subjects_of(t, given) for t in texts if t not in files and t not in foreign]
     loaded = _loaded(foreign, code) if code is not None else []
     if plugins:
-        from gonio.check.mitsuba_bsdf import MitsubaSubject
+        from gonio.check.mitsuba_bsdf import sides_of
 
-        groups += [[MitsubaSubject(text)] for text in plugins]
+        groups += [sides_of(text) for text in plugins]
     if picture_file is not None and files:
         raise ValueError(
             f"{files[0]} is a measurement; 'gonio data {files[0]} --picture {picture_file}' draws it."

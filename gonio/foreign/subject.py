@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import drjit as dr
@@ -28,6 +28,7 @@ class ForeignSubject:
     differentiable = False
     albedos = ""
     mean_closed = False
+    left_out: Sequence[str] = ()
 
     def __init__(self, foreign: Foreign, drawn: bool = False, least: bool = False) -> None:
         """Take a function that is running.
