@@ -123,6 +123,7 @@ NAN = {"energy", "reciprocity", "sampling", "isotropy", "continuity"}
 
 # Which checks find what is wrong with each file in tests/broken; all others have to pass.
 CAUGHT: dict[str, set[str]] = {
+    "albedo_gradient": {"gradient"},
     "albedo_of_x": {"albedo", "isotropy"},
     "below_horizon": {"sampling"},
     "blue_left_out": {"sampling"},
@@ -569,6 +570,36 @@ def test_what_is_wrong_fails_after_the_look_with_care_as_well() -> None:
     assert [f.verdict for f in albedo.check(subject, TINY).findings] == [FAIL, FAIL]
     (growth,) = monotonicity.check(subject, TINY).findings
     assert growth.verdict == FAIL
+
+
+class SteepTogether(Model):
+    """Lambert, whose derivative by the dust is infinite where two options meet."""
+
+    dust: Float = param(0.3, 0, 1, "darkens")
+    curve: str = option("linear", "square", doc="how dust darkens")
+    spread: str = option("even", "patchy", doc="how dust lies")
+
+    def eval(self, wi: Vec3, wo: Vec3) -> Color:
+        """A root of what is 0 only for both."""
+        c = self.dust * self.dust if self.curve == "square" else self.dust + 0.1
+        c = sqrt(c) if self.spread == "patchy" else c
+        return vec3(1, 1, 1) * ((1 - 0.5 * c) * INV_PI)
+
+    def sample(self, wo: Vec3, u: Vec2) -> Sample:
+        """Cosine-weighted."""
+        wi = sample_cosine(u)
+        return Sample(wi, pdf_cosine(wi))
+
+    def pdf(self, wi: Vec3, wo: Vec3) -> Float:
+        """Density of `sample`."""
+        return pdf_cosine(wi)
+
+
+def test_derivatives_are_looked_at_with_two_options_together() -> None:
+    effort = replace(TINY, derivatives=True)
+    (report,) = check.check_subjects(check.subjects(SteepTogether), effort, ["gradient"])
+    failed = [f.tag for f in report.findings if f.verdict == FAIL]
+    assert failed == ["curve=square, spread=patchy"]
 
 
 def test_nothing_below_zero_is_zero_with_its_usual_sign() -> None:

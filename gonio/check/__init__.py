@@ -305,7 +305,7 @@ def _efforts(these: list[Subject], level: Effort) -> list[tuple[Subject, Effort]
         elif left > 0:
             left -= 1
             # Each of these options has been looked at by itself; left is what they do to each other
-            found.append((subject, replace(level.less().less(), derivatives=False)))
+            found.append((subject, replace(level.less().less(), briefly=True)))
     return found
 
 

@@ -54,6 +54,9 @@ PAIRS = 3000
 # One number for three channels or coordinates, in which each can be told from the others.
 MIXED = np.array([1.0, 0.7, 0.4])
 
+# Every so many of the hard pairs do for two options together, each of which has been looked at by itself.
+BRIEF = 8
+
 # So many may lie too near to a kink, or in a lobe too sharp, for differences to tell; with fewer nothing is
 # said.
 TOLD = 0.5
@@ -65,7 +68,7 @@ def check(subject: Subject, effort: Effort) -> Report:
     findings = []
     if subject.differentiable and (effort.derivatives or not subject.tag()):
         findings = [_finite(subject, effort)]
-        if subject.parameters:
+        if subject.parameters and not effort.briefly:
             findings.append(_differences(subject))
     return Report("gradient", subject.name, tuple(findings), time.perf_counter() - start)
 
@@ -80,13 +83,26 @@ def leaves(subject: Subject, parameters: Array, Float: Any, rounded: bool) -> di
 
 METHODS = {"eval": ("wi", "wo"), "pdf": ("wi", "wo"), "sample": ("wo", "u")}
 
+# What has closed forms beside those, and takes part in fits: looked at where a search is not worth it.
+CLOSED: dict[str, tuple[str, ...]] = {"albedo": ("wo",), "mean_albedo": ()}
+
+
+def _inputs(method: str) -> tuple[str, ...]:
+    return METHODS[method] if method in METHODS else CLOSED[method]
+
+
+def _closed(subject: Subject) -> list[str]:
+    """The albedos of a model that are closed forms."""
+    found = ["albedo"] if subject.albedos == "closed form" else []
+    return [*found, "mean_albedo"] if subject.mean_closed else found
+
 
 def gradients(subject: Subject, cases: Cases, method: str) -> dict[str, NDArray[Any]]:
     """Derivatives in float32 of a method's sum (for `sample` that of density and direction), by name."""
     Float = backend.array_module().Float
     given = {"wi": cases.wi, "wo": cases.wo, "u": cases.u}
     values = leaves(subject, cases.parameters, Float, True)
-    names = METHODS[method]
+    names = _inputs(method)
     args = [vectors(Float, given[name]) for name in names]
     found = {}
     derivatives = derived(subject, values, args, method)
@@ -105,8 +121,8 @@ def derived(
     Args:
         subject: whose method it is.
         values: of the parameters, by their paths: arrays of float32 that can be differentiated.
-        args: directions and random numbers, in the order of METHODS.
-        method: of METHODS.
+        args: directions and random numbers, in the order of METHODS or CLOSED.
+        method: of METHODS or CLOSED.
     """
     Float = backend.array_module().Float
     dr.enable_grad(values, args)
@@ -122,7 +138,7 @@ def derived(
         return {}  # constant, such as Lambert's density with respect to nothing
     # Not everything depends on a parameter: a cosine sampler, say, on none.
     dr.backward(total, flags=dr.ADFlag.Default | dr.ADFlag.AllowNoGrad)
-    inputs = {**values, **dict(zip(METHODS[method], args, strict=True))}
+    inputs = {**values, **dict(zip(_inputs(method), args, strict=True))}
     return {name: dr.grad(value) for name, value in inputs.items()}
 
 
@@ -142,7 +158,8 @@ def _steepest_at(subject: Subject, method: str, points: Array) -> Array:
 
 def _finite(subject: Subject, effort: Effort) -> Finding:
     # Below the horizon there are no values, and so no derivatives
-    wi, wo = (w.astype(np.float64) for w in hard_pairs(MU_MIN))
+    step = BRIEF if effort.briefly else 1
+    wi, wo = (w.astype(np.float64)[::step] for w in hard_pairs(MU_MIN))
     more = hard_cases(subject, random_points(subject, effort.cases, 6), MU_MIN)
     cases = Cases(
         np.concatenate([hard_parameters(subject, len(wi), 6), more.parameters]),
@@ -152,9 +169,10 @@ def _finite(subject: Subject, effort: Effort) -> Finding:
     )
     wrong: list[str] = []
     worst: tuple[Cases, int, str] | None = None
-    for method in METHODS:
+    for method in [*METHODS, *([] if effort.briefly else _closed(subject))]:
         tried = cases
-        if np.isfinite(_steepest(subject, cases, method)).all():
+        searched = method in METHODS and not effort.briefly
+        if searched and np.isfinite(_steepest(subject, cases, method)).all():
             # The steepest place is searched for; it leads to where something overflows
             points, _ = maximise(
                 functools.partial(_steepest_at, subject, method),
@@ -171,9 +189,10 @@ def _finite(subject: Subject, effort: Effort) -> Finding:
                 wrong.append(f"d {method} / d {name}")
                 worst = (tried, int(bad[0]), method) if worst is None else worst
     if worst is None:
+        albedo = "" if effort.briefly or not _closed(subject) else ", albedo"
         text = (
-            f"derivatives of eval, pdf, sampled directions and densities finite at {len(cases)} hard "
-            "cases and in a search"
+            f"derivatives of eval, pdf, sampled directions and densities{albedo} finite at "
+            f"{len(cases)} hard cases{'' if effort.briefly else ' and in a search'}"
         )
         return Finding("not finite", 0.0, PASS, text, subject.tag())
     tried, row, method = worst

@@ -63,6 +63,8 @@ class Effort:
     """Combinations of two options are checked while there are at most so many variants of the model."""
     small: bool = False
     """Whether batches are so small that one thread is enough."""
+    briefly: bool = False
+    """Whether derivatives are looked at at hard cases only, and in no search."""
     full: Effort | None = None
     """What this is less of: a documented size is called too large after a search with that."""
     bounds: bool = False
