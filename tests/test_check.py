@@ -76,7 +76,7 @@ from gonio.lang import (
     vec3,
 )
 from gonio.materials import model_file
-from gonio.model import Model, option, param
+from gonio.model import Model, child, option, param
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
 
 BROKEN = Path(__file__).parent / "broken"
@@ -572,7 +572,37 @@ def test_what_is_wrong_fails_after_the_look_with_care_as_well() -> None:
     assert growth.verdict == FAIL
 
 
-class SteepTogether(Model):
+class Patches(Model, register=False):
+    """A mixture that leaves its quadrature to gonio; a model inside documents that of its own rule."""
+
+    glossy: Model = child("ward", "part of it")
+    cover: Float = param(0.5, 0.1, 0.9, "by Ward's")
+    isotropic = False
+
+    def eval(self, wi: Vec3, wo: Vec3) -> Color:
+        """The mean of Ward's and of black."""
+        return self.cover * self.glossy.eval(wi, wo)
+
+    def sample(self, wo: Vec3, u: Vec2) -> Sample:
+        """Ward's."""
+        return self.glossy.sample(wo, u)
+
+    def pdf(self, wi: Vec3, wo: Vec3) -> Float:
+        """Density of `sample`."""
+        return self.glossy.pdf(wi, wo)
+
+
+def test_the_error_of_an_inner_models_rule_is_not_that_of_the_one_around_it() -> None:
+    (error,) = albedo.check(ModelSubject(Patches()), QUICK).findings
+    assert gonio.model("ward").claims.numeric_albedo
+    assert error.measured > 0.01
+    assert error.verdict == NOTE
+    assert "ward's slope_widths" in error.text
+    claimed = float(error.text.split("at_most(")[1].split(")")[0])
+    assert error.measured <= claimed < 1.2 * error.measured
+
+
+class SteepTogether(Model, register=False):
     """Lambert, whose derivative by the dust is infinite where two options meet."""
 
     dust: Float = param(0.3, 0, 1, "darkens")

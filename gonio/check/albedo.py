@@ -7,17 +7,21 @@ documented.
 
 from __future__ import annotations
 
+import copy
+import math
 import time
 
 import numpy as np
 
+from gonio.albedos.quadrature import RULES, NumericAlbedo
 from gonio.check import hemisphere, kernels
 from gonio.check.adversarial import hard_parameters, special_parts
 from gonio.check.energy import dimensions, starts, viewer
 from gonio.check.product_rules import albedos
 from gonio.check.report import FAIL, NOTE, PASS, UNSURE, Effort, Finding, Report, judge
 from gonio.check.search import maximise
-from gonio.check.subject import Array, Subject, directions
+from gonio.check.special import inner_models
+from gonio.check.subject import Array, ModelSubject, Subject, directions
 
 # What closed forms may be off: the adaptive integral itself errs by 1.2e-5 where a kink meets a cell that
 # has no samples. Then what gonio.albedos.quadrature promises.
@@ -25,6 +29,9 @@ CLOSED, NUMERIC = 2e-5, 3e-5
 
 # Tolerance of integrals of which many are added up, or which are repeated where something seems wrong.
 ROUGHLY = 2e-5
+
+# A rule is named if it errs by less than this part of what the rule in force errs by.
+BETTER = 0.3
 
 # An integral that is good to no more than this tells nothing.
 BLURRED = 1e-3
@@ -90,12 +97,17 @@ def _directional(subject: Subject, effort: Effort) -> Finding:
     text += (
         f"; {subject.albedos}, compared with integrals good to {max(float(error.max()), 1e-9):.1g}"
     )
-    if verdict == FAIL and not closed and subject.size("numeric_albedo") is None:
+    # What an inner model documents is the error of that one's rule, not of this model's
+    documented = subject.claims.known("numeric_albedo", subject.chosen)
+    if verdict == FAIL and not closed and documented is None:
         if not np.isnan(own[row]).any():
             verdict = NOTE
+            # Beside the point that is worst for the rule in force, others that are hard for each
+            few = order[:SUSPECTS]
+            better = _better_rule(subject, parameters[few], wo[few], true[few], measured)
             text = (
-                f"gonio's quadrature errs by this, not the model: another rule may fit better, or "
-                f"numeric_albedo=at_most({measured:.1g}) in its claims tells users"
+                f"gonio's quadrature errs by this, not the model: {better}, or "
+                f"numeric_albedo=at_most({_rounded_up(measured):.2g}) in its claims tells users"
             )
     elif verdict == PASS and float(error[row]) > BLURRED:
         verdict, text = UNSURE, f"the integral itself is good to {float(error[row]):.1g} only"
@@ -103,6 +115,37 @@ def _directional(subject: Subject, effort: Effort) -> Finding:
     return Finding(
         "error of albedo", measured, verdict, text, subject.tag(), subject.replay(*case), case
     )
+
+
+def _better_rule(
+    subject: Subject, parameters: Array, wo: Array, true: Array, measured: float
+) -> str:
+    """What a model may declare for its quadrature: the rule of a model inside, or one that errs less."""
+    hint = "another rule may fit better"
+    if not isinstance(subject, ModelSubject):
+        return hint
+    for inner in inner_models(subject.model):
+        if inner.numeric.stretched:
+            return (
+                f'numeric = NumericAlbedo("{inner.numeric.rule}", stretched=True) with {inner.name}\'s '
+                "slope_widths may fit better"
+            )
+    errors = {}
+    for rule in RULES:
+        other = copy.copy(subject)
+        other.model = subject.model.with_numeric(NumericAlbedo(rule))
+        off = float(_off(kernels.albedo(other, parameters, wo), true).max())
+        errors[rule] = off if np.isfinite(off) else np.inf
+    best = min(errors, key=lambda rule: errors[rule])
+    if errors[best] < BETTER * measured:
+        return f'numeric = NumericAlbedo("{best}") errs by {errors[best]:.2g} there'
+    return hint
+
+
+def _rounded_up(size: float) -> float:
+    """A size of two digits that is not short."""
+    unit = 10.0 ** (math.floor(math.log10(size)) - 1)
+    return math.ceil(size / unit) * unit
 
 
 # So many albedos at once are integrated again with care: closed forms, and the others to a fortieth of what

@@ -79,6 +79,9 @@ ZERO_CROSSING = 0.03
 # From so many hard cases on the whole list of hard pairs is affordable.
 FULL = 1024
 
+# Cosines of directions that are hardly above the horizon.
+FLAT = 1e-5
+
 # Mean albedos, and those composed of quadratures, are integrals of their own: fewer are tried.
 MEANS = 64
 
@@ -335,10 +338,21 @@ def _worst(subject: Subject, effort: Effort, cases: Cases, promise: str, errors:
         measured,
         verdict,
         f"{text}; {NAMES[column]}"
-        + (f", less than {TOLD:g} beyond roundings of the parameters" if measured < TOLD else ""),
+        + (f", less than {TOLD:g} beyond roundings of the parameters" if measured < TOLD else "")
+        + (_horizon(case[1], case[2]) if verdict == FAIL else ""),
         subject.tag(),
         subject.replay(*case, double=False),
         case,
+    )
+
+
+def _horizon(wi: Array, wo: Array) -> str:
+    """What to do where a half vector is all that is left of two long ones."""
+    if max(wi[2], wo[2]) > FLAT or wi[:2] @ wo[:2] > -0.5:
+        return ""
+    return (
+        " at opposite directions in the horizon, where a half vector keeps no digits of directions that "
+        "were turned or scaled before they were added: turn it, not them (docs/checking.md)"
     )
 
 

@@ -300,7 +300,7 @@ def table(reports: Sequence[Report]) -> Iterator[str]:
         yield f"  {'  '.join(cells)}  {row[4]}".rstrip()
     for report in reports:
         for finding in report.findings:
-            if finding.verdict == FAIL and finding.replay:
+            if finding.verdict in (FAIL, UNSURE) and finding.replay:
                 yield f"  {report.check}, {finding.what}: {finding.replay}"
 
 
