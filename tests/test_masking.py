@@ -342,3 +342,21 @@ def test_what_beckmann_facets_hide_is_that_of_60_digits(lost: str) -> None:
         )
     )
     assert abs(plain[4] / float(Lambda(mu[4])) - 1) > 0.01
+
+
+def test_what_smith_hides_keeps_its_digits_where_it_is_little() -> None:
+    """sqrt(mu^2 + alpha^2 sin^2) - mu with 60 digits: a difference in float32 has none near the normal."""
+    rng = np.random.default_rng(7)
+    grazing, steep = 10 ** rng.uniform(-18, 0, 100), 1 - 10 ** rng.uniform(-7, 0, 100)
+    mu = np.concatenate([grazing, steep]).astype(np.float32)
+    alpha = (10 ** rng.uniform(-4, 0, 200)).astype(np.float32)
+    with mp.workdps(60):
+        exact = [
+            float(mp.sqrt(m**2 + a**2 * (1 - m**2)) - m)
+            for m, a in (
+                (mp.mpf(float(m)), mp.mpf(float(a))) for m, a in zip(mu, alpha, strict=True)
+            )
+        ]
+    w = vec3(dr.sqrt(dr.maximum(1 - Float(mu) * Float(mu), 0)), 0, Float(mu))
+    found = numbers(distribution.RoundGGX(Float(alpha)).hidden(w))
+    np.testing.assert_allclose(found, exact, rtol=SINGLE)

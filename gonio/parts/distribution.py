@@ -245,9 +245,10 @@ class RoundGGX(NamedTuple):
         return sqrt(a2 + (1 - a2) * (w.z * w.z))
 
     def hidden(self, w: Vec3) -> Float:
-        """2 mu Lambda, `area` without mu."""
-        # Where this difference has few digits, little is hidden, and the tail of D is larger
-        return self.area(w) - w.z
+        """2 mu Lambda, `area` without mu, exact where it is little."""
+        # The difference would have few digits, which count beside a coat that transmits as little
+        rest = self.alpha * self.alpha * ((1 - w.z) * (1 + w.z))
+        return rest / (self.area(w) + w.z)
 
     def sample(self, u: Vec2) -> Vec3:
         """A normal with density D m.z."""

@@ -256,10 +256,11 @@ inline PatinaRoundGGX patina_facets(Patina params) {
     return PatinaRoundGGX{params.alpha};
 }
 
-// 2 mu Lambda, patina_round_ggx_area without mu.
+// 2 mu Lambda, patina_round_ggx_area without mu, exact where it is little.
 inline float patina_round_ggx_hidden(PatinaRoundGGX round_ggx, float3 w) {
-    // Where this difference has few digits, little is hidden, and the tail of D is larger
-    return patina_round_ggx_area(round_ggx, w) - w.z;
+    // The difference would have few digits, which count beside a coat that transmits as little
+    float rest = round_ggx.alpha * round_ggx.alpha * ((1.0 - w.z) * (1.0 + w.z));
+    return rest / (patina_round_ggx_area(round_ggx, w) + w.z);
 }
 
 // 1 - G of patina_V_smith_correlated, exact where G is nearly 1.

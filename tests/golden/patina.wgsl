@@ -253,10 +253,11 @@ fn patina_facets(params: Patina) -> PatinaRoundGGX {
     return PatinaRoundGGX(params.alpha);
 }
 
-// 2 mu Lambda, patina_round_ggx_area without mu.
+// 2 mu Lambda, patina_round_ggx_area without mu, exact where it is little.
 fn patina_round_ggx_hidden(round_ggx: PatinaRoundGGX, w: vec3f) -> f32 {
-    // Where this difference has few digits, little is hidden, and the tail of D is larger
-    return patina_round_ggx_area(round_ggx, w) - w.z;
+    // The difference would have few digits, which count beside a coat that transmits as little
+    let rest = round_ggx.alpha * round_ggx.alpha * ((1.0 - w.z) * (1.0 + w.z));
+    return rest / (patina_round_ggx_area(round_ggx, w) + w.z);
 }
 
 // 1 - G of patina_V_smith_correlated, exact where G is nearly 1.
