@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import functools
 import math
+import re
+import shlex
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +14,7 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.tolerances import DOUBLE, DOUBLE_DIVIDED, DOUBLE_SHORT, SINGLE, decimals
@@ -58,6 +61,7 @@ from gonio.claims import (
     jump,
     white_furnace,
 )
+from gonio.cli import main
 from gonio.fields import ModelError, Option, Parameter
 from gonio.lang import (
     INV_PI,
@@ -234,29 +238,36 @@ def test_every_check_catches_something_and_every_broken_model_is_listed() -> Non
     assert {path.stem for path in BROKEN.glob("*.py")} == set(CAUGHT)
 
 
-def test_failures_can_be_replayed() -> None:
-    """The line that is printed for a failure is one that the command takes, and shows the failure."""
-    from gonio.cli.eval import directions as given_directions
-    from gonio.cli.eval import evaluate as evaluate_once
-    from gonio.materials import load
-
-    cls = model_file.load(BROKEN / "non_reciprocal.py")
-    subject = check.subjects(cls, label=str(BROKEN / "non_reciprocal.py"))[0]
-    (report,) = check.check_subjects([subject], "quick", ["reciprocity"])
-    words = (report.findings[0].replay or "").split()
-    assert words[:2] == ["gonio", "eval"]
-    assert words[-1] == "--double"
-    at_i, at_o = words.index("--wi"), words.index("--wo")
-    wi, wo = ([float(x) for x in words[at + 1 : at + 4]] for at in (at_i, at_o))
-    model = load(words[2])
-    a, b = (
-        np.array(
-            evaluate_once(model, *given_directions(x, y, None, None, None, False), double=True).eval
-        )
-        for x, y in ((wi, wo), (wo, wi))
-    )
-    difference = np.max(np.abs(a - b) / np.maximum(np.maximum(abs(a), abs(b)), 1e-4))
-    assert difference == pytest.approx(report.findings[0].measured, rel=SINGLE)
+@pytest.mark.parametrize(
+    ("name", "name_of_check"),
+    [
+        ("cancelling", "finite"),
+        ("non_reciprocal", "reciprocity"),
+        ("brushed", "isotropy"),
+        ("pdf_half_percent", "sampling"),
+        ("albedo_of_x", "albedo"),
+        ("growing", "monotonicity"),
+        ("stepped_parameter", "continuity"),
+        ("wrong_gradient", "gradient"),
+    ],
+)
+def test_the_line_of_a_failure_shows_it_again(name: str, name_of_check: str) -> None:
+    """It is a command as it stands: two values that differ as much, or the check that fails again."""
+    path = BROKEN / f"{name}.py"
+    subject = check.subjects(model_file.load(path), label=str(path))[0]
+    (report,) = check.check_subjects([subject], "quick", [name_of_check])
+    finding = next(f for f in report.findings if f.verdict == FAIL)
+    command = shlex.split(finding.replay or "")
+    result = CliRunner().invoke(main, command[1:])
+    if command[1] == "check":
+        assert (result.exit_code, finding.what in result.output) == (1, True), result.output
+        return
+    assert command[:2] == ["gonio", "eval"]
+    found = re.search(r"difference +eval (\S+), pdf (\S+), ", result.output)
+    assert found is not None, result.output
+    shown = max(float(found[1]), float(found[2]))
+    # Three digits are shown
+    assert shown == pytest.approx(finding.measured, rel=2e-3)
 
 
 # --- against publications ------------------------------------------------------------------------

@@ -197,6 +197,51 @@ def test_below_the_horizon_there_is_no_weight():
     assert "wi not above the horizon" in run(*args).stdout
 
 
+def test_a_pair_of_directions_is_compared_in_another_precision_exchanged_and_turned(tmp_path):
+    """Of f = x_i / π: exchanged it is x_o / π, and a quarter turn makes it -y_i / π."""
+    path = tmp_path / "slanted.py"
+    path.write_text(
+        "from gonio.lang import INV_PI, Color, Float, Sample, Vec2, Vec3\n"
+        "from gonio.model import Model, param\n"
+        "from gonio.parts.hemisphere import pdf_cosine, sample_cosine\n\n\n"
+        "class Slanted(Model):\n"
+        "    rho: Color = param(1, 0, 1, 'colour')\n"
+        "    def eval(self, wi: Vec3, wo: Vec3) -> Color: return self.rho * (wi.x * INV_PI)\n"
+        "    def pdf(self, wi: Vec3, wo: Vec3) -> Float: return pdf_cosine(wi)\n"
+        "    def sample(self, wo: Vec3, u: Vec2) -> Sample:\n"
+        "        wi = sample_cosine(u)\n"
+        "        return Sample(wi, pdf_cosine(wi))\n"
+    )
+    pair = (path, "--wi", 0.48, 0.36, 0.8, "--wo", 0.6, 0, 0.8)
+    for words, expected in (
+        (("--compare", "double"), 0.48),
+        (("--double", "--compare", "swapped"), 0.6),
+        (("--double", "--compare", "turned:90"), -0.36),
+    ):
+        result = run_json("eval", *pair, *words)
+        value, other = (math.pi * e["eval"][0] for e in (result, result["compared"]))
+        assert (value, other) == pytest.approx((0.48, expected), rel=SINGLE)
+    assert run_json("eval", *pair, "--compare", "double")["compared"]["precision"] == "float64"
+    last = run("eval", *pair, "--double", "--compare", "swapped").stdout.splitlines()[-1]
+    assert "eval 0.2, pdf 0," in last
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--theta-i", 9, "--compare", "halved"), "double, swapped, or turned:DEG"),
+        (("--theta-i", 9, "--compare", "turned:x"), "such as turned:90"),
+        (("--theta-i", 9, "--double", "--compare", "double"), "leave --double out"),
+        (("--u", 0.1, 0.2, "--compare", "swapped"), "goes with --wi and --wo"),
+    ],
+)
+def test_what_cannot_be_compared_is_one_line(words, message):
+    result = run("eval", "lambert", "--theta-o", 60, *words)
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert result.stderr.count("\n") == 1
+
+
 def test_evaluate_is_a_python_function():
     assert evaluate(gonio.Lambert(), [0, 0, 1], [0, 0, 1]).pdf == pytest.approx(1 / math.pi)
 

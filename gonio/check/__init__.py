@@ -32,6 +32,7 @@ from gonio.check import (
 )
 from gonio.check.adversarial import hard_numbers, hard_pairs, hard_parameters
 from gonio.check.dark import judged
+from gonio.check.replays import shown
 from gonio.check.report import (
     EFFORTS,
     NOTE,
@@ -133,7 +134,7 @@ class Step:
     def run(self) -> Report:
         """Measure."""
         with faults(self.subject):
-            return judged(self.subject, self._run())
+            return shown(self.subject, judged(self.subject, self._run()))
 
     def _run(self) -> Report:
         report = CHECKS[self.check](self.subject, self.effort)

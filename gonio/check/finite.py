@@ -341,7 +341,7 @@ def _worst(subject: Subject, effort: Effort, cases: Cases, promise: str, errors:
         + (f", less than {TOLD:g} beyond roundings of the parameters" if measured < TOLD else "")
         + (_horizon(case[1], case[2]) if verdict == FAIL else ""),
         subject.tag(),
-        subject.replay(*case, double=False),
+        subject.replay(*case, double=False, compare="double"),
         case,
     )
 

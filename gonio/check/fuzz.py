@@ -218,7 +218,7 @@ def _precision(subject: Subject, state: State, rows: Rows, promise: str, error: 
         one = cases(subject, rows, np.array([worst, worst]))
         columns = float32_error(subject, one, told, promise)[0]
         case = (one.parameters[0], one.wi[0], one.wo[0])
-        shown = subject.replay(*case, double=False)
+        shown = subject.replay(*case, double=False, compare="double")
         setattr(state, replay, f"{NAMES[int(columns.argmax())]}: {shown}")
     return error
 

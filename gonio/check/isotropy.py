@@ -65,9 +65,8 @@ def check(subject: Subject, effort: Effort) -> Report:
     else:
         verdict, text = PASS, "isotropic" if isotropic else "anisotropic, as declared"
     case = (parameters[0], wi[0], wo[0])
-    finding = Finding(
-        "change by a turn", measured, verdict, text, subject.tag(), subject.replay(*case), case
-    )
+    replay = subject.replay(*case, compare=f"turned:{360 * float(points[0, -1])!r}")
+    finding = Finding("change by a turn", measured, verdict, text, subject.tag(), replay, case)
     return Report("isotropy", subject.name, (finding,), time.perf_counter() - start)
 
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, cast
@@ -169,15 +169,21 @@ class MitsubaSubject:
         *,
         double: bool = True,
         u: Array | None = None,
+        compare: str = "",
     ) -> str:
         """The directions, in Mitsuba's terms, and the random numbers of a sample."""
         wi, wo = (np.asarray(w) * (1, 1, self.side) for w in (wi, wo))
         given = [("si.wi", wo), ("wo", wi)] if u is None else [("si.wi", wo), ("sample2", u)]
         if self.parameters:
             given.append(("si.uv", parameters))
-        return ", ".join(
+        words = ", ".join(
             f"{name} = ({', '.join(f'{x:.9g}' for x in numbers)})" for name, numbers in given
         )
+        return f"{words}; {compare}" if compare else words
+
+    def recheck(self, check: str, parameters: Array, free: Collection[str] = ()) -> str:
+        """There is no command that keeps uv."""
+        return ""
 
     def notes(self) -> list[Remark]:
         """What was left out of the checks."""

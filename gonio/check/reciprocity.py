@@ -53,7 +53,7 @@ def check(subject: Subject, effort: Effort) -> Report:
         verdict,
         text,
         subject.tag(),
-        subject.replay(parameters[0], wi[0], wo[0]),
+        subject.replay(parameters[0], wi[0], wo[0], compare="swapped"),
         (parameters[0], wi[0], wo[0]),
     )
     return Report("reciprocity", subject.name, (finding,), time.perf_counter() - start)

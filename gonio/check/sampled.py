@@ -59,7 +59,7 @@ def check(subject: Subject, effort: Effort) -> Finding:
     verdict, text = judge(subject, "float32", measured, limit=ALLOWED, searched=False)
     text += "; as a step of the random numbers that moves the direction as far"
     case = (cases.parameters[row], cases.wi[row], cases.wo[row])
-    replay = subject.replay(*case, double=False, u=cases.u[row])
+    replay = subject.replay(*case, double=False, u=cases.u[row], compare="double")
     return Finding("sampled in float32", measured, verdict, text, subject.tag(), replay, case)
 
 

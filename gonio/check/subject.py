@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Mapping, Sequence
+import shlex
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from types import ModuleType
 from typing import Any, Protocol, Self
@@ -141,8 +142,15 @@ class Subject(Protocol):
         *,
         double: bool = True,
         u: Array | None = None,
+        compare: str = "",
     ) -> str:
-        """A shell command that shows the value at one pair of directions, or a sample."""
+        """A shell command that shows the value at one pair of directions, or a sample.
+
+        `compare` is what `gonio eval --compare` shows beside it.
+        """
+
+    def recheck(self, check: str, parameters: Array, free: Collection[str] = ()) -> str:
+        """A shell command that makes one check again with these parameters fixed; "" if there is none."""
 
 
 def compute() -> ModuleType:
@@ -287,19 +295,31 @@ class ModelSubject:
         *,
         double: bool = True,
         u: Array | None = None,
+        compare: str = "",
     ) -> str:
         """The `gonio eval` line of one pair of directions, or of one sample."""
-        values = self.values(np.asarray(parameters)[None], rounded=not double)
-        texts = _assignments(self.model)
-        for path, _, value in self.model.parameters():
-            texts[path] = _number(values[path][0] if path in values else value)
-        text = ",".join(f"{path}={value}" for path, value in texts.items())
         given = [("wo", wo), ("wi", wi)] if u is None else [("wo", wo), ("u", u)]
         words = " ".join(
             f"--{name} {' '.join(repr(float(x)) for x in numbers)}" for name, numbers in given
         )
         precision = " --double" if double else ""
-        return f"gonio eval {self.label}{':' if text else ''}{text} {words}{precision}"
+        beside = f" --compare {compare}" if compare else ""
+        named = self._named(parameters, rounded=not double)
+        return f"gonio eval {named} {words}{precision}{beside}"
+
+    def recheck(self, check: str, parameters: Array, free: Collection[str] = ()) -> str:
+        """The `gonio check` line of one check of the model with all parameters fixed but those `free`."""
+        return f"gonio check {self._named(parameters, free=free)} --only {check}"
+
+    def _named(self, parameters: Array, rounded: bool = False, free: Collection[str] = ()) -> str:
+        """The model with its options and parameters, as commands take it."""
+        values = self.values(np.asarray(parameters)[None], rounded)
+        texts = _assignments(self.model)
+        for path, _, value in self.model.parameters():
+            if path not in free:
+                texts[path] = _number(values[path][0] if path in values else value)
+        text = ",".join(f"{path}={value}" for path, value in texts.items())
+        return shlex.quote(f"{self.label}{':' if text else ''}{text}")
 
 
 def _special_parts(free: FreeNumber) -> tuple[Array, Array]:

@@ -40,6 +40,8 @@ class Evaluation:
     """The random numbers from which `sample` made wi; None where wi was given."""
     sampled_pdf: float | None = None
     """The density that `sample` reported."""
+    compared: Evaluation | None = None
+    """What it was compared with."""
 
 
 def evaluate(model: Model, wi: Any, wo: Any, *, double: bool = False, u: Any = None) -> Evaluation:
@@ -99,6 +101,61 @@ def evaluate(model: Model, wi: Any, wo: Any, *, double: bool = False, u: Any = N
         u=None if u is None else _floats(u),
         sampled_pdf=reported,
     )
+
+
+def beside(model: Model, what: str, given: Any) -> Evaluation:
+    """What an evaluation is compared with.
+
+    Args:
+        model: what was evaluated.
+        what: "double", "swapped" or "turned:DEG", as `--compare` has it.
+        given: wi, wo, u (or None) and whether they were taken in double precision.
+
+    Raises:
+        UsageError: another word, or one that does not go with what was given.
+    """
+    wi, wo, u, double = given
+    word, _, angle = what.partition(":")
+    if word == "double" and not angle:
+        if double:
+            raise click.UsageError("--compare double shows float32 beside it; leave --double out")
+        # The same numbers: what float32 has of them
+        single = [None if x is None else np.asarray(x, np.float32) for x in (wi, wo, u)]
+        return evaluate(model, single[0], single[1], double=True, u=single[2])
+    if u is not None:
+        raise click.UsageError(f"--compare {word} goes with --wi and --wo; with --u compare double")
+    if word == "swapped" and not angle:
+        return evaluate(model, wo, wi, double=double)
+    try:
+        turn = math.radians(float(angle)) if word == "turned" else math.nan
+    except ValueError:
+        turn = math.nan
+    if not math.isfinite(turn):
+        raise click.UsageError(
+            f"--compare {what} is not known; write double, swapped, or turned:DEG, such as turned:90"
+        )
+    c, s = math.cos(turn), math.sin(turn)
+    about = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    return evaluate(model, about @ wi, about @ wo, double=double)
+
+
+def differences(one: Evaluation, other: Evaluation) -> str:
+    """By how much two evaluations differ, relative to the larger one of the two."""
+
+    def off(a: Any, b: Any) -> float:
+        a, b = np.asarray(a, np.float64), np.asarray(b, np.float64)
+        scale = np.maximum(np.maximum(np.abs(a), np.abs(b)), np.finfo(np.float64).tiny)
+        return float((np.abs(a - b) / scale).max())
+
+    found = [
+        ("eval", one.eval, other.eval),
+        ("pdf", one.pdf, other.pdf),
+        ("albedo", one.albedo, other.albedo),
+    ]
+    if one.u is not None:
+        between = np.linalg.norm(np.subtract(one.wi, other.wi))
+        return f"wi by {between:.3g}, " + ", ".join(f"{n} {off(a, b):.3g}" for n, a, b in found)
+    return ", ".join(f"{name} {off(a, b):.3g}" for name, a, b in found)
 
 
 # A sampled direction that is further from unit length is no direction: nothing is evaluated there.
@@ -179,6 +236,9 @@ def lines(result: Evaluation) -> Iterator[str]:
     width = max(len(value) for _, value, _ in digits)
     for name, value, meaning in digits:
         yield f"  {name:<12} {value:<{width}}   {meaning}"
+    if result.compared is not None:
+        yield from lines(result.compared)
+        yield f"  {'difference':<12} {differences(result, result.compared)}   (relative)"
     below = [n for n, w in (("wi", result.wi), ("wo", result.wo)) if w[2] <= MU_MIN]
     if below:
         yield f"  {' and '.join(below)} not above the horizon: BRDF and pdf are 0 there."
@@ -197,7 +257,7 @@ def _readable(value: Any) -> Any:
         return {
             key: _readable(v)
             for key, v in value.items()
-            if not (key in {"u", "sampled_pdf"} and v is None)
+            if not (key in {"u", "sampled_pdf", "compared"} and v is None)
         }
     if isinstance(value, list):
         return [_readable(v) for v in value]
@@ -232,6 +292,11 @@ def _readable(value: Any) -> Any:
 @param_option
 @click.option("--normalize", is_flag=True, help="Scale the vectors to length 1 first.")
 @click.option("--double/--float32", help="Compute in double precision (default: float32).")
+@click.option(
+    "--compare",
+    metavar="WITH",
+    help="Also show it in double, swapped (wi and wo exchanged), or turned:DEG about the normal.",
+)
 @code_options
 @json_option
 def command(
@@ -245,6 +310,7 @@ def command(
     params: tuple[str, ...],
     normalize: bool,
     double: bool,
+    compare: str | None,
     code: Code,
     as_json: bool,
 ) -> None:
@@ -257,6 +323,7 @@ def command(
       gonio eval lambert --wi 0 0 1 --wo 0 0 1
       gonio eval eon --theta-i 30 --theta-o 60 --phi 180 --param roughness=1
       gonio eval eon --theta-o 60 --u 0.3 0.7
+      gonio eval ggx --theta-i 30 --theta-o 60 --compare double
       gonio eval eon:sampler=cosine --wi 1 0 1 --wo 0 1 1 --normalize -p rho=0.8,0.3,0.1 --json
     """
     (material,) = code.models([model], params)
@@ -267,6 +334,10 @@ def command(
     wi_vector, wo_vector = directions(wi, wo, theta_i, theta_o, phi, normalize)
     try:
         result = evaluate(material, wi_vector, wo_vector, double=double, u=u)
+        if compare is not None:
+            given = (wi_vector, wo_vector, u, double)
+            other = beside(material, compare, given)
+            result = dataclasses.replace(result, compared=other)
     except ValueError as error:
         if "has length" in str(error):  # the model's advice is for Python
             sentence = str(error).partition(";")[0]
