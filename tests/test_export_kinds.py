@@ -15,6 +15,7 @@ from support.methods import HEAD, compare, made
 from gonio.export import ExportError, export
 from gonio.export.targets import TARGETS
 from gonio.materials.model_file import load
+from gonio.model import Model
 
 # --- the same in both ------------------------------------------------------------------------------
 
@@ -186,6 +187,32 @@ SAME: dict[str, tuple[str, str, str]] = {
     "a loop that does nothing": ("for i in range(3):\n    x = i\nreturn self.rho", "", ""),
     "a loop that does not count": (
         "x = wi.z\nfor i in range(3):\n    x = x * 0.5\nreturn self.rho * x",
+        "",
+        "",
+    ),
+    "two masks as arguments": (
+        "pair = Both(wi.x < wo.x, wi.y > wo.y)\n"
+        "return self.rho * f(wi.x < wo.x, wi.y > wo.y + wi.x) * select(pair.a & pair.b, 2, 3)",
+        "",
+        "class Both(NamedTuple):\n    a: Mask\n    b: Mask\n\n\n"
+        "def f(a, b):\n    return select(a & ~b, 1, 2)",
+    ),
+    "helpers named like what users call": (
+        "return self._eval(wi, wo) * self._pdf(wi.y) + self._albedo(wo.x) * self._load()",
+        "def _eval(self, wi, wo):\n    return self.rho * wi.x\n\ndef _pdf(self, x):\n    return x * 2\n\n"
+        "def _albedo(self, x):\n    return x + 1\n\ndef _load(self):\n    return 3 * self.width",
+        "",
+    ),
+    "numbers that single precision would compare otherwise": (
+        "return self.rho * select(0.1 + 0.2 == 0.3, wi.x, wi.y) + select(1 + 1e-9 > 1, wi.x, wi.y)",
+        "",
+        "",
+    ),
+    "numbers of a loop": (
+        "a, b, sign, total = 0, 1, 1, wi.x\nfor i in range(20):\n    a, b = b, a + b\n"
+        "    total = total + sign * wi.y / (2 * i + 1) + select(i < 3, wi.x, wo.x)\n"
+        "    total = total * select(i / 20 < 0.52, 1, 0.9)\n"
+        "    sign = -sign\nreturn self.rho * total * a / b",
         "",
         "",
     ),
@@ -501,6 +528,104 @@ REFUSED: dict[str, tuple[str, str, str, str]] = {
         "import enum\n\n\nclass E(enum.IntEnum):\n    A = 2",
         "write numbers",
     ),
+    "a mask that has two names and is changed": (
+        "m = wi.x > 0\nn = m\nm &= wi.y > 0\nreturn self.rho * select(n, 1, 2) * select(m, 3, 5)",
+        "",
+        "",
+        "m = m & ...",
+    ),
+    "a number for a colour and for a new name": (
+        "a = self.rho\na = b = wi.z\nreturn a * b",
+        "",
+        "",
+        "another type",
+    ),
+    "a difference of large numbers with names": (
+        "big = 1e8\nmore = big + 1\nreturn self.rho * wi.z * (more - big)",
+        "",
+        "",
+        "single precision",
+    ),
+    "numbers of a loop that overflow on the way": (
+        "a = 1\nfor i in range(200):\n    a = a * 2\nfor i in range(200):\n    a = a / 2\n"
+        "return self.rho * wi.z * a",
+        "",
+        "",
+        "single precision",
+    ),
+    "digits that a loop loses": (
+        "a = 1\nfor i in range(30):\n    a = a * 2\nd = a + 1\nreturn self.rho * wi.z * (d - a)",
+        "",
+        "",
+        "single precision",
+    ),
+    "steps compared with rounded numbers": (
+        "t = wi.x\nfor i in range(4):\n    t = t + select(i * 0.1 == 0.3, wi.x, wi.y)\nreturn self.rho * t",
+        "",
+        "",
+        "comparison",
+    ),
+    "a step divided and compared": (
+        "t = wi.x\nfor i in range(4):\n    t = t + select(i / 3 * 3 == i, wi.x, wi.y)\nreturn self.rho * t",
+        "",
+        "",
+        "comparison",
+    ),
+    "a number whose name is not English": (
+        "return self.rho * \u03c0 * wi.z",
+        "",
+        "\u03c0 = 3.0",
+        "English alphabet",
+    ),
+    "a number of the class with two underscores": (
+        "return self.rho * self.A__B",
+        "A__B = 3.0",
+        "",
+        "A_B",
+    ),
+    "a NamedTuple whose name is not English": (
+        "return self.rho * Gr\u00f6\u00dfe(wi.z, 2).a",
+        "",
+        "class Gr\u00f6\u00dfe(NamedTuple):\n    a: Float\n    b: Float",
+        "English alphabet",
+    ),
+    "a member whose name is not English": (
+        "return self.rho * Pair(wi.z, 2).\u00e4",
+        "",
+        "class Pair(NamedTuple):\n    \u00e4: Float\n    b: Float",
+        "English alphabet",
+    ),
+    "an array as a condition": (
+        "if VALUES:\n    return self.rho\nreturn self.rho * wi.z",
+        "",
+        "import numpy as np\n\nVALUES = np.array([1, 2])",
+        "a ndarray",
+    ),
+    "an array compared, as a condition": (
+        "a = 1 if VALUES == 1 else 2\nreturn self.rho * wi.z * a",
+        "",
+        "import numpy as np\n\nVALUES = np.array([1, 2])",
+        "a ndarray",
+    ),
+    "an array beside or": (
+        "a = VALUES or 2\nreturn self.rho * wi.z * a",
+        "",
+        "import numpy as np\n\nVALUES = np.array([1, 2])",
+        "a ndarray",
+    ),
+    "a vector as three values": ("x, y, z = wi\nreturn self.rho * x", "", "", "v.x, v.y, v.z"),
+    "a number that becomes a colour": (
+        "t = 0\nfor i in range(3):\n    t = t + self.rho * i\nreturn t",
+        "",
+        "",
+        "begin with t = vec3(...)",
+    ),
+    "a number of NumPy's": (
+        "return self.rho * K",
+        "",
+        "import numpy as np\n\nK = np.float32(0.25)",
+        "write 0.25",
+    ),
     "recursion by two": (
         "return self.rho * f(wi.z)",
         "",
@@ -523,6 +648,60 @@ def test_what_would_change_is_refused_with_its_place(case: str, tmp_path: Path) 
     *_, quoted, marks = told.split("\n")
     assert quoted == shown.rstrip()
     assert set(marks.strip()) == {"^"}
+
+
+CLASSES = """
+class _Base(Model, register=False):
+    rho: Color = param((0.8, 0.8, 0.8), 0, 1, "a colour")
+    def eval(self, wi, wo):
+        return self.rho * self._w(wi.x)
+    def sample(self, wo, u):
+        return Sample(wo, 1)
+    def pdf(self, wi, wo):
+        return wi.z
+    def _w(self, x):
+        return x * 3
+
+class _Middle(_Base, register=False):
+    def _w(self, x):
+        return x * 5
+    def _call(self, x):
+        return super()._w(x) + 1
+    @staticmethod
+    def _s(x):
+        return x * 7
+"""
+
+
+def classes(folder: Path, text: str) -> Model:
+    """A model that derives from the classes above."""
+    head = HEAD.partition("{head}")[0]
+    path = folder / "mine.py"
+    path.write_text(head + CLASSES + text, encoding="utf-8")
+    return load(path)()
+
+
+def test_super_begins_at_the_class_that_a_method_is_written_in(tmp_path: Path) -> None:
+    """Not at one below, where the method has another name."""
+    text = (
+        "\nclass Mine(_Middle, register=False):\n    _other = _Middle._call\n"
+        "    def _w(self, x):\n        return x * 11\n"
+        "    def eval(self, wi, wo):\n"
+        "        return self.rho * self._other(wi.x) + self._call(wi.y) + super()._w(wo.x)\n"
+    )
+    compare([classes(tmp_path, text)], "cpp")
+
+
+def test_super_passes_over_nothing_that_a_class_has(tmp_path: Path) -> None:
+    """A static method between two plain ones is what Python calls."""
+    text = (
+        "\nclass _Lower(_Middle, register=False):\n"
+        "    @staticmethod\n    def _w(x):\n        return x * 100\n"
+        "\nclass Mine(_Lower, register=False):\n"
+        "    def eval(self, wi, wo):\n        return self.rho * super()._w(wi.x)\n"
+    )
+    with pytest.raises(ExportError, match=r"mine\.py:\d+:\d+: '_w' of _Lower is a staticmethod"):
+        export({"mine": classes(tmp_path, text)}, "glsl", only=["eval"])
 
 
 def test_a_wrapped_method_is_refused(tmp_path: Path) -> None:

@@ -36,7 +36,14 @@ class Loop:
     """Names from outside that are changed in place."""
 
 
-_SIGNS: dict[type, str] = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
+_SIGNS: dict[type, str] = {
+    ast.Add: "+",
+    ast.Sub: "-",
+    ast.Mult: "*",
+    ast.Div: "/",
+    ast.BitAnd: "&",
+    ast.BitOr: "|",
+}
 
 
 class Assignments(Calls):
@@ -69,6 +76,12 @@ class Assignments(Calls):
             if isinstance(target, ast.Name):
                 self._store(node, target.id, value)
                 if i + 1 < len(node.targets) and not isinstance(value, (Static, Method, Many)):
+                    if self.scope[target.id] != value.type:
+                        self.refuse(
+                            node,
+                            f"{target.id} has a value of another type before; write a statement of its own "
+                            "for each name.",
+                        )
                     value = Variable(target.id, value.type)  # computed once
             elif isinstance(target, ast.Tuple) and len(node.targets) == 1:
                 names = [t.id for t in target.elts if isinstance(t, ast.Name)]
@@ -152,6 +165,9 @@ class Assignments(Calls):
             return
         expr = self._expr(node.value, value)
         kind = expr.type
+        if kind in ("vec2", "vec3"):
+            parts = ", ".join(f"v.{axis}" for axis in "xyz"[: 2 if kind == "vec2" else 3])
+            self.refuse(node, f"a {kind} is one value; write its components: ... = {parts}.")
         if not isinstance(kind, Struct) or kind.model is not None:
             self.refuse(node, f"this is not {len(names)} values.")
         if len(kind.members) + len(kind.fixed) != len(names):
@@ -195,6 +211,7 @@ class Assignments(Calls):
             self._change(node, name, value)
             return
         self._note_sharing(name, value)
+        self.places[id(value)] = (value, node)
         names = {e.name for e in inside(value) if isinstance(e, Variable)}
         dynamic = (Access, Call)
         if names <= self.plain and not any(isinstance(e, dynamic) for e in inside(value)):
@@ -205,6 +222,12 @@ class Assignments(Calls):
             self.scope[name] = value.type
             self.statements.append(Assign(name, value))
             return
+        if (known, value.type) == ("float", "vec3"):
+            self.refuse(
+                node,
+                f"a vec3 where a number is expected, which {name} was before; begin with "
+                f"{name} = vec3(...), or use another name.",
+            )
         value = self._coerce(node, value, known)
         self.statements.append(Assign(name, value, declares=False))
 

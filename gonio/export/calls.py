@@ -29,7 +29,7 @@ from gonio.export.tree import (
     Variable,
     inside,
 )
-from gonio.export.values import Changed, Method, Static, Value, exact, is_number, spoken
+from gonio.export.values import Changed, Method, Static, Value, exact, is_number, shown_kind, spoken
 from gonio.export.vocabulary import RULES, widest
 from gonio.fields import Parameter
 from gonio.lights.lookups import Lookups
@@ -112,15 +112,26 @@ class Calls(Expressions):
             )
         assert self.owner.model is not None
         classes = self.owner.model.written.__mro__
-        here = next(
-            i
-            for i, cls in enumerate(classes)
-            if any(written(name, found) is self.python for name, found in vars(cls).items())
+        # The class whose body the method stands in, which may have other names for it in classes below
+        cells = dict(
+            zip(self.python.__code__.co_freevars, self.python.__closure__ or (), strict=True)
         )
-        for cls in classes[here + 1 :]:
-            found = vars(cls).get(node.attr)
-            if isinstance(found, types.FunctionType) and cls is not Model:
+        here = cells["__class__"].cell_contents
+        if here not in classes:
+            self.refuse(
+                node, f"{self.owner.model.written.__name__} derives not from {here.__name__}."
+            )
+        for cls in classes[classes.index(here) + 1 :]:
+            if cls is Model or node.attr not in vars(cls):
+                continue
+            found = vars(cls)[node.attr]
+            if isinstance(found, types.FunctionType):
                 return found
+            self.refuse(
+                node,
+                f"{node.attr!r} of {cls.__name__} is a {type(found).__name__}, which super() cannot call "
+                f"in a shader; write a method, or {cls.__name__}.{node.attr} for a static one.",
+            )
         self.refuse(node, f"no class above this one has a method {node.attr!r}.")
 
     def _is_method_of_a_class(self, node: ast.Call, function: types.FunctionType) -> bool:
@@ -415,6 +426,8 @@ class Calls(Expressions):
                 f"{cls.__name__} derives from a NamedTuple and may change what its members are; write one "
                 "NamedTuple with all members.",
             )
+        for name in (cls.__name__, *cls._fields):
+            self._check_spelling(node, name)
         arguments = self._arguments(node, cls.__new__, 1)
         hints = inspect.get_annotations(cls, eval_str=True)
         if cls is lang.Sample:
@@ -602,11 +615,6 @@ def method_of(owner: Struct, name: str) -> types.FunctionType:
             "into the method.",
         )
     return function
-
-
-def shown_kind(value: Any) -> str:
-    """A value that no shader has, by its type."""
-    return f"a {type(value).__name__}"
 
 
 def usual_name(function: types.FunctionType) -> str:

@@ -16,6 +16,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
 from typing import Any, NoReturn, Protocol
 
+import numpy as np
+
 from gonio.export.source import Source, source
 from gonio.export.tree import (
     SELF,
@@ -33,6 +35,7 @@ from gonio.export.tree import (
     inside,
 )
 from gonio.export.values import (
+    COMPARISON,
     SAME,
     Many,
     Method,
@@ -43,6 +46,7 @@ from gonio.export.values import (
     is_number,
     misfit,
     shown,
+    shown_kind,
     single,
     spoken,
     truth,
@@ -149,6 +153,7 @@ BUILTINS = {
     "len": "the number itself",
     "zip": "one statement for each element",
     "enumerate": "for i in range(8): ...",
+    "super": "super().name(...), which calls a method of a class above; properties and functions have none",
 }
 
 
@@ -225,6 +230,8 @@ class Expressions(ABC):
         # Names that hold plain numbers of Python, such as the variable of a loop. What functions make of
         # such numbers is not followed.
         self.plain: set[str] = set()
+        # Where values and comparisons stand in the file
+        self.places: dict[int, tuple[Expr, ast.AST]] = {}
         # Arguments that are exponents, where Python's own numbers mean more than a shader's
         self.exponents: set[str] = set()
 
@@ -266,7 +273,7 @@ class Expressions(ABC):
             if not is_number(value.value):
                 instead = (
                     f"write {float(value.value)}, or decide with 'if'"
-                    if isinstance(value.value, bool)
+                    if isinstance(value.value, (bool, np.number))
                     else "write numbers, vectors or masks, and decide with 'if' on an option"
                 )
                 self.refuse(node, f"{shown(value.value)} has no value in a shader; {instead}.")
@@ -307,10 +314,24 @@ class Expressions(ABC):
                 return Static(tuple(v.value for v in values if isinstance(v, Static)))
             return Many(tuple(self._expr(n, v) for n, v in zip(node.elts, values, strict=True)))
         if isinstance(node, ast.IfExp):
-            test = truth(self.value(node.test))
+            test = self._decided(node.test, self.value(node.test))
             if test is not None:
-                return self.value(node.body if test.value else node.orelse)
+                return self.value(node.body if test else node.orelse)
         self._unknown(node)
+
+    def _decided(self, node: ast.AST, value: Value) -> bool | None:
+        """What Python's `if` makes of a value; None if it is not known when the shader is made."""
+        known = truth(value)
+        if known is None:
+            return None
+        try:
+            return bool(known.value)
+        except (TypeError, ValueError):
+            self.refuse(
+                node,
+                f"Python cannot say whether {shown_kind(known.value)} holds; decide on options and named "
+                "numbers.",
+            )
 
     @abstractmethod
     def _call(self, node: ast.Call) -> Value:
@@ -324,11 +345,11 @@ class Expressions(ABC):
         """a or b, a and b: one of the two values, as in Python."""
         for i, operand in enumerate(node.values):
             value = self.value(operand)
-            known = truth(value)
+            known = self._decided(operand, value)
             last = i == len(node.values) - 1
             if known is None and not (last and i):
                 self.refuse(node, "'and' and 'or' are for options; masks are joined with & and |.")
-            if last or known is None or bool(known.value) is isinstance(node.op, ast.Or):
+            if last or known is None or known is isinstance(node.op, ast.Or):
                 return value
         raise AssertionError("no operands")
 
@@ -355,7 +376,8 @@ class Expressions(ABC):
                 "only; give it a value before.",
             )
         names = self.python.__globals__
-        if node.id.startswith("__") and node.id not in code.co_names:
+        mangled = node.id.startswith("__") and not hasattr(builtins, node.id)
+        if mangled and node.id not in code.co_names:
             self.refuse(node, f"Python reads {node.id} within a class as another name; rename it.")
         if node.id in names:
             return self._global(node, node.id, names[node.id], self.source)
@@ -372,6 +394,7 @@ class Expressions(ABC):
         wrong = misfit(value)
         if wrong:
             self.refuse(node, f"{name}: {wrong}.")
+        self._check_spelling(node, name)
         comments, place = _described(name, file)
         return Constant(name, value, comments, place)
 
@@ -430,6 +453,8 @@ class Expressions(ABC):
                     f"{name!r} is set when a model is made, and unknown in kernels; make it a parameter, "
                     "an option or a name of the class.",
                 )
+            if name.startswith("__") and not name.endswith("__"):
+                self.refuse(node, f"Python reads {name} within a class as another name; rename it.")
             self.refuse(node, f"{model.name} has no {name!r}.")
         found = vars(cls)[name]
         if cls in Model.__mro__ and name not in OF_EVERY_MODEL:
@@ -449,6 +474,7 @@ class Expressions(ABC):
             wrong = misfit(found)
             if wrong:
                 self.refuse(node, f"{name}: {wrong}.")
+            self._check_spelling(node, name)
             return Constant(name, found)
         return Static(found)
 
@@ -457,10 +483,10 @@ class Expressions(ABC):
     def _unary(self, node: ast.UnaryOp) -> Value:
         value = self.value(node.operand)
         if isinstance(node.op, ast.Not):
-            known = truth(value)
+            known = self._decided(node.operand, value)
             if known is None:
                 self.refuse(node, "'not' is for options; a mask is inverted with ~.")
-            return Static(not known.value)
+            return Static(not known)
         expr = self._expr(node.operand, value)
         if expr.type == "bool3":
             self.refuse(node, "a mask of a colour cannot be inverted; swap the branches of select.")
@@ -553,7 +579,7 @@ class Expressions(ABC):
                 self.refuse(node, "'is' compares objects; write == or != to compare values.")
             try:
                 return Static(STATIC_COMPARISON[type(op)](one.value, other.value))
-            except TypeError as error:
+            except (TypeError, ValueError) as error:
                 self.refuse(node, f"Python cannot compare these ({error}).")
         a = self._expr(node.left, left)
         b = self._expr(node.comparators[0], right)
@@ -563,12 +589,25 @@ class Expressions(ABC):
             self.refuse(node, f"a {spoken(a.type)} and a {spoken(b.type)} cannot be compared.")
         kind = widest((a.type, b.type))
         a, b = self._coerce(node, a, kind), self._coerce(node, b, kind)
-        return Operation(COMPARED[type(op)], a, b, "bool3" if kind == "vec3" else "bool")
+        found = Operation(COMPARED[type(op)], a, b, "bool3" if kind == "vec3" else "bool")
+        self.places[id(found)] = (found, node)
+        known = truth(found)
+        if known is not None:
+            compare = COMPARISON[found.operator]
+            if compare(single(a), single(b)) != known.value:  # 0.1 + 0.2 == 0.3 in single precision
+                return Operation(
+                    "<", Number(int(not known.value)), Number(int(known.value)), "bool"
+                )
+        return found
 
     def _check_name(self, node: ast.AST, name: str) -> None:
         """Refuse what no shading language takes as a name."""
         if name == SELF:
             self.refuse(node, f"{SELF} is the struct of parameters in shaders; use another name.")
+        self._check_spelling(node, name)
+
+    def _check_spelling(self, node: ast.AST, name: str) -> None:
+        """Refuse letters and underscores that no name of a shader has."""
         if not name.isascii() or "__" in name:
             plain = re.sub("_+", "_", name.strip("_"))
             such = f", such as {plain}" if plain.isascii() and plain.isidentifier() else ""

@@ -297,7 +297,7 @@ class ExpressionPrinter:
         return f"{test} ? {self.expr(yes, OR)} : {self.expr(no, TERNARY)}", TERNARY
 
     def _construction(self, expr: Construction) -> tuple[str, int]:
-        arguments = ", ".join(self.expr(a) for a in expr.arguments)
+        arguments = ", ".join(self._listed(expr.arguments))
         kind = self.type(expr.type)
         if isinstance(expr.type, Struct):
             if not self.target.record:
@@ -310,8 +310,16 @@ class ExpressionPrinter:
             arguments = self.expr(expr.arguments[0])
         return self.target.vector.format(type=kind, arguments=arguments), POSTFIX
 
+    def _listed(self, arguments: Sequence[Expr]) -> list[str]:
+        """Arguments as they stand between commas.
+
+        Of several comparisons each is bracketed: f(a < b, c > d) has a template a<b, c> in WGSL.
+        """
+        several = sum(a.type in ("bool", "bool3") for a in arguments) > 1
+        return [self.expr(a, SUM if several else ANY) for a in arguments]
+
     def _call(self, expr: Call) -> tuple[str, int]:
-        arguments = [self.expr(a) for a in expr.arguments]
+        arguments = self._listed(expr.arguments)
         if self.target.methods and expr.function.owner is not None:
             model = self.expr(expr.arguments[0], POSTFIX)
             return f"{model}.{self._method(expr.function)}({', '.join(arguments[1:])})", POSTFIX

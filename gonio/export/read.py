@@ -23,6 +23,7 @@ from gonio.export.source import source
 from gonio.export.statements import Body, record_of
 from gonio.export.targets import TARGETS
 from gonio.export.tree import (
+    CALLED,
     Assign,
     Builtin,
     ExportError,
@@ -49,6 +50,9 @@ OF_ANNOTATIONS: dict[Any, Type] = {**ANNOTATED, lang.Float: "float"}
 
 # What any language calls otherwise: types have the same name in all of them, and in the manifest.
 TAKEN = frozenset().union(*(t.reserved | set(t.types.values()) for t in TARGETS.values()))
+
+# What users call, after the model's name.
+ENTRIES = frozenset({*SIGNATURES, *CALLED, "material", "load"})
 
 
 def camel(name: str) -> str:
@@ -191,9 +195,11 @@ class Reader:
             name = "eval" if method == UNTESTED else plain
             own = inspect.getattr_static(owner.model.written, name, None)
             inherited = own is not None and written(name, own) is not function
+            # A helper is none of what users call: _eval beside eval
+            inherited |= not method and plain.strip("_") in ENTRIES
         made.name = self._name(function, given, owner, plain, inherited)
         if inherited:
-            made.method = f"{function.__module__.rpartition('.')[2]}_{plain}"
+            made.method = f"{function.__module__.rpartition('.')[2]}_{plain.strip('_')}"
         self._read[key] = made
         self._origins[id(made)] = function
         self.functions.append(made)
@@ -221,7 +227,7 @@ class Reader:
         if records:
             other = snake(records[0].__name__)
         candidates = [f"{start}_{plain}", f"{start}_{file}_{plain}"]
-        if inherited:  # the model's own method has the plain name
+        if inherited:  # what users call has the plain name
             candidates = candidates[1:]
         candidates = [c for name in candidates for c in (name, f"{name}_{other}")]
         candidates += [f"{start}_{plain}_{i}" for i in range(2, 100)]

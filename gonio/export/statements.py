@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from gonio import lang
+from gonio.export import plain as numbers
 from gonio.export.aliases import same
 from gonio.export.assignments import Assignments, Loop
 from gonio.export.calls import usual_name
@@ -40,9 +41,10 @@ from gonio.export.tree import (
     Type,
     Variable,
     children,
+    inside,
     walk,
 )
-from gonio.export.values import Changed, Many, Static, truth
+from gonio.export.values import COMPARISON, Changed, Many, Static, truth
 from gonio.model import Model
 
 # More steps than this are a mistake, or hang a graphics driver.
@@ -137,6 +139,7 @@ class Body(Assignments):
             if rest:
                 self.statements.append(Remark(comments=rest))
         assert self.result is not None
+        self._check_numbers()
         return Function(
             "",
             tuple((doc or "").splitlines()),
@@ -152,6 +155,33 @@ class Body(Assignments):
                 if name in self.exponents
             ),
         )
+
+    def _check_numbers(self) -> None:
+        """Refuse numbers that Python computes by itself with more digits than a shader has."""
+        found = numbers.changed(self.statements)
+        if found is None:
+            return
+        compared = isinstance(found, Operation) and found.operator in COMPARISON
+        what = "this comparison comes out otherwise" if compared else "this number is another one"
+        self.refuse(
+            self._place_of(found),
+            f"{what} in single precision, in which shaders compute; "
+            + (
+                "compare whole numbers, or numbers further apart."
+                if compared
+                else "write it as one expression of numbers, or as a named number of the module."
+            ),
+        )
+
+    def _place_of(self, expr: Expr) -> ast.AST:
+        """Where an expression stands, or the smallest that is known around it."""
+        found: ast.AST = self.node
+        around = 0
+        for whole, node in self.places.values():
+            parts = list(inside(whole))
+            if any(e is expr for e in parts) and (not around or len(parts) < around):
+                found, around = node, len(parts)
+        return found
 
     def _end(self, node: ast.FunctionDef) -> int:
         """The last line that belongs to a function, comments at its end included."""
@@ -284,7 +314,7 @@ class Body(Assignments):
 
     def _if(self, node: ast.If) -> None:
         self._check_depth(node.test)
-        test = truth(self.value(node.test))
+        test = self._decided(node.test, self.value(node.test))
         if test is None:
             for left in ast.walk(node):
                 if isinstance(left, (ast.Break, ast.Continue)):
@@ -300,7 +330,7 @@ class Body(Assignments):
             for i in range(start + 1, inner.lineno + 1 if inner is not None else 0)
             if self.source.lines[i - 1].lstrip().startswith(("else", "elif"))
         ]
-        if test.value:
+        if test:
             head = range(node.lineno, node.body[0].lineno)
             self.pending += tuple(
                 self.source.comments[i].text
@@ -362,7 +392,11 @@ class Body(Assignments):
         value = self.value(node)
         known = truth(value)
         if known is None or isinstance(known.value, bool) or not isinstance(known.value, int):
-            self.refuse(node, "this whole number must be known when the shader is made.")
+            self.refuse(
+                node,
+                "this is not a whole number that is known when the shader is made; write one, or an "
+                "option's, or a named number (with + - *).",
+            )
         if not 0 < known.value <= STEPS_MAX:
             self.refuse(
                 node, f"the number of steps must be from 1 to {STEPS_MAX}, got {known.value}."
@@ -395,6 +429,7 @@ class Body(Assignments):
             expr = self._waste_below(expr)
         if isinstance(expr.type, str) and expr.type in ("bool", "bool3") and self.method:
             self.refuse(node, "a mask is no result of this method.")
+        self.places[id(expr)] = (expr, node)
         self.statements.append(Return(expr))
         self.result = expr.type
         self.done = True

@@ -162,6 +162,11 @@ def spoken(kind: Type) -> str:
     return {"float": "number", "bool": "mask", "bool3": "mask of a colour"}.get(kind, kind)
 
 
+def shown_kind(value: Any) -> str:
+    """A value that no shader has, by its type."""
+    return f"a {type(value).__name__}"
+
+
 def shown(value: Any) -> str:
     """What only the exporter sees, in words."""
     if isinstance(value, types.ModuleType):
