@@ -48,6 +48,11 @@ SAME: dict[str, tuple[str, str, str]] = {
         "",
         "",
     ),
+    "a helper that compares": (
+        "return self.rho * select(both(wi.x < wo.x, wi.y > wo.y), 3, 4)",
+        "",
+        "def both(a, b):\n    return a & ~b",
+    ),
     "a number of math": ("return self.rho * math.pi / math.e", "", ""),
     "arguments by keyword alone": (
         "return self.rho * f(wi.z, k=3) + f(wo.z)",

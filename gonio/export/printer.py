@@ -261,7 +261,9 @@ class Printer(ExpressionPrinter):
             result=self.type(function.result), name=name, parameters=", ".join(texts)
         )
         body = [INDENT + line if line else "" for line in self.body(function, constants)]
-        attribute = [target.attribute] if target.attribute else []
+        # Truth has no derivative: Slang takes the result of a function that had one for a pair
+        plain = function.result == "bool"
+        attribute = [target.attribute] if target.attribute and not plain else []
         lines = [*comment(function.doc, self.spoken()), *attribute, *fold(head), *body, "}"]
         self.names, self.inside = {}, None
         return lines
