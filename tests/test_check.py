@@ -171,6 +171,7 @@ CAUGHT: dict[str, set[str]] = {
     "steep_sampler": {"gradient"},
     "stepped_parameter": {"continuity"},
     "swapped_widths": {"sampling"},
+    "tinted_mixture": {"sampling"},
     "toon": {"continuity"},
     "turned_sampler": {"sampling"},
     "twisted": {"reciprocity"},

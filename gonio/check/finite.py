@@ -351,8 +351,8 @@ def _horizon(wi: Array, wo: Array) -> str:
     if max(wi[2], wo[2]) > FLAT or wi[:2] @ wo[:2] > -0.5:
         return ""
     return (
-        " at opposite directions in the horizon, where a half vector keeps no digits of directions that "
-        "were turned or scaled before they were added: turn it, not them (docs/checking.md)"
+        " at opposite directions in the horizon: if they are turned or scaled before they are added, turn "
+        "their half vector instead, which keeps its digits (docs/checking.md)"
     )
 
 

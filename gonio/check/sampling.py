@@ -10,6 +10,7 @@ independent samples. The means are compared with the adaptive integral of the de
 from __future__ import annotations
 
 import functools
+import itertools
 import time
 from dataclasses import dataclass
 
@@ -159,9 +160,10 @@ def _screened(subject: Subject, effort: Effort) -> Screened:
 
 
 def _suspects(subject: Subject, found: Screened, effort: Effort) -> Array:
-    """The default parameters, and those rows at which something seems to be wrong.
+    """The default parameters, those rows at which something seems to be wrong, and some in pure colours.
 
-    Of as many kinds as there are: the integral of the density, the mean weight, and the shape.
+    What seems wrong is of as many kinds as there are: the integral of the density, the mean weight, and the
+    shape, which a few samples tell from its like only where it is off by half.
     """
     count = effort.tests
     default = np.array(
@@ -178,7 +180,23 @@ def _suspects(subject: Subject, found: Screened, effort: Effort) -> Array:
     alarming = max(float(kind[chosen[0]]) for kind in kinds) > 1
     if count == 1 and not alarming:
         return default[:1]
-    return np.concatenate([default[: count - len(chosen)], found.points[chosen]])
+    pure = _pure(subject)[: count - 1]
+    return np.concatenate([default[: count - len(chosen)], found.points[chosen], pure])
+
+
+def _pure(subject: Subject) -> Array:
+    """Default parameters with every colour in one channel alone, each in the next one; two such points.
+
+    Lobes that are chosen by one mean of the channels and weighed by another are grey all the same.
+    """
+    point = np.append(subject.default(), (0.4, 0.15))
+    coloured = dict.fromkeys(f.path for f in subject.parameters if f.declared.width == 3)
+    channel = {path: number for number, path in enumerate(coloured)}
+    points = np.tile(point, (2 if coloured else 0, 1))
+    for row, (number, free) in itertools.product(range(len(points)), enumerate(subject.parameters)):
+        if free.path in channel:
+            points[row, number] = float((channel[free.path] + row + 2) % 3 == free.channel)
+    return points
 
 
 def screen(subject: Subject, points: Array) -> Screened:
