@@ -360,3 +360,18 @@ def test_what_smith_hides_keeps_its_digits_where_it_is_little() -> None:
     w = vec3(dr.sqrt(dr.maximum(1 - Float(mu) * Float(mu), 0)), 0, Float(mu))
     found = numbers(distribution.RoundGGX(Float(alpha)).hidden(w))
     np.testing.assert_allclose(found, exact, rtol=SINGLE)
+
+
+def test_what_grooves_hide_has_its_derivatives_in_float32() -> None:
+    """Beside those of the plain form in double precision, which has no digits to carry along."""
+    wi, wo = (random_directions(500, seed).astype(np.float32) for seed in (8, 9))
+    slopes = []
+    for hidden, T in (
+        (masking.lost_cook_torrance, Float),
+        (masking.lost_cook_torrance_plain, Float64),
+    ):
+        i, o = vector(wi.astype(np.float64), T), vector(wo.astype(np.float64), T)
+        dr.enable_grad(i, o)
+        dr.backward(hidden(i, o))
+        slopes.append([np.array(dr.grad(w), dtype=np.float64) for w in (i, o)])
+    np.testing.assert_allclose(slopes[0], slopes[1], atol=SINGLE * np.abs(slopes[1]).max())

@@ -112,7 +112,7 @@ def check(subject: Subject, effort: Effort) -> Report:
 
 
 def _in_a_furnace(subject: Subject) -> Finding:
-    """What a plug-in reflects of a world that is bright all around, at four angles and on average.
+    """What foreign code reflects of a world that is bright all around, at four angles and on average.
 
     Textures are looked at in many places; of each angle their mean is told, and the least and most.
     """
@@ -122,7 +122,7 @@ def _in_a_furnace(subject: Subject) -> Finding:
     azimuth = np.concatenate(
         [0 * np.array(FURNACE_ANGLES), 2 * np.pi * 0.618034 * np.arange(len(mu2))]
     )
-    places = even(FURNACE_PLACES) if subject.parameters else np.zeros((1, 0))
+    places = even(FURNACE_PLACES) if subject.textured else subject.default()[None]
     parameters = np.tile(places, (len(mu), 1))
     wo = np.repeat(directions(mu, azimuth), len(places), axis=0)
     tolerance = ROUGHLY if subject.float32 else SINGLE  # four digits are shown

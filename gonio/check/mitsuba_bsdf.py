@@ -95,7 +95,8 @@ class MitsubaSubject:
             varies = flags & int(mi.BSDFFlags.SpatiallyVarying) or self._varies()
         except RuntimeError as error:
             raise self.fault(error) from error
-        if varies:
+        self.textured = bool(varies)
+        if self.textured:
             self.parameters = tuple(
                 FreeNumber(name, 0, Parameter(0.5, 0, 1, name), ()) for name in ("u", "v")
             )

@@ -76,6 +76,8 @@ class Subject(Protocol):
     claims: Claims
     claiming: bool
     """Whether it says what it promises; a plug-in of others is measured all the same."""
+    textured: bool
+    """Whether its parameters are a place in a texture."""
     isotropic: bool
     whole: bool
     """Whether every parameter is free, so that claims must be neither too small nor too large."""
@@ -190,7 +192,7 @@ class ModelSubject:
             for channel in range(declared.width)
         )
         self.claims = model.claims
-        self.claiming = True
+        self.claiming, self.textured = True, False
         self.chosen: Mapping[str, str] = _choices(model)
         self.varied = frozenset(n for n, v in self.chosen.items() if v != model.fields[n].default)
         self.isotropic = not model.follows_tangents()

@@ -47,10 +47,10 @@ POLYNOMIAL_MIN = 4
 # Ends the name of a method that takes a vector of any length in the place of a unit one.
 ALONG = "_along"
 
-# Ends the name of the function of gonio.parts that exports call in the place of one whose operations are
-# there for derivatives, for what arrays share with another function, or for digits that the rearranging
-# compilers of shaders lose: it has the same value.
-VALUE = "_value"
+# End the name of the function of gonio.parts that exports call in the place of another with the same value:
+# of one whose operations are there for derivatives, or for what arrays share with another function, where
+# no derivatives are taken; and everywhere of one whose digits the rearranging compilers of shaders lose.
+VALUE, PLAIN = "_value", "_plain"
 PARTS = "gonio.parts."
 
 # What annotations of a NamedTuple's members mean.
@@ -309,7 +309,7 @@ class Calls(Expressions):
         arguments = self._arguments(node, function, 0)
         passed, kinds = self._typed(arguments)
         self._check_pairs(arguments, function, kinds)
-        function = self._for_values(function)
+        function = self._stand_in(function)
         made = self._made(node, function, kinds, None, "", True, passed)
         return Call(made, tuple(passed), made.result)
 
@@ -329,12 +329,15 @@ class Calls(Expressions):
                     node, f"{name} of {function.__name__} must be a {'Vec2' if pair else 'Vec3'}."
                 )
 
-    def _for_values(self, function: types.FunctionType) -> types.FunctionType:
-        """What is called where no derivatives are taken."""
-        if self.reader.differentiable or not function.__module__.startswith(PARTS):
+    def _stand_in(self, function: types.FunctionType) -> types.FunctionType:
+        """What exports call in its place."""
+        if not function.__module__.startswith(PARTS):
             return function
-        found = function.__globals__.get(f"{function.__name__}{VALUE}")
-        return found if isinstance(found, types.FunctionType) else function
+        for ending in (PLAIN,) if self.reader.differentiable else (PLAIN, VALUE):
+            found = function.__globals__.get(f"{function.__name__}{ending}")
+            if isinstance(found, types.FunctionType):
+                return found
+        return function
 
     def _lookup(self, node: ast.Call, method: types.MethodType) -> Expr:
         """A call of what the host supplies."""
@@ -620,4 +623,6 @@ def method_of(owner: Struct, name: str) -> types.FunctionType:
 def usual_name(function: types.FunctionType) -> str:
     """What a function is called in an export: one that stands for another has the other's name."""
     found = function.__name__
-    return found.removesuffix(VALUE) if function.__module__.startswith(PARTS) else found
+    if function.__module__.startswith(PARTS):
+        return found.removesuffix(VALUE).removesuffix(PLAIN)
+    return found

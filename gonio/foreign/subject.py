@@ -19,7 +19,7 @@ class ForeignSubject:
     """A function of foreign code, with its parameters over their ranges."""
 
     claims = Claims()
-    claiming = False
+    claiming = textured = False
     chosen: Mapping[str, str] = {}
     varied: frozenset[str] = frozenset()
     isotropic = False  # not known beforehand

@@ -19,6 +19,7 @@ from gonio.lang import (
     maximum,
     minimum,
     select,
+    sqrt,
 )
 from gonio.parts.distribution import Beckmann, Facets, RoundBeckmann, RoundGGX
 from gonio.parts.exact import two_product, two_sum
@@ -68,10 +69,12 @@ def lost_cook_torrance(wi: Vec3, wo: Vec3) -> Float:
     # What the roundings of the sums and products left out, each counted once
     missed = 2 * (x.x * x.y + y.x * y.y) + (z.x * rest.y + z.y * rest.x)
     missed = missed + (xx.y + yy.y + zr.y) + (flat.y + whole.y)
-    return maximum((whole.x + missed) / (flat.x + z.x * z.x), 0)
+    # By the root twice: derivatives divide by the square of a divisor, which leaves a float32's range
+    length = sqrt(flat.x + z.x * z.x)
+    return maximum((whole.x + missed) / length / length, 0)
 
 
-def lost_cook_torrance_value(wi: Vec3, wo: Vec3) -> Float:
+def lost_cook_torrance_plain(wi: Vec3, wo: Vec3) -> Float:
     """1 - G of V-grooves, 1 - 4 h.z min(mu_i, mu_o) / |h|^2 with h = wi + wo, exact where G is nearly 1.
 
     To within 1e-7 in float32. Shaders' compilers rearrange sums, and what was carried along would be 0.
