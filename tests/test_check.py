@@ -168,6 +168,7 @@ CAUGHT: dict[str, set[str]] = {
     "rounded_claim": {"energy"},
     "sharp_density": {"sampling"},
     "slight_gain": {"energy"},
+    "steep_divisor": {"gradient"},
     "steep_sampler": {"gradient"},
     "stepped_parameter": {"continuity"},
     "swapped_widths": {"sampling"},

@@ -41,9 +41,8 @@ def check(subject: Subject, effort: Effort) -> Report:
     if not subject.left_out:
         return report
     function, *others = report.findings
-    if (
-        function.verdict == PASS
-    ):  # other parts come to it; what is too much already is so all the same
+    # Other parts come to it; what is too much already is so all the same
+    if function.verdict == PASS:
         text = f"without {' and '.join(subject.left_out)}; {function.text}"
         function = replace(function, verdict=NOTE, text=text)
     findings = (function, largest(subject, effort), *others)

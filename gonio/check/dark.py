@@ -14,8 +14,8 @@ from gonio.check.subject import Array, Subject, directions, even
 # Pairs of directions that are tried, for each of four kinds.
 TRIED = 256
 
-# The checks of values, and those of densities and samples as well.
-OF_VALUES = {"energy", "reciprocity", "albedo", "isotropy", "continuity", "monotonicity"}
+# The checks that values of 0 pass, and those that need densities of 0 as well.
+PASSED_BY_BLACK = {"energy", "reciprocity", "albedo", "isotropy", "continuity", "monotonicity"}
 OF_SAMPLES = {"sampling"}
 
 # What departures and probabilities are where every value is 0.
@@ -25,7 +25,7 @@ NOTHING = {0.0, 1.0}
 def judged(subject: Subject, report: Report) -> Report:
     """A report whose passes are no verdicts where there is nothing to judge."""
     passed = [f for f in report.findings if f.verdict == PASS]
-    if report.check not in OF_VALUES | OF_SAMPLES or not passed:
+    if report.check not in PASSED_BY_BLACK | OF_SAMPLES or not passed:
         return report
     if not all(f.measured in NOTHING for f in passed) or not is_dark(subject, report.check):
         return report

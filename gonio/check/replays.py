@@ -22,10 +22,9 @@ def shown(subject: Subject, report: Report) -> Report:
 
 
 def _shown(subject: Subject, check: str, finding: Finding) -> Finding:
+    # `gonio eval` shows the closed form beside such an albedo, and not the integral
     closed = finding.what == "largest albedo" and subject.albedos != "quadrature"
-    if (
-        check not in MEASURED and not closed
-    ):  # `gonio eval` shows the closed form beside such an albedo
+    if check not in MEASURED and not closed:
         return finding
     if finding.replay is None or finding.case is None:
         return finding

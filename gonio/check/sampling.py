@@ -128,6 +128,10 @@ def _at_ends(subject: Subject, most: int, seed: int) -> Array:
     return rng.permutation(points)[:most]
 
 
+# Angles of wo at which default parameters are tested, as coordinates of a search.
+ANGLES = ((0.4, 0.15), (0.2, 0.6))
+
+
 @dataclass(frozen=True)
 class Screened:
     """Points with few samples each: how suspicious they are (above 1), and what they never sample."""
@@ -166,9 +170,7 @@ def _suspects(subject: Subject, found: Screened, effort: Effort) -> Array:
     shape, which a few samples tell from its like only where it is off by half.
     """
     count = effort.tests
-    default = np.array(
-        [np.append(subject.default(), angles) for angles in ((0.4, 0.15), (0.2, 0.6))]
-    )
+    default = np.array([np.append(subject.default(), angles) for angles in ANGLES])
     kinds = [found.integral, found.weight, found.shape]
     chosen: list[int] = []
     order = [np.argsort(-kind) for kind in kinds]
@@ -189,7 +191,7 @@ def _pure(subject: Subject) -> Array:
 
     Lobes that are chosen by one mean of the channels and weighed by another are grey all the same.
     """
-    point = np.append(subject.default(), (0.4, 0.15))
+    point = np.append(subject.default(), ANGLES[0])
     coloured = dict.fromkeys(f.path for f in subject.parameters if f.declared.width == 3)
     channel = {path: number for number, path in enumerate(coloured)}
     points = np.tile(point, (2 if coloured else 0, 1))

@@ -95,7 +95,7 @@ def _gradients(subject: Subject, values: dict[str, Any], given: dict[str, Any]) 
     for method, names in METHODS.items():
         leaves = {path: _differentiable(module, value) for path, value in values.items()}
         args = [_differentiable(module, given[name]) for name in names]
-        for gradient in derived(subject, leaves, args, method).values():
+        for gradient in derived(subject, leaves, args, method, module.Float).values():
             plain = dr.detach(gradient, preserve_type=False)
             yield from [plain] if dr.depth_v(plain) == 1 else plain
 

@@ -49,8 +49,7 @@ def G_cook_torrance(wi: Vec3, wo: Vec3) -> Float:
     """Of V-grooves: min(1, 2 m.z mu_o / wo.m, 2 m.z mu_i / wo.m)."""
     # 2 m.z / wo.m = 4 h.z / |h|^2, without a root
     h = wi + wo
-    # The 4 comes last: V takes a quarter of it, and a compiler both away
-    return 4 * minimum(h.z * minimum(wi.z, wo.z) / length2(h), 0.25)
+    return minimum(4 * h.z * minimum(wi.z, wo.z) / length2(h), 1)
 
 
 def lost_cook_torrance(wi: Vec3, wo: Vec3) -> Float:
@@ -88,7 +87,11 @@ def lost_cook_torrance_plain(wi: Vec3, wo: Vec3) -> Float:
 
 def V_cook_torrance(wi: Vec3, wo: Vec3) -> Float:
     """G over 4 mu_i mu_o."""
-    return minimum(0.25 * G_cook_torrance(wi, wo) / (wi.z * wo.z), V_MAX)
+    # Divided by the smaller cosine, G = 4 h.z min(mu_i, mu_o) / |h|^2 does not depend on it; the quotient
+    # has the difference of two derivatives that are as large as the cosine is small
+    h, high = wi + wo, maximum(wi.z, wo.z)
+    grooved = h.z / length2(h) / high
+    return minimum(minimum(grooved, 0.25 / wi.z / wo.z), V_MAX)
 
 
 def V_kelemen(cos_h: Float) -> Float:

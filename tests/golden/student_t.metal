@@ -109,20 +109,17 @@ inline float student_t_D(StudentT params, float3 m) {
     return inv_pi / a2 / (whole * whole) * exp((2.0 - params.gamma) * student_t_log1p(x));
 }
 
-// Of V-grooves: min(1, 2 m.z mu_o / wo.m, 2 m.z mu_i / wo.m).
-inline float student_t_G_cook_torrance(float3 wi, float3 wo) {
-    // 2 m.z / wo.m = 4 h.z / |h|^2, without a root
-    float3 h = wi + wo;
-    // The 4 comes last: V takes a quarter of it, and a compiler both away
-    return 4.0 * min(h.z * min(wi.z, wo.z) / student_t_length2(h), 0.25);
-}
-
 // G over 4 mu_i mu_o.
 inline float student_t_V_cook_torrance(float3 wi, float3 wo) {
     // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
     // it still is a float32. It is reached at cosines of 5e-16.
     const float V_MAX = 1.0e30;
-    return min(0.25 * student_t_G_cook_torrance(wi, wo) / (wi.z * wo.z), V_MAX);
+    // Divided by the smaller cosine, G = 4 h.z min(mu_i, mu_o) / |h|^2 does not depend on it; the quotient has
+    // the difference of two derivatives that are as large as the cosine is small
+    float3 h = wi + wo;
+    float high = max(wi.z, wo.z);
+    float grooved = h.z / student_t_length2(h) / high;
+    return min(min(grooved, 0.25 / wi.z / wo.z), V_MAX);
 }
 
 // D G / (4 mu_i mu_o): the highlight without F.

@@ -197,20 +197,17 @@ float weidlich_wilkie_round_beckmann_D_along(WeidlichWilkieRoundBeckmann round_b
     return inv_pi * inv_a2 * (root * root);
 }
 
-// Of V-grooves: min(1, 2 m.z mu_o / wo.m, 2 m.z mu_i / wo.m).
-float weidlich_wilkie_G_cook_torrance(vec3 wi, vec3 wo) {
-    // 2 m.z / wo.m = 4 h.z / |h|^2, without a root
-    vec3 h = wi + wo;
-    // The 4 comes last: V takes a quarter of it, and a compiler both away
-    return 4.0 * min(h.z * min(wi.z, wo.z) / weidlich_wilkie_length2(h), 0.25);
-}
-
 // G over 4 mu_i mu_o.
 float weidlich_wilkie_V_cook_torrance(vec3 wi, vec3 wo) {
     // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
     // it still is a float32. It is reached at cosines of 5e-16.
     const float V_MAX = 1.0e30;
-    return min(0.25 * weidlich_wilkie_G_cook_torrance(wi, wo) / (wi.z * wo.z), V_MAX);
+    // Divided by the smaller cosine, G = 4 h.z min(mu_i, mu_o) / |h|^2 does not depend on it; the quotient has
+    // the difference of two derivatives that are as large as the cosine is small
+    vec3 h = wi + wo;
+    float high = max(wi.z, wo.z);
+    float grooved = h.z / weidlich_wilkie_length2(h) / high;
+    return min(min(grooved, 0.25 / wi.z / wo.z), V_MAX);
 }
 
 // Eq. 2: BRDF value in 1/sr, without the cosine.

@@ -304,17 +304,14 @@ inline float weidlich_wilkie_round_beckmann_D_along(WeidlichWilkieRoundBeckmann 
     return inv_pi * inv_a2 * (root * root);
 }
 
-// Of V-grooves: min(1, 2 m.z mu_o / wo.m, 2 m.z mu_i / wo.m).
-inline float weidlich_wilkie_G_cook_torrance(Vec3 wi, Vec3 wo) {
-    // 2 m.z / wo.m = 4 h.z / |h|^2, without a root
-    Vec3 h = wi + wo;
-    // The 4 comes last: V takes a quarter of it, and a compiler both away
-    return 4.0f * fminf(h.z * fminf(wi.z, wo.z) / weidlich_wilkie_length2(h), 0.25f);
-}
-
 // G over 4 mu_i mu_o.
 inline float weidlich_wilkie_V_cook_torrance(Vec3 wi, Vec3 wo) {
-    return fminf(0.25f * weidlich_wilkie_G_cook_torrance(wi, wo) / (wi.z * wo.z), V_MAX);
+    // Divided by the smaller cosine, G = 4 h.z min(mu_i, mu_o) / |h|^2 does not depend on it; the quotient has
+    // the difference of two derivatives that are as large as the cosine is small
+    Vec3 h = wi + wo;
+    float high = fmaxf(wi.z, wo.z);
+    float grooved = h.z / weidlich_wilkie_length2(h) / high;
+    return fminf(fminf(grooved, 0.25f / wi.z / wo.z), V_MAX);
 }
 
 // Eq. 2: BRDF value in 1/sr, without the cosine.
