@@ -378,7 +378,7 @@ def test_what_grooves_hide_has_its_derivatives_in_float32() -> None:
 
 
 def test_grooves_have_their_derivatives_in_float32_down_to_the_horizon() -> None:
-    """By the smaller cosine G / (4 mu_i mu_o) has none but the half vector's: a quotient's has no digits."""
+    """By the smaller cosine G / (4 mu_i mu_o) has only the half vector's: a quotient's has no digits."""
     rng = np.random.default_rng(10)
     wi, wo = random_directions(500, 8), random_directions(500, 9)
     wi[:, 2] = 10 ** rng.uniform(-7, -3, 500)
