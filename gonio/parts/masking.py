@@ -89,9 +89,16 @@ def V_cook_torrance(wi: Vec3, wo: Vec3) -> Float:
     """G over 4 mu_i mu_o."""
     # Divided by the smaller cosine, G = 4 h.z min(mu_i, mu_o) / |h|^2 does not depend on it; the quotient
     # has the difference of two derivatives that are as large as the cosine is small
-    h, high = wi + wo, maximum(wi.z, wo.z)
-    grooved = h.z / length2(h) / high
-    return minimum(minimum(grooved, 0.25 / wi.z / wo.z), V_MAX)
+    h = wi + wo
+    low, high = minimum(wi.z, wo.z), maximum(wi.z, wo.z)
+    return minimum(minimum(h.z / length2(h), 0.25 / low) / high, V_MAX)
+
+
+# With a quotient less, for exports that have no derivatives.
+def V_cook_torrance_value(wi: Vec3, wo: Vec3) -> Float:
+    """G over 4 mu_i mu_o."""
+    h = wi + wo
+    return minimum(minimum(h.z / length2(h) * minimum(wi.z, wo.z), 0.25) / (wi.z * wo.z), V_MAX)
 
 
 def V_kelemen(cos_h: Float) -> Float:

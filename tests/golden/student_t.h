@@ -181,12 +181,9 @@ inline float student_t_D(const StudentT& params, Vec3 m) {
 
 // G over 4 mu_i mu_o.
 inline float student_t_V_cook_torrance(Vec3 wi, Vec3 wo) {
-    // Divided by the smaller cosine, G = 4 h.z min(mu_i, mu_o) / |h|^2 does not depend on it; the quotient has
-    // the difference of two derivatives that are as large as the cosine is small
     Vec3 h = wi + wo;
-    float high = fmaxf(wi.z, wo.z);
-    float grooved = h.z / student_t_length2(h) / high;
-    return fminf(fminf(grooved, 0.25f / wi.z / wo.z), V_MAX);
+    return fminf(fminf(h.z / student_t_length2(h) * fminf(wi.z, wo.z), 0.25f) / (wi.z * wo.z),
+        V_MAX);
 }
 
 // D G / (4 mu_i mu_o): the highlight without F.

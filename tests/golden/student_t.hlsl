@@ -111,12 +111,8 @@ float student_t_V_cook_torrance(float3 wi, float3 wo) {
     // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
     // it still is a float32. It is reached at cosines of 5e-16.
     const float V_MAX = 1.0e30;
-    // Divided by the smaller cosine, G = 4 h.z min(mu_i, mu_o) / |h|^2 does not depend on it; the quotient has
-    // the difference of two derivatives that are as large as the cosine is small
     float3 h = wi + wo;
-    float high = max(wi.z, wo.z);
-    float grooved = h.z / student_t_length2(h) / high;
-    return min(min(grooved, 0.25 / wi.z / wo.z), V_MAX);
+    return min(min(h.z / student_t_length2(h) * min(wi.z, wo.z), 0.25) / (wi.z * wo.z), V_MAX);
 }
 
 // D G / (4 mu_i mu_o): the highlight without F.

@@ -306,12 +306,9 @@ inline float weidlich_wilkie_round_beckmann_D_along(WeidlichWilkieRoundBeckmann 
 
 // G over 4 mu_i mu_o.
 inline float weidlich_wilkie_V_cook_torrance(Vec3 wi, Vec3 wo) {
-    // Divided by the smaller cosine, G = 4 h.z min(mu_i, mu_o) / |h|^2 does not depend on it; the quotient has
-    // the difference of two derivatives that are as large as the cosine is small
     Vec3 h = wi + wo;
-    float high = fmaxf(wi.z, wo.z);
-    float grooved = h.z / weidlich_wilkie_length2(h) / high;
-    return fminf(fminf(grooved, 0.25f / wi.z / wo.z), V_MAX);
+    return fminf(fminf(h.z / weidlich_wilkie_length2(h) * fminf(wi.z, wo.z), 0.25f) / (wi.z * wo.z),
+        V_MAX);
 }
 
 // Eq. 2: BRDF value in 1/sr, without the cosine.

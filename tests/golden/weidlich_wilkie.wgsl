@@ -203,12 +203,9 @@ fn weidlich_wilkie_V_cook_torrance(wi: vec3f, wo: vec3f) -> f32 {
     // Largest V of the maskings that grow like 1 / mu^2 where both directions graze: times the largest D, 3e7,
     // it still is a float32. It is reached at cosines of 5e-16.
     const V_MAX = 1.0e30;
-    // Divided by the smaller cosine, G = 4 h.z min(mu_i, mu_o) / |h|^2 does not depend on it; the quotient has
-    // the difference of two derivatives that are as large as the cosine is small
     let h = wi + wo;
-    let high = max(wi.z, wo.z);
-    let grooved = h.z / weidlich_wilkie_length2(h) / high;
-    return min(min(grooved, 0.25 / wi.z / wo.z), V_MAX);
+    return min(min(h.z / weidlich_wilkie_length2(h) * min(wi.z, wo.z), 0.25) / (wi.z * wo.z),
+        V_MAX);
 }
 
 // Eq. 2: BRDF value in 1/sr, without the cosine.
