@@ -15,7 +15,7 @@ from support.tolerances import DOUBLE, SINGLE, SINGLE_PROMISED, decimals
 
 import gonio.mitsuba  # noqa: F401  before Mitsuba, so that a usable LLVM is found
 from gonio import lang, parts
-from gonio.export.calls import VALUE
+from gonio.export.stand_ins import VALUE
 from gonio.parts import fresnel, metals
 
 Float, Float64 = dr.llvm.ad.Float, dr.llvm.ad.Float64

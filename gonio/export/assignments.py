@@ -9,7 +9,7 @@ from typing import NoReturn
 
 from gonio.export.aliases import aliases
 from gonio.export.calls import Calls
-from gonio.export.expressions import Collector
+from gonio.export.collector import Collector
 from gonio.export.tree import (
     Access,
     Assign,

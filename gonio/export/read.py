@@ -3,7 +3,7 @@
 Every function is read for the types of its arguments, with the model's options known: conditions on them
 are decided, and only the chosen branch is exported. docs/language.md describes what is understood; all
 else is refused with its place and with what to write instead. `ast` is known to this file's
-companions only: `gonio.export.statements`, `assignments`, `calls` and `expressions`.
+companions only: `gonio.export.source`, `statements`, `assignments`, `expressions`, and what that one names.
 """
 
 from __future__ import annotations
@@ -16,10 +16,12 @@ from typing import Any, cast, get_type_hints
 
 from gonio import lang
 from gonio.export import library
-from gonio.export.calls import ANNOTATED, PRODUCT_MAX, method_of, usual_name, written
-from gonio.export.expressions import SIGNATURES, UNTESTED
+from gonio.export.builtin_calls import PRODUCT_MAX
+from gonio.export.contract import SIGNATURES, UNTESTED, method_of, written
 from gonio.export.names import legal, snake
+from gonio.export.record_calls import ANNOTATED
 from gonio.export.source import source
+from gonio.export.stand_ins import usual_name
 from gonio.export.statements import Body, record_of
 from gonio.export.targets import TARGETS
 from gonio.export.tree import (

@@ -14,10 +14,11 @@ from gonio import lang
 from gonio.export import plain as numbers
 from gonio.export.aliases import same
 from gonio.export.assignments import Assignments, Loop
-from gonio.export.calls import usual_name
-from gonio.export.expressions import SIGNATURES, UNTESTED, Collector
+from gonio.export.collector import Collector
+from gonio.export.contract import SIGNATURES, UNTESTED
 from gonio.export.names import snake
 from gonio.export.source import source
+from gonio.export.stand_ins import usual_name
 from gonio.export.tree import (
     SELF,
     Access,

@@ -14,10 +14,10 @@ from typing import cast
 import numpy as np
 
 from gonio.export import table_facets
-from gonio.export.calls import ALONG
 from gonio.export.coded import COSINES, DISTRIBUTION, FRESNEL, Array, CodedTable, Request
 from gonio.export.evaluate import Known, Machine
 from gonio.export.read import Reader
+from gonio.export.stand_ins import ALONG
 from gonio.export.tree import Function, Struct, Type
 from gonio.export.values import Static
 from gonio.images import codes_of

@@ -17,10 +17,10 @@ from typing import Any
 import numpy as np
 
 from gonio.export import by_row, table_facets
-from gonio.export.calls import ALONG
 from gonio.export.coded import DISTRIBUTION, FRESNEL, Request, Tables
 from gonio.export.evaluate import UNKNOWN, Known, Machine
 from gonio.export.read import Reader
+from gonio.export.stand_ins import ALONG
 from gonio.export.table_rows import (
     Distributions,
     FresnelRow,

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from gonio.export.expressions import simplified
+from gonio.export.operators import simplified
 from gonio.export.tree import (
     SELF,
     Access,

@@ -63,7 +63,7 @@ RULES: dict[str, Rule] = {
     "length": Rule(1, _float, takes=("vec3",)),
     "normalize": Rule(1, takes=("vec3",)),
     "polynomial": Rule(4, takes=("float",)),  # or more
-    # Not per component; gonio.export.calls knows them by name.
+    # Not per component; gonio.export.builtin_calls knows them by name.
     "select": Rule(3),
     "vec2": Rule(2),
     "vec3": Rule(3),
