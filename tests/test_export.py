@@ -488,7 +488,7 @@ REFUSED = [
         "wi.z ** self.width",
         "",
     ),
-    ("        return self.rho * (wi.z // 1)", "only + - * /", "wi.z // 1", ""),
+    ("        return self.rho * (wi.z // 1)", "// is for numbers", "wi.z // 1", ""),
     ("        while True:\n            return self.rho", "for i in range", "while True", ""),
     (
         "        x = 1\n        x = vec3(1, 2, 3)\n        return self.rho",

@@ -362,12 +362,6 @@ REFUSED: dict[str, tuple[str, str, str, str]] = {
         "",
         "exponent",
     ),
-    "a whole number passed as an exponent": (
-        "return self.rho * f(wi.x, 3)",
-        "",
-        "def f(x, n):\n    return power(x, n)",
-        "exponent",
-    ),
     "a chain of comparisons": (
         "return self.rho * select(0 < wi.z < 1, 1, 0)",
         "",
@@ -707,6 +701,31 @@ def test_super_passes_over_nothing_that_a_class_has(tmp_path: Path) -> None:
     )
     with pytest.raises(ExportError, match=r"mine\.py:\d+:\d+: '_w' of _Lower is a staticmethod"):
         export({"mine": classes(tmp_path, text)}, "glsl", only=["eval"])
+
+
+STEPS = "def f(x, n=2):\n    t = 0\n    for i in range(n):\n        t = t + x\n    return t"
+
+
+def test_a_function_that_counts_its_steps_is_one_for_each_number(tmp_path: Path) -> None:
+    model = made(tmp_path, "return self.rho * f(wi.z) * f(wi.x, 5) * f(wi.y, 2)", "", STEPS)
+    found = export({"mine": model}, "glsl", only=["eval"])[0].source
+    assert re.findall(r"float (mine_f\w*)\(float x\)", found) == ["mine_f", "mine_f_5"]
+    assert re.findall(r"_step < (\d)", found) == ["2", "5"]
+
+
+def test_steps_that_a_call_leaves_open_are_refused_where_they_are_counted(tmp_path: Path) -> None:
+    """With the line of the call, also through a function between."""
+    head = f"{STEPS}\n\n\ndef g(x, m):\n    return f(x, m + 1)"
+    for body in ("return self.rho * f(wi.z, wi.x)", "return self.rho * g(wi.z, self.width)"):
+        model = made(tmp_path, body, "", head)
+        with pytest.raises(
+            ExportError, match=r"mine\.py:\d+:\d+: .* line \d+ calls \w with . not known"
+        ) as e:
+            export({"mine": model}, "glsl", only=["eval"])
+        at, call = re.findall(r"(?:mine\.py:|line )(\d+)", str(e.value))
+        lines = (tmp_path / "mine.py").read_text(encoding="utf-8").split("\n")
+        assert "range(n)" in lines[int(at) - 1]
+        assert body in lines[int(call) - 1]
 
 
 def test_a_wrapped_method_is_refused(tmp_path: Path) -> None:

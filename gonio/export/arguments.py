@@ -9,8 +9,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from gonio.export import library
+from gonio.export.expressions import UndecidedError
 from gonio.export.operators import Operators
-from gonio.export.tree import Expr, Struct, Type, Variable, inside
+from gonio.export.tree import Call, ExportError, Expr, Struct, Type, Variable, inside
 from gonio.export.values import Changed, Static, Value, exact, is_number, shown_kind
 
 
@@ -61,7 +62,11 @@ class Arguments(Operators):
                 try:
                     hash(value)
                 except TypeError:
-                    self.refuse(node, f"{shown_kind(value.value)} cannot be passed in a shader.")
+                    self.refuse(
+                        node,
+                        f"{shown_kind(value.value)} cannot be passed in a shader; pass numbers, vectors, "
+                        "functions and options, and make vectors where they are needed.",
+                    )
                 kinds.append(value)
                 continue
             expr = self._expr(node, value)
@@ -71,36 +76,91 @@ class Arguments(Operators):
             kinds.append(expr.type)
         return passed, kinds
 
-    def _made(
+    def _called(
         self,
         node: ast.AST,
         function: types.FunctionType,
         kinds: Sequence[Type | Static],
-        owner: Struct | None,
-        method: str,
-        guarded: bool,
         passed: Sequence[Expr],
-    ) -> Any:
-        """The exported function, unless it would call itself or takes its exponent from here."""
-        if self.reader.is_open(function, kinds, owner):
-            self.refuse(
-                node,
-                f"{function.__name__} calls itself, which shading languages do not allow; write a loop "
-                "over a fixed number of steps.",
-            )
-        made = self.reader.function_for(function, kinds, owner, method, guarded)
-        for i in made.exponents:
-            self._exponent(node, passed[i])
-        return made
+        model: Expr | None = None,
+        method: str = "",
+        guarded: bool = True,
+    ) -> Call:
+        """A call of an exported function, which may be a method of a model, unless it would call itself.
+
+        It is exported for the types of what is passed; where these leave open what has to be known when
+        the shader is made, such as a number of steps or a whole exponent, for the numbers that are passed.
+        """
+        owner = model.type if model is not None else None
+        assert owner is None or isinstance(owner, Struct)
+        kinds, passed = list(kinds), list(passed)
+        while True:
+            if self.reader.is_open(function, kinds, owner):
+                self.refuse(
+                    node,
+                    f"{function.__name__} calls itself, which shading languages do not allow; write a loop "
+                    "over a fixed number of steps.",
+                )
+            try:
+                made = self.reader.function_for(function, kinds, owner, method, guarded)
+            except UndecidedError as error:
+                wanted = self._wanted(function, kinds, error)
+                for i in wanted:
+                    self._check_number(node, function, passed[i], error)
+            else:
+                wanted = [i for i in made.exponents if self._is_whole(node, passed[i])]
+                if not wanted:
+                    before = () if model is None else (model,)
+                    return Call(made, (*before, *passed), made.result)
+            of_passed = [i for i, kind in enumerate(kinds) if not isinstance(kind, Static)]
+            for i in wanted:
+                kinds[of_passed[i]] = Static(exact(self._resolved(passed[i])))
+            passed = [expr for i, expr in enumerate(passed) if i not in wanted]
+
+    @staticmethod
+    def _wanted(
+        function: types.FunctionType, kinds: Sequence[Type | Static], error: UndecidedError
+    ) -> list[int]:
+        """Which of what is passed has to be a number."""
+        names = list(inspect.signature(function, follow_wrapped=False).parameters)[-len(kinds) :]
+        passed = [n for n, kind in zip(names, kinds, strict=True) if not isinstance(kind, Static)]
+        return [i for i, name in enumerate(passed) if name in error.arguments]
+
+    def _check_number(
+        self, node: ast.AST, function: types.FunctionType, passed: Expr, error: UndecidedError
+    ) -> None:
+        """Refuse what is no number in a call of a function that has to know it."""
+        resolved = self._resolved(passed)
+        if exact(resolved) is not None:
+            return
+        line = getattr(node, "lineno", 0)
+        place = f"line {line}" if error.source is self.source else f"{self.source.path}:{line}"
+        names = " and ".join(sorted(error.arguments))
+        told = f"{error.reason[:-1]}; {place} calls {function.__name__} with {names} not known."
+        try:
+            self._refuse_undecided(node, resolved, told)
+        except UndecidedError as further:
+            shown = error.source.complaint(error.node, error.reason)
+            further.args, further.place, further.reason = shown.args, shown.place, shown.reason
+            further.source, further.node = error.source, error.node
+            raise
+        except ExportError:
+            raise error.source.complaint(error.node, told) from None
+
+    def _is_whole(self, node: ast.AST, exponent: Expr) -> bool:
+        """Whether an exponent that a function is given is a whole number here, which it has to know."""
+        known = exact(self._resolved(exponent))
+        if known is not None and known == int(known):
+            return True
+        self._exponent(node, exponent)
+        return False
 
     def _exponent(self, node: ast.AST, exponent: Expr) -> None:
         """Take note of an exponent that may be a plain number in Python, for which it has products."""
         names = {e.name for e in inside(exponent) if isinstance(e, Variable)}
         arguments = {n for n in names if n in self.arguments}
         self.exponents |= arguments
-        known = exact(exponent)
-        plain = bool(names & self.plain) and not (names - self.plain)
-        if plain or (known is not None and known == int(known)):
+        if names and names <= self.plain:
             self.refuse(
                 node,
                 "this exponent is a whole number in Python, which allows negative bases, and a variable in "

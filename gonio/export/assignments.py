@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import types
+from collections import Counter
 from dataclasses import dataclass, field
 from typing import NoReturn
 
@@ -14,11 +15,16 @@ from gonio.export.tree import (
     Access,
     Assign,
     Call,
+    Constant,
     Expr,
+    Negation,
+    Number,
+    Operation,
     SetMember,
     Statement,
     Struct,
     Variable,
+    children,
     inside,
 )
 from gonio.export.values import Changed, Many, Method, Static, Value
@@ -58,6 +64,8 @@ class Assignments(Calls):
         self.node = self.source.function(function)
         names = [n for n in ast.walk(self.node) if isinstance(n, ast.Name)]
         self.used = {n.id for n in names}
+        stored = Counter(n.id for n in names if isinstance(n.ctx, ast.Store))
+        self.once = {name for name, times in stored.items() if times == 1}
         self.unread = {"_"} - {n.id for n in names if isinstance(n.ctx, ast.Load)}
         # Names whose value no other name has: `x += y` changes it in place
         self.own: set[str] = set()
@@ -106,7 +114,13 @@ class Assignments(Calls):
                 f"{name}_changed = ...",
             )
         known = self.scope.get(name)
-        if known is None or isinstance(known, Static):
+        if isinstance(known, Static):
+            self.refuse(
+                node,
+                f"{name} is known when the shader is made and cannot be changed; write another name = "
+                f"{name} {_SIGNS.get(type(node.op), '+')} ...",
+            )
+        if known is None:
             self.refuse(node, f"{name} has no value here that could be changed.")
         if name not in self.own and type(node.op) in _SIGNS:
             self._refuse_in_place(node, name)
@@ -219,6 +233,8 @@ class Assignments(Calls):
         else:
             self.plain.discard(name)
         if known is None or isinstance(known, Static):
+            if name in self.once and self._is_arithmetic(resolved := self._resolved(value)):
+                self.given[name] = resolved
             self.scope[name] = value.type
             self.statements.append(Assign(name, value))
             return
@@ -230,6 +246,14 @@ class Assignments(Calls):
             )
         value = self._coerce(node, value, known)
         self.statements.append(Assign(name, value, declares=False))
+
+    def _is_arithmetic(self, expr: Expr) -> bool:
+        """Whether a value is made of numbers and of the function's own arguments alone."""
+        if isinstance(expr, Variable):
+            return expr.name in self.arguments
+        if isinstance(expr, (Operation, Negation)) and expr.type == "float":
+            return all(self._is_arithmetic(e) for e in children(expr))
+        return isinstance(expr, (Number, Constant))
 
     def _change(self, node: ast.stmt, name: str, value: Changed) -> None:
         """A copy of a model, and then its changed members."""

@@ -72,10 +72,13 @@ class BuiltinCalls(Arguments):
             self.refuse(
                 node.args[0], "x stands in the text once for each term; give it a name first."
             )
-        given = [e for argument in node.args[1:] for e in self._numbers(argument)]
+        given = [self._resolved(e) for argument in node.args[1:] for e in self._numbers(argument)]
         values = [exact(e) for e in given]
-        if any(value is None for value in values):
-            self.refuse(node, "polynomial's bound and coefficients are numbers, not variables.")
+        for expr, value in zip(given, values, strict=True):
+            if value is None:
+                self._refuse_undecided(
+                    node, expr, "polynomial's bound and coefficients are numbers, not variables."
+                )
         count = terms_in_single(values[0], values[1:])
         *below, found = given[1 : count + 1]
         for coefficient in reversed(below):
@@ -94,7 +97,7 @@ class BuiltinCalls(Arguments):
     def _power(self, node: ast.Call, base: Expr, exponent: Expr) -> Expr:
         """Whole powers by products: for any base, as in Python; a shader's pow knows positive ones."""
         kind = widest((base.type, exponent.type))
-        number = exact(exponent)
+        number = exact(self._resolved(exponent))
         if number is None:
             self._exponent(node, exponent)
         if number is None or number != int(number):

@@ -61,8 +61,7 @@ class Calls(BuiltinCalls, MethodCalls):
         passed, kinds = self._typed(arguments)
         self._check_pairs(arguments, function, kinds)
         function = self._stand_in(function)
-        made = self._made(node, function, kinds, None, "", True, passed)
-        return Call(made, tuple(passed), made.result)
+        return self._called(node, function, kinds, passed)
 
     def _check_pairs(
         self,

@@ -17,7 +17,18 @@ import numpy as np
 from gonio.export.collector import Collector
 from gonio.export.instead import INSTEAD
 from gonio.export.source import Source, source
-from gonio.export.tree import SELF, Expr, Number, Splat, Struct, Type
+from gonio.export.tree import (
+    SELF,
+    ExportError,
+    Expr,
+    Number,
+    Splat,
+    Struct,
+    Type,
+    Variable,
+    inside,
+    rebuilt,
+)
 from gonio.export.values import (
     Many,
     Method,
@@ -30,9 +41,18 @@ from gonio.export.values import (
     spoken,
     truth,
 )
+from gonio.fields import is_array
 
 # Terms and brackets of one statement; Python's own stack holds some five times as many.
 DEPTH_MAX = 100
+
+
+class UndecidedError(ExportError):
+    """Something has to be known when the shader is made, and is as soon as some arguments are numbers."""
+
+    arguments: frozenset[str]
+    source: Source
+    node: ast.AST
 
 
 class Expressions(ABC):
@@ -60,15 +80,44 @@ class Expressions(ABC):
         self.places: dict[int, tuple[Expr, ast.AST]] = {}
         # Arguments that are exponents, where Python's own numbers mean more than a shader's
         self.exponents: set[str] = set()
+        # Names that get a value once, made of numbers and arguments alone: range(n) may ask for them
+        self.given: dict[str, Expr] = {}
 
     def refuse(self, node: ast.AST, message: str) -> NoReturn:
         """Raise an error that shows the place."""
         raise self.source.complaint(node, message)
 
+    def _resolved(self, expr: Expr) -> Expr:
+        """An expression with what names were given once in their places."""
+        if isinstance(expr, Variable):
+            return self.given.get(expr.name, expr)
+        return rebuilt(expr, self._resolved)
+
+    def _refuse_undecided(self, node: ast.AST, expr: Value, message: str) -> NoReturn:
+        """Refuse what is not known when the shader is made, or ask for the numbers of arguments.
+
+        Raises:
+            UndecidedError: only arguments are not known, of which the call may have the numbers.
+        """
+        if isinstance(expr, Expr):
+            names = {e.name for e in inside(self._resolved(expr)) if isinstance(e, Variable)}
+            if names and all(n in self.arguments and self.scope[n] == "float" for n in names):
+                told = self.source.complaint(node, message)
+                error = UndecidedError(*told.args)
+                error.place, error.reason = told.place, told.reason
+                error.arguments, error.source, error.node = frozenset(names), self.source, node
+                raise error
+        self.refuse(node, message)
+
     def _unknown(self, node: ast.AST) -> NoReturn:
+        self.refuse(node, self._told(node))
+
+    @staticmethod
+    def _told(node: ast.AST) -> str:
+        """What is said of Python that no shader has."""
         instead = INSTEAD.get(type(node), "assignments, returns and calls (docs/language.md)")
         kind = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(node).__name__).lower()
-        self.refuse(node, f"this ({kind}) cannot be exported; write {instead}.")
+        return f"this ({kind}) cannot be exported; write {instead}."
 
     def _check_depth(self, node: ast.AST) -> None:
         """Refuse what is nested so deeply that neither Python nor a shader's compiler can follow."""
@@ -97,11 +146,11 @@ class Expressions(ABC):
     def _expr(self, node: ast.expr, value: Value) -> Expr:
         if isinstance(value, Static):
             if not is_number(value.value):
-                instead = (
-                    f"write {float(value.value)}, or decide with 'if'"
-                    if isinstance(value.value, (bool, np.number))
-                    else "write numbers, vectors or masks, and decide with 'if' on an option"
-                )
+                instead = "write numbers, vectors or masks, and decide with 'if' on an option"
+                if isinstance(value.value, (bool, np.number)):
+                    instead = f"write {float(value.value)}, or decide with 'if'"
+                elif is_array(value.value):
+                    instead = "write vec3(...) where it is needed, with numbers; or make it a Table"
                 self.refuse(node, f"{shown(value.value)} has no value in a shader; {instead}.")
             return self._number(node, value.value)
         if isinstance(value, Method):
@@ -140,14 +189,16 @@ class Expressions(ABC):
                 return Static(tuple(v.value for v in values if isinstance(v, Static)))
             return Many(tuple(self._expr(n, v) for n, v in zip(node.elts, values, strict=True)))
         if isinstance(node, ast.IfExp):
-            test = self._decided(node.test, self.value(node.test))
+            condition = self.value(node.test)
+            test = self._decided(node.test, condition)
             if test is not None:
                 return self.value(node.body if test else node.orelse)
+            self._refuse_undecided(node, condition, self._told(node))
         self._unknown(node)
 
     def _decided(self, node: ast.AST, value: Value) -> bool | None:
         """What Python's `if` makes of a value; None if it is not known when the shader is made."""
-        known = truth(value)
+        known = truth(self._resolved(value) if isinstance(value, Expr) else value)
         if known is None:
             return None
         try:
@@ -190,7 +241,9 @@ class Expressions(ABC):
             known = self._decided(operand, value)
             last = i == len(node.values) - 1
             if known is None and not (last and i):
-                self.refuse(node, "'and' and 'or' are for options; masks are joined with & and |.")
+                self._refuse_undecided(
+                    node, value, "'and' and 'or' are for options; masks are joined with & and |."
+                )
             if last or known is None or known is isinstance(node.op, ast.Or):
                 return value
         raise AssertionError("no operands")

@@ -9,7 +9,7 @@ from typing import Any, cast
 
 from gonio.export.contract import SIGNATURES, UNTESTED, MissingMethodError, method_of, written
 from gonio.export.record_calls import RecordCalls
-from gonio.export.tree import SELF, Access, Call, Expr, Struct, Variable
+from gonio.export.tree import SELF, Access, Expr, Struct, Variable
 from gonio.export.values import Changed, Method, Value, spoken
 from gonio.fields import Parameter
 from gonio.model import Model
@@ -87,8 +87,9 @@ class MethodCalls(RecordCalls):
             self._check_signature(node, name, passed)
         tested = self.tested | (self.upper if name == "albedo" else frozenset())
         same = all(isinstance(e, Variable) and e.name in tested for e in passed)
-        made = self._made(node, plain, kinds, owner, name, guarded and not same, passed)
-        return Call(made, (Variable(SELF, owner), *passed), made.result)
+        return self._called(
+            node, plain, kinds, passed, Variable(SELF, owner), name, guarded and not same
+        )
 
     def _method_call(self, node: ast.Call, method: Method) -> Value:
         owner = method.model.type
@@ -103,10 +104,8 @@ class MethodCalls(RecordCalls):
         if method.name in SIGNATURES:
             self._check_signature(node, method.name, passed)
             given = tuple(kind for _, kind in SIGNATURES[method.name][0])
-            made = self._made(node, function, given, owner, method.name, True, passed)
-        else:
-            made = self._made(node, function, kinds, owner, "", True, passed)
-        return Call(made, (method.model, *passed), made.result)
+            return self._called(node, function, given, passed, method.model, method.name)
+        return self._called(node, function, kinds, passed, method.model)
 
     def _check_signature(self, node: ast.Call, name: str, passed: Sequence[Expr]) -> None:
         expected = SIGNATURES[name][0]
@@ -133,8 +132,7 @@ class MethodCalls(RecordCalls):
         assert isinstance(owner, Struct)
         if not isinstance(found.fget, types.FunctionType):
             self.refuse(node, f"the property {node.attr!r} is no plain function; write a method.")
-        made = self._made(node, found.fget, [], owner, "", True, ())
-        return Call(made, (model,), made.result)
+        return self._called(node, found.fget, [], (), model)
 
     def _rougher(self, node: ast.Call, model: Expr, owner: Struct) -> Expr:
         """A copy of a model with wider highlights, each parameter by the function that it declares."""
@@ -149,6 +147,5 @@ class MethodCalls(RecordCalls):
             if isinstance(declared, Parameter) and declared.rougher is not None:
                 own = Access(model, name, "float")
                 function = cast(types.FunctionType, declared.rougher)
-                made = self._made(node, function, ["float", "float"], None, "", True, (own, alpha))
-                members[name] = Call(made, (own, alpha), made.result)
+                members[name] = self._called(node, function, ["float", "float"], (own, alpha))
         return Changed(model, owner, members) if members else model

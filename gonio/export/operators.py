@@ -23,10 +23,12 @@ from gonio.export.tree import (
 from gonio.export.values import (
     COMPARISON,
     SAME,
+    Many,
     Static,
     Value,
     exact,
     factor,
+    is_number,
     misfit,
     single,
     spoken,
@@ -42,6 +44,12 @@ COMPARED: dict[type, str] = {
     ast.GtE: ">=",
     ast.Eq: "==",
     ast.NotEq: "!=",
+}
+# What Python computes when the shader is made, with what to write where it cannot.
+OF_NUMBERS: dict[type, tuple[str, Callable[[Any, Any], Any], str]] = {
+    ast.Pow: ("**", operator.pow, "x * x, or power(x, exponent)"),
+    ast.FloorDiv: ("//", operator.floordiv, "q - fract(q) with q = x / y"),
+    ast.Mod: ("%", operator.mod, "y * fract(x / y)"),
 }
 STATIC_COMPARISON: dict[type, Callable[[Any, Any], Any]] = {
     ast.Eq: operator.eq,
@@ -65,7 +73,9 @@ class Operators(Attributes):
         if isinstance(node.op, ast.Not):
             known = self._decided(node.operand, value)
             if known is None:
-                self.refuse(node, "'not' is for options; a mask is inverted with ~.")
+                self._refuse_undecided(
+                    node, value, "'not' is for options; a mask is inverted with ~."
+                )
             return Static(not known)
         expr = self._expr(node.operand, value)
         if expr.type == "bool3":
@@ -93,8 +103,8 @@ class Operators(Attributes):
     def _operation(self, node: ast.AST, op: ast.operator, left: Expr, right: Expr) -> Expr:
         """Two values joined by an operator."""
         kinds = (left.type, right.type)
-        if isinstance(op, ast.Pow):
-            return self._power_of_numbers(node, left, right)
+        if type(op) in OF_NUMBERS:
+            return self._by_python(node, op, left, right)
         if isinstance(op, (ast.BitAnd, ast.BitOr)):
             if kinds != ("bool", "bool"):
                 self.refuse(node, "& and | join two masks of numbers.")
@@ -121,14 +131,20 @@ class Operators(Attributes):
                 "hold; multiply them by each other first.",
             )
 
-    def _power_of_numbers(self, node: ast.AST, left: Expr, right: Expr) -> Number:
+    def _by_python(self, node: ast.AST, op: ast.operator, left: Expr, right: Expr) -> Number:
+        """What only Python computes, of numbers that are known: 2**-24, n // 2."""
+        symbol, compute, instead = OF_NUMBERS[type(op)]
+        one, other = exact(self._resolved(left)), exact(self._resolved(right))
+        if one is None or other is None:
+            self._refuse_undecided(
+                node,
+                Operation("*", left, right, "float"),
+                f"{symbol} is for numbers that are known when the shader is made; write {instead}.",
+            )
         try:
-            base, exponent = exact(left), exact(right)
-            if base is None or exponent is None:
-                self.refuse(node, "** is for numbers; write x * x, or power(x, exponent).")
-            if abs(exponent) > 4096:  # else Python may compute for hours
+            if symbol == "**" and abs(other) > 4096:  # else Python may compute for hours
                 raise OverflowError
-            return self._number(node, base**exponent)
+            return self._number(node, compute(one, other))
         except ArithmeticError as error:
             self.refuse(node, f"Python cannot compute this ({error}).")
 
@@ -145,15 +161,35 @@ class Operators(Attributes):
             return expr
         return number
 
+    @staticmethod
+    def _is_missing(left: Value, right: Value) -> bool:
+        """Whether None stands beside a value in the shader, which is never None: `if tint is None`."""
+        none = [isinstance(v, Static) and v.value is None for v in (left, right)]
+        return any(none) and any(isinstance(v, Expr) for v in (left, right))
+
+    def _as_number(self, node: ast.expr, value: Value) -> Value:
+        """A number that is known when the shader is made, as one that stands there."""
+        number = isinstance(value, Static) and is_number(value.value)
+        return self._expr(node, value) if number else value
+
     def _compare(self, node: ast.Compare) -> Value:
         if len(node.ops) != 1:
             self.refuse(node, "one comparison at a time; join two with &: (a < b) & (b < c).")
         left, right = self.value(node.left), self.value(node.comparators[0])
         op = node.ops[0]
+        if isinstance(op, (ast.In, ast.NotIn)) and isinstance(right, Many):
+            numbers = tuple(exact(e) for e in right.values)
+            right = right if None in numbers else Static(numbers)
+        if isinstance(op, (ast.Is, ast.IsNot)) and self._is_missing(left, right):
+            return Static(isinstance(op, ast.IsNot))
+        left, right = self._as_number(node.left, left), self._as_number(node.comparators[0], right)
         if isinstance(left, Static) or isinstance(right, Static):
-            one, other = truth(left), truth(right)
+            one, other = (
+                truth(self._resolved(v) if isinstance(v, Expr) else v) for v in (left, right)
+            )
             if one is None or other is None:
-                self.refuse(node, "an option is compared with its values only.")
+                shader = right if one is not None else left
+                self._refuse_undecided(node, shader, "an option is compared with its values only.")
             single_object = any(v is None or isinstance(v, bool) for v in (one.value, other.value))
             if isinstance(op, (ast.Is, ast.IsNot)) and not single_object:
                 self.refuse(node, "'is' compares objects; write == or != to compare values.")

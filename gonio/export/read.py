@@ -18,6 +18,7 @@ from gonio import lang
 from gonio.export import library
 from gonio.export.builtin_calls import PRODUCT_MAX
 from gonio.export.contract import SIGNATURES, UNTESTED, method_of, written
+from gonio.export.expressions import UndecidedError
 from gonio.export.names import legal, snake
 from gonio.export.record_calls import ANNOTATED
 from gonio.export.source import source
@@ -180,8 +181,15 @@ class Reader:
         if key in self._read:
             return self._read[key]
         self._open.append((function, owner, given))
+        before = [len(found) for found in self._collected()]
         try:
             made = Body(self, function, given, owner, method, guarded).read()
+        except UndecidedError:
+            # It is read again, with the numbers of its arguments
+            for found, length in zip(self._collected(), before, strict=True):
+                _shorten(found, length)
+            self._open.pop()
+            raise
         except RecursionError:
             file = source(function.__code__.co_filename)
             raise file.complaint(
@@ -207,6 +215,19 @@ class Reader:
         self.functions.append(made)
         return made
 
+    def _collected(self) -> tuple[list[Any] | dict[Any, Any], ...]:
+        """All that grows while functions are read."""
+        return (
+            self.structs,
+            self.functions,
+            self._models,
+            self._read,
+            self._origins,
+            self._results,
+            self._powers,
+            self._names,
+        )
+
     def origin(self, function: Function) -> types.FunctionType | None:
         """The Python function that an exported one was read from; None of powers and of lookups."""
         return self._origins.get(id(function))
@@ -223,9 +244,12 @@ class Reader:
         plain = plain.strip("_")
         start = owner.prefix if owner is not None else self.prefix
         file = function.__module__.rpartition(".")[2]
-        # The same function for other types: of a NamedTuple, of a colour, or of a number
+        # The same function for other types: of a NamedTuple, of a colour, or of a number; or for numbers
         records = [k.python for k in given if isinstance(k, Struct) and k.python is not None]
         other = "rgb" if "vec3" in given else "scalar"
+        numbers = [k.value for k in given if isinstance(k, Static) and type(k.value) is int]
+        if numbers and min(numbers) >= 0:
+            other = "_".join(map(str, numbers))
         if records:
             other = snake(records[0].__name__)
         candidates = [f"{start}_{plain}", f"{start}_{file}_{plain}"]
@@ -367,6 +391,15 @@ class Reader:
             self._powers[key] = made
             self.functions.append(made)
         return self._powers[key]
+
+
+def _shorten(found: list[Any] | dict[Any, Any], length: int) -> None:
+    """Forget what was added last."""
+    if isinstance(found, list):
+        del found[length:]
+    else:
+        for key in list(found)[length:]:
+            del found[key]
 
 
 def described(cls: type) -> tuple[tuple[str, ...], dict[str, str]]:

@@ -75,8 +75,7 @@ class RecordCalls(Arguments):
             function = method.function
         given = (method.model, *passed)
         kinds = [method.model.type, *kinds]
-        made = self._made(node, function, kinds, None, "", True, given)
-        return Call(made, given, made.result)
+        return self._called(node, function, kinds, given)
 
     def _along(self, method: Method) -> types.FunctionType | None:
         """The method of the same name that takes a vector of any length: D_along for D.

@@ -17,6 +17,7 @@ from gonio.export.assignments import Assignments, Loop
 from gonio.export.collector import Collector
 from gonio.export.contract import SIGNATURES, UNTESTED
 from gonio.export.names import snake
+from gonio.export.operators import simplified
 from gonio.export.source import source
 from gonio.export.stand_ins import usual_name
 from gonio.export.tree import (
@@ -45,11 +46,14 @@ from gonio.export.tree import (
     inside,
     walk,
 )
-from gonio.export.values import COMPARISON, Changed, Many, Static, truth
+from gonio.export.values import COMPARISON, Changed, Many, Static, Value, truth
 from gonio.model import Model
 
 # More steps than this are a mistake, or hang a graphics driver.
 STEPS_MAX = 2**16
+
+# Single precision has all whole numbers up to here.
+WHOLE_MAX = 2**24
 
 
 class Body(Assignments):
@@ -103,7 +107,7 @@ class Body(Assignments):
             self.scope[name] = value
             if not isinstance(value, Static):
                 self.parameters.append((name, value))
-        self.arguments = frozenset(names)
+        self.arguments = frozenset(n for n in names if not isinstance(self.scope[n], Static))
         self._know_directions(names)
 
     def _know_directions(self, names: Sequence[str]) -> None:
@@ -315,13 +319,15 @@ class Body(Assignments):
 
     def _if(self, node: ast.If) -> None:
         self._check_depth(node.test)
-        test = self._decided(node.test, self.value(node.test))
+        condition = self.value(node.test)
+        test = self._decided(node.test, condition)
         if test is None:
             for left in ast.walk(node):
                 if isinstance(left, (ast.Break, ast.Continue)):
                     self._unknown(left)
-            self.refuse(
+            self._refuse_undecided(
                 node.test,
+                condition,
                 "this condition is not known when the shader is made; write select(condition, yes, no).",
             )
         start = node.body[-1].end_lineno or node.lineno
@@ -360,20 +366,29 @@ class Body(Assignments):
             and call.func.id == "range"
             and "range" not in self.scope
             and "range" not in self.python.__globals__
-            and len(call.args) == 1
+            and call.args
+            and not any(isinstance(a, ast.Starred) for a in call.args)
             and not call.keywords
             and isinstance(node.target, ast.Name)
             and not node.orelse
         ):
-            self.refuse(node, "only 'for i in range(count)' can be exported.")
-        count, named = self._steps(call.args[0])
+            self.refuse(
+                node,
+                "only 'for i in range(...)' can be exported, of whole numbers that are known when the "
+                "shader is made.",
+            )
+        steps, named = self._steps(call)
         name = node.target.id
         self._check_name(node, name)
         if name in self.scope or name in self.arguments:
             self.refuse(node.target, f"{name!r} has a value already, which the loop would change.")
+        if not steps:
+            return
         outside, plain = dict(self.scope), set(self.plain)
         self.scope[name] = "float"
-        self.plain.add(name)
+        counted = steps == range(len(steps))
+        index = name if counted else self._fresh(f"{name}_count")
+        self.plain |= {name, index}
         kept, self.statements = self.statements, []
         self.loops.append(Loop(frozenset(outside)))
         self.block(node.body, node.lineno)
@@ -384,25 +399,38 @@ class Body(Assignments):
             if changed in loop.shared:
                 self._refuse_in_place(at, changed)
         body, self.statements = tuple(self.statements), kept
+        if not counted and name in {e.name for e in walk(body) if isinstance(e, Variable)}:
+            body = (Assign(name, _of_step(steps, Variable(index, "float"))), *body)
         self.scope, self.plain = outside, self.plain & plain
         self.own &= set(outside)
-        self.statements.append(Repeat(name, count, body, named))
+        self.statements.append(Repeat(index, len(steps), body, named))
 
-    def _steps(self, node: ast.expr) -> tuple[int, Constant | None]:
-        """How many steps a loop has, and the name of that number if it has one."""
-        value = self.value(node)
-        known = truth(value)
+    def _steps(self, node: ast.Call) -> tuple[range, Constant | None]:
+        """The steps of a loop, and the name of their number if it has one."""
+        given = [(at, self.value(at)) for at in node.args]
+        whole = [self._whole(at, value) for at, value in given]
+        try:
+            steps = range(*whole)
+        except (TypeError, ValueError) as error:
+            self.refuse(node, f"Python cannot make these steps ({error}).")
+        if len(steps) > STEPS_MAX:
+            self.refuse(node, f"the number of steps must be {STEPS_MAX} at most, got {len(steps)}.")
+        if steps and max(abs(steps[0]), abs(steps[-1])) > WHOLE_MAX:
+            self.refuse(node, f"single precision counts to {WHOLE_MAX} only; begin at 0.")
+        first = given[0][1]
+        return steps, first if len(given) == 1 and isinstance(first, Constant) else None
+
+    def _whole(self, node: ast.expr, value: Value) -> int:
+        """A whole number that is known when the shader is made."""
+        known = truth(self._resolved(value) if isinstance(value, Expr) else value)
         if known is None or isinstance(known.value, bool) or not isinstance(known.value, int):
-            self.refuse(
+            self._refuse_undecided(
                 node,
+                value,
                 "this is not a whole number that is known when the shader is made; write one, or an "
                 "option's, or a named number (with + - *).",
             )
-        if not 0 < known.value <= STEPS_MAX:
-            self.refuse(
-                node, f"the number of steps must be from 1 to {STEPS_MAX}, got {known.value}."
-            )
-        return known.value, value if isinstance(value, Constant) else None
+        return known.value
 
     def _return(self, node: ast.Return) -> None:
         if node.value is None:
@@ -468,6 +496,13 @@ class Body(Assignments):
                 "NamedTuple.",
             )
         return tuple(names)
+
+
+def _of_step(steps: range, index: Expr) -> Expr:
+    """What the variable of a loop is at a step, counted from 0."""
+    moved = simplified("*", Number(abs(steps.step)), index, "float")
+    sign = "+" if steps.step > 0 else "-"
+    return simplified(sign, Number(steps.start), moved, "float")
 
 
 def record_of(function: types.FunctionType, given: Sequence[Type | Static]) -> type | None:

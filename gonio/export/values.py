@@ -46,11 +46,29 @@ COMPARISON: dict[str, Callable[[Any, Any], Any]] = {
 }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Static:
-    """A value that is known when the shader is made: an option, a module, a function."""
+    """A value that is known when the shader is made: an option, a module, a function, a number.
+
+    Two are the same if Python would do the same with them: not 2 and 2.0, nor 1 and True.
+    """
 
     value: Any
+
+    def __eq__(self, other: object) -> bool:
+        """Whether it is the same value of the same type."""
+        return isinstance(other, Static) and _exactly(self.value) == _exactly(other.value)
+
+    def __hash__(self) -> int:
+        """Equal values have equal hashes."""
+        return hash(_exactly(self.value))
+
+
+def _exactly(value: Any) -> Any:
+    """What two values share if and only if they are of one type and equal, down to the sign of zero."""
+    if type(value) is tuple:
+        return (tuple, *map(_exactly, value))
+    return (type(value), value.hex() if type(value) is float else value)
 
 
 @dataclass(frozen=True)
