@@ -184,6 +184,11 @@ class Assignments(Calls):
             self.refuse(node, f"a {kind} is one value; write its components: ... = {parts}.")
         if not isinstance(kind, Struct) or kind.model is not None:
             self.refuse(node, f"this is not {len(names)} values.")
+        if kind.python is not None and not issubclass(kind.python, tuple):
+            self.refuse(
+                node,
+                f"Python unpacks no dataclass; write its members: ... = made.{kind.order[0]}, ...",
+            )
         if len(kind.members) + len(kind.fixed) != len(names):
             self.refuse(node, f"this is not {len(names)} values.")
         if not isinstance(expr, Variable):

@@ -27,6 +27,10 @@ class Attributes(Expressions):
     def _property(self, node: ast.Attribute, model: Expr, found: property) -> Value:
         """Read the value of a model's property."""
 
+    @abstractmethod
+    def _record_property(self, node: ast.Attribute, value: Expr, found: property) -> Value:
+        """Read the value of a property of a user's own struct."""
+
     def _name(self, node: ast.Name) -> Value:
         if node.id in self.scope:
             known = self.scope[node.id]
@@ -95,9 +99,8 @@ class Attributes(Expressions):
                     return Static(fixed)
             if kind.model is not None:
                 return self._of_model(node, expr, kind.model)
-            found = vars(kind.python).get(node.attr) if kind.python is not None else None
-            if isinstance(found, types.FunctionType):
-                return Method(expr, node.attr, found)
+            if kind.python is not None and node.attr in vars(kind.python):
+                return self._of_class(node, expr, vars(kind.python)[node.attr])
         elif kind in ("vec2", "vec3") and node.attr in tuple("xyz")[: VECTORS[str(kind)]]:
             return Access(expr, node.attr, "float")
         if isinstance(kind, Struct):
@@ -131,8 +134,15 @@ class Attributes(Expressions):
         found = vars(cls)[name]
         if cls in Model.__mro__ and name not in OF_EVERY_MODEL:
             self.refuse(node, NO_MEANING.format(name))
+        return self._of_class(node, expr, found)
+
+    def _of_class(self, node: ast.Attribute, expr: Expr, found: Any) -> Value:
+        """What a class has under a name: of a model, or of a struct of the user's own."""
+        name, kind = node.attr, expr.type
         if isinstance(found, property):
-            return self._property(node, expr, found)
+            assert isinstance(kind, Struct)
+            of_model = kind.model is not None
+            return (self._property if of_model else self._record_property)(node, expr, found)
         if isinstance(found, staticmethod):
             return Static(found.__func__)
         if isinstance(found, types.FunctionType):
@@ -140,8 +150,9 @@ class Attributes(Expressions):
         if isinstance(found, (functools.cached_property, classmethod)) or (
             hasattr(found, "__get__") and not isinstance(found, type)
         ):
-            kind = type(found).__name__
-            self.refuse(node, f"{name!r} is a {kind}; write a method, or a plain @property.")
+            self.refuse(
+                node, f"{name!r} is a {type(found).__name__}; write a method, or a plain @property."
+            )
         if is_number(found):
             wrong = misfit(found)
             if wrong:

@@ -8,6 +8,7 @@ import types
 from collections.abc import Sequence
 
 from gonio import lang
+from gonio.export import records
 from gonio.export.builtin_calls import BuiltinCalls
 from gonio.export.method_calls import MethodCalls
 from gonio.export.stand_ins import PARTS, PLAIN, VALUE
@@ -33,7 +34,7 @@ class Calls(BuiltinCalls, MethodCalls):
         function = callee.value
         if isinstance(function, types.MethodType) and isinstance(function.__self__, Lookups):
             return self._lookup(node, function)
-        if isinstance(function, type) and hasattr(function, "_fields"):
+        if records.members(function) is not None:
             return self._record(node, function)
         if function is fetch:
             return self._fetch(node)
@@ -44,6 +45,12 @@ class Calls(BuiltinCalls, MethodCalls):
                 return self._inherited_call(node, function, self.owner, node.args[1:])
             if self._is_ours(function):
                 return self._function_call(node, function)
+        if isinstance(function, type):
+            self.refuse(
+                node.func,
+                f"{function.__name__} makes an object, which no shader has; write a struct as "
+                f"class {function.__name__}(NamedTuple), with its members.",
+            )
         self.refuse(
             node.func,
             f"{ast.unparse(node.func)} is not in the vocabulary; use the functions of gonio.lang, or "

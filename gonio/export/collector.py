@@ -43,7 +43,7 @@ class Collector(Protocol):
         ...
 
     def record(self, cls: type, given: tuple[Type | Static, ...]) -> Struct:
-        """The struct of a NamedTuple with these types of members."""
+        """The struct of a NamedTuple or dataclass with these types of members."""
         ...
 
     def results(self, function: str, names: tuple[str, ...], given: tuple[Type, ...]) -> Struct:

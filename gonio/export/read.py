@@ -12,10 +12,10 @@ import ast
 import inspect
 import types
 from collections.abc import Iterable
-from typing import Any, cast, get_type_hints
+from typing import Any, get_type_hints
 
 from gonio import lang
-from gonio.export import library
+from gonio.export import library, records
 from gonio.export.builtin_calls import PRODUCT_MAX
 from gonio.export.contract import SIGNATURES, UNTESTED, method_of, written
 from gonio.export.expressions import UndecidedError
@@ -279,10 +279,10 @@ class Reader:
         return self._results[key]
 
     def record(self, cls: type, given: tuple[Type | Static, ...]) -> Struct:
-        """The struct of a NamedTuple with these types of members, with its name and descriptions."""
+        """The struct of a NamedTuple or dataclass for these types of members, with its descriptions."""
         key = (cls, given)
         if key not in self._results:
-            names = cast(Any, cls)._fields
+            names = records.members(cls) or ()
             doc, docs = described(cls)
             members, fixed = [], []
             for name, kind in zip(names, given, strict=True):
@@ -347,9 +347,9 @@ class Reader:
 
     def of_annotation(self, kind: Any) -> Type:
         """The type of an annotation: of the vocabulary, or the struct of a NamedTuple."""
-        if isinstance(kind, type) and hasattr(kind, "_fields"):
+        if (names := records.members(kind)) is not None:
             hints = get_type_hints(kind, include_extras=True)
-            given = tuple(OF_ANNOTATIONS[hints[name]] for name in cast(Any, kind)._fields)
+            given = tuple(OF_ANNOTATIONS[hints[name]] for name in names)
             return self.record(kind, given)
         return OF_ANNOTATIONS[kind]
 
@@ -403,7 +403,7 @@ def _shorten(found: list[Any] | dict[Any, Any], length: int) -> None:
 
 
 def described(cls: type) -> tuple[tuple[str, ...], dict[str, str]]:
-    """The descriptions of a NamedTuple and of its members, from the file that defines it."""
+    """The descriptions of such a class and of its members, from the file that defines it."""
     try:
         file = source(str(inspect.getsourcefile(cls)))
     except (TypeError, ExportError):

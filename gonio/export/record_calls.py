@@ -8,13 +8,14 @@ import types
 from typing import Any, cast
 
 from gonio import lang
+from gonio.export import records
 from gonio.export.arguments import Arguments
 from gonio.export.stand_ins import ALONG
 from gonio.export.tree import Call, Construction, Expr, Operation, Struct, Type
 from gonio.export.values import Changed, Method, Static, is_number
 from gonio.parts.frame import half_vector
 
-# What annotations of a NamedTuple's members mean.
+# What annotations of members mean.
 ANNOTATED: dict[Any, Type] = {
     lang.Vec2: "vec2",
     lang.Vec3: "vec3",
@@ -23,19 +24,17 @@ ANNOTATED: dict[Any, Type] = {
 
 
 class RecordCalls(Arguments):
-    """Reads what makes NamedTuples, and calls of their methods."""
+    """Reads what makes NamedTuples and dataclasses, and calls of their methods."""
 
     def _record(self, node: ast.Call, cls: Any) -> Expr:
-        """A NamedTuple from its members."""
-        if tuple not in cls.__bases__:
-            self.refuse(
-                node,
-                f"{cls.__name__} derives from a NamedTuple and may change what its members are; write one "
-                "NamedTuple with all members.",
-            )
-        for name in (cls.__name__, *cls._fields):
+        """A NamedTuple or dataclass from its members."""
+        wrong = records.defect(cls)
+        if wrong:
+            self.refuse(node, wrong)
+        names = records.members(cls) or ()
+        for name in (cls.__name__, *names):
             self._check_spelling(node, name)
-        arguments = self._arguments(node, cls.__new__, 1)
+        arguments = self._arguments(node, records.maker(cls), 1)
         hints = inspect.get_annotations(cls, eval_str=True)
         if cls is lang.Sample:
             (at_wi, wi), (at_pdf, pdf) = arguments
@@ -44,7 +43,7 @@ class RecordCalls(Arguments):
             return Construction(parts, self.reader.sample)
         values: list[Expr] = []
         given: list[Type | Static] = []
-        for name, (at, value) in zip(cls._fields, arguments, strict=True):
+        for name, (at, value) in zip(names, arguments, strict=True):
             if isinstance(value, Static) and not is_number(value.value):
                 given.append(value)
                 continue
@@ -63,7 +62,7 @@ class RecordCalls(Arguments):
         return Construction(tuple(values), self.reader.record(cls, tuple(given)))
 
     def _record_method(self, node: ast.Call, method: Method) -> Expr:
-        """A method of a NamedTuple: a function that takes its struct first."""
+        """A method of such a class: a function that takes its struct first."""
         if not self._is_ours(method.function) or hasattr(method.function, "__wrapped__"):
             self.refuse(node, f"{method.name!r} is no plain method; write one, or a function.")
         passed, kinds = self._typed(self._arguments(node, method.function, 1))
@@ -76,6 +75,13 @@ class RecordCalls(Arguments):
         given = (method.model, *passed)
         kinds = [method.model.type, *kinds]
         return self._called(node, function, kinds, given)
+
+    def _record_property(self, node: ast.Attribute, value: Expr, found: property) -> Expr:
+        """A property of such a class: a function that takes its struct."""
+        function = found.fget
+        if not isinstance(function, types.FunctionType) or not self._is_ours(function):
+            self.refuse(node, f"the property {node.attr!r} is no plain function; write a method.")
+        return self._called(node, function, [value.type], [value])
 
     def _along(self, method: Method) -> types.FunctionType | None:
         """The method of the same name that takes a vector of any length: D_along for D.

@@ -12,6 +12,7 @@ from dataclasses import replace
 
 from gonio import lang
 from gonio.export import plain as numbers
+from gonio.export import records
 from gonio.export.aliases import same
 from gonio.export.assignments import Assignments, Loop
 from gonio.export.collector import Collector
@@ -506,11 +507,11 @@ def _of_step(steps: range, index: Expr) -> Expr:
 
 
 def record_of(function: types.FunctionType, given: Sequence[Type | Static]) -> type | None:
-    """The NamedTuple that a function is a method of, if the first of its arguments is one."""
+    """The class of the user's own that a function is a method of, if the first of its arguments is one."""
     first = given[0] if given else None
     if not isinstance(first, Struct) or first.python is None:
         return None
-    return first.python if function in vars(first.python).values() else None
+    return first.python if records.of_method(function, first.python) else None
 
 
 def _is_contract(expr: Expr, method: str) -> bool:

@@ -45,7 +45,7 @@ class Struct:
     order: tuple[str, ...] = ()
     """All members as Python unpacks them; empty: as they stand here."""
     python: type | None = None
-    """The NamedTuple that it stands for."""
+    """The NamedTuple or dataclass that it stands for."""
 
 
 Type = Literal["float", "vec2", "vec3", "bool", "bool3"] | Struct
