@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import math
 import re
-import shlex
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -14,9 +13,10 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.no_numbers import PLANTED, written
+from support.replays import NO_NUMBER, hidden, replays
 from support.tolerances import DOUBLE, DOUBLE_DIVIDED, DOUBLE_SHORT, SINGLE, decimals
 
 import gonio
@@ -61,7 +61,6 @@ from gonio.claims import (
     jump,
     white_furnace,
 )
-from gonio.cli import main
 from gonio.fields import ModelError, Option, Parameter
 from gonio.lang import (
     INV_PI,
@@ -198,19 +197,21 @@ def required(name: str) -> set[str]:
 @functools.cache
 def caught(name: str, only: tuple[str, ...]) -> list[Report]:
     """Reports on a broken model, with all its options where only those show the fault."""
-    variants = check.subjects(model_file.load(BROKEN / f"{name}.py"))
+    path = BROKEN / f"{name}.py"
+    variants = check.subjects(model_file.load(path), label=str(path))
     variants = variants if name in OF_OPTIONS else variants[:1]
     return check.check_subjects(variants, "normal" if name in JUDGED_LATER else "quick", only)
 
 
 @pytest.mark.parametrize("name", sorted(CAUGHT))
 def test_broken_model_is_caught_by_the_right_checks(name: str, long: bool) -> None:
-    """By each of them; with --long also by no other."""
+    """By each of them, with a line that shows it; with --long also by no other."""
     reports = caught(name, () if long else tuple(sorted(required(name))))
     found = {r.check for r in reports if r.failed}
     shown = "\n".join(table(reports))
     assert required(name) <= found <= CAUGHT[name], shown
     assert found < set(check.CHECKS)  # by none of them all
+    assert not [wrong for line in replays(reports, again=long) if (wrong := hidden(*line))]
 
 
 SOUND = sorted(path.stem for path in (Path(__file__).parent / "sound").glob("*.py"))
@@ -240,36 +241,60 @@ def test_every_check_catches_something_and_every_broken_model_is_listed() -> Non
     assert {path.stem for path in BROKEN.glob("*.py")} == set(CAUGHT)
 
 
-@pytest.mark.parametrize(
-    ("name", "name_of_check"),
-    [
-        ("cancelling", "finite"),
-        ("non_reciprocal", "reciprocity"),
-        ("brushed", "isotropy"),
-        ("pdf_half_percent", "sampling"),
-        ("albedo_of_x", "albedo"),
-        ("growing", "monotonicity"),
-        ("stepped_parameter", "continuity"),
-        ("wrong_gradient", "gradient"),
-    ],
-)
-def test_the_line_of_a_failure_shows_it_again(name: str, name_of_check: str) -> None:
-    """It is a command as it stands: two values that differ as much, or the check that fails again."""
-    path = BROKEN / f"{name}.py"
-    subject = check.subjects(model_file.load(path), label=str(path))[0]
-    (report,) = check.check_subjects([subject], "quick", [name_of_check])
-    finding = next(f for f in report.findings if f.verdict == FAIL)
-    command = shlex.split(finding.replay or "")
-    result = CliRunner().invoke(main, command[1:])
-    if command[1] == "check":
-        assert (result.exit_code, finding.what in result.output) == (1, True), result.output
-        return
-    assert command[:2] == ["gonio", "eval"]
-    found = re.search(r"difference +eval (\S+), pdf (\S+), ", result.output)
-    assert found is not None, result.output
-    shown = max(float(found[1]), float(found[2]))
-    # Three digits are shown
-    assert shown == pytest.approx(finding.measured, rel=2e-3)
+# Whose line is the check again, with the parameters fixed: one of each kind.
+AGAIN = [
+    ("pdf_half_percent", "sampling"),
+    ("albedo_of_x", "albedo"),
+    ("growing", "monotonicity"),
+    ("stepped_parameter", "continuity"),
+    ("pi_twice", "energy"),
+]
+
+
+@pytest.mark.parametrize(("name", "name_of_check"), AGAIN)
+def test_a_check_that_is_made_again_fails_again(name: str, name_of_check: str) -> None:
+    failed = [r for r in caught(name, tuple(sorted(required(name)))) if r.check == name_of_check]
+    lines = replays(failed, again=True)
+    assert lines
+    assert all((finding.replay or "").startswith("gonio check ") for _, finding in lines)
+    assert not [hidden(*line) for line in lines[:1] if hidden(*line)]
+
+
+@pytest.mark.parametrize("name", sorted(PLANTED))
+def test_what_is_no_number_is_named_with_no_other_advice(
+    name: str, tmp_path: Path, long: bool
+) -> None:
+    """And each line shows it; with --long those that make the check again as well."""
+    path = written(tmp_path, name)
+    (subject,) = check.subjects(model_file.load(path), label=str(path))
+    checks = sorted(PLANTED[name][1] | {"finite"})
+    reports = check.check_subjects([subject], "quick" if long else QUICK.less(), checks)
+    assert {r.check for r in reports if r.failed} >= PLANTED[name][1]
+    texts = [f.text for r in reports for f in r.findings if f.verdict == FAIL]
+    assert all(NO_NUMBER.search(text) for text in texts), texts
+    assert not [text for text in texts if re.search("allowed|declares?|claims", text)]
+    lines = replays(reports, again=long)
+    assert not [wrong for line in lines if (wrong := hidden(*line))]
+
+
+def test_what_is_no_number_is_not_anisotropic(tmp_path: Path) -> None:
+    path = written(tmp_path, "eval_nan")
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace("    rho:", "    isotropic = False\n\n    rho:"), encoding="utf-8")
+    (subject,) = check.subjects(model_file.load(path))
+    (report,) = check.check_subjects([subject], QUICK.less(), ["isotropy"])
+    assert [(f.verdict, f.text) for f in report.findings] == [(FAIL, "eval is NaN")]
+
+
+@pytest.mark.parametrize("name_of_check", ["energy", "sampling", "albedo", "monotonicity"])
+def test_a_check_that_is_made_again_names_what_is_no_number_again(
+    name_of_check: str, tmp_path: Path
+) -> None:
+    path = written(tmp_path, "eval_nan")
+    (subject,) = check.subjects(model_file.load(path), label=str(path))
+    lines = replays(check.check_subjects([subject], QUICK.less(), [name_of_check]), again=True)
+    assert lines
+    assert not [wrong for line in lines[:1] if (wrong := hidden(*line))]
 
 
 # --- against publications ------------------------------------------------------------------------
@@ -379,7 +404,7 @@ def test_no_sampler_is_called_wrong_because_an_integral_is(monkeypatch: pytest.M
     point = np.append(row, angles)[None]
     first = sampling._test(subject, point, QUICK.samples, 0)
     assert first.density_off() > 1e-3
-    monkeypatch.setattr(sampling, "_suspects", lambda *_: point)
+    monkeypatch.setattr(sampling, "suspects", lambda *_: point)
     assert not sampling.check(subject, QUICK.less()).failed
 
 
@@ -924,7 +949,7 @@ def test_reports_are_xml_and_text_with_every_failure() -> None:
     assert "gonio eval" in str(failure.text)
     text = "\n".join(table(reports))
     assert text.count("FAIL") == 1
-    assert "energy, largest albedo: gonio eval unnormalised_d" in text
+    assert f"energy, largest albedo: gonio eval {BROKEN / 'unnormalised_d.py'}" in text
 
 
 def test_evaluation_in_batches_is_that_of_the_model() -> None:

@@ -16,7 +16,8 @@ import numpy as np
 from gonio.albedos.quadrature import RULES, NumericAlbedo
 from gonio.check import hemisphere, kernels
 from gonio.check.adversarial import hard_parameters, special_parts
-from gonio.check.energy import dimensions, starts, viewer
+from gonio.check.energy import INTEGRAL, dimensions, starts, viewer
+from gonio.check.no_number import said
 from gonio.check.product_rules import albedos
 from gonio.check.report import FAIL, NOTE, PASS, UNSURE, Effort, Finding, Report, judge
 from gonio.check.search import maximise
@@ -32,6 +33,9 @@ ROUGHLY = 2e-5
 
 # A rule is named if it errs by less than this part of what the rule in force errs by.
 BETTER = 0.3
+
+# What a model's own albedo is, where it is no number: by whether it is a closed form.
+OWN = {True: "the closed form", False: "gonio's quadrature of eval"}
 
 # An integral that is good to no more than this tells nothing.
 BLURRED = 1e-3
@@ -93,28 +97,29 @@ def _directional(subject: Subject, effort: Effort) -> Finding:
         sure[suspect] = True
     measured = float(np.maximum(off[row], 0)) if not np.isnan(off[row]) else float("nan")
     # Whether a kink falls between two nodes is luck
-    verdict, text = judge(subject, "numeric_albedo", measured, limit=limit, searched=False)
-    text += (
-        f"; {subject.albedos}, compared with integrals good to {max(float(error.max()), 1e-9):.1g}"
+    fault = said((OWN[closed], own[row]), (INTEGRAL, true[row]))
+    verdict, text = judge(
+        subject, "numeric_albedo", measured, limit=limit, searched=False, fault=fault
     )
+    if not fault:
+        good = max(float(error.max()), 1e-9)
+        text += f"; {subject.albedos}, compared with integrals good to {good:.1g}"
     # What an inner model documents is the error of that one's rule, not of this model's
     documented = subject.claims.known("numeric_albedo", subject.chosen)
-    if verdict == FAIL and not closed and documented is None:
-        if not np.isnan(own[row]).any():
-            verdict = NOTE
-            # Beside the point that is worst for the rule in force, others that are hard for each
-            few = order[:SUSPECTS]
-            better = _better_rule(subject, parameters[few], wo[few], true[few], measured)
-            text = (
-                f"gonio's quadrature errs by this, not the model: {better}, or "
-                f"numeric_albedo=at_most({_rounded_up(measured):.2g}) in its claims tells users"
-            )
+    if verdict == FAIL and not closed and documented is None and not fault:
+        verdict = NOTE
+        # Beside the point that is worst for the rule in force, others that are hard for each
+        few = order[:SUSPECTS]
+        better = _better_rule(subject, parameters[few], wo[few], true[few], measured)
+        text = (
+            f"gonio's quadrature errs by this, not the model: {better}, or "
+            f"numeric_albedo=at_most({_rounded_up(measured):.2g}) in its claims tells users"
+        )
     elif verdict == PASS and float(error[row]) > BLURRED:
         verdict, text = UNSURE, f"the integral itself is good to {float(error[row]):.1g} only"
     case = (parameters[row], wo[row], wo[row])
-    return Finding(
-        "error of albedo", measured, verdict, text, subject.tag(), subject.replay(*case), case
-    )
+    replay = subject.recheck("albedo", case)
+    return Finding("error of albedo", measured, verdict, text, subject.tag(), replay, case)
 
 
 def _better_rule(
@@ -184,26 +189,35 @@ def _mean(subject: Subject, effort: Effort) -> Finding:
     bad = np.flatnonzero(~(off <= MEAN))
     if len(bad):
         off[bad] = _off_mean(subject, rows[bad], own[bad], FINER * MEAN_NODES, CAREFULLY[0])
-    if searched and len(subject.parameters):
-        points, found = maximise(
-            lambda p: _off_own_mean(subject, p),
-            len(subject.parameters),
-            population=effort.integrals,
-            rounds=ROUNDS,
-            seed=35,
-            starts=hard_parameters(subject, effort.integrals // 2, 36),
-            special=special_parts(subject),
-        )
+    if searched:
+        points, found = rows[:1], _off_own_mean(subject, rows[:1])
+        if subject.parameters:
+            points, found = maximise(
+                lambda p: _off_own_mean(subject, p),
+                len(subject.parameters),
+                population=effort.integrals,
+                rounds=ROUNDS,
+                seed=35,
+                starts=hard_parameters(subject, effort.integrals // 2, 36),
+                special=special_parts(subject),
+            )
         rows, off = np.append(rows, points[:1], axis=0), np.append(off, found[0])
     row = int(np.argmax(np.where(np.isnan(off), np.inf, off)))
     verdict = PASS if off[row] <= MEAN else FAIL
     text = f"at most {MEAN:g} is allowed; closed form"
+    measured = max(float(off[row]), 0.0)
+    if not math.isfinite(measured):
+        wo, _ = _rule(subject, MEAN_NODES)
+        parameters = np.repeat(rows[row : row + 1], len(wo), axis=0)
+        mean = kernels.mean_albedo(subject, rows[row : row + 1])
+        named = [("mean_albedo", mean), (INTEGRAL, _integrals(subject, parameters, wo, ROUGHLY)[0])]
+        if searched:
+            named.append(("albedo", kernels.albedo(subject, parameters, wo)))
+        text = said(*named)
     up = np.array([0.0, 0.0, 1.0])
     case = (rows[row], up, up)
-    measured = max(float(off[row]), 0.0)
-    return Finding(
-        "error of mean albedo", measured, verdict, text, subject.tag(), subject.replay(*case), case
-    )
+    replay = subject.recheck("albedo", case)
+    return Finding("error of mean albedo", measured, verdict, text, subject.tag(), replay, case)
 
 
 def _rule(subject: Subject, nodes: int) -> tuple[Array, Array]:

@@ -17,6 +17,7 @@ import numpy as np
 from gonio.check import energy
 from gonio.check.adversarial import special_parts
 from gonio.check.energy import dimensions, starts, viewer
+from gonio.check.no_number import said
 from gonio.check.report import FAIL, NOTE, PASS, Effort, Finding, Report
 from gonio.check.search import maximise
 from gonio.check.subject import Array, Subject, number_type, repeated, stored, vectors
@@ -68,9 +69,10 @@ def largest(subject: Subject, effort: Effort) -> Finding:
     verdict = PASS if measured <= 1 + off + ROUNDING else FAIL
     parameters, wo = viewer(subject, points[best : best + 1])
     theta = np.degrees(np.arccos(wo[0, 2]))
+    fault = said(("the mean weight of samples", measured))
     text = (
-        f"with {' and '.join(subject.left_out)}, by their samples: at most 1 is allowed; at {theta:.4g} "
-        f"degrees, ± {max(off, ROUNDING):.1g}"
+        f"with {' and '.join(subject.left_out)}, by their samples: {fault or 'at most 1 is allowed'}; at "
+        f"{theta:.4g} degrees, ± {max(off, ROUNDING):.1g}"
     )
     case = (parameters[0], wo[0], wo[0])
     replay = subject.replay(*case)

@@ -91,7 +91,7 @@ def check(subject: Subject, effort: Effort) -> Report:
                 KNOWN if declared else FAIL,
                 f"{text}; {what} jumps by this{per}, relative to the highest value{seen.where}",
                 subject.tag(),
-                subject.replay(*case),
+                subject.recheck("continuity", case, seen.free),
                 case,
             )
         )
@@ -121,6 +121,8 @@ class Found:
     wo: Array
     where: str = ""
     """In words."""
+    free: frozenset[str] = frozenset()
+    """The parameter along which it is seen."""
 
 
 def _look(subject: Subject, paths: int, turn: int = 0) -> list[Found]:
@@ -309,7 +311,8 @@ def find_in_parameters(subject: Subject, walks: int, turn: int = 0) -> list[Foun
     value = subject.values(rows[best][None])[free.path][0]
     text = f"; at {free.path} = {np.atleast_1d(value)[min(free.channel, np.size(value) - 1)]:.9g}"
     here = Kink(Place.IN_A_PARAMETER, "jump")
-    return [Found(here, float(sizes[worst]), rows[best], wi[best], wo[best], text)]
+    along = frozenset({free.path})
+    return [Found(here, float(sizes[worst]), rows[best], wi[best], wo[best], text, along)]
 
 
 def _walked(

@@ -17,6 +17,7 @@ import numpy as np
 from gonio.check import hemisphere
 from gonio.check.adversarial import hard_parameters, special_parts
 from gonio.check.kernels import reflect, sample
+from gonio.check.no_number import said
 from gonio.check.product_rules import albedos
 from gonio.check.report import (
     FAIL,
@@ -84,6 +85,9 @@ LOOKED_AT, AROUND, CLOSER = 256, 48, 12
 
 # Where an integral errs by more than this, gains of less than so many times the error are not judged.
 BLURRED, SURE = 1e-4, 5.0
+
+# What an albedo is, where it is no number.
+INTEGRAL = "the integral of eval"
 
 # Angles at which a furnace is shown, and nodes of the mean.
 FURNACE_ANGLES = (0.0, 30.0, 60.0, 85.0)
@@ -336,15 +340,20 @@ def largest(subject: Subject, effort: Effort, low: float = MU_LOW) -> Finding:
         verdict, text = judge(subject, "energy", measured, limit=limit, ideal=1.0, error=limit - 1)
     if verdict == FAIL and error > BLURRED and measured < 1 + SURE * error:
         verdict, text = UNSURE, "the integral did not converge"
+    fault = said((INTEGRAL, measured))
     theta = np.degrees(np.arccos(wo[best, 2]))
+    text = f"{fault or text}; at {theta:.4g} degrees"
+    case = (parameters[best], wo[best], wo[best])
+    # A closed form that `gonio eval` shows is no integral, and quadrature may miss what is no number
+    checked = bool(fault) or subject.albedos in ("closed form", "composed")
     return Finding(
         "largest albedo",
         measured,
         verdict,
-        f"{text}; at {theta:.4g} degrees, integrated to {max(error, 1e-9):.1g}",
+        text if fault else f"{text}, integrated to {max(error, 1e-9):.1g}",
         subject.tag(),
-        subject.replay(parameters[best], wo[best], wo[best]),
-        (parameters[best], wo[best], wo[best]),
+        subject.recheck("energy", case) if checked else subject.replay(*case),
+        case,
     )
 
 
@@ -387,7 +396,7 @@ def _furnaces(subject: Subject, effort: Effort) -> list[Finding]:
         for entry in subject.furnaces():
             if free >= set(entry.values):
                 choice = {k: v for k, v in entry.values.items() if isinstance(v, str)}
-                findings.append(_furnace(subject.with_options(choice), entry, effort))
+                findings.append(_furnace(subject, subject.with_options(choice), entry, effort))
     claimed = subject.claims.furnaces(subject.chosen)
     if subject.whole and not claimed:
         colours = {f.path: f.declared.high for f in subject.parameters if f.declared.width == 3}
@@ -409,8 +418,8 @@ def _furnaces(subject: Subject, effort: Effort) -> list[Finding]:
     return findings
 
 
-def _furnace(subject: Subject, entry: WhiteFurnace, effort: Effort) -> Finding:
-    """The largest |albedo - 1| with the parameters of a claimed white furnace."""
+def _furnace(claiming: Subject, subject: Subject, entry: WhiteFurnace, effort: Effort) -> Finding:
+    """The largest |albedo - 1| with the parameters and options of a furnace that a subject claims."""
     numbers = {k: v for k, v in entry.values.items() if not isinstance(v, str)}
 
     def off(points: Array) -> Array:
@@ -436,19 +445,18 @@ def _furnace(subject: Subject, entry: WhiteFurnace, effort: Effort) -> Finding:
     integral = _integrated(subject, parameters, wo, 1e-8)
     measured = float(np.abs(integral.total[0] - 1).max())
     trusted = max(FURNACE, 2 * float(integral.error[0]))
-    if not measured <= max(entry.error, trusted):
+    if fault := said((INTEGRAL, measured)):
+        verdict, text = FAIL, fault
+    elif not measured <= max(entry.error, trusted):
         verdict, text = FAIL, f"the model claims {entry.error:g}"
     elif subject.whole and entry.error > max(MISSED * measured + trusted, NEGLIGIBLE):
         verdict, text = FAIL, f"the claimed {entry.error:g} {TOO_LARGE}"
     else:
         verdict, text = PASS, f"|albedo - 1|, at most {entry.error:g} is claimed"
     setting = ", ".join(f"{name}={value}" for name, value in entry.values.items())
+    case = (parameters[0], wo[0], wo[0])
+    # A furnace is one where its parameters and options are free
+    replay = claiming.recheck("energy", case, free=entry.values)
     return Finding(
-        "white furnace",
-        measured,
-        verdict,
-        f"{text}; {setting}",
-        subject.tag(),
-        subject.replay(parameters[0], wo[0], wo[0]),
-        (parameters[0], wo[0], wo[0]),
+        "white furnace", measured, verdict, f"{text}; {setting}", subject.tag(), replay, case
     )

@@ -24,6 +24,7 @@ from gonio.check.adversarial import (
     special_parts,
 )
 from gonio.check.kernels import draw, evaluate, evaluate_only
+from gonio.check.no_number import said
 from gonio.check.reciprocity import dimensions, pairs
 from gonio.check.report import FAIL, PASS, Effort, Finding, Report, judge
 from gonio.check.search import maximise
@@ -283,8 +284,9 @@ def _lowest(subject: Subject, cases: Cases, effort: Effort) -> Finding:
         if below[row] > 0:
             lowest, double = float(below[row]), False
             case = (cases.parameters[row], cases.wi[row], cases.wo[row])
+    f = evaluate_only(subject, case[0][None], np.zeros(1, np.uint32), case[1][None], case[2][None])
     # Roundings of a lobe that ends in zero
-    verdict, text = judge(subject, "negative", lowest, limit=1e-12)
+    verdict, text = judge(subject, "negative", lowest, limit=1e-12, fault=said(("eval", f)))
     return Finding(
         "below zero, times pi",
         lowest,

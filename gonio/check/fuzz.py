@@ -286,7 +286,7 @@ def _derivatives(subject: Subject, state: State, suspects: Cases) -> None:
             for row in bad[:1]:
                 case = (suspects.parameters[row], suspects.wi[row], suspects.wo[row])
                 u = suspects.u[row] if method == "sample" else None
-                replay = subject.replay(*case, double=False, u=u)
+                replay = subject.replay(*case, double=False, u=u, derivatives=True)
                 _show(state, "derivatives", f"d {method} / d {name}: {replay}")
 
 

@@ -23,6 +23,7 @@ from gonio.check.adversarial import (
     special_parts,
 )
 from gonio.check.kernels import evaluate, reflect
+from gonio.check.no_number import said
 from gonio.check.report import FAIL, PASS, UNSURE, Effort, Finding, Report
 from gonio.check.search import maximise
 from gonio.check.subject import (
@@ -98,23 +99,27 @@ def _inputs(method: str) -> tuple[str, ...]:
     return METHODS[method] if method in METHODS else CLOSED[method]
 
 
-def _closed(subject: Subject) -> list[str]:
+def closed(subject: Subject) -> list[str]:
     """The albedos of a model that are closed forms."""
     found = ["albedo"] if subject.albedos == "closed form" else []
     return [*found, "mean_albedo"] if subject.mean_closed else found
 
 
 def gradients(
-    subject: Subject, cases: Cases, method: str, single_precision: bool = True
+    subject: Subject,
+    cases: Cases,
+    method: str,
+    single_precision: bool = True,
+    rounded: bool = True,
 ) -> dict[str, NDArray[Any]]:
     """Derivatives of a method's sum (for `sample` that of density and direction), by name.
 
-    For parameters that float32 can hold, also in double precision.
+    With `rounded` for parameters that float32 can hold, also in double precision.
     """
     module = backend.array_module()
     Float = module.Float if single_precision else module.Float64
     given = {"wi": cases.wi, "wo": cases.wo, "u": cases.u}
-    values = leaves(subject, cases.parameters, Float, True)
+    values = leaves(subject, cases.parameters, Float, rounded)
     names = _inputs(method)
     args = [vectors(Float, given[name]) for name in names]
     found = {}
@@ -180,9 +185,9 @@ def _finite(subject: Subject, effort: Effort) -> Finding:
         np.concatenate([wo, more.wo]),
         np.concatenate([hard_numbers(len(wi), 8).astype(np.float64), more.u]),
     )
-    wrong: list[str] = []
+    wrong: list[tuple[str, NDArray[Any]]] = []
     worst: tuple[Cases, int, str] | None = None
-    for method in [*METHODS, *([] if effort.briefly else _closed(subject))]:
+    for method in [*METHODS, *([] if effort.briefly else closed(subject))]:
         tried = cases
         searched = method in METHODS and not effort.briefly
         if searched and np.isfinite(_steepest(subject, cases, method)).all():
@@ -199,10 +204,10 @@ def _finite(subject: Subject, effort: Effort) -> Finding:
         for name, gradient in gradients(subject, tried, method).items():
             bad = np.flatnonzero(~np.isfinite(gradient).all(axis=0))
             if len(bad):
-                wrong.append(f"d {method} / d {name}")
+                wrong.append((f"d {method} / d {name}", gradient[:, bad[0]]))
                 worst = (tried, int(bad[0]), method) if worst is None else worst
     if worst is None:
-        albedo = "" if effort.briefly or not _closed(subject) else ", albedo"
+        albedo = "" if effort.briefly or not closed(subject) else ", albedo"
         text = (
             f"derivatives of eval, pdf, sampled directions and densities{albedo} finite at "
             f"{len(cases)} hard cases{'' if effort.briefly else ' and in a search'}"
@@ -215,9 +220,9 @@ def _finite(subject: Subject, effort: Effort) -> Finding:
         "not finite",
         float(len(wrong)),
         FAIL,
-        f"NaN or infinite: {', '.join(wrong)}",
+        said(*wrong),
         subject.tag(),
-        subject.replay(*case, double=False, u=u),
+        subject.replay(*case, double=False, u=u, derivatives=True),
         case,
     )
 
@@ -239,30 +244,25 @@ def _differences(subject: Subject) -> Finding:
     found = {path: np.atleast_2d(np.array(d)) for path, d in derivatives.items()}
 
     plain = subject.values(where)
-    steps = [
-        STEP * np.maximum(np.abs(number_of(plain, free)), 0.1 * _span(free))
-        for free in subject.parameters
-    ]
-    moved = _moved(subject, plain, steps, wi, wo)
-    worst, worst_row, worst_name, told = 0.0, 0, "", 1.0
-    for free, step, shifted in zip(subject.parameters, steps, moved, strict=True):
+    worst, worst_row, worst_name, told, fault = 0.0, 0, "", 1.0, ""
+    differences = central_differences(subject, plain, wi, wo, MIXED)
+    for free, (near, far) in zip(subject.parameters, differences, strict=True):
         x, span = number_of(plain, free), _span(free)
-        near, far = (
-            (shifted[SHIFTS.index(k)] - shifted[SHIFTS.index(-k)]) / (2 * k * step)
-            for k in (1.0, 2.0)
-        )
         exact = found[free.path][free.channel]
         unsure = np.abs(near - far)
         # What a parameter changes over its own size is the scale: less is lost in the roundings
         scale = np.abs(near) + 1e-3 * level / np.maximum(np.abs(x), 0.1 * span) + 1e-9
         error = np.maximum(np.abs(exact - near) - ALLOWED * unsure, 0) / scale
-        error = np.where(np.isfinite(exact), error, np.inf)
+        error = np.where(np.isfinite(exact) & np.isfinite(error), error, np.inf)
         told = min(told, float(np.mean(unsure < DIFFERENCES * scale)))
         if not error.max() <= worst:
             worst, worst_row, worst_name = float(error.max()), int(error.argmax()), free.path
+            named = (f"d eval / d {free.path}", exact[worst_row]), ("eval", level[worst_row])
+            fault = said(*named, ("its central difference", near[worst_row]))
     case = (where[worst_row], wi[worst_row], wo[worst_row])
     if not worst <= DIFFERENCES:
-        verdict, text = FAIL, f"d eval / d {worst_name} is not the central difference"
+        verdict = FAIL
+        text = fault or f"d eval / d {worst_name} is not the central difference"
     elif told < TOLD:
         verdict = UNSURE
         text = f"only {100 * told:.0f} % of the pairs are smooth enough for differences to tell"
@@ -274,7 +274,7 @@ def _differences(subject: Subject) -> Finding:
         verdict,
         text,
         subject.tag(),
-        subject.replay(*case),
+        subject.replay(*case, derivatives=True),
         case,
     )
 
@@ -291,7 +291,7 @@ def _in_float32(subject: Subject) -> Finding:
     index = np.arange(PAIRS, dtype=np.uint32)
     f, pdf = evaluate(subject, where, index, wi, wo, rounded=True)
     levels = {"eval": np.abs(f.sum(axis=1)), "pdf": np.abs(pdf)}
-    worst, worst_row, worst_name = 0.0, 0, "eval / d wi"
+    worst, worst_row, worst_name, fault = 0.0, 0, "eval / d wi", ""
     for method, level in levels.items():
         low = gradients(subject, cases, method)
         for name, exact in gradients(subject, cases, method, single_precision=False).items():
@@ -302,10 +302,14 @@ def _in_float32(subject: Subject) -> Finding:
             if not off <= worst:
                 worst, worst_row = off, int(error.argmax())
                 worst_name = f"{method} / d {name}"
+                ends = ("float32", low[name]), ("float64", exact)
+                named = [(f"d {worst_name} in {p}", g[:, worst_row]) for p, g in ends]
+                fault = said(*named, (method, level[worst_row]))
     case = (where[worst_row], wi[worst_row], wo[worst_row])
     verdict = PASS if worst <= IN_FLOAT32 else FAIL
     text = f"at most {IN_FLOAT32:g} is allowed at all but 1 % of the pairs; d {worst_name}"
-    replay = subject.replay(*case, double=False)
+    text = fault if fault and verdict == FAIL else text
+    replay = subject.replay(*case, double=False, derivatives=True)
     return Finding("off in float32", worst, verdict, text, subject.tag(), replay, case)
 
 
@@ -324,8 +328,32 @@ def _span(free: FreeNumber) -> float:
     return min(free.declared.high - free.declared.low, 1.0)
 
 
+def central_differences(
+    subject: Subject, plain: dict[str, Array], wi: Array, wo: Array, weights: Array
+) -> list[tuple[Array, Array]]:
+    """Of a weighted sum of eval's channels, by each number: (rows,) with a step, and with twice that."""
+    steps = [
+        STEP * np.maximum(np.abs(number_of(plain, free)), 0.1 * _span(free))
+        for free in subject.parameters
+    ]
+    moved = _moved(subject, plain, steps, wi, wo, weights)
+    one, other = (
+        [
+            (shifted[SHIFTS.index(k)] - shifted[SHIFTS.index(-k)]) / (2 * k * step)
+            for step, shifted in zip(steps, moved, strict=True)
+        ]
+        for k in (1.0, 2.0)
+    )
+    return list(zip(one, other, strict=True))
+
+
 def _moved(
-    subject: Subject, plain: dict[str, Array], steps: Sequence[Array], wi: Array, wo: Array
+    subject: Subject,
+    plain: dict[str, Array],
+    steps: Sequence[Array],
+    wi: Array,
+    wo: Array,
+    weights: Array,
 ) -> Array:
     """Values at the places of the differences for each number, (numbers, shifts, rows), in one batch."""
     Float = number_type()
@@ -338,4 +366,4 @@ def _moved(
     model = subject.bound(gathered(values, index, Float), Float)
     both = (vectors(Float, np.tile(w, (blocks, 1))) for w in (wi, wo))
     f, _ = reflect(model, *both)
-    return np.asarray(columns_of(f) @ MIXED).reshape(len(steps), len(SHIFTS), n)
+    return np.asarray(columns_of(f) @ weights).reshape(len(steps), len(SHIFTS), n)

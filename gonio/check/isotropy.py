@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from gonio.check import kernels
 from gonio.check.adversarial import special_parts
 from gonio.check.kernels import evaluate
+from gonio.check.no_number import said
 from gonio.check.reciprocity import FLOOR, ROUNDING_FLOAT32, dimensions, pairs
 from gonio.check.report import FAIL, NOTE, PASS, Effort, Finding, Report
 from gonio.check.search import maximise
@@ -53,7 +54,14 @@ def check(subject: Subject, effort: Effort) -> Report:
     limit = ROUNDING_FLOAT32 if subject.float32 else ROUNDING
     parameters, wi, wo = pairs(subject, points[:1, :-1])
     isotropic = measured <= limit
-    if not subject.claiming:
+    fault = (
+        ""
+        if np.isfinite(measured)
+        else said(*zip(NAMES, _columns(subject, points[:1]), strict=False))
+    )
+    if fault:
+        verdict, text = FAIL, fault
+    elif not subject.claiming:
         verdict, text = (PASS, "isotropic") if isotropic else (NOTE, "anisotropic")
     elif subject.isotropic:
         verdict = PASS if isotropic else FAIL
@@ -78,17 +86,9 @@ def change(subject: Subject, points: Array) -> Array:
     parameters, wi, wo = pairs(subject, points[:, :-1])
     angle = 2 * np.pi * points[:, -1]
     n = len(points)
-    index = np.tile(np.arange(n, dtype=np.uint32), 3)
     light, viewer = _turned(wi, angle), _turned(wo, angle)
-    rng = np.random.default_rng(17)
-    shaken = light * (1 + EPSILON * rng.choice([-1.0, 1.0], light.shape))
-    wi, wo = np.concatenate([wi, light, shaken]), np.concatenate([wo, viewer, viewer])
-    f, pdf = evaluate(subject, parameters, index, wi, wo)
-    columns = [f.astype(np.float64), pdf.astype(np.float64)[:, None]]
-    if subject.albedos == "closed form":
-        columns.append(kernels.albedo(subject, np.tile(parameters, (3, 1)), wo))
     found = []
-    for value in columns:
+    for value in _columns(subject, points):
         a, b, c = value[:n], value[n : 2 * n], value[2 * n :]
         scale = np.maximum(np.maximum(np.abs(a), np.abs(b)), FLOOR)
         beyond = np.abs(a - b) - ROUNDINGS * np.abs(b - c)
@@ -102,7 +102,7 @@ def change(subject: Subject, points: Array) -> Array:
         found[1][moved] = np.maximum(
             found[1][moved] - ROUNDINGS * _shaken(subject, parameters, light, viewer, moved), 0
         )
-    near_normal = np.hypot(wo[:n, 0], wo[:n, 1]) < OFF_NORMAL
+    near_normal = np.hypot(wo[:, 0], wo[:, 1]) < OFF_NORMAL
     found[1] = np.where(near_normal, 0, found[1])
     rows = np.flatnonzero(found[1] > EDGE)
     if len(rows):
@@ -112,6 +112,22 @@ def change(subject: Subject, points: Array) -> Array:
 
         found[1][rows] = _all_around(subject, parameters[rows], wi[rows], wo[rows], same_turn)
     return np.stack(found, -1)
+
+
+def _columns(subject: Subject, points: Array) -> list[Array]:
+    """Values, densities and closed-form albedos: at all points, turned, and a rounding beside that."""
+    parameters, wi, wo = pairs(subject, points[:, :-1])
+    angle = 2 * np.pi * points[:, -1]
+    index = np.tile(np.arange(len(points), dtype=np.uint32), 3)
+    light, viewer = _turned(wi, angle), _turned(wo, angle)
+    rng = np.random.default_rng(17)
+    shaken = light * (1 + EPSILON * rng.choice([-1.0, 1.0], light.shape))
+    wi, wo = np.concatenate([wi, light, shaken]), np.concatenate([wo, viewer, viewer])
+    f, pdf = evaluate(subject, parameters, index, wi, wo)
+    columns = [f.astype(np.float64), pdf.astype(np.float64)[:, None]]
+    if subject.albedos == "closed form":
+        columns.append(kernels.albedo(subject, np.tile(parameters, (3, 1)), wo))
+    return columns
 
 
 def _shaken(

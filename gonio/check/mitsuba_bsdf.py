@@ -23,6 +23,7 @@ import numpy as np
 from gonio import backend
 from gonio.check.subject import (
     Array,
+    Case,
     FreeNumber,
     Remark,
     Size,
@@ -171,6 +172,7 @@ class MitsubaSubject:
         double: bool = True,
         u: Array | None = None,
         compare: str = "",
+        derivatives: bool = False,
     ) -> str:
         """The directions, in Mitsuba's terms, and the random numbers of a sample."""
         wi, wo = (np.asarray(w) * (1, 1, self.side) for w in (wi, wo))
@@ -182,9 +184,9 @@ class MitsubaSubject:
         )
         return f"{words}; {compare}" if compare else words
 
-    def recheck(self, check: str, parameters: Array, free: Collection[str] = ()) -> str:
-        """There is no command that keeps uv."""
-        return ""
+    def recheck(self, check: str, case: Case, free: Collection[str] = ()) -> str:
+        """The same: there is no command that keeps uv."""
+        return self.replay(*case)
 
     def notes(self) -> list[Remark]:
         """What was left out of the checks."""

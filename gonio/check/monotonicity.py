@@ -6,6 +6,7 @@ with an estimate of the mean, in a search over all parameters; its best finds ar
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass
 
@@ -14,6 +15,7 @@ import numpy as np
 from gonio.check.adversarial import hard_parameters, special_parts
 from gonio.check.energy import ROUGHLY, SHALLOW, SINGLE, estimate, precise, spread_out
 from gonio.check.hemisphere import LEVELS
+from gonio.check.no_number import said
 from gonio.check.report import FAIL, PASS, Effort, Finding, Report
 from gonio.check.search import maximise
 from gonio.check.subject import R2, Array, Subject, directions
@@ -93,13 +95,18 @@ def _growth(subject: Subject, path: str, effort: Effort) -> Finding:
     where = best[0].row.copy()
     where[number] = best[0].high
     case = (where, up, up)
+    ends = np.tile(best[0].row, (2, 1))
+    ends[:, number] = best[0].low, best[0].high
+    text = "the mean albedo may not grow, whatever the other parameters are"
+    if not math.isfinite(worst):
+        text = said(("the mean of eval's integrals", means(subject, ends, SINGLE, LEVELS))) or text
     return Finding(
         f"growth with {path}",
         worst,
         verdict,
-        "the mean albedo may not grow, whatever the other parameters are",
+        text,
         subject.tag(),
-        subject.replay(*case),
+        subject.recheck("monotonicity", case, free={path}),
         case,
     )
 

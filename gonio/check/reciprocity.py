@@ -10,6 +10,7 @@ import numpy as np
 from gonio.check import hemisphere
 from gonio.check.adversarial import special_parts
 from gonio.check.kernels import evaluate_only
+from gonio.check.no_number import said
 from gonio.check.report import Effort, Finding, Report, judge
 from gonio.check.search import maximise
 from gonio.check.subject import (
@@ -46,7 +47,8 @@ def check(subject: Subject, effort: Effort) -> Report:
     parameters, wi, wo = pairs(subject, points[:1])
     measured = float(values[0]) if not np.isinf(values[0]) else float("nan")
     limit = ROUNDING_FLOAT32 if subject.float32 else ROUNDING
-    verdict, text = judge(subject, "reciprocity", measured, limit=limit)
+    fault = said(*zip(("f(wi, wo)", "f(wo, wi)"), both(subject, parameters, wi, wo), strict=True))
+    verdict, text = judge(subject, "reciprocity", measured, limit=limit, fault=fault)
     finding = Finding(
         "relative difference",
         measured,
@@ -79,13 +81,18 @@ def pairs(subject: Subject, points: Array) -> tuple[Array, Array, Array]:
     return points[:, :count], wi / np.linalg.norm(wi, axis=1, keepdims=True), wo
 
 
-def difference(subject: Subject, parameters: Array, wi: Array, wo: Array) -> Array:
-    """|f(wi, wo) - f(wo, wi)| over the larger of the two, of the worst channel, (n,)."""
+def both(subject: Subject, parameters: Array, wi: Array, wo: Array) -> tuple[Array, Array]:
+    """f(wi, wo) and f(wo, wi), (n, 3) each."""
     n = len(parameters)
     index = np.tile(np.arange(n, dtype=np.uint32), 2)
     f = evaluate_only(
         subject, parameters, index, np.concatenate([wi, wo]), np.concatenate([wo, wi])
     )
-    a, b = f[:n].astype(np.float64), f[n:].astype(np.float64)
+    return f[:n].astype(np.float64), f[n:].astype(np.float64)
+
+
+def difference(subject: Subject, parameters: Array, wi: Array, wo: Array) -> Array:
+    """|f(wi, wo) - f(wo, wi)| over the larger of the two, of the worst channel, (n,)."""
+    a, b = both(subject, parameters, wi, wo)
     scale = np.maximum(np.maximum(np.abs(a), np.abs(b)), FLOOR)
     return np.asarray((np.abs(a - b) / scale).max(axis=1))

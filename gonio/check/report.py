@@ -9,7 +9,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 from gonio import notebook
-from gonio.check.subject import Subject, finite
+from gonio.check.subject import Case, Subject, finite
 
 PASS, NOTE, KNOWN, UNSURE, FAIL = "pass", "note", "known", "unsure", "FAIL"
 ORDER = (PASS, NOTE, KNOWN, UNSURE, FAIL)
@@ -140,8 +140,8 @@ class Finding:
     """The options it was measured with."""
     replay: str | None = None
     """A command that shows the worst case."""
-    case: tuple[Any, Any, Any] | None = field(default=None, repr=False, compare=False)
-    """Parameters in [0, 1], wi and wo of the worst case, for the picture."""
+    case: Case | None = field(default=None, repr=False, compare=False)
+    """The worst case, for the picture."""
 
     def data(self) -> dict[str, Any]:
         """As plain data that JSON can hold."""
@@ -204,6 +204,7 @@ def judge(
     ideal: float = 0.0,
     searched: bool = True,
     error: float = 0.0,
+    fault: str = "",
 ) -> tuple[str, str]:
     """Compare a departure with what the model says of it, and say so.
 
@@ -218,9 +219,10 @@ def judge(
         searched: whether the worst case has been searched for. How near a few points come to it is luck,
             and says nothing against a documented size that is larger.
         error: of the measurement.
+        fault: what is no number of the values compared, as `gonio.check.no_number.said` has it.
     """
-    if math.isnan(measured):
-        return FAIL, "not a number"
+    if fault or not math.isfinite(measured):
+        return FAIL, fault or "not a number"
     documented = subject.size(promise)
     known = None if documented is None else documented.size
     # Inherited sizes, and those of a model with something fixed, are upper bounds

@@ -10,7 +10,6 @@ independent samples. The means are compared with the adaptive integral of the de
 from __future__ import annotations
 
 import functools
-import itertools
 import time
 from dataclasses import dataclass
 
@@ -19,22 +18,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gonio.check import hemisphere, sampled
-from gonio.check.adversarial import hard_parameters, special_parts
+from gonio.check.adversarial import special_parts
 from gonio.check.energy import dimensions, spread_out, starts, viewer
 from gonio.check.hemisphere import CELLS, COSINE_SECOND, PDF, SECOND, UNREACHED
 from gonio.check.kernels import draw, evaluate, reflect, sample
+from gonio.check.no_number import said
 from gonio.check.report import FAIL, NOTE, PASS, Effort, Finding, Report, judge
 from gonio.check.search import maximise
 from gonio.check.statistics import chi2_limit, chi2_tail, noncentral_tail
 from gonio.check.subject import (
     Array,
     Subject,
+    directions,
     even,
     number_type,
     repeated,
     stored,
     vectors,
 )
+from gonio.check.suspects import INTEGRALS, SCREEN_SAMPLES, Screened, screen, screened, suspects
 
 # Probability of a false alarm of one test. A test that fails is repeated with other random numbers, and
 # only a second failure counts.
@@ -49,9 +51,8 @@ FLOOR = 1e-4
 # Errors of the adaptive integrals, doubled; Mitsuba's plug-ins compute in float32.
 TRUSTED, TRUSTED_FLOAT32 = 2e-4, 2e-3
 
-# How often cells are cut, and the tolerance of the integrals; an error of 1e-5 is a tenth of the standard
-# error of the counts in a cell.
-CUTS, INTEGRALS = 10, 2e-5
+# How often cells are cut.
+CUTS = 10
 
 # The same where something seems to be wrong: a lobe of width 1e-4 off the mirror direction needs it.
 CAREFULLY = 1e-8
@@ -59,8 +60,8 @@ CAREFULLY = 1e-8
 # The reported density is that of `pdf`, but for roundings of wi in between.
 SAME, SAME_FLOAT32 = 1e-6, 2e-2
 
-# Points at least of a search for unreached light, and those of a screening that are merely random.
-LOOKED_AT, EVEN = 48, 24
+# Points at least of a search for unreached light.
+LOOKED_AT = 48
 
 # Samples that a search for waste draws at each point, where it looks around the best, and to confirm one:
 # the first tell 0.1 from nothing, the second 0.01.
@@ -70,23 +71,22 @@ FEW, MORE, MANY = 64, 1 << 10, 1 << 16
 # degrees of freedom exceeds 7 once in 200,000 times.
 SIGMAS = 7.0
 
+# Samples, and directions anywhere, of a place that fails, among which is looked for what is no number.
+PROBES = 1 << 12
+
 # Samples in one kernel call, which bounds the memory.
 BATCH = 1 << 21
-
-# A density whose integral is off by this in a screening, beyond the error of the rule, is suspicious, and
-# so are cells that hold so many times more or fewer of the samples than they should.
-SUSPICIOUS, CROWDED = 2e-3, 0.5
 
 
 def check(subject: Subject, effort: Effort) -> Report:
     """Density, samples, weights and waste; without tests only light that is never sampled."""
     start = time.perf_counter()
-    screened = _screened(subject, effort)
+    looked = screened(subject, effort)
     if not effort.tests:  # the samples are those of another variant
-        findings = [_unreached(subject, screened, effort)]
+        findings = [_unreached(subject, looked, effort)]
         return Report("sampling", subject.name, tuple(findings), time.perf_counter() - start)
-    findings = [_wasted(subject, effort), _unreached(subject, screened, effort)]
-    points = _suspects(subject, screened, effort)
+    findings = [_wasted(subject, effort), _unreached(subject, looked, effort)]
+    points = suspects(subject, looked, effort)
     first = [_test(subject, point[None], effort.samples, seed) for seed, point in enumerate(points)]
     trusted = TRUSTED_FLOAT32 if subject.float32 else TRUSTED
     tests = [
@@ -96,182 +96,10 @@ def check(subject: Subject, effort: Effort) -> Report:
         for row, test in enumerate(first)
     ]
     findings += _judged(subject, points, tests, first, effort)
-    findings += _reported(subject, points, tests, screened)
+    findings += _reported(subject, points, tests, looked)
     if subject.claiming and not subject.float32:
         findings.append(sampled.check(subject, effort))
     return Report("sampling", subject.name, tuple(findings), time.perf_counter() - start)
-
-
-# --- where to look -------------------------------------------------------------------------------
-
-
-def screened_points(subject: Subject, count: int, seed: int) -> Array:
-    """Rows of parameters over the whole range, coloured ones as well, with random viewers."""
-    rng = np.random.default_rng(seed)
-    extra = dimensions(subject) - len(subject.parameters)
-    return np.concatenate(
-        [hard_parameters(subject, count, seed + 1), rng.random((count, extra))], axis=1
-    )
-
-
-def _at_ends(subject: Subject, most: int, seed: int) -> Array:
-    """Points with each number in turn, and each channel of a colour, exactly at each of its ends.
-
-    The others are random: a lobe that is chosen by one number alone is never drawn there. Of more than
-    `most` points those are random as well.
-    """
-    rng = np.random.default_rng(seed)
-    count = len(subject.parameters)
-    points = rng.random((2 * count, dimensions(subject)))
-    number = np.arange(count)
-    points[2 * number, number], points[2 * number + 1, number] = 0.0, 1.0
-    return rng.permutation(points)[:most]
-
-
-# Angles of wo at which default parameters are tested, as coordinates of a search.
-ANGLES = ((0.4, 0.15), (0.2, 0.6))
-
-
-@dataclass(frozen=True)
-class Screened:
-    """Points with few samples each: how suspicious they are (above 1), and what they never sample."""
-
-    points: Array
-    integral: Array
-    """Of the density."""
-    weight: Array
-    """Its mean."""
-    shape: Array
-    unreached: Array
-    """Albedo in directions that are never drawn."""
-    different: Array
-    """Largest relative difference between the reported density and that of `pdf`."""
-    which: Array
-    """The sample that has it."""
-    below: Array
-    """Samples below the horizon with a density."""
-
-
-def _screened(subject: Subject, effort: Effort) -> Screened:
-    """Hard rows of parameters, some that are merely random, and those with one number at an end."""
-    rng = np.random.default_rng(43)
-    points = [
-        screened_points(subject, effort.screened, 41),
-        rng.random((EVEN, dimensions(subject))),
-        _at_ends(subject, effort.screened, 46),
-    ]
-    return screen(subject, np.concatenate(points))
-
-
-def _suspects(subject: Subject, found: Screened, effort: Effort) -> Array:
-    """The default parameters, those rows at which something seems to be wrong, and some in pure colours.
-
-    What seems wrong is of as many kinds as there are: the integral of the density, the mean weight, and the
-    shape, which a few samples tell from its like only where it is off by half.
-    """
-    count = effort.tests
-    default = np.array([np.append(subject.default(), angles) for angles in ANGLES])
-    kinds = [found.integral, found.weight, found.shape]
-    chosen: list[int] = []
-    order = [np.argsort(-kind) for kind in kinds]
-    for rank in range(len(found.points)):
-        for kind in order:
-            if len(chosen) < max(count - 1, 1) and kind[rank] not in chosen:
-                chosen.append(int(kind[rank]))
-    # With a single test the default is only looked at if nothing else is suspicious
-    alarming = max(float(kind[chosen[0]]) for kind in kinds) > 1
-    if count == 1 and not alarming:
-        return default[:1]
-    pure = _pure(subject)[: count - 1]
-    return np.concatenate([default[: count - len(chosen)], found.points[chosen], pure])
-
-
-def _pure(subject: Subject) -> Array:
-    """Default parameters with every colour in one channel alone, each in the next one; two such points.
-
-    Lobes that are chosen by one mean of the channels and weighed by another are grey all the same.
-    """
-    point = np.append(subject.default(), ANGLES[0])
-    coloured = dict.fromkeys(f.path for f in subject.parameters if f.declared.width == 3)
-    channel = {path: number for number, path in enumerate(coloured)}
-    points = np.tile(point, (2 if coloured else 0, 1))
-    for row, (number, free) in itertools.product(range(len(points)), enumerate(subject.parameters)):
-        if free.path in channel:
-            points[row, number] = float((channel[free.path] + row + 2) % 3 == free.channel)
-    return points
-
-
-def screen(subject: Subject, points: Array) -> Screened:
-    """What few samples and one look at each cell say of points."""
-    parameters, wo = viewer(subject, points)
-    samples = hemisphere.drawn(subject, parameters, wo, SCREEN_SAMPLES)
-    cut = hemisphere.partition(subject, parameters, wo, hemisphere.FEWER, SCREEN_SAMPLES, samples)
-    found = hemisphere.integrate(subject, parameters, wo, cut, INTEGRALS, 1)
-    n = len(points)
-    few = _few(subject, parameters, wo, *samples)
-    kept, mean, scatter = few.kept, few.mean, few.scatter
-    total = found.total
-    # The rule's own error, of which this is four times an estimate
-    error = 4 * found.error
-    integral = np.abs(total[:, PDF] - kept) - error - np.where(kept < 1, QUASI, 0)
-    albedo = total[:, :3].mean(axis=1) - total[:, UNREACHED]
-    weight = np.abs(mean - albedo) - error - QUASI * 10 * scatter
-    cells = 2**hemisphere.FEWER
-    # A quarter of the probes is spread evenly, whatever the sampler does
-    drawn = np.bincount(cut.cell, minlength=n * cells).reshape(n, cells) / (0.75 * SCREEN_SAMPLES)
-    shape = np.abs(drawn - found.cells[:, :, PDF]).max(axis=1) * cells - error * cells
-    scores = [
-        integral / SUSPICIOUS,
-        weight / (SUSPICIOUS * np.maximum(albedo, 1e-3)),
-        shape / CROWDED,
-        total[:, UNREACHED],
-        few.different,
-        few.which,
-        few.below,
-    ]
-    return Screened(points, *(np.where(np.isnan(score), np.inf, score) for score in scores))
-
-
-# Samples of a screening, and the error of a mean of so many evenly spread ones (of a function like a step).
-SCREEN_SAMPLES = hemisphere.FEWER_PROBES
-QUASI = 4e-3
-
-
-@dataclass(frozen=True)
-class Few:
-    """What a few samples of each point have shown, (points,) each."""
-
-    kept: Array
-    """Part of them that is kept."""
-    mean: Array
-    """Of the weights, and their standard deviation."""
-    scatter: Array
-    different: Array
-    """Largest relative difference between the reported density and that of `pdf`, and whose it is."""
-    which: Array
-    below: Array
-    """Samples below the horizon with a density."""
-
-
-def _few(subject: Subject, parameters: Array, wo: Array, wi: Array, reported: Array) -> Few:
-    index = repeated(len(parameters), len(wi) // len(parameters))
-    f, pdf = evaluate(subject, parameters, index, wi, wo[index])
-    good = (reported > 0) & (wi[:, 2] > 0)
-    with np.errstate(invalid="ignore", over="ignore"):
-        weight = np.where(good, f.mean(axis=1) * wi[:, 2] / np.where(good, reported, 1), 0)
-        different = np.where(good, np.abs(pdf - reported) / np.where(good, reported, 1), 0)
-    low = (reported > 0) & (wi[:, 2] <= 0)
-    weight, kept, different, below = (
-        value.reshape(len(parameters), -1) for value in (weight, good, different, low)
-    )
-    return Few(
-        kept.mean(axis=1),
-        weight.mean(axis=1),
-        weight.std(axis=1),
-        different.max(axis=1),
-        different.argmax(axis=1),
-        below.sum(axis=1),
-    )
 
 
 # --- one test ------------------------------------------------------------------------------------
@@ -446,9 +274,12 @@ def _judged(
     findings = []
 
     def finding(what: str, row: int, measured: float, verdict: str, text: str) -> Finding:
+        if verdict == FAIL:
+            text = _faults(subject, points[row : row + 1]) or text
         parameters, wo = viewer(subject, points[row : row + 1])
         case = (parameters[0], wo[0], wo[0])
-        return Finding(what, measured, verdict, text, subject.tag(), subject.replay(*case), case)
+        replay = subject.recheck("sampling", case)
+        return Finding(what, measured, verdict, text, subject.tag(), replay, case)
 
     # The density and its samples
     bad = [row for row, t in enumerate(tests) if not t.probability >= ALARM]
@@ -494,33 +325,51 @@ def _judged(
 
 
 def _reported(
-    subject: Subject, points: Array, tests: list[Sampled], screened: Screened
+    subject: Subject, points: Array, tests: list[Sampled], looked: Screened
 ) -> list[Finding]:
     """The density that a sampler reports, at the settings that were tested and all that were looked at."""
-    different = np.concatenate([screened.different, [t.different for t in tests]])
-    below = np.concatenate([screened.below, [t.below for t in tests]])
-    points = np.concatenate([screened.points, points])
+    different = np.concatenate([looked.different, [t.different for t in tests]])
+    below = np.concatenate([looked.below, [t.below for t in tests]])
+    points = np.concatenate([looked.points, points])
 
     def finding(
         what: str, row: int, measured: float, verdict: str, text: str, u: Array | None = None
     ) -> Finding:
+        if verdict == FAIL:
+            text = _faults(subject, points[row : row + 1]) or text
         parameters, wo = viewer(subject, points[row : row + 1])
         case = (parameters[0], wo[0], wo[0])
-        replay = subject.replay(*case, u=u)
+        # A sample that is known is shown itself
+        replay = subject.recheck("sampling", case) if u is None else subject.replay(*case, u=u)
         return Finding(what, measured, verdict, text, subject.tag(), replay, case)
 
     row = _worst(list(different))
     same = SAME_FLOAT32 if subject.float32 else SAME
     verdict = PASS if different[row] <= same else FAIL
     text = f"largest relative difference between sample's density and pdf, at most {same:g}"
-    few = row < len(screened.points)  # those samples are known one by one
-    u = even(SCREEN_SAMPLES)[int(screened.which[row])] if few else None
+    few = row < len(looked.points)  # those samples are known one by one
+    u = even(SCREEN_SAMPLES)[int(looked.which[row])] if few else None
     findings = [finding("reported density", row, float(different[row]), verdict, text, u)]
     row = int(np.argmax(below))
     if below[row]:
         text = "samples below the horizon have a density above 0"
         findings.append(finding("below the horizon", row, float(below[row]), FAIL, text))
     return findings
+
+
+def _faults(subject: Subject, point: Array) -> str:
+    """What is no number at a place: of samples, their densities, and values there and anywhere."""
+    parameters, wo = viewer(subject, point)
+    u = even(PROBES)
+    index = np.zeros(PROBES, np.uint32)
+    wi, reported = draw(subject, parameters, index, wo[index], u)
+    sound = np.isfinite(wi).all(axis=1)
+    around = directions(u[:, 0], 2 * np.pi * u[:, 1])
+    both = np.concatenate([around, np.where(sound[:, None], wi, wo)])
+    index = np.tile(index, 2)
+    f, pdf = evaluate(subject, parameters, index, both, wo[index])
+    named = ("sampled wi", wi), ("the density that sample reports", reported), ("pdf", pdf)
+    return said(*named, ("eval", f))
 
 
 def _worst(values: list[float]) -> int:
@@ -568,10 +417,11 @@ def _wasted(subject: Subject, effort: Effort) -> Finding:
     else:
         # A few samples in the horizon itself are nothing, and evenly spread ones err by 1e-4
         verdict, text = judge(subject, "wasted", measured, limit=1e-4, error=2e-4)
+        if verdict == FAIL:
+            text = _faults(subject, worst) or text
     case = (parameters[0], wo[0], wo[0])
-    return Finding(
-        "wasted samples", measured, verdict, text, subject.tag(), subject.replay(*case), case
-    )
+    replay = subject.recheck("sampling", case)
+    return Finding("wasted samples", measured, verdict, text, subject.tag(), replay, case)
 
 
 def unreached(subject: Subject, points: Array) -> Array:
@@ -582,9 +432,9 @@ def unreached(subject: Subject, points: Array) -> Array:
     return np.asarray(result.total[:, UNREACHED])
 
 
-def _unreached(subject: Subject, screened: Screened, effort: Effort) -> Finding:
+def _unreached(subject: Subject, looked: Screened, effort: Effort) -> Finding:
     trusted = TRUSTED_FLOAT32 if subject.float32 else TRUSTED
-    points, found = screened.points, screened.unreached
+    points, found = looked.points, looked.unreached
     if not found.max() <= trusted:  # there is something to search for
         count = max(4 * effort.confirmed, LOOKED_AT)
         points, found = maximise(
@@ -599,8 +449,9 @@ def _unreached(subject: Subject, screened: Screened, effort: Effort) -> Finding:
     # The rule has seen values with a density alone, wherever it looked
     measured = float(unreached(subject, best)[0]) if found.max() != 0 else 0.0
     verdict, text = judge(subject, "unreached", measured, limit=trusted, error=trusted)
+    if verdict == FAIL:
+        text = _faults(subject, best) or text
     parameters, wo = viewer(subject, best)
     case = (parameters[0], wo[0], wo[0])
-    return Finding(
-        "albedo never sampled", measured, verdict, text, subject.tag(), subject.replay(*case), case
-    )
+    replay = subject.recheck("sampling", case)
+    return Finding("albedo never sampled", measured, verdict, text, subject.tag(), replay, case)

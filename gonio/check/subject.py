@@ -29,6 +29,9 @@ from gonio.model import Child, Model
 
 Array = NDArray[np.float64]
 
+Case = tuple[Array, Array, Array]
+"""Parameters in [0, 1], wi and wo."""
+
 
 @dataclass(frozen=True)
 class FreeNumber:
@@ -145,14 +148,18 @@ class Subject(Protocol):
         double: bool = True,
         u: Array | None = None,
         compare: str = "",
+        derivatives: bool = False,
     ) -> str:
         """A shell command that shows the value at one pair of directions, or a sample.
 
-        `compare` is what `gonio eval --compare` shows beside it.
+        `compare` is what `gonio eval --compare` shows beside it; `derivatives` shows these too.
         """
 
-    def recheck(self, check: str, parameters: Array, free: Collection[str] = ()) -> str:
-        """A shell command that makes one check again with these parameters fixed; "" if there is none."""
+    def recheck(self, check: str, case: Case, free: Collection[str] = ()) -> str:
+        """A shell command that makes one check again with the case's parameters fixed, but those `free`.
+
+        For what no pair of directions shows: an integral, a count of samples, a change along a parameter.
+        """
 
 
 def compute() -> ModuleType:
@@ -298,6 +305,7 @@ class ModelSubject:
         double: bool = True,
         u: Array | None = None,
         compare: str = "",
+        derivatives: bool = False,
     ) -> str:
         """The `gonio eval` line of one pair of directions, or of one sample."""
         given = [("wo", wo), ("wi", wi)] if u is None else [("wo", wo), ("u", u)]
@@ -306,12 +314,13 @@ class ModelSubject:
         )
         precision = " --double" if double else ""
         beside = f" --compare {compare}" if compare else ""
+        beside += " --derivatives" if derivatives else ""
         named = self._named(parameters, rounded=not double)
         return f"gonio eval {named} {words}{precision}{beside}"
 
-    def recheck(self, check: str, parameters: Array, free: Collection[str] = ()) -> str:
+    def recheck(self, check: str, case: Case, free: Collection[str] = ()) -> str:
         """The `gonio check` line of one check of the model with all parameters fixed but those `free`."""
-        return f"gonio check {self._named(parameters, free=free)} --only {check}"
+        return f"gonio check {self._named(case[0], free=free)} --only {check}"
 
     def _named(self, parameters: Array, rounded: bool = False, free: Collection[str] = ()) -> str:
         """The model with its options and parameters, as commands take it."""

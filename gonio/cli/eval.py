@@ -6,7 +6,7 @@ import dataclasses
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 import numpy as np
@@ -17,6 +17,9 @@ from gonio.cli._numbers import Number
 from gonio.cli.program import complete, echo_json, json_option, param_option
 from gonio.lang import MU_MIN
 from gonio.model import Model
+
+if TYPE_CHECKING:
+    from gonio.check.derivatives import Derivative
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,8 @@ class Evaluation:
     """The density that `sample` reported."""
     compared: Evaluation | None = None
     """What it was compared with."""
+    derivatives: list[Derivative] | None = None
+    """Where they were asked for."""
 
 
 def evaluate(model: Model, wi: Any, wo: Any, *, double: bool = False, u: Any = None) -> Evaluation:
@@ -162,6 +167,16 @@ def differences(one: Evaluation, other: Evaluation) -> str:
 DRAWN = 1e-4
 
 
+def _derivatives(model: Model, wi: Any, wo: Any, u: Any) -> list[Derivative]:
+    """All of them; of a sample at the direction that it has, where it has one."""
+    from gonio.check.derivatives import derivatives  # with all that checks need
+
+    if u is not None:
+        drawn = np.asarray(model.sample(np.asarray(wo, np.float64), np.asarray(u, np.float64))[0])
+        wi = drawn if np.isfinite(drawn).all() else wo
+    return derivatives(model, wi, wo, u)
+
+
 def _triple(value: float | tuple[float, ...], width: int) -> Any:
     return (value,) * 3 if width == 3 and not isinstance(value, tuple) else value
 
@@ -239,6 +254,11 @@ def lines(result: Evaluation) -> Iterator[str]:
     if result.compared is not None:
         yield from lines(result.compared)
         yield f"  {'difference':<12} {differences(result, result.compared)}   (relative)"
+    longest = max((len(d.name) for d in result.derivatives or ()), default=0)
+    for d in result.derivatives or ():
+        parts = [("float32", d.float32), ("float64", d.float64)]
+        parts += [] if d.difference is None else [("central difference", d.difference)]
+        yield f"  {d.name:<{longest}}  {'; '.join(f'{name} {_number(v)}' for name, v in parts)}"
     below = [n for n, w in (("wi", result.wi), ("wo", result.wo)) if w[2] <= MU_MIN]
     if below:
         yield f"  {' and '.join(below)} not above the horizon: BRDF and pdf are 0 there."
@@ -257,7 +277,7 @@ def _readable(value: Any) -> Any:
         return {
             key: _readable(v)
             for key, v in value.items()
-            if not (key in {"u", "sampled_pdf", "compared"} and v is None)
+            if not (key in {"u", "sampled_pdf", "compared", "derivatives"} and v is None)
         }
     if isinstance(value, list):
         return [_readable(v) for v in value]
@@ -297,6 +317,11 @@ def _readable(value: Any) -> Any:
     metavar="WITH",
     help="Also show it in double, swapped (wi and wo exchanged), or turned:DEG about the normal.",
 )
+@click.option(
+    "--derivatives",
+    is_flag=True,
+    help="Also derivatives of the sum of the channels, in both precisions, beside central differences.",
+)
 @code_options
 @json_option
 def command(
@@ -311,6 +336,7 @@ def command(
     normalize: bool,
     double: bool,
     compare: str | None,
+    derivatives: bool,
     code: Code,
     as_json: bool,
 ) -> None:
@@ -323,7 +349,8 @@ def command(
       gonio eval lambert --wi 0 0 1 --wo 0 0 1
       gonio eval eon --theta-i 30 --theta-o 60 --phi 180 --param roughness=1
       gonio eval eon --theta-o 60 --u 0.3 0.7
-      gonio eval ggx --theta-i 30 --theta-o 60 --compare double
+      gonio eval phong --theta-i 30 --theta-o 60 --compare double
+      gonio eval eon --theta-i 30 --theta-o 60 --derivatives
       gonio eval eon:sampler=cosine --wi 1 0 1 --wo 0 1 1 --normalize -p rho=0.8,0.3,0.1 --json
     """
     (material,) = code.models([model], params)
@@ -338,6 +365,10 @@ def command(
             given = (wi_vector, wo_vector, u, double)
             other = beside(material, compare, given)
             result = dataclasses.replace(result, compared=other)
+        if derivatives:
+            result = dataclasses.replace(
+                result, derivatives=_derivatives(material, wi_vector, wo_vector, u)
+            )
     except ValueError as error:
         if "has length" in str(error):  # the model's advice is for Python
             sentence = str(error).partition(";")[0]

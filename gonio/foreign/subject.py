@@ -8,7 +8,7 @@ from typing import Any
 import drjit as dr
 import numpy as np
 
-from gonio.check.subject import Array, FreeNumber, Remark, Size, stored
+from gonio.check.subject import Array, Case, FreeNumber, Remark, Size, stored
 from gonio.check.variants import value_at
 from gonio.claims import Claims, Kink, WhiteFurnace
 from gonio.foreign.function import Foreign, picked
@@ -120,6 +120,7 @@ class ForeignSubject:
         double: bool = True,
         u: Array | None = None,
         compare: str = "",
+        derivatives: bool = False,
     ) -> str:
         """Directions and parameters, in words."""
         values = self.values(np.asarray(parameters)[None])
@@ -127,9 +128,9 @@ class ForeignSubject:
         words += [f"{name} = {_shown(v[0])}" for name, v in values.items()]
         return ", ".join(words)
 
-    def recheck(self, check: str, parameters: Array, free: Collection[str] = ()) -> str:
-        """`gonio.foreign.verdicts` makes the checks of code."""
-        return ""
+    def recheck(self, check: str, case: Case, free: Collection[str] = ()) -> str:
+        """The same words: `gonio.foreign.verdicts` makes the checks of code."""
+        return self.replay(*case)
 
 
 def _shown(value: Any) -> str:
