@@ -11,6 +11,7 @@ from gonio import bake as bake
 from gonio import bench as bench
 from gonio import check as check
 from gonio import claims as claims
+from gonio import class_body as class_body
 from gonio import cli as cli
 from gonio import cluster as cluster
 from gonio import compare as compare

@@ -27,16 +27,16 @@ import inspect
 import re
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import new_class
 from typing import Any, ClassVar, Self
 
-from gonio import arrays, notebook
+from gonio import arrays, class_body, notebook
 from gonio.albedos import quadrature
 from gonio.albedos.numeric import for_quadrature, mean_over_directions
 from gonio.albedos.quadrature import NumericAlbedo
 from gonio.claims import Claims
-from gonio.fields import ModelError, Option, Parameter, framework, shown, wrong
+from gonio.fields import ModelError, Option, Parameter, framework, shown
 from gonio.horizon import GUARDS
 from gonio.lang import Color, Float, Sample, Vec2, Vec3
 from gonio.messages import did_you_mean
@@ -54,7 +54,15 @@ class Child:
     def check(self, parent: str, value: Any) -> Model:
         """Return a model, made from its name if need be, else raise."""
         if isinstance(value, str):
-            return model(value)
+            try:
+                return model(value)
+            except RecursionError:
+                raise ModelError(
+                    f"{parent}: {self.name} has {parent} inside by default, which never ends; "
+                    "give it another default."
+                ) from None
+            except ModelError as error:
+                raise ModelError(f"{parent}: {self.name}: {error}") from None
         if not isinstance(value, Model):
             raise ModelError(
                 f"{parent}: {self.name} takes a model or a model's name, got {value!r}."
@@ -105,16 +113,39 @@ def param(
             'write param(default, low, high, "what it means") with low < high, '
             f"not param({default!r}, {low!r}, {high!r}, {doc!r})."
         )
+    if not (rougher is None or callable(rougher)) or not isinstance(kind, str):
+        raise ModelError(
+            "rougher is a function of gonio.parts.roughness, and kind is text, "
+            f"not rougher={rougher!r}, kind={kind!r}."
+        )
     return Parameter(default, low, high, doc, rougher=rougher, kind=kind)
 
 
 def option(*values: str, doc: str) -> Any:
-    """Declare a choice that changes the code; the first value is the default."""
+    """Declare a choice that changes the code; the first value is the default.
+
+    Raises:
+        ModelError: no values, values that are no text, or one of them twice.
+    """
+    texts = [v for v in (*values, doc) if isinstance(v, str)]
+    if not values or len(texts) <= len(values) or len(set(values)) < len(values):
+        raise ModelError(
+            'write option("first", "second", doc="what it means") with different texts, not '
+            f"option({', '.join(map(repr, values))}, doc={doc!r})."
+        )
     return Option(values, doc)
 
 
 def child(default: str, doc: str) -> Any:
-    """Declare a model inside the model, by the name of the default one."""
+    """Declare a model inside the model, by the name of the default one.
+
+    Raises:
+        ModelError: what is no name.
+    """
+    if not isinstance(default, str) or not isinstance(doc, str):
+        raise ModelError(
+            f'write child("lambert", "what it means"), not child({default!r}, {doc!r}).'
+        )
     return Child(default, doc)
 
 
@@ -159,20 +190,21 @@ class Model:
     _on_arrays: ClassVar[type[Any]]
     _bound: dict[Any, Any]
 
-    def __init_subclass__(cls, *, register: bool = True, written: bool = True) -> None:
+    def __init_subclass__(cls, *, register: bool = True) -> None:
         """Collect the fields, put the guards around the methods, and register the model.
 
         A model is named after its file; in a notebook or a script that is run, after its class.
         `class Variant(EON, register=False)` keeps a private variant out of the registry. Variants on arrays
         are the only classes that are not written.
         """
-        if not written:
+        super().__init_subclass__()
+        if vars(cls).get("_of_arrays"):
             return
         if issubclass(cls, OnArrays):
             raise ModelError(
                 f"{cls.__name__} derives from the type of a model; derive from model.written, its class."
             )
-        _check_written(cls)
+        class_body.check(cls, Model, Field)
         cls.written = cls
         cls.name = cls.__module__.rpartition(".")[2]
         if cls.name == "__main__" or not register:
@@ -184,15 +216,18 @@ class Model:
         }
         for name, declared in list(vars(cls).items()):
             if isinstance(declared, Field):
-                declared.name = name
-                if isinstance(declared, Parameter):
-                    declared.width = _width(cls, name)
-                    declared.default = _default(cls, declared)
-                cls.fields[name] = declared
+                own = replace(declared, name=name)  # another name may have the same one
+                if isinstance(own, Parameter):
+                    own.width = class_body.width(cls, own)
+                    own.default = class_body.default(cls, own)
+                cls.fields[name] = own
                 delattr(cls, name)
+        class_body.check_fields(cls, cls.fields)
+        if cls.__init__ is not Model.__init__:
+            cls.__init__ = class_body.made_whole(cls)  # type: ignore[method-assign]
         quadrature.check_declared(cls, cls.writes)
         cls.description = inspect.cleandoc(vars(cls).get("__doc__") or cls.description)
-        cls.__doc__ = "\n".join([cls.description, *_explained(cls.fields)])
+        cls.__doc__ = "\n".join([cls.description, *class_body.explained(cls.fields)])
         for name, guard in GUARDS.items():
             if name in vars(cls):
                 setattr(cls, name, _guarded(vars(cls)[name], guard))
@@ -214,14 +249,19 @@ class Model:
             )
         _registry[cls.name] = cls
 
-    def __new__(cls, *_: Any, **__: Any) -> Self:
+    def __new__(cls, /, *_: Any, **__: Any) -> Self:
         """An instance of the variant on arrays, which users hold; `bind` makes the others."""
         if not hasattr(cls, "_on_arrays"):
             raise ModelError(f"{cls.__name__} is no model by itself; 'gonio list' shows all.")
+        if "__dataclass_params__" in vars(cls.written):
+            raise ModelError(
+                f"{cls.__name__} is decorated by @dataclass, which replaces how models are made; leave it "
+                "out."
+            )
         made: Self = object.__new__(cls._on_arrays)
         return made
 
-    def __init__(self, *nameless: Any, **given: Any) -> None:
+    def __init__(self, /, *nameless: Any, **given: Any) -> None:
         """Take parameters by name: numbers, triples, names of options, models, or arrays.
 
         A parameter of an inner model has its path for a name: `**{"base.roughness": 0.5}`.
@@ -259,6 +299,11 @@ class Model:
 
     def __setattr__(self, name: str, value: Any) -> None:
         """Models do not change; a changed copy is made by `replace`."""
+        if name not in self.fields:
+            raise AttributeError(
+                f"a model does not change, and {self.written.__name__} has no parameter {name}; declare it "
+                "by param(...), or make it a name of the class."
+            )
         raise AttributeError(
             f"a model does not change; use model.replace({name}={value!r}) for a changed copy."
         )
@@ -303,7 +348,7 @@ class Model:
             if inside:
                 yield from value.rows(f"{prefix}{name}.")
 
-    def replace(self, **changed: Any) -> Self:
+    def replace(self, /, **changed: Any) -> Self:
         """Return a copy with some parameters or options changed."""
         made: Self = _empty(self.written)
         # Not the model's own __init__, if it has one, which may take other arguments
@@ -428,12 +473,14 @@ class Model:
         return bound
 
 
-class OnArrays(Model, written=False):
+class OnArrays(Model):
     """What users hold: a model whose methods take arrays of any framework and return the same kind.
 
     Directions and random numbers have the component last and broadcast, with parameters that are arrays as
     well. Every written model has a variant of this kind, which calling its class makes.
     """
+
+    _of_arrays = True
 
     def eval(self, wi: Any, wo: Any) -> Any:
         """BRDF value in 1/sr, WITHOUT the cosine, shape (..., 3); 0 at and below the horizon."""
@@ -479,9 +526,8 @@ def _empty(cls: type[Model]) -> Any:
 def _derive_on_arrays(cls: type[Model]) -> type[Model]:
     """The variant on arrays of a written model, under the same name."""
     named = {key: getattr(cls, key) for key in ("__module__", "__qualname__", "__doc__")}
-    return new_class(
-        cls.__name__, (OnArrays, cls), {"written": False}, lambda space: space.update(named)
-    )
+    named["_of_arrays"] = True  # not a keyword, which classes beside the model may not take
+    return new_class(cls.__name__, (OnArrays, cls), {}, lambda space: space.update(named))
 
 
 def _file(cls: type[Model]) -> str:
@@ -492,83 +538,9 @@ def _file(cls: type[Model]) -> str:
     return str(files[0] if files else getattr(module, "__file__", cls.__module__))
 
 
-def _check_written(cls: type[Model]) -> None:
-    """Whether what a class writes is something that models can have.
-
-    Raises:
-        ModelError: a method with other arguments, a parameter under the name of a method, or either of
-            them in a class above that is no model.
-    """
-    for base in cls.__mro__:
-        if not issubclass(base, Model):
-            found = [n for n, v in vars(base).items() if n in GUARDS or isinstance(v, Field)]
-            if found:
-                raise ModelError(
-                    f"{cls.__name__}: {base.__name__} has {found[0]}, but is no model; write "
-                    f"class {base.__name__}(Model, register=False)."
-                )
-    annotated = inspect.get_annotations(cls, eval_str=False)
-    for name, value in vars(cls).items():
-        known = vars(Model).get(name)
-        if isinstance(value, Field) and (known is not None or name in Model.__annotations__):
-            raise wrong(
-                name, f"{cls.__name__}: every model has {name}; give the parameter another name."
-            )
-        if inspect.isfunction(value) and name in annotated:
-            raise wrong(
-                name,
-                f"{cls.__name__}: {name} is a parameter and a method; give one of them another name.",
-            )
-        if name in GUARDS:
-            wanted = list(inspect.signature(vars(Model)[name]).parameters)
-            given = list(inspect.signature(value).parameters) if inspect.isfunction(value) else []
-            swapped = given != wanted and sorted(given) == sorted(wanted)
-            if len(given) != len(wanted) or swapped:
-                raise wrong(name, f"{cls.__name__}: write def {name}({', '.join(wanted)}).")
-        elif name[:2] != "__" and inspect.isroutine(known) and not inspect.isroutine(value):
-            raise wrong(
-                name,
-                f"{cls.__name__}: {name} is a method of every model; give what is not one another name.",
-            )
-
-
-def _width(cls: type[Model], name: str) -> int:
-    """How many numbers a parameter has, by its annotation."""
-    try:
-        declared = (inspect.get_annotations(base, eval_str=True) for base in cls.__mro__)
-        hint = next((hints[name] for hints in declared if name in hints), None)
-    except NameError as error:
-        raise wrong(
-            name,
-            f"{cls.name}: the annotation {error.name} is not known; import it at the top of the file.",
-        ) from None
-    if hint is not Color and hint is not Float:
-        raise wrong(
-            name, f"{cls.name}: write {name}: Float = param(...) or {name}: Color = param(...)."
-        )
-    return 3 if hint is Color else 1
-
-
-def _default(cls: type[Model], declared: Parameter) -> Any:
-    """A parameter's default, as it is checked for all values."""
-    try:
-        return declared.check(cls.name, declared.default)
-    except ModelError as error:
-        error.about = declared.name
-        raise
-
-
 def as_written(method: Any) -> Any:
     """The function that a model's file has, without the guard around it."""
     return getattr(method, "__wrapped__", method)
-
-
-def _explained(fields: Mapping[str, Field]) -> Iterator[str]:
-    """Lines of a docstring that say what the parameters mean."""
-    if fields:
-        yield from ("", "Parameters:")
-    for name, declared in fields.items():
-        yield f"    {name}: {declared.explained()}"
 
 
 def _suggest(name: str, known: Mapping[str, Any]) -> str:

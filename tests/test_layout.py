@@ -27,7 +27,7 @@ FLOORS = (
         "backend",
         "claims",
     },
-    {"fields", "conversions", "table", "horizon"},
+    {"fields", "conversions", "table", "horizon", "class_body"},
     {"parts", "arrays"},
     {"albedos"},
     {"model"},
