@@ -6,6 +6,7 @@ import json
 import math
 import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -16,9 +17,12 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 from PIL import Image
+from support.no_numbers import PLANTED, written
+from support.replays import NO_NUMBER, hidden, replays
 from support.tolerances import SINGLE, SINGLE_LONG, decimals
 
 import gonio
+from gonio.check import check_subjects
 from gonio.check.kernels import draw, evaluate
 from gonio.check.named import subjects_of
 from gonio.cli import main
@@ -26,6 +30,9 @@ from gonio.materials import model_file
 from gonio.materials.model_file import ModelFileError
 
 BROKEN = Path(__file__).parent / "broken"
+
+# What plug-ins of models have to be given to show their fault.
+FAULTY_AT = {"understated": {"rho": 1.0, "sigma": 0.2}}
 
 
 def run(*words: str) -> Result:
@@ -257,7 +264,84 @@ def test_both_sides_of_a_surface_are_looked_at() -> None:
     assert (front["verdict"], back["verdict"], code) == ("pass", "fail", 1)
     assert back["measured"] == pytest.approx(1.5, abs=SINGLE_LONG)
     # Below the surface, as Mitsuba has it
-    assert re.search(r"si\.wi = \([^)]* -0\.\d+\)", back["replay"])
+    assert re.search(r"--wo \S+ \S+ -0\.\d+ ", back["replay"])
+    assert shown_by(back["replay"])["albedo"][0] == pytest.approx(1.5, abs=SINGLE_LONG)
+
+
+def shown_by(line: str) -> Any:
+    """What a `gonio eval` line gives."""
+    result = CliRunner().invoke(main, [*shlex.split(line)[1:], "--json"])
+    assert result.exit_code == 0, result.output
+    return json.loads(result.stdout)
+
+
+@pytest.mark.parametrize(
+    ("name", "only"),
+    [
+        ("understated", "energy"),
+        ("non_reciprocal", "reciprocity"),
+        ("pdf_tilted", "sampling"),
+        ("reported_infinite", "sampling"),
+        ("eval_nan", "energy"),
+        ("eval_nan", "reciprocity"),
+        ("eval_nan", "isotropy"),
+        ("pdf_nan", "finite"),
+    ],
+)
+def test_a_fault_of_a_mitsuba_bsdf_has_a_line_that_shows_it(
+    name: str, only: str, tmp_path: Path
+) -> None:
+    """Broken models as plug-ins: an integral, two orders, many samples, one sample, and no numbers."""
+    import gonio.mitsuba
+    from gonio.check.mitsuba_bsdf import sides_of
+
+    path = written(tmp_path, name) if name in PLANTED else BROKEN / f"{name}.py"
+    sides_of("diffuse")  # sets a variant, which plug-ins are registered in
+    gonio.mitsuba.register(model_file.load(path))
+    sides = sides_of(json.dumps({"type": f"gonio_{name}"} | FAULTY_AT.get(name, {})))
+    reports = check_subjects(sides, "quick", [only])
+    lines = replays(reports, again=True)
+    assert lines
+    for report, finding in lines:
+        assert (NO_NUMBER.search(finding.text) is not None) == (name in PLANTED)
+        assert not hidden(report, finding)
+
+
+def test_a_line_keeps_the_place_in_a_texture() -> None:
+    squares = {"color0": 0.1, "color1": 1.5}
+    model = {"type": "diffuse", "reflectance": {"type": "checkerboard", **squares}}
+    _, by_side = found(model, "energy")
+    line = by_side["", "largest albedo"]["replay"]
+    assert shown_by(line)["albedo"][0] == pytest.approx(1.5, abs=SINGLE_LONG)
+    place = re.findall(r"--param (?:u|v)=\S+", line)
+    result = run("--mitsuba", json.dumps(model), *" ".join(place).split(), "--only", "energy")
+    assert result.exit_code == 1
+    assert "over 16 places" not in result.output
+
+
+def test_what_mirrors_shows_the_energy_of_all_parts() -> None:
+    model = {"type": "mask", "opacity": 0.5, "nested": {"type": "diffuse", "reflectance": 1.5}}
+    _, by_side = found(model, "energy")
+    whole = by_side["", "all parts together"]
+    # The same samples
+    assert shown_by(whole["replay"])["all_parts"] == pytest.approx(whole["measured"], abs=SINGLE)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([], "give a MODEL, or --mitsuba NAME"),
+        (["eon", "--mitsuba", "diffuse"], "give a MODEL, or --mitsuba NAME"),
+        (["--mitsuba", "diffuse", "--double"], "leave --double and the like out"),
+        (["--mitsuba", "diffuse", "-p", "w=1"], "write u=0.3 and v=0.7"),
+        (["--mitsuba", "diffuse", "--wo", "0", "0", "-1"], "diffuse reflects nothing on its back"),
+    ],
+)
+def test_what_a_plug_in_cannot_be_asked_is_said_in_one_line(words: list[str], message: str) -> None:
+    given = [] if "--wo" in words else ["--wo", "0", "0", "1"]
+    result = CliRunner().invoke(main, ["eval", *words, *given, "--u", "0.5", "0.5"])
+    assert result.exit_code == 2 or "u=0.3" in message
+    assert message in result.stderr
 
 
 @pytest.mark.parametrize(("white", "verdict"), [(1.0, "pass"), (1.5, "fail")])

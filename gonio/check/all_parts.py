@@ -53,7 +53,7 @@ def check(subject: Subject, effort: Effort) -> Report:
 def largest(subject: Subject, effort: Effort) -> Finding:
     """The largest energy that all parts together carry on, over angles and parameters."""
     points, _ = maximise(
-        lambda p: means(subject, p, FEW)[0],
+        lambda p: means(subject, *viewer(subject, p), FEW)[0],
         dimensions(subject),
         population=effort.albedos // 2,
         rounds=max(effort.rounds // 2, 3),
@@ -63,7 +63,7 @@ def largest(subject: Subject, effort: Effort) -> Finding:
         bands=len(subject.parameters),
     )
     points = points[:CONFIRMED]
-    total, error = means(subject, points, MANY)
+    total, error = means(subject, *viewer(subject, points), MANY)
     best = int(np.argmax(np.where(np.isnan(total), np.inf, total - SIGMAS * error)))
     measured, off = float(total[best]), float(SIGMAS * error[best])
     verdict = PASS if measured <= 1 + off + ROUNDING else FAIL
@@ -79,14 +79,13 @@ def largest(subject: Subject, effort: Effort) -> Finding:
     return Finding("all parts together", measured, verdict, text, subject.tag(), replay, case)
 
 
-def means(subject: Subject, points: Array, count: int) -> tuple[Array, Array]:
-    """The mean weight of the worst channel at points of a search, and its standard error."""
-    parameters, wo = viewer(subject, points)
+def means(subject: Subject, parameters: Array, wo: Array, count: int) -> tuple[Array, Array]:
+    """The mean weight of the worst channel for rows of parameters and viewers, and its standard error."""
     Float = number_type()
     lanes = REPLICATES * count
-    rows = repeated(len(points), lanes)
+    rows = repeated(len(wo), lanes)
     index = stored(dr.uint32_array_t(Float), rows)
-    u = np.tile(_numbers(count), (len(points), 1))
+    u = np.tile(_numbers(count), (len(wo), 1))
     bound: Any = subject.at(parameters, index, Float)
     choice, *pair = (stored(Float, c) for c in u.T)
     weight = bound.weight(
@@ -94,10 +93,10 @@ def means(subject: Subject, points: Array, count: int) -> tuple[Array, Array]:
     )
     dr.eval(weight)
     values = np.stack([np.broadcast_to(c.numpy(), len(rows)) for c in weight], -1)
-    sets = values.reshape(len(points), REPLICATES, count, 3).mean(axis=2)
+    sets = values.reshape(len(wo), REPLICATES, count, 3).mean(axis=2)
     mean, error = sets.mean(axis=1), sets.std(axis=1, ddof=1) / np.sqrt(REPLICATES)
     worst = np.argmax(np.where(np.isnan(mean), np.inf, mean), axis=1)
-    row = np.arange(len(points))
+    row = np.arange(len(wo))
     return mean[row, worst], error[row, worst]
 
 

@@ -11,8 +11,10 @@ which the checks allow for.
 from __future__ import annotations
 
 import json
+import math
 import re
-from collections.abc import Collection, Mapping, Sequence
+import shlex
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, cast
@@ -27,7 +29,6 @@ from gonio.check.subject import (
     FreeNumber,
     Remark,
     Size,
-    Subject,
     compute,
     even,
     stored,
@@ -41,6 +42,9 @@ FIBRES = "hair"
 
 # Places at which is looked for a texture, and what roundings change there.
 PLACES, SAME = 256, 1e-5
+
+# The coordinates of a place in a texture.
+UV = ("u", "v")
 
 # Name of the report on what is left out of the checks.
 SCOPE = "scope"
@@ -64,7 +68,16 @@ class MitsubaSubject:
     albedos = ""
     mean_closed = False
 
-    def __init__(self, mi: Any, name: str, bsdf: Any, side: str, both: bool) -> None:
+    def __init__(
+        self,
+        mi: Any,
+        name: str,
+        bsdf: Any,
+        side: str,
+        both: bool,
+        description: str = "",
+        place: tuple[float, float] | None = None,
+    ) -> None:
         """Look at one side of a BSDF; `sides_of` loads it.
 
         Args:
@@ -73,8 +86,11 @@ class MitsubaSubject:
             bsdf: what it is.
             side: one of SIDES.
             both: whether the other side is looked at too.
+            description: how it is called on the command line, if not by its name.
+            place: uv, where only that place of its textures is looked at.
         """
         self.mi, self.name, self.bsdf, self.side = mi, name, bsdf, SIDES[side]
+        self.description, self.place = description or name, place
         self.chosen: Mapping[str, str] = {"side": side}
         self.both = both
         self.varied = frozenset({"side"} if both and side == "back" else ())
@@ -96,10 +112,10 @@ class MitsubaSubject:
             varies = flags & int(mi.BSDFFlags.SpatiallyVarying) or self._varies()
         except RuntimeError as error:
             raise self.fault(error) from error
-        self.textured = bool(varies)
+        self.textured = bool(varies) and place is None
         if self.textured:
             self.parameters = tuple(
-                FreeNumber(name, 0, Parameter(0.5, 0, 1, name), ()) for name in ("u", "v")
+                FreeNumber(name, 0, Parameter(0.5, 0, 1, name), ()) for name in UV
             )
 
     def _varies(self) -> bool:
@@ -127,13 +143,13 @@ class MitsubaSubject:
     def at(self, parameters: Array, index: Any, Float: Any, rounded: bool = False) -> Any:
         """The BSDF with gonio's conventions, for Dr.Jit arrays of any precision."""
         if not self.parameters:
-            return _Bound(self, Float, None)
+            return _Bound(self, Float, self.place)
         uv = [dr.gather(Float, stored(Float, c), index) for c in np.asarray(parameters).T]
         return _Bound(self, Float, uv)
 
     def bound(self, values: Mapping[str, Any], Float: Any) -> Any:
         """The BSDF at uv that are Dr.Jit values."""
-        return _Bound(self, Float, [values["u"], values["v"]] if self.parameters else None)
+        return _Bound(self, Float, [values[x] for x in UV] if self.parameters else self.place)
 
     def values(self, parameters: Array, rounded: bool = False) -> dict[str, Array]:
         """The coordinates uv, if there are textures."""
@@ -174,19 +190,23 @@ class MitsubaSubject:
         compare: str = "",
         derivatives: bool = False,
     ) -> str:
-        """The directions, in Mitsuba's terms, and the random numbers of a sample."""
+        """The `gonio eval` line; it computes in single precision, and has no derivatives."""
         wi, wo = (np.asarray(w) * (1, 1, self.side) for w in (wi, wo))
-        given = [("si.wi", wo), ("wo", wi)] if u is None else [("si.wi", wo), ("sample2", u)]
-        if self.parameters:
-            given.append(("si.uv", parameters))
-        words = ", ".join(
-            f"{name} = ({', '.join(f'{x:.9g}' for x in numbers)})" for name, numbers in given
+        given = [("wo", wo), ("wi", wi)] if u is None else [("wo", wo), ("u", u)]
+        words = " ".join(
+            f"--{name} {' '.join(repr(float(x)) for x in numbers)}" for name, numbers in given
         )
-        return f"{words}; {compare}" if compare else words
+        beside = f" --compare {compare}" if compare else ""
+        return f"gonio eval {self._named(parameters)} {words}{beside}"
 
     def recheck(self, check: str, case: Case, free: Collection[str] = ()) -> str:
-        """The same: there is no command that keeps uv."""
-        return self.replay(*case)
+        """The `gonio check` line of one check at one place of its textures."""
+        return f"gonio check {self._named(case[0])} --only {check}"
+
+    def _named(self, parameters: Array) -> str:
+        place = self.place or (tuple(parameters) if self.parameters else ())
+        words = [f"--param {name}={float(x)!r}" for name, x in zip(UV, place, strict=False)]
+        return " ".join([f"--mitsuba {shlex.quote(self.description)}", *words])
 
     def notes(self) -> list[Remark]:
         """What was left out of the checks."""
@@ -199,7 +219,7 @@ class MitsubaSubject:
 class _Bound:
     """eval, sample and pdf of a Mitsuba BSDF as gonio's models have them."""
 
-    def __init__(self, subject: MitsubaSubject, Float: Any, uv: list[Any] | None) -> None:
+    def __init__(self, subject: MitsubaSubject, Float: Any, uv: Sequence[Any] | None) -> None:
         self.subject, self.Float, self.uv = subject, Float, uv
 
     def _interaction(self, wo: Any) -> Any:
@@ -253,7 +273,8 @@ class _Bound:
         nothing = dr.max(self._out(weight)) == 0
         below = (wi.z <= 0) & (self.subject.transmits | nothing)
         useless = below | (nothing & (self.pdf(wi, wo) == 0))
-        used = (pdf > 0) & (wo.z > 0) & ~useless & ~type(wo.z > 0)(left_out)
+        weighed = (pdf > 0) | (dr.isnan(pdf) & ~type(wo.z > 0)(nothing))
+        used = weighed & (wo.z > 0) & ~useless & ~type(wo.z > 0)(left_out)
         up = type(wi)(0, 0, 1)
         return dr.select(used, wi, up), dr.select(used, pdf, 0)
 
@@ -274,15 +295,17 @@ class _Bound:
         return self.subject.bsdf.sample(context, self._interaction(wo), choice, numbers)
 
 
-def sides_of(description: str) -> list[Subject]:
+def sides_of(description: str, params: Iterable[str] = ()) -> list[MitsubaSubject]:
     """Load a BSDF; a subject for each side that reflects, the front first.
 
     Args:
         description: a plug-in's name, a dict as JSON, XML, or a file with one of the two.
+        params: "u=0.3" and "v=0.7", to look at one place of its textures only.
 
     Raises:
         ValueError: it cannot be loaded, or it is no BSDF with a reflection that is a function.
     """
+    place = _place(list(params))
     import mitsuba as mi
 
     import gonio.mitsuba  # noqa: F401  (finds a usable LLVM before Mitsuba loads one)
@@ -307,7 +330,26 @@ def sides_of(description: str) -> list[Subject]:
     front = not back or any(part & int(flags.FrontSide) for part in reflecting)
     both = front and back
     sides = [side for side, looked_at in (("front", front), ("back", back)) if looked_at]
-    return [MitsubaSubject(mi, name, bsdf, side, both) for side in sides]
+    return [MitsubaSubject(mi, name, bsdf, side, both, description, place) for side in sides]
+
+
+def _place(params: list[str]) -> tuple[float, float] | None:
+    """Uv, in the middle where one of both is not given; None where none is."""
+    if not params:
+        return None
+    given = dict(zip(UV, (0.5, 0.5), strict=True))
+    for text in params:
+        name, _, number = text.partition("=")
+        try:
+            given[name.strip()] = float(number)
+        except ValueError:
+            given[name.strip()] = math.nan
+        if name.strip() not in UV or not math.isfinite(given[name.strip()]):
+            raise ValueError(
+                f"--param {text} is no place in a texture: of a Mitsuba BSDF write u=0.3 and v=0.7; what "
+                "else it has stands in its XML or JSON."
+            )
+    return given["u"], given["v"]
 
 
 def _load(mi: Any, description: str) -> tuple[str, Any]:

@@ -183,7 +183,7 @@ def plan(
     if plugins:
         from gonio.check.mitsuba_bsdf import sides_of
 
-        groups += [sides_of(text) for text in plugins]
+        groups += [[*sides_of(text, given)] for text in plugins]
     if picture_file is not None and files:
         raise ValueError(
             f"{files[0]} is a measurement; 'gonio data {files[0]} --picture {picture_file}' draws it."

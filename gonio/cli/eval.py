@@ -1,11 +1,11 @@
-"""Everything that a model says about one pair of directions: as data, and as text for people."""
+"""`gonio eval`: everything that a model says about one pair of directions."""
 
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -13,40 +13,13 @@ import numpy as np
 import numpy.typing as npt
 
 from gonio.cli._code import Code, code_options
+from gonio.cli._evaluation import Evaluation, data, lines
 from gonio.cli._numbers import Number
 from gonio.cli.program import complete, echo_json, json_option, param_option
-from gonio.lang import MU_MIN
 from gonio.model import Model
 
 if TYPE_CHECKING:
     from gonio.check.derivatives import Derivative
-
-
-@dataclass(frozen=True)
-class Evaluation:
-    """A model at one pair of directions."""
-
-    model: str
-    precision: str
-    wi: list[float]
-    wo: list[float]
-    eval: list[float]
-    """BRDF in 1/sr, without the cosine."""
-    pdf: float
-    """Density with which `sample` draws wi for this wo, in 1/sr."""
-    weight: list[float] | None
-    """Monte Carlo weight f cos(theta_i) / pdf; None where the pdf is 0."""
-    albedo: list[float]
-    """Directional, for wo."""
-    mean_albedo: list[float]
-    u: list[float] | None = None
-    """The random numbers from which `sample` made wi; None where wi was given."""
-    sampled_pdf: float | None = None
-    """The density that `sample` reported."""
-    compared: Evaluation | None = None
-    """What it was compared with."""
-    derivatives: list[Derivative] | None = None
-    """Where they were asked for."""
 
 
 def evaluate(model: Model, wi: Any, wo: Any, *, double: bool = False, u: Any = None) -> Evaluation:
@@ -108,11 +81,15 @@ def evaluate(model: Model, wi: Any, wo: Any, *, double: bool = False, u: Any = N
     )
 
 
-def beside(model: Model, what: str, given: Any) -> Evaluation:
+Evaluate = Callable[..., Evaluation]
+"""Evaluates wi and wo; `double` and `u` as `evaluate` has them."""
+
+
+def beside(evaluated: Evaluate, what: str, given: Any) -> Evaluation:
     """What an evaluation is compared with.
 
     Args:
-        model: what was evaluated.
+        evaluated: what was done.
         what: "double", "swapped" or "turned:DEG", as `--compare` has it.
         given: wi, wo, u (or None) and whether they were taken in double precision.
 
@@ -126,11 +103,11 @@ def beside(model: Model, what: str, given: Any) -> Evaluation:
             raise click.UsageError("--compare double shows float32 beside it; leave --double out")
         # The same numbers: what float32 has of them
         single = [None if x is None else np.asarray(x, np.float32) for x in (wi, wo, u)]
-        return evaluate(model, single[0], single[1], double=True, u=single[2])
+        return evaluated(single[0], single[1], double=True, u=single[2])
     if u is not None:
         raise click.UsageError(f"--compare {word} goes with --wi and --wo; with --u compare double")
     if word == "swapped" and not angle:
-        return evaluate(model, wo, wi, double=double)
+        return evaluated(wo, wi, double=double)
     try:
         turn = math.radians(float(angle)) if word == "turned" else math.nan
     except ValueError:
@@ -141,30 +118,24 @@ def beside(model: Model, what: str, given: Any) -> Evaluation:
         )
     c, s = math.cos(turn), math.sin(turn)
     about = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
-    return evaluate(model, about @ wi, about @ wo, double=double)
-
-
-def differences(one: Evaluation, other: Evaluation) -> str:
-    """By how much two evaluations differ, relative to the larger one of the two."""
-
-    def off(a: Any, b: Any) -> float:
-        a, b = np.asarray(a, np.float64), np.asarray(b, np.float64)
-        scale = np.maximum(np.maximum(np.abs(a), np.abs(b)), np.finfo(np.float64).tiny)
-        return float((np.abs(a - b) / scale).max())
-
-    found = [
-        ("eval", one.eval, other.eval),
-        ("pdf", one.pdf, other.pdf),
-        ("albedo", one.albedo, other.albedo),
-    ]
-    if one.u is not None:
-        between = np.linalg.norm(np.subtract(one.wi, other.wi))
-        return f"wi by {between:.3g}, " + ", ".join(f"{n} {off(a, b):.3g}" for n, a, b in found)
-    return ", ".join(f"{name} {off(a, b):.3g}" for name, a, b in found)
+    return evaluated(about @ wi, about @ wo, double=double)
 
 
 # A sampled direction that is further from unit length is no direction: nothing is evaluated there.
 DRAWN = 1e-4
+
+
+def _evaluating(
+    model: str | None, plugin: str | None, code: Code, params: tuple[str, ...]
+) -> tuple[Evaluate, Model | None]:
+    """What evaluates the model or the plug-in, and the model."""
+    if plugin is not None:
+        from gonio.cli._plugin import Plugin  # with Mitsuba
+
+        found = Plugin(plugin, params)
+        return lambda wi, wo, double=False, u=None: found.evaluate(wi, wo, u), None
+    (material,) = code.models([model or ""], params)
+    return functools.partial(evaluate, material), material
 
 
 def _derivatives(model: Model, wi: Any, wo: Any, u: Any) -> list[Derivative]:
@@ -227,67 +198,14 @@ def _normalized(name: str, vector: Sequence[float]) -> npt.NDArray[np.float64]:
     return np.asarray(w / length)
 
 
-def lines(result: Evaluation) -> Iterator[str]:
-    """The lines of an evaluation, for a terminal."""
-    yield f"{result.model}  in {result.precision}"
-    if result.u is not None:
-        yield f"  {'u':<12} {', '.join(f'{x:.9g}' for x in result.u)}   (wi is sampled)"
-    for name, w in (("wi", result.wi), ("wo", result.wo)):
-        theta = math.degrees(math.atan2(math.hypot(w[0], w[1]), w[2]))
-        yield f"  {name:<12} {', '.join(f'{x:.7g}' for x in w)}   (theta {theta:.6g}°)"
-    weight = "none, the pdf is 0" if result.weight is None else _number(result.weight)
-    digits = [
-        ("eval", f"{_number(result.eval)} 1/sr", "BRDF without the cosine"),
-        ("pdf", f"{_number(result.pdf)} 1/sr", "density of sample"),
-        *(
-            []
-            if result.sampled_pdf is None
-            else [("reported", f"{_number(result.sampled_pdf)} 1/sr", "density that came with wi")]
-        ),
-        ("weight", weight, "eval cos(theta_i) / pdf"),
-        ("albedo", _number(result.albedo), "directional, for wo"),
-        ("mean albedo", _number(result.mean_albedo), "over all directions"),
-    ]
-    width = max(len(value) for _, value, _ in digits)
-    for name, value, meaning in digits:
-        yield f"  {name:<12} {value:<{width}}   {meaning}"
-    if result.compared is not None:
-        yield from lines(result.compared)
-        yield f"  {'difference':<12} {differences(result, result.compared)}   (relative)"
-    longest = max((len(d.name) for d in result.derivatives or ()), default=0)
-    for d in result.derivatives or ():
-        parts = [("float32", d.float32), ("float64", d.float64)]
-        parts += [] if d.difference is None else [("central difference", d.difference)]
-        yield f"  {d.name:<{longest}}  {'; '.join(f'{name} {_number(v)}' for name, v in parts)}"
-    below = [n for n, w in (("wi", result.wi), ("wo", result.wo)) if w[2] <= MU_MIN]
-    if below:
-        yield f"  {' and '.join(below)} not above the horizon: BRDF and pdf are 0 there."
-
-
-def _number(value: float | Sequence[float]) -> str:
-    if isinstance(value, (int, float)):
-        return f"{value:.9g}"
-    distinct = value[:1] if len(set(value)) == 1 else value
-    return ", ".join(f"{v:.9g}" for v in distinct)
-
-
-def _readable(value: Any) -> Any:
-    """Numbers that JSON cannot hold as the words NaN, Infinity and -Infinity."""
-    if isinstance(value, dict):
-        return {
-            key: _readable(v)
-            for key, v in value.items()
-            if not (key in {"u", "sampled_pdf", "compared", "derivatives"} and v is None)
-        }
-    if isinstance(value, list):
-        return [_readable(v) for v in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return "NaN" if math.isnan(value) else f"{'-' if value < 0 else ''}Infinity"
-    return value
-
-
 @click.command("eval", short_help="Evaluate a model for two directions.")
-@click.argument("model", shell_complete=complete)
+@click.argument("model", required=False, shell_complete=complete)
+@click.option(
+    "--mitsuba",
+    "plugin",
+    metavar="NAME|XML|JSON",
+    help="Instead of a model: a Mitsuba BSDF, as 'gonio check' takes it.",
+)
 @click.option(
     "--wi", type=Number(), nargs=3, metavar="X Y Z", help="Unit vector towards the light."
 )
@@ -325,7 +243,8 @@ def _readable(value: Any) -> Any:
 @code_options
 @json_option
 def command(
-    model: str,
+    model: str | None,
+    plugin: str | None,
     wi: tuple[float, float, float] | None,
     wo: tuple[float, float, float] | None,
     theta_i: float | None,
@@ -351,21 +270,28 @@ def command(
       gonio eval eon --theta-o 60 --u 0.3 0.7
       gonio eval phong --theta-i 30 --theta-o 60 --compare double
       gonio eval eon --theta-i 30 --theta-o 60 --derivatives
+      gonio eval --mitsuba roughplastic --theta-i 30 --theta-o 60 --phi 180
       gonio eval eon:sampler=cosine --wi 1 0 1 --wo 0 1 1 --normalize -p rho=0.8,0.3,0.1 --json
     """
-    (material,) = code.models([model], params)
+    if (model is None) == (plugin is None):
+        raise click.UsageError("give a MODEL, or --mitsuba NAME")
+    if plugin is not None and (double or derivatives or compare == "double"):
+        raise click.UsageError(
+            "--mitsuba computes in single precision, without derivatives; leave --double and the like out"
+        )
+    evaluated, material = _evaluating(model, plugin, code, params)
     if u is not None:
         if wi is not None or theta_i is not None or phi is not None:
             raise click.UsageError("--u makes wi; it goes with --wo or --theta-o alone")
         wi, theta_i = (wo, None) if wo is not None else (None, 0.0)
     wi_vector, wo_vector = directions(wi, wo, theta_i, theta_o, phi, normalize)
     try:
-        result = evaluate(material, wi_vector, wo_vector, double=double, u=u)
+        result = evaluated(wi_vector, wo_vector, double=double, u=u)
         if compare is not None:
             given = (wi_vector, wo_vector, u, double)
-            other = beside(material, compare, given)
+            other = beside(evaluated, compare, given)
             result = dataclasses.replace(result, compared=other)
-        if derivatives:
+        if derivatives and material is not None:
             result = dataclasses.replace(
                 result, derivatives=_derivatives(material, wi_vector, wo_vector, u)
             )
@@ -375,6 +301,6 @@ def command(
             raise ValueError(f"{sentence}; give unit vectors, or add --normalize.") from error
         raise
     if as_json:
-        echo_json(_readable(dataclasses.asdict(result)))
+        echo_json(data(result))
     else:
         click.echo("\n".join(lines(result)))
