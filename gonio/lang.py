@@ -92,9 +92,13 @@ def select(condition: Mask, yes: Any, no: Any) -> Any:
 
 
 def _like(other: Any, value: Any) -> Any:
-    """A vector of Python numbers in the precision of the value that it stands beside."""
-    plain = dr.is_array_v(value) and not dr.is_jit_v(value)
-    return type(other)(value) if plain and dr.is_jit_v(other) else value
+    """A vector of Python numbers in the precision of the vector or number that it stands beside."""
+    if not dr.is_array_v(value) or dr.is_jit_v(value) or not dr.is_jit_v(other):
+        return value
+    if dr.depth_v(other) > 1:
+        return type(other)(value)
+    # Not type(other)(value), which takes the components for as many rows
+    return dr.replace_shape_t(other, (len(value), -1))(*value)
 
 
 def absolute(x: Any) -> Any:

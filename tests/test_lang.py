@@ -8,7 +8,7 @@ import pytest
 from support.tolerances import DOUBLE
 
 from gonio import backend
-from gonio.lang import power
+from gonio.lang import power, select, vec3
 
 
 @pytest.mark.parametrize("exponent", [0, 1, 2, 3, 5.0, 17, 64, 101, -1, -3])
@@ -32,3 +32,16 @@ def test_a_power_too_small_for_its_precision_is_nearly_nothing_and_not_minus_inf
     np.testing.assert_allclose(found, np.power(base, exponent), rtol=DOUBLE, atol=1e-307)
     # What it mends; if this fails, Dr.Jit is right by itself.
     assert np.isneginf(np.array(dr.power(Float64(base), Float64(exponent)))).any()
+
+
+@pytest.mark.parametrize("rows", [1, 2, 3, 4])
+def test_components_of_plain_numbers_are_no_rows_of_a_number_beside_them(rows: int) -> None:
+    """Three of them once passed for three rows."""
+    Float64 = backend.array_module().Float64
+    x = Float64(np.arange(rows) - 0.5)
+    at = np.arange(rows)[:, None] > 0
+    for swapped in (False, True):
+        pair = (x, vec3(5, 6, 7)) if swapped else (vec3(5, 6, 7), x)
+        found = np.array(select(x > 0, *pair)).T
+        alone, vector = np.arange(rows)[:, None] - np.full(3, 0.5), np.full((rows, 3), (5, 6, 7))
+        np.testing.assert_array_equal(found, np.where(at != swapped, vector, alone))
