@@ -713,6 +713,18 @@ def test_a_function_that_counts_its_steps_is_one_for_each_number(tmp_path: Path)
     assert re.findall(r"_step < (\d)", found) == ["2", "5"]
 
 
+def test_methods_have_names_of_their_own_where_a_language_has_methods(tmp_path: Path) -> None:
+    """For two options, or beside one that differs by an underscore: Slang takes a name once."""
+    fields = (
+        "def _g(self, x, kind):\n    return x + self.width if kind == 'a' else x * self.width\n\n"
+        "def g(self, x):\n    return x / self.width"
+    )
+    body = "return self.rho * (self._g(wi.x, 'a') + self._g(wi.y, 'b') + self.g(wi.z))"
+    found = export({"mine": made(tmp_path, body, fields)}, "slang", only=["eval"])[0].source
+    names = re.findall(r"float (\w+)\(float x\) \{", found)
+    assert len(names) == len(set(names)) == 3
+
+
 def test_steps_that_a_call_leaves_open_are_refused_where_they_are_counted(tmp_path: Path) -> None:
     """With the line of the call, also through a function between."""
     head = f"{STEPS}\n\n\ndef g(x, m):\n    return f(x, m + 1)"

@@ -63,7 +63,8 @@ class BuiltinCalls(Arguments):
 
     def _polynomial(self, node: ast.Call) -> Expr:
         """The first terms of a polynomial, those that single precision can tell, by Horner's rule."""
-        if node.keywords or len(node.args) < POLYNOMIAL_MIN:
+        starred = any(isinstance(a, ast.Starred) for a in node.args)
+        if node.keywords or (len(node.args) < POLYNOMIAL_MIN and not (starred and node.args[2:])):
             self.refuse(node, "write polynomial(x, bound, c0, c1, ...).")
         x = self.expr(node.args[0])
         if x.type != "float":
@@ -73,6 +74,8 @@ class BuiltinCalls(Arguments):
                 node.args[0], "x stands in the text once for each term; give it a name first."
             )
         given = [self._resolved(e) for argument in node.args[1:] for e in self._numbers(argument)]
+        if len(given) < POLYNOMIAL_MIN - 1:
+            self.refuse(node, "polynomial has two coefficients or more.")
         values = [exact(e) for e in given]
         for expr, value in zip(given, values, strict=True):
             if value is None:

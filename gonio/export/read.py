@@ -104,6 +104,9 @@ class Reader:
         self._results: dict[Any, Struct] = {}
         self._powers: dict[tuple[int, Type], Function] = {}
         self._names: dict[str, types.CodeType | None] = {}
+        self._called: dict[
+            tuple[Struct, str], Function
+        ] = {}  # methods by what languages with methods see
         self._methods: set[str] = set()  # what the models' methods are called
         self._open: list[Any] = []
 
@@ -210,6 +213,11 @@ class Reader:
         made.name = self._name(function, given, owner, plain, inherited)
         if inherited:
             made.method = f"{function.__module__.rpartition('.')[2]}_{plain.strip('_')}"
+        if owner is not None:
+            called = (owner, made.method.strip("_"))
+            if called in self._called:  # f beside _f, or for another option: methods need names too
+                made.method = made.name.removeprefix(f"{owner.prefix}_")
+            self._called[called] = made
         self._read[key] = made
         self._origins[id(made)] = function
         self.functions.append(made)
@@ -226,6 +234,7 @@ class Reader:
             self._results,
             self._powers,
             self._names,
+            self._called,
         )
 
     def origin(self, function: Function) -> types.FunctionType | None:
