@@ -98,9 +98,7 @@ def _check_method(cls: type, model: type, name: str, value: Any) -> None:
     known = vars(model).get(name)
     if name in GUARDS:
         wanted = list(inspect.signature(vars(model)[name]).parameters)
-        plain = inspect.isfunction(value) and not (
-            inspect.iscoroutinefunction(value) or inspect.isgeneratorfunction(value)
-        )
+        plain = inspect.isfunction(value) and not inspect.iscoroutinefunction(value)
         given = list(inspect.signature(value).parameters) if plain else []
         swapped = given != wanted and sorted(given) == sorted(wanted)
         if len(given) != len(wanted) or swapped:
