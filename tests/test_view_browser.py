@@ -496,6 +496,51 @@ def test_plots_keep_their_letters_where_sides_are_swapped_meanwhile(shown: Shown
     shown.run("gonio.set({ theta: 45 }); await gonio.follow('')")
 
 
+# Another model comes between two requests for numbers, and its values before its shaders
+MEANWHILE = """
+const app = gonio, { gpu } = app, [side] = app.sides, seen = [];
+let left = 0;
+for (const name of ["rows", "albedo"]) {
+    const compute = gpu[name].bind(gpu);
+    gpu[name] = async (program, params, given) => {
+        seen.push([name, params.length, 4 * Math.max(1, program.model.members.length)]);
+        const found = await compute(program, params, given);
+        if (left-- === 0) await app.show("lambert");
+        return found;
+    };
+}
+const until = async (done) => { while (!done()) await new Promise((q) => setTimeout(q, 20)); };
+const settled = () => !app.busyMeasuring && app.lobes.A?.key.endsWith(`|${app.state.theta}`);
+app.set({ view: "lobe", probe: "0.5,0.5" });
+for (const request of [0, 2, 4]) {  // the first of the plots, the lobe and the probe
+    left = Infinity;
+    await app.show("eon"); // both have an albedo of their own, so that the probe asks for it
+    app.set({ theta: 20 + request });
+    await until(settled);
+    left = request;
+    app.set({ theta: 40 + request });
+    await until(() => left < 0 && settled());
+}
+await until(() => !app.replaced.length);
+const own = side.packed().length;
+side.take(await app.source.model("eon"));
+let early = 0;
+try { early = side.packed().length; } catch {}
+delete gpu.rows;
+delete gpu.albedo;
+app.set({ view: "picture", probe: "", theta: 45 });
+await app.show("eon");
+return { seen, own, early };
+"""
+
+
+def test_numbers_keep_their_model_where_another_one_comes_meanwhile(shown: Shown) -> None:
+    found = shown.run(MEANWHILE)
+    assert {name for name, *_ in found["seen"]} == {"rows", "albedo"}
+    assert [row for row in found["seen"] if row[1] != row[2]] == []
+    assert found["early"] == found["own"] == 4  # of lambert: one vector
+
+
 def test_a_number_out_of_range_is_refused_and_the_picture_stays(shown: Shown) -> None:
     field = shown.page.get_by_label("roughness, value")
     field.fill("1.4")

@@ -39,6 +39,7 @@ export class App {
         this.coming = {};
         this.late = new Map(); // payloads by text
         this.looks = 0; // counts what the probe might see change
+        this.replaced = []; // shaders that are given back when nothing measures
     }
 
     /** Something of a part of the script that is loaded when it is first wanted; until then what stands in for it. */
@@ -185,7 +186,8 @@ export class App {
                 ["code", "hooks"].every((part) => same(old[part], payload[part])) &&
                 old.tables?.rows === payload.tables?.rows;
             side.take(payload);
-            if (!fits) {
+            if (fits) side.active.values = side.values;
+            else {
                 try {
                     await this.#compile(side, turn);
                 } catch (error) {
@@ -274,12 +276,12 @@ export class App {
             active = await this.#active(side),
             program = await this.renderer.hold(gpu.compile(active.payload));
         if (side.turn !== turn || gpu !== this.gpu) return;
-        side.active = active;
+        side.active = { ...active, values: side.values };
         const old = side.program;
         side.program = program;
         side.samples = 0;
         side.epoch = -1;
-        if (old?.model && side.film) setTimeout(() => gpu.forget(old), 2000);
+        if (old?.model && side.film) this.replaced.push(() => gpu.forget(old));
     }
 
     /** The model that is drawn: without the layers that are hidden. */
@@ -625,7 +627,7 @@ export class App {
             for (const side of this.sides) {
                 if (!side.program) continue;
                 const { letter } = side; // sides may be swapped meanwhile
-                const key = `${side.active.payload.text}|${JSON.stringify([...side.values])}|${this.state.theta}`;
+                const key = `${side.active.payload.text}|${JSON.stringify([...side.active.values])}|${this.state.theta}`;
                 const needsLobe = ["lobe", "weights"].includes(this.state.view);
                 if (this.data[letter]?.key !== key)
                     this.data[letter] = {
@@ -646,6 +648,8 @@ export class App {
             if (this.gpu) this.plotError = error.message;
         }
         this.busyMeasuring = false;
+        // What measures holds on to its shaders while others take their place
+        for (const forget of this.replaced.splice(0)) forget();
         this.update();
     }
 
@@ -680,13 +684,14 @@ export class App {
         for (const side of found ? this.sides.filter((s) => s.program) : []) {
             const { wi, wo, growth, uv, t } = found,
                 plain = growth === undefined || !side.payload.hooks.length;
-            const params = side.packed(plain ? {} : side.overrides(uv, growth, t, side.mapData ?? side.maps()));
-            const rows = await this.gpu.rows(side.program, params, packRows([[wi, wo]]));
+            const { program } = side,
+                params = side.packed(plain ? {} : side.overrides(uv, growth, t, side.mapData ?? side.maps()));
+            const rows = await this.gpu.rows(program, params, packRows([[wi, wo]]));
             // Sums of the shader are coarse: gonio's own number stands for them where it can be asked
             const exact = plain && !side.hidden.size && side.payload.sums && this.source.live,
                 albedo = exact
                     ? await this.source.albedo(side.text(), wo)
-                    : await this.gpu.albedo(side.program, params, new Float32Array([...wo, 0]));
+                    : await this.gpu.albedo(program, params, new Float32Array([...wo, 0]));
             const { letter } = side;
             seen.values.push({ letter, f: [...rows.slice(0, 3)], pdf: rows[3], albedo: [...albedo.slice(0, 3)] });
         }

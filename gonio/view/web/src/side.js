@@ -21,7 +21,7 @@ export class Side {
         this.error = "";
         this.busy = "";
         this.hidden = new Set(); // prefixes of layers that are not drawn
-        this.active = null; // the model that is drawn, and where its paths are in this one
+        this.active = null; // the model that is drawn, its values, and where its paths are in this one
     }
 
     /** Take a model that has arrived: its values are those of its text. */
@@ -100,9 +100,9 @@ export class Side {
 
     /** The parameters as the shaders take them: a vector for each member. */
     packed(overrides = {}) {
-        const { members } = this.active.payload;
-        const data = new Float32Array(4 * Math.max(1, members.length));
-        members.map(this.active.path).forEach((path, i) => data.set(overrides[path] ?? this.values.get(path), 4 * i));
+        const { payload, path, values } = this.active,
+            data = new Float32Array(4 * Math.max(1, payload.members.length));
+        payload.members.map(path).forEach((p, i) => data.set(overrides[p] ?? values.get(p), 4 * i));
         return data;
     }
 

@@ -30,17 +30,14 @@ export async function lobe(gpu, side, thetaO, rings = 40, segments = 60, samples
     const list = grid.map((wi) => [wi, wo]);
     for (let k = 0; k < samples; k++)
         list.push([[0, 0, 1], wo, [((k + 0.5) * 0.7548776662) % 1, ((k + 0.5) * 0.5698402909) % 1]]);
-    const params = side.packed(),
-        values = await gpu.rows(side.program, params, packRows(list));
+    const { program } = side, // and its parameters: another one may take its place meanwhile
+        params = side.packed(),
+        values = await gpu.rows(program, params, packRows(list));
     const f = grid.map((_, i) => [...values.subarray(8 * i, 8 * i + 3)]);
     const drawn = Array.from({ length: samples }, (_, k) => [
         ...values.subarray(8 * (grid.length + k) + 4, 8 * (grid.length + k) + 8),
     ]);
-    const at = await gpu.rows(
-        side.program,
-        params,
-        packRows(drawn.map((d) => [d[3] > 0 ? d.slice(0, 3) : [0, 0, 1], wo])),
-    );
+    const at = await gpu.rows(program, params, packRows(drawn.map((d) => [d[3] > 0 ? d.slice(0, 3) : [0, 0, 1], wo])));
     const points = drawn
         .map((d, k) => ({ wi: d.slice(0, 3), pdf: d[3], f: [...at.subarray(8 * k, 8 * k + 3)] }))
         .filter((p) => p.pdf > 0);
