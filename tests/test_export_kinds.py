@@ -725,6 +725,18 @@ def test_methods_have_names_of_their_own_where_a_language_has_methods(tmp_path: 
     assert len(names) == len(set(names)) == 3
 
 
+def test_variables_of_a_shader_give_way_to_parameters(tmp_path: Path) -> None:
+    """A parameter called value was declared twice in Open Shading Language."""
+    names = ("value", "drawn", "reflected")
+    fields = "\n".join(f'{n}: Float = param(0.5, 0, 1, "a number")' for n in names)
+    body = f"return self.rho * ({' + '.join(f'self.{n}' for n in names)})"
+    found = export({"mine": made(tmp_path, body, fields)}, "osl")[0].source
+    shader = found[found.index("shader mine(") :]
+    for name in names:
+        assert len(re.findall(rf"(?:float|vector|MineSample) {name} =", shader)) == 1
+        assert re.search(rf"(?:vector|MineSample) {name}\w+ = mine_", shader)
+
+
 def test_steps_that_a_call_leaves_open_are_refused_where_they_are_counted(tmp_path: Path) -> None:
     """With the line of the call, also through a function between."""
     head = f"{STEPS}\n\n\ndef g(x, m):\n    return f(x, m + 1)"

@@ -222,6 +222,8 @@ class Assignments(Calls):
             return
         if isinstance(value, Many):
             self.refuse(node, f"several values for one name; unpack them: {name}_1, {name}_2 = ...")
+        if isinstance(value, Variable) and value.name == name and known == value.type:
+            return  # tint = white if tint is None else tint
         if name in self.arguments or name == self.self_name:
             self.refuse(node, f"the argument {name} cannot be assigned; use another name.")
         if isinstance(known, Static) and repeated:

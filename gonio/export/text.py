@@ -438,13 +438,15 @@ class Text:
             ("float u2 = 0.5", "uniform random number"),
         ]
         outputs, calls = [], []
+        # Parameters keep their names, as hosts set them
+        value, drawn, reflected = map(taken.give, ("value", "drawn", "reflected"))
         for function in self.wanted:
             name = function.name
             if function.method == "eval":
                 outputs.append(("output color f = 0", "BRDF value in 1/sr, without the cosine"))
                 calls += [
-                    f"vector value = {name}({SELF}, wi, wo);",
-                    "f = color(value[0], value[1], value[2]);",
+                    f"vector {value} = {name}({SELF}, wi, wo);",
+                    f"f = color({value}[0], {value}[1], {value}[2]);",
                 ]
             elif function.method == "sample":
                 outputs += [
@@ -453,9 +455,9 @@ class Text:
                 ]
                 kind = self.reader.sample.name
                 calls += [
-                    f"{kind} drawn = {name}({SELF}, wo, vector(u1, u2, 0.0));",
-                    "sampled_wi = drawn.wi;",
-                    "sampled_pdf = drawn.pdf;",
+                    f"{kind} {drawn} = {name}({SELF}, wo, vector(u1, u2, 0.0));",
+                    f"sampled_wi = {drawn}.wi;",
+                    f"sampled_pdf = {drawn}.pdf;",
                 ]
             elif function.method == "pdf":
                 outputs.append(("output float pdf = 0", "density of wi in 1/sr"))
@@ -465,8 +467,8 @@ class Text:
                 # A sum over many samples, unless there is a closed form
                 calls += [
                     "if (isconnected(albedo)) {",
-                    f"{INDENT}vector reflected = {name}({SELF}, wo);",
-                    f"{INDENT}albedo = color(reflected[0], reflected[1], reflected[2]);",
+                    f"{INDENT}vector {reflected} = {name}({SELF}, wo);",
+                    f"{INDENT}albedo = color({reflected}[0], {reflected}[1], {reflected}[2]);",
                     "}",
                 ]
         ports = inputs + outputs
