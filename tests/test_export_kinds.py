@@ -725,6 +725,19 @@ def test_methods_have_names_of_their_own_where_a_language_has_methods(tmp_path: 
     assert len(names) == len(set(names)) == 3
 
 
+@pytest.mark.parametrize("exponent", ["2 * n", "m"])
+def test_an_exponent_that_comes_out_whole_is_a_product(exponent: str, tmp_path: Path) -> None:
+    """Of a negative base pow is not a number, where Python multiplies."""
+    head = (
+        f"def g(x, k):\n    return power(x, k) + x\n\n\n"
+        f"def f(x, n):\n    m = 2 * n\n    return power(x, {exponent}) + g(x, {exponent})"
+    )
+    whole = made(tmp_path, "return self.rho * f(wi.x, 0.5)", "", head)
+    assert "pow" not in export({"mine": whole}, "glsl", only=["eval"])[0].source
+    broken = made(tmp_path, "return self.rho * f(wi.z, 0.4)", "", head)
+    assert "pow(" in export({"mine": broken}, "glsl", only=["eval"])[0].source
+
+
 def test_variables_of_a_shader_give_way_to_parameters(tmp_path: Path) -> None:
     """A parameter called value was declared twice in Open Shading Language."""
     names = ("value", "drawn", "reflected")

@@ -12,7 +12,7 @@ from gonio.export import library
 from gonio.export.expressions import UndecidedError
 from gonio.export.operators import Operators
 from gonio.export.tree import Call, ExportError, Expr, Struct, Type, Variable, inside
-from gonio.export.values import Changed, Static, Value, exact, is_number, shown_kind
+from gonio.export.values import Changed, Many, Static, Value, exact, is_number, shown_kind
 
 
 class Arguments(Operators):
@@ -58,6 +58,9 @@ class Arguments(Operators):
         passed: list[Expr] = []
         kinds: list[Type | Static] = []
         for node, value in arguments:
+            if isinstance(value, Many):
+                numbers = tuple(exact(self._resolved(e)) for e in value.values)
+                value = value if None in numbers else Static(numbers)
             if isinstance(value, Static) and not is_number(value.value):
                 try:
                     hash(value)
@@ -109,6 +112,8 @@ class Arguments(Operators):
                     self._check_number(node, function, passed[i], error)
             else:
                 wanted = [i for i in made.exponents if self._is_whole(node, passed[i])]
+                computed = made.in_exponents - set(wanted)
+                wanted += [i for i in computed if self._is_known(node, passed[i])]
                 if not wanted:
                     before = () if model is None else (model,)
                     return Call(made, (*before, *passed), made.result)
@@ -155,11 +160,24 @@ class Arguments(Operators):
         self._exponent(node, exponent)
         return False
 
-    def _exponent(self, node: ast.AST, exponent: Expr) -> None:
+    def _is_known(self, node: ast.AST, passed: Expr) -> bool:
+        """Whether what an exponent is computed of is a number here: the exponent may be whole then."""
+        if exact(self._resolved(passed)) is not None:
+            return True
+        self._exponent(node, passed, computed=True)
+        return False
+
+    def _exponent(self, node: ast.AST, exponent: Expr, *, computed: bool = False) -> None:
         """Take note of an exponent that may be a plain number in Python, for which it has products."""
         names = {e.name for e in inside(exponent) if isinstance(e, Variable)}
-        arguments = {n for n in names if n in self.arguments}
-        self.exponents |= arguments
+        resolved = self._resolved(exponent)
+        if exact(resolved) is not None:
+            return  # and no whole number
+        found = {e.name for e in inside(resolved) if isinstance(e, Variable)} & self.arguments
+        if computed or not isinstance(resolved, Variable):
+            self.in_exponents |= found
+        else:
+            self.exponents |= found
         if names and names <= self.plain:
             self.refuse(
                 node,

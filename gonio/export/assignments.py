@@ -27,7 +27,7 @@ from gonio.export.tree import (
     children,
     inside,
 )
-from gonio.export.values import Changed, Many, Method, Static, Value
+from gonio.export.values import Changed, Many, Method, Static, Value, is_number
 
 
 @dataclass
@@ -80,6 +80,8 @@ class Assignments(Calls):
 
     def _assign(self, node: ast.Assign) -> None:
         value = self._result(node.value)
+        if isinstance(value, Static) and is_number(value.value):
+            value = self._number(node.value, value.value)  # which may change later: t = n
         for i, target in enumerate(node.targets):
             if isinstance(target, ast.Name):
                 self._store(node, target.id, value)

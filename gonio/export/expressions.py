@@ -80,6 +80,7 @@ class Expressions(ABC):
         self.places: dict[int, tuple[Expr, ast.AST]] = {}
         # Arguments that are exponents, where Python's own numbers mean more than a shader's
         self.exponents: set[str] = set()
+        self.in_exponents: set[str] = set()  # and arguments that exponents are computed of
         # Names that get a value once, made of numbers and arguments alone: range(n) may ask for them
         self.given: dict[str, Expr] = {}
 

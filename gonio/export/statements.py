@@ -155,12 +155,14 @@ class Body(Assignments):
             self.owner,
             self.method or self.node.name,
             usual_name(self.python) if self.self_variable == SELF else self.python.__qualname__,
-            frozenset(
-                i
-                for i, (name, _) in enumerate(self.parameters[self.owner is not None :])
-                if name in self.exponents
-            ),
+            self._places_of(self.exponents),
+            self._places_of(self.in_exponents),
         )
+
+    def _places_of(self, names: set[str]) -> frozenset[int]:
+        """Which of the arguments have these names."""
+        own = self.parameters[self.owner is not None :]
+        return frozenset(i for i, (name, _) in enumerate(own) if name in names)
 
     def _check_numbers(self) -> None:
         """Refuse numbers that Python computes by itself with more digits than a shader has."""

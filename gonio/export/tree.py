@@ -248,6 +248,8 @@ class Function:
     """Its name in Python; of a NamedTuple's method with the class, such as "GGX.D"."""
     exponents: frozenset[int] = frozenset()
     """Which arguments are exponents of `power`."""
+    in_exponents: frozenset[int] = frozenset()
+    """Which arguments exponents are computed of."""
     kept: tuple[bool, ...] = ()
     """Which arguments are left, once some were dropped because nothing reads them."""
     external: bool = False
