@@ -43,10 +43,17 @@ BLURRED = 1e-3
 # Means by closed forms are compared with Gauss's rule in the elevation, and even steps in the azimuth; with
 # FINER times as many nodes where that says more.
 MEAN_NODES, MEAN_TURNS, FINER = 16, 6, 4
+
+# Nodes of a rule that tells where to look, and the tolerance of its integrals: its means of Oren-Nayar are
+# good to 1e-4.
+FEW_NODES, LOOSELY = 6, 1e-3
+
+# What a mean may be off.
 MEAN = 2e-5
 
 # Rounds of the search for the worst mean of a closed form, whose own albedo tells what it should be; of
-# others one in so many of `Effort.confirmed` rows is integrated.
+# others some rows are integrated, of which half are those that seem worst: one in so many of
+# `Effort.confirmed`.
 ROUNDS, FEWER = 4, 2
 
 
@@ -183,7 +190,7 @@ def _mean(subject: Subject, effort: Effort) -> Finding:
     rows = np.stack([subject.default(), rng.random(len(subject.parameters))])
     searched = subject.albedos == "closed form"
     if not searched:
-        rows = np.concatenate([rows, hard_parameters(subject, effort.confirmed // FEWER, 34)])
+        rows = np.concatenate([rows, _suspicious(subject, effort)])
     own = kernels.mean_albedo(subject, rows)
     off = _off_mean(subject, rows, own, MEAN_NODES, ROUGHLY)
     bad = np.flatnonzero(~(off <= MEAN))
@@ -218,6 +225,16 @@ def _mean(subject: Subject, effort: Effort) -> Finding:
     case = (rows[row], up, up)
     replay = subject.recheck("albedo", case)
     return Finding("error of mean albedo", measured, verdict, text, subject.tag(), replay, case)
+
+
+def _suspicious(subject: Subject, effort: Effort) -> Array:
+    """Rows at which a closed form seems worst beside a few rough integrals, and as many others."""
+    count = effort.confirmed // FEWER
+    looked_at = hard_parameters(subject, effort.screened, 37)
+    own = kernels.mean_albedo(subject, looked_at)
+    off = _off_mean(subject, looked_at, own, FEW_NODES, LOOSELY)
+    order = np.argsort(-np.where(np.isnan(off), np.inf, off), kind="stable")
+    return np.concatenate([hard_parameters(subject, count, 34), looked_at[order[:count]]])
 
 
 def _rule(subject: Subject, nodes: int) -> tuple[Array, Array]:

@@ -104,7 +104,10 @@ def check(subject: Subject, effort: Effort) -> Report:
                 {seen.kink.name for seen in _look(subject, paths, turn)} if missing else set()
             )
         text = "declared, but it is not found"
-        findings += [Finding(name, 0.0, FAIL, text, subject.tag()) for name in sorted(missing)]
+        again = subject.recheck("continuity")
+        findings += [
+            Finding(name, 0.0, FAIL, text, subject.tag(), again) for name in sorted(missing)
+        ]
     if not findings:
         findings.append(Finding("kinks and jumps", 0.0, PASS, "smooth", subject.tag()))
     return Report("continuity", subject.name, tuple(findings), time.perf_counter() - start)

@@ -52,6 +52,9 @@ MU_LOW = 1e-6
 # With up to so many coordinates twice the points are affordable: such models are not expensive.
 FEW = 6
 
+# One in so many of the points that the search begins with is among the brightest of its first wide look.
+BRIGHT = 16
+
 # Tolerance of the adaptive integrals that the search compares, how often it cuts cells, and how often where
 # many points are looked at once.
 ROUGHLY, SHALLOW, SKETCHY = 2e-5, 5, 2
@@ -282,16 +285,35 @@ def _scattered(subject: Subject, effort: Effort) -> Array:
     return np.concatenate([parameters, rng.random((count, angles))], axis=1)
 
 
+def _even(subject: Subject, effort: Effort) -> Array:
+    """Points that are merely random, every second one white: with the default options many of them."""
+    count = effort.albedos if subject.tag() else effort.population
+    points = np.random.default_rng(effort.beginning(8)).random((count, dimensions(subject)))
+    colours = np.array([f.declared.width == 3 for f in subject.parameters], bool)
+    white = points[::2, : len(subject.parameters)]
+    points[::2, : len(subject.parameters)] = np.where(colours, 1.0, white)
+    return points
+
+
 def largest(subject: Subject, effort: Effort, low: float = MU_LOW) -> Finding:
     """The largest directional albedo of viewers whose cosine is `low` at least, by search."""
     special = special_parts(subject)
+
+    def estimated(points: Array) -> Array:
+        return np.asarray(estimate(subject, *viewer(subject, points, low)).max(axis=1))
+
+    # A window that is narrow in an angle and in a parameter is met by many points, and by no search
+    wide = _even(subject, effort)
+    seen = estimated(wide)
+    first = np.argsort(-np.where(np.isnan(seen), np.inf, seen), kind="stable")
+    begin = [starts(subject)[: effort.albedos // 2], wide[first[: effort.albedos // BRIGHT]]]
     points, _ = maximise(
-        lambda p: estimate(subject, *viewer(subject, p, low)).max(axis=1),
+        estimated,
         dimensions(subject),
         population=effort.albedos,
         rounds=effort.rounds,
         seed=effort.beginning(1),
-        starts=starts(subject)[: effort.albedos // 2],
+        starts=np.concatenate(begin),
         special=special,
         bands=len(subject.parameters),
     )
@@ -413,6 +435,7 @@ def _furnaces(subject: Subject, effort: Effort) -> list[Finding]:
                         f"reflects everything with {names}, but does not claim it: "
                         f"furnace=white_furnace(within=..., {names}) in its claims",
                         subject.tag(),
+                        subject.recheck("energy"),
                     )
                 )
     return findings

@@ -199,12 +199,13 @@ class MitsubaSubject:
         beside = f" --compare {compare}" if compare else ""
         return f"gonio eval {self._named(parameters)} {words}{beside}"
 
-    def recheck(self, check: str, case: Case, free: Collection[str] = ()) -> str:
-        """The `gonio check` line of one check at one place of its textures."""
-        return f"gonio check {self._named(case[0])} --only {check}"
+    def recheck(self, check: str, case: Case | None = None, free: Collection[str] = ()) -> str:
+        """The `gonio check` line of one check at one place of its textures, or all over them."""
+        return f"gonio check {self._named(None if case is None else case[0])} --only {check}"
 
-    def _named(self, parameters: Array) -> str:
-        place = self.place or (tuple(parameters) if self.parameters else ())
+    def _named(self, parameters: Array | None) -> str:
+        here = () if parameters is None or not self.parameters else tuple(parameters)
+        place = self.place or here
         words = [f"--param {name}={float(x)!r}" for name, x in zip(UV, place, strict=False)]
         return " ".join([f"--mitsuba {shlex.quote(self.description)}", *words])
 

@@ -143,6 +143,11 @@ class Finding:
     case: Case | None = field(default=None, repr=False, compare=False)
     """The worst case, for the picture."""
 
+    @property
+    def overstated(self) -> bool:
+        """Whether something is better than it is claimed: a search that missed the worst says so too."""
+        return self.verdict == FAIL and (TOO_LARGE in self.text or KEPT in self.text)
+
     def data(self) -> dict[str, Any]:
         """As plain data that JSON can hold."""
         return {
@@ -176,10 +181,8 @@ class Report:
 
     @property
     def overstated(self) -> bool:
-        """Whether something is better than it is claimed: a search that missed the worst says so too."""
-        return any(
-            f.verdict == FAIL and (TOO_LARGE in f.text or KEPT in f.text) for f in self.findings
-        )
+        """Whether one of the findings is."""
+        return any(f.overstated for f in self.findings)
 
     def within_bounds(self) -> Report:
         """The same where sizes are upper bounds: what is better than it is claimed is no fault."""

@@ -155,10 +155,11 @@ class Subject(Protocol):
         `compare` is what `gonio eval --compare` shows beside it; `derivatives` shows these too.
         """
 
-    def recheck(self, check: str, case: Case, free: Collection[str] = ()) -> str:
+    def recheck(self, check: str, case: Case | None = None, free: Collection[str] = ()) -> str:
         """A shell command that makes one check again with the case's parameters fixed, but those `free`.
 
-        For what no pair of directions shows: an integral, a count of samples, a change along a parameter.
+        Without a case over the whole range, with all options. It is for what no pair of directions shows:
+        an integral, a count of samples, a change along a parameter.
         """
 
 
@@ -318,9 +319,10 @@ class ModelSubject:
         named = self._named(parameters, rounded=not double)
         return f"gonio eval {named} {words}{precision}{beside}"
 
-    def recheck(self, check: str, case: Case, free: Collection[str] = ()) -> str:
-        """The `gonio check` line of one check of the model with all parameters fixed but those `free`."""
-        return f"gonio check {self._named(case[0], free=free)} --only {check}"
+    def recheck(self, check: str, case: Case | None = None, free: Collection[str] = ()) -> str:
+        """The `gonio check` line of one check: parameters fixed but those `free`, or the whole range."""
+        named = shlex.quote(self.label) if case is None else self._named(case[0], free=free)
+        return f"gonio check {named} --only {check}"
 
     def _named(self, parameters: Array, rounded: bool = False, free: Collection[str] = ()) -> str:
         """The model with its options and parameters, as commands take it."""
