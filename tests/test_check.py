@@ -1031,7 +1031,7 @@ def mine(tmp_path: Path, gap: str, text: str) -> type[Model]:
         ("value", "return self.rho * max(wi.z, 0.1)", VALUE, "write maximum of gonio.lang"),
         ("sample", "return wi", SAMPLED, "return Sample(wi, pdf)"),
         ("declaration", "alpha: Float = 0.3", DECLARED, "alpha: Float = param(0.3"),
-        ("declaration", "alpha: Float", DECLARED, "without param()"),
+        ("declaration", "alpha: Float", DECLARED, "has no value; write alpha: ... = param("),
         # Decisions about what parameters are, which differ between the rays of one call
         ("value", "return self.rho if self.k > 0.5 else 0 * self.rho", VALUE, "select(condition"),
         ("value", "return self.rho * (1 if self.rho.x == 0 else 2)", VALUE, "select(condition"),
