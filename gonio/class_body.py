@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import builtins
 import functools
 import inspect
 import sys
@@ -80,7 +81,7 @@ def check(cls: type, model: type, field: type | Any) -> None:
 
 def _check_bases(cls: type, model: type, field: type | Any) -> None:
     for base in cls.__mro__:
-        if base.__module__ == "builtins" and base is not object:
+        if base is not object and vars(builtins).get(base.__name__) is base:
             raise ModelError(
                 f"{cls.__name__} derives from {base.__name__}, of which no model can be; derive it from "
                 "Model, and from classes of your own."
@@ -129,9 +130,15 @@ def _check_init(cls: type) -> None:
             )
 
 
+def _is_of_protocol(cls: type) -> bool:
+    """Whether a class is a typing.Protocol, whose __init__ gives way to that of the next class."""
+    return bool(vars(cls).get("_is_protocol"))
+
+
 def made_whole(cls: Any) -> Any:
     """A class's own __init__, after which all parameters have a value."""
-    init = cls.__init__
+    bases = (base for base in cls.__mro__ if not _is_of_protocol(base))
+    init = next(base for base in bases if "__init__" in vars(base)).__init__
 
     @functools.wraps(init)
     def call(self: Any, /, *nameless: Any, **given: Any) -> None:
@@ -165,7 +172,7 @@ def check_fields(cls: type, fields: Mapping[str, Any]) -> None:
                 f"name, or declare {name} anew by param(...).",
             )
     for name in annotated:
-        if not hasattr(cls, name) and name not in fields and _hint(cls, name) in (Float, Color):
+        if not hasattr(cls, name) and name not in fields and _is_width(cls, name):
             raise wrong(
                 name,
                 f"{cls.__name__}: {name} has no value; write {name}: ... = param(default, low, high, "
@@ -189,13 +196,30 @@ def _hint(cls: type, name: str) -> Any:
     """
     for base in cls.__mro__:
         hint = inspect.get_annotations(base, eval_str=False).get(name)
-        module = sys.modules.get(base.__module__)
         for _ in range(2):  # text of its own, and made text by 'from __future__ import annotations'
             if isinstance(hint, str):
-                hint = eval(hint, vars(module) if module else {}, dict(vars(base)))
+                hint = eval(hint, _names(base), dict(vars(base)))
         if hint is not None:
             return hint
     return None
+
+
+def _names(cls: type) -> dict[str, Any]:
+    """The names of a class's module, or those that its methods see, where Python ran text of no module."""
+    for value in vars(cls).values():
+        function = inspect.unwrap(value) if inspect.isfunction(value) else None
+        if function is not None and function.__module__ in (None, cls.__module__):
+            return function.__globals__
+    module = sys.modules.get(cls.__module__)
+    return vars(module) if module else {}
+
+
+def _is_width(cls: type, name: str) -> bool:
+    """Whether a name is annotated as parameters are; not if that is known to checkers of types alone."""
+    try:
+        return _hint(cls, name) in (Float, Color)
+    except Exception:  # whatever stops in what is written there
+        return False
 
 
 def width(cls: type, declared: Parameter) -> int:

@@ -7,6 +7,7 @@ import re
 import sys
 from pathlib import Path
 from types import new_class
+from typing import Any
 
 import numpy as np
 import pytest
@@ -24,7 +25,7 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Generic, NamedTuple, Protocol, TypeVar, runtime_checkable
 
 from gonio import lang
 from gonio.lang import Color, Float, Sample, Vec2, Vec3, vec3
@@ -203,6 +204,9 @@ MODELS = {
     "a class beside it": "class Mine(Loose, _Base):\n"
     "    def eval(self, wi, wo):\n        return self.rho * self.twice(wi.z)",
     "a class that looks on": "class Mine(Watching, _Base):\n    pass",
+    "an annotation of what is nowhere": 'class Mine(_Base):\n    seen: "Elsewhere"',
+    "a protocol": "@runtime_checkable\nclass Twice(Protocol):\n    def twice(self, x): ...\n\n\n"
+    "class Mine(Twice, _Base):\n    def twice(self, x):\n        return 2 * x",
     "a generic class": "class _Of(_Base, Generic[T], register=False):\n    pass\n\n\n"
     "class Mine(_Of[int]):\n    pass",
     "two models above": "class Mine(_Base, _Other):\n"
@@ -226,6 +230,15 @@ def test_an_odd_class_is_a_model_as_any_other(case: str, tmp_path: Path) -> None
     assert list(mine.rows())
     for language in ("glsl", "osl"):
         assert export({"mine": mine}, language, only=["eval"])
+
+
+@pytest.mark.parametrize("names", [{}, {"__name__": "nowhere"}, {"__name__": "__main__"}])
+def test_a_class_of_text_that_python_runs_knows_the_names_beside_it(names: dict[str, str]) -> None:
+    """As notebooks, documentation tests and consoles run it: of no module, or of another one."""
+    text = HEAD.partition("class _Other")[0]
+    space: dict[str, Any] = dict(names)
+    exec(text + "class Mine(_Base, register=False):\n    pass", space)
+    assert np.isfinite(space["Mine"]().eval(UP, UP)).all()
 
 
 def test_a_declaration_under_two_names_is_one_of_each(tmp_path: Path) -> None:
