@@ -209,7 +209,8 @@ def _names(cls: type) -> dict[str, Any]:
     for value in vars(cls).values():
         function = inspect.unwrap(value) if inspect.isfunction(value) else None
         if function is not None and function.__module__ in (None, cls.__module__):
-            return function.__globals__
+            names: dict[str, Any] = function.__globals__
+            return names
     module = sys.modules.get(cls.__module__)
     return vars(module) if module else {}
 

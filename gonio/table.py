@@ -50,6 +50,13 @@ class Table:
         """How many entries there are."""
         return self.values.size // (3 if self.colours else 1)
 
+    def misplaced(self, index: float) -> str:
+        """What is said of a place that no entry has."""
+        return (
+            f"the table {self.name} has no place {index:g}; its places are whole numbers from 0 to "
+            f"{self.count - 1}."
+        )
+
     def on(self, Float: Any) -> Any:
         """The numbers as a Dr.Jit array of this type."""
         if Float not in self._stored:
@@ -63,6 +70,8 @@ def fetch(table: Table, index: Float) -> Float | Color:
     """The number (or colour) at a place of a table; `index` is a whole number that is not negative."""
     if not dr.is_array_v(index):
         at = int(index)
+        if at != index or not 0 <= at < table.count:
+            raise IndexError(table.misplaced(index))
         if not table.colours:
             return float(table.values[at])
         return dr.scalar.Array3f64(*(float(v) for v in table.values[3 * at : 3 * at + 3]))

@@ -118,6 +118,9 @@ def test_a_looked_up_number_is_the_tables() -> None:
 
     table = Table("some", np.arange(12.0).reshape(2, 2, 3), colours=True)
     assert list(fetch(table, 2.0)) == [6, 7, 8]
+    for place in (-1, 0.5, table.count):
+        with pytest.raises(IndexError, match=rf"no place {place}; its places are .* from 0 to"):
+            fetch(table, place)
     index = dr.llvm.ad.Float([0, 3])
     assert np.allclose(np.array(fetch(table, index)).T, [[0, 1, 2], [9, 10, 11]])
 

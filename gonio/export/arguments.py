@@ -11,8 +11,9 @@ from typing import Any
 from gonio.export import library
 from gonio.export.expressions import UndecidedError
 from gonio.export.operators import Operators
-from gonio.export.tree import Call, ExportError, Expr, Struct, Type, Variable, inside
-from gonio.export.values import Changed, Many, Static, Value, exact, is_number, shown_kind
+from gonio.export.tree import Access, Call, ExportError, Expr, Struct, Type, Variable, inside
+from gonio.export.values import Changed, Many, Static, Value, exact, is_number, shown_kind, truth
+from gonio.export.worked_out import member
 
 
 class Arguments(Operators):
@@ -114,12 +115,14 @@ class Arguments(Operators):
                 wanted = [i for i in made.exponents if self._is_whole(node, passed[i])]
                 computed = made.in_exponents - set(wanted)
                 wanted += [i for i in computed if self._is_known(node, passed[i])]
+                for i, name in sorted(made.member_exponents):
+                    self._check_member(node, passed[i], name)
                 if not wanted:
                     before = () if model is None else (model,)
                     return Call(made, (*before, *passed), made.result)
             of_passed = [i for i, kind in enumerate(kinds) if not isinstance(kind, Static)]
             for i in wanted:
-                kinds[of_passed[i]] = Static(exact(self._resolved(passed[i])))
+                kinds[of_passed[i]] = Static(self._number_of(passed[i]))
             passed = [expr for i, expr in enumerate(passed) if i not in wanted]
 
     @staticmethod
@@ -136,7 +139,7 @@ class Arguments(Operators):
     ) -> None:
         """Refuse what is no number in a call of a function that has to know it."""
         resolved = self._resolved(passed)
-        if exact(resolved) is not None:
+        if truth(resolved) is not None:
             return
         line = getattr(node, "lineno", 0)
         place = f"line {line}" if error.source is self.source else f"{self.source.path}:{line}"
@@ -154,26 +157,47 @@ class Arguments(Operators):
 
     def _is_whole(self, node: ast.AST, exponent: Expr) -> bool:
         """Whether an exponent that a function is given is a whole number here, which it has to know."""
-        known = exact(self._resolved(exponent))
-        if known is not None and known == int(known):
+        if _whole(self._number_of(exponent)):
             return True
         self._exponent(node, exponent)
         return False
 
     def _is_known(self, node: ast.AST, passed: Expr) -> bool:
         """Whether what an exponent is computed of is a number here: the exponent may be whole then."""
-        if exact(self._resolved(passed)) is not None:
+        if self._number_of(passed) is not None:
             return True
         self._exponent(node, passed, computed=True)
         return False
+
+    def _check_member(self, node: ast.AST, passed: Expr, name: str) -> None:
+        """Refuse a whole number in a struct, of which the function that is called makes an exponent."""
+        found = member(passed, name)
+        if _whole(self._number_of(found)):
+            kind = passed.type
+            assert isinstance(kind, Struct)
+            self.refuse(
+                node,
+                f"{name} of {kind.name} is a whole number here and an exponent in what is called: Python "
+                "allows negative bases then, a shader does not; pass it as an argument of its own.",
+            )
+        self._exponent(node, found, computed=True)
 
     def _exponent(self, node: ast.AST, exponent: Expr, *, computed: bool = False) -> None:
         """Take note of an exponent that may be a plain number in Python, for which it has products."""
         names = {e.name for e in inside(exponent) if isinstance(e, Variable)}
         resolved = self._resolved(exponent)
-        if exact(resolved) is not None:
+        if self._number_of(exponent) is not None:
             return  # and no whole number
-        found = {e.name for e in inside(resolved) if isinstance(e, Variable)} & self.arguments
+        origins = {e.name for e in inside(resolved) if isinstance(e, Variable)}
+        found = origins & self.arguments
+        found = found.union(*(self.made_of.get(n, ()) for n in origins - found))
+        for part in inside(resolved):
+            if (
+                isinstance(part, Access)
+                and isinstance(part.value, Variable)
+                and self._is_record(part.value)
+            ):
+                self.member_exponents.add((part.value.name, part.name))
         if computed or not isinstance(resolved, Variable):
             self.in_exponents |= found
         else:
@@ -184,6 +208,11 @@ class Arguments(Operators):
                 "this exponent is a whole number in Python, which allows negative bases, and a variable in "
                 "a shader, which does not; write it where power is called, or multiply in the loop.",
             )
+
+    @staticmethod
+    def _is_record(expr: Expr) -> bool:
+        """Whether it is a struct of the user's own."""
+        return isinstance(expr.type, Struct) and expr.type.python is not None
 
     @staticmethod
     def _is_ours(function: types.FunctionType) -> bool:
@@ -199,3 +228,8 @@ class Arguments(Operators):
                 or (function.__module__ == library.__name__)
             )
         return "site-packages" not in path and "/lib/python" not in path and "<frozen" not in path
+
+
+def _whole(known: Any) -> bool:
+    """Whether a number is known, and whole."""
+    return known is not None and known == int(known)

@@ -80,8 +80,6 @@ class Assignments(Calls):
 
     def _assign(self, node: ast.Assign) -> None:
         value = self._result(node.value)
-        if isinstance(value, Static) and is_number(value.value):
-            value = self._number(node.value, value.value)  # which may change later: t = n
         for i, target in enumerate(node.targets):
             if isinstance(target, ast.Name):
                 self._store(node, target.id, value)
@@ -156,6 +154,8 @@ class Assignments(Calls):
         value = self.value(node)
         if isinstance(value, Method):
             self.refuse(node, "a method must be called.")
+        if isinstance(value, Static) and is_number(value.value):
+            value = self._number(node, value.value)  # which may change later: t = n
         return value
 
     def _unpack(self, node: ast.Assign, names: list[str], value: Value) -> None:
@@ -163,7 +163,8 @@ class Assignments(Calls):
             if len(value.value) != len(names):
                 self.refuse(node, f"{len(names)} names for {len(value.value)} values.")
             for name, known in zip(names, value.value, strict=True):
-                self._store(node, name, Static(known))
+                value = self._number(node, known) if is_number(known) else Static(known)
+                self._store(node, name, value)
             return
         if isinstance(value, Many):
             values = list(value.values)
@@ -197,6 +198,8 @@ class Assignments(Calls):
             label = expr.function.method.strip("_") if isinstance(expr, Call) else "several"
             label = self._fresh(f"{label}_result")
             self.statements.append(Assign(label, expr))
+            self.made[label] = expr
+            self._note_origin(label, expr)
             expr = Variable(label, kind)
         types = {m.name: m.type for m in kind.members}
         fixed = dict(kind.fixed)
@@ -235,6 +238,7 @@ class Assignments(Calls):
             return
         self._note_sharing(name, value)
         self.places[id(value)] = (value, node)
+        self._note_origin(name, value)
         names = {e.name for e in inside(value) if isinstance(e, Variable)}
         dynamic = (Access, Call)
         if names <= self.plain and not any(isinstance(e, dynamic) for e in inside(value)):
@@ -244,6 +248,8 @@ class Assignments(Calls):
         if known is None or isinstance(known, Static):
             if name in self.once and self._is_arithmetic(resolved := self._resolved(value)):
                 self.given[name] = resolved
+            if name in self.once:
+                self.made[name] = value
             self.scope[name] = value.type
             self.statements.append(Assign(name, value))
             return
@@ -256,11 +262,19 @@ class Assignments(Calls):
         value = self._coerce(node, value, known)
         self.statements.append(Assign(name, value, declares=False))
 
+    def _note_origin(self, name: str, value: Expr) -> None:
+        """Take note of the arguments that a value is made of, if of nothing else but numbers."""
+        names = {e.name for e in inside(value) if isinstance(e, Variable)} - self.plain
+        known = [frozenset({n}) if n in self.arguments else self.made_of.get(n) for n in names]
+        self.made_of[name] = self.made_of.get(name, frozenset()).union(*(k for k in known if k))
+        if None in known:
+            del self.made_of[name]
+
     def _is_arithmetic(self, expr: Expr) -> bool:
         """Whether a value is made of numbers and of the function's own arguments alone."""
         if isinstance(expr, Variable):
             return expr.name in self.arguments
-        if isinstance(expr, (Operation, Negation)) and expr.type == "float":
+        if isinstance(expr, (Operation, Negation)) and expr.type in ("float", "bool"):
             return all(self._is_arithmetic(e) for e in children(expr))
         return isinstance(expr, (Number, Constant))
 

@@ -100,7 +100,7 @@ class BuiltinCalls(Arguments):
     def _power(self, node: ast.Call, base: Expr, exponent: Expr) -> Expr:
         """Whole powers by products: for any base, as in Python; a shader's pow knows positive ones."""
         kind = widest((base.type, exponent.type))
-        number = exact(self._resolved(exponent))
+        number = self._number_of(exponent)
         if number is None:
             self._exponent(node, exponent)
         if number is None or number != int(number):

@@ -120,4 +120,7 @@ class Calls(BuiltinCalls, MethodCalls):
         )
         made = self.reader.table(found.value, self.owner if owned else None)
         place = self._coerce(where, self._expr(where, index), "float")
+        known = self._number_of(place)
+        if known is not None and not (known == int(known) and 0 <= known < found.value.count):
+            self.refuse(where, found.value.misplaced(known))
         return Call(made, (place,), made.result)

@@ -41,6 +41,7 @@ from gonio.export.values import (
     spoken,
     truth,
 )
+from gonio.export.worked_out import number
 from gonio.fields import is_array
 
 # Terms and brackets of one statement; Python's own stack holds some five times as many.
@@ -81,8 +82,12 @@ class Expressions(ABC):
         # Arguments that are exponents, where Python's own numbers mean more than a shader's
         self.exponents: set[str] = set()
         self.in_exponents: set[str] = set()  # and arguments that exponents are computed of
+        self.member_exponents: set[tuple[str, str]] = set()  # and members of them
         # Names that get a value once, made of numbers and arguments alone: range(n) may ask for them
         self.given: dict[str, Expr] = {}
+        # Whatever names get that are given a value once, and the arguments that others are made of alone
+        self.made: dict[str, Expr] = {}
+        self.made_of: dict[str, frozenset[str]] = {}
 
     def refuse(self, node: ast.AST, message: str) -> NoReturn:
         """Raise an error that shows the place."""
@@ -94,6 +99,11 @@ class Expressions(ABC):
             return self.given.get(expr.name, expr)
         return rebuilt(expr, self._resolved)
 
+    def _number_of(self, expr: Expr) -> Any:
+        """The number that an expression comes to, or whether it holds; None if the shader decides."""
+        known = truth(self._resolved(expr))
+        return number(expr, self.made) if known is None else known.value
+
     def _refuse_undecided(self, node: ast.AST, expr: Value, message: str) -> NoReturn:
         """Refuse what is not known when the shader is made, or ask for the numbers of arguments.
 
@@ -102,7 +112,9 @@ class Expressions(ABC):
         """
         if isinstance(expr, Expr):
             names = {e.name for e in inside(self._resolved(expr)) if isinstance(e, Variable)}
-            if names and all(n in self.arguments and self.scope[n] == "float" for n in names):
+            if names and all(
+                n in self.arguments and self.scope[n] in ("float", "bool") for n in names
+            ):
                 told = self.source.complaint(node, message)
                 error = UndecidedError(*told.args)
                 error.place, error.reason = told.place, told.reason

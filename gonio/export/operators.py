@@ -172,9 +172,24 @@ class Operators(Attributes):
         number = isinstance(value, Static) and is_number(value.value)
         return self._expr(node, value) if number else value
 
+    def _chain(self, node: ast.Compare) -> Static:
+        """0 < n < 5 of numbers that are known; Python joins others by `and`, which masks have not."""
+        operands = [node.left, *node.comparators]
+        for left, op, right in zip(operands, node.ops, operands[1:], strict=False):
+            pair = ast.copy_location(ast.Compare(left, [op], [right]), node)
+            value = self._compare(pair)
+            known = self._decided(pair, value)
+            if known is None:
+                self._refuse_undecided(
+                    node, value, "one comparison at a time; join two with &: (a < b) & (b < c)."
+                )
+            if not known:
+                return Static(False)
+        return Static(True)
+
     def _compare(self, node: ast.Compare) -> Value:
         if len(node.ops) != 1:
-            self.refuse(node, "one comparison at a time; join two with &: (a < b) & (b < c).")
+            return self._chain(node)
         left, right = self.value(node.left), self.value(node.comparators[0])
         op = node.ops[0]
         if isinstance(op, (ast.In, ast.NotIn)) and isinstance(right, Many):

@@ -58,7 +58,7 @@ def tidy(
             _drop_arguments(function, methods)
     left = _reachable(left, wanted)
     _drop_members(left, sample)
-    return left
+    return _reachable(left, wanted)  # without what only dropped members asked for
 
 
 def rewrite(function: Function, change: Callable[[Expr], Expr]) -> None:

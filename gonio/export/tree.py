@@ -250,6 +250,8 @@ class Function:
     """Which arguments are exponents of `power`."""
     in_exponents: frozenset[int] = frozenset()
     """Which arguments exponents are computed of."""
+    member_exponents: frozenset[tuple[int, str]] = frozenset()
+    """Which members of arguments exponents are computed of."""
     kept: tuple[bool, ...] = ()
     """Which arguments are left, once some were dropped because nothing reads them."""
     external: bool = False

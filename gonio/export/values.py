@@ -44,6 +44,7 @@ COMPARISON: dict[str, Callable[[Any, Any], Any]] = {
     "==": operator.eq,
     "!=": operator.ne,
 }
+JOINED: dict[str, Callable[[Any, Any], Any]] = {"&&": operator.and_, "||": operator.or_}
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,6 +153,11 @@ def truth(value: Value) -> Static | None:
         if left is not None and right is not None:
             return Static(COMPARISON[value.operator](left, right))
         return None
+    if isinstance(value, Operation) and value.operator in JOINED:
+        one, other = truth(value.left), truth(value.right)
+        if one is None or other is None:
+            return None
+        return Static(JOINED[value.operator](one.value, other.value))
     if isinstance(value, (Number, Constant, Negation, Operation)):
         known = exact(value)
         return None if known is None else Static(known)
