@@ -16,7 +16,7 @@ promise that it does not make. A size may be a few percent generous, and is neve
 from __future__ import annotations
 
 import enum
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Container, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -139,6 +139,48 @@ class Claims:
     falls: tuple[str, ...] = ()
     """Parameters that lower the mean albedo, or leave it, when they grow."""
 
+    def faults(
+        self, is_parameter: Callable[[str], bool], options: Mapping[str, Container[str]]
+    ) -> Iterator[str]:
+        """What says nothing, each in words: a value of another kind, and names that the model lacks.
+
+        Args:
+            is_parameter: whether a name is one of the model's numbers.
+            options: its options, with their values.
+        """
+        for name in PROMISES:
+            for entry in as_tuple(getattr(self, name)):
+                if not isinstance(entry, Known) or not _is_size(entry.size):
+                    given = entry.size if isinstance(entry, Known) else entry
+                    write = "at_most(SIZE) with a number from 0 up, or several in ( )"
+                    yield f"{name} is {write}, not {given!r}"
+                else:
+                    yield from _unknown(name, entry.options, options)
+        for entry in as_tuple(self.kinks):
+            if not isinstance(entry, Kink) or not isinstance(entry.place, Place):
+                given = entry.place if isinstance(entry, Kink) else entry
+                write = "kink(Place.EQUAL_COSINES), a jump, or dark_ring(), or several in ( )"
+                yield f"kinks is {write}, not {given!r}"
+            else:
+                yield from _unknown(entry.kind, entry.options, options)
+        for entry in as_tuple(self.furnace):
+            if not isinstance(entry, WhiteFurnace) or not _is_size(entry.error):
+                given = entry.error if isinstance(entry, WhiteFurnace) else entry
+                yield f"furnace is white_furnace(within=1e-6, rho=1), or several in ( ), not {given!r}"
+                continue
+            chosen = {k: v for k, v in entry.values.items() if isinstance(v, str)}
+            yield from _unknown("white_furnace", chosen, options)
+            for path in entry.values:
+                if path not in chosen and not is_parameter(path):
+                    yield f"white_furnace has {path}, which is no parameter"
+        falls: Any = self.falls
+        if not isinstance(falls, tuple):
+            yield f"falls is names of parameters in ( ), such as {(falls,)!r}, not {falls!r}"
+            return
+        for path in falls:
+            if not is_parameter(path):
+                yield f"falls has {path!r}, which is no parameter"
+
     def known(self, promise: str, chosen: Mapping[str, str]) -> Known | None:
         """The known departure with these options; None where the promise is kept."""
         entries: tuple[Known, ...] = as_tuple(getattr(self, promise))
@@ -181,6 +223,21 @@ class Claims:
             yield "promised", f"reflects everything to within {entry.error:g} with {values}"
         for name in self.falls:
             yield "promised", f"the mean albedo never grows with {name}"
+
+
+def _is_size(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and value >= 0
+
+
+def _unknown(name: str, limits: Options, options: Mapping[str, Container[str]]) -> Iterator[str]:
+    """Options that the model lacks, and values that they do not have."""
+    for option, allowed in limits.items():
+        if option not in options:
+            yield f"{name} has {option}, which is no option"
+            continue
+        for value in (allowed,) if isinstance(allowed, str) else allowed:
+            if value not in options[option]:
+                yield f"{name} has {option}={value!r}, which is no choice of {option}"
 
 
 def as_tuple(entry: Any) -> tuple[Any, ...]:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from gonio.claims import Claims
-from gonio.fields import ModelError, Parameter, is_array, wrong
+from gonio.fields import ModelError, Option, Parameter, is_array, wrong
 from gonio.horizon import GUARDS
 from gonio.lang import Color, Float
 
@@ -178,6 +178,27 @@ def check_fields(cls: type, fields: Mapping[str, Any]) -> None:
                 f"{cls.__name__}: {name} has no value; write {name}: ... = param(default, low, high, "
                 '"what it means").',
             )
+
+
+def check_claims(cls: type, fields: Mapping[str, Any]) -> None:
+    """Whether a class's own claims say something of what it has: what says nothing would be kept always.
+
+    Raises:
+        ModelError: what says nothing.
+    """
+    claims = vars(cls).get("claims")
+    if not isinstance(claims, Claims):
+        return
+    options = {name: field.values for name, field in fields.items() if isinstance(field, Option)}
+
+    def is_parameter(path: str) -> bool:
+        name, _, inner = str(path).partition(".")
+        declared = fields.get(name)
+        of_another = declared is not None and not isinstance(declared, (Parameter, Option))
+        return of_another if inner else isinstance(declared, Parameter)
+
+    for fault in claims.faults(is_parameter, options):
+        raise wrong("claims", f"{cls.__name__}: in its claims {fault}.")
 
 
 def _kind(value: Any) -> str:

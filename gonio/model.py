@@ -223,6 +223,7 @@ class Model:
                 cls.fields[name] = own
                 delattr(cls, name)
         class_body.check_fields(cls, cls.fields)
+        class_body.check_claims(cls, cls.fields)
         if cls.__init__ is not Model.__init__:
             cls.__init__ = class_body.made_whole(cls)  # type: ignore[method-assign]
         quadrature.check_declared(cls, cls.writes)

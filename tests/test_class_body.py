@@ -28,6 +28,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Generic, NamedTuple, Protocol, TypeVar, runtime_checkable
 
 from gonio import lang
+from gonio.claims import Claims, Place, at_most, kink, white_furnace
 from gonio.lang import Color, Float, Sample, Vec2, Vec3, vec3
 from gonio.model import Model, child, option, param
 
@@ -147,6 +148,46 @@ WRONG = {
     "an option of numbers": (
         'class Mine(_Base):\n    form: str = option(1, 2, doc="form")  # here',
         "write option",
+    ),
+    "claims of a size that is a number": (
+        "class Mine(_Base):\n    claims = Claims(energy=1.05)  # here",
+        "Mine: in its claims energy is at_most.SIZE. with a number from 0 up, or several in . ., not 1.05",
+    ),
+    "claims of a size below zero": (
+        "class Mine(_Base):\n    claims = Claims(wasted=at_most(-0.1))  # here",
+        "Mine: in its claims wasted is at_most.SIZE. with a number from 0 up, or several in . ., not -0.1",
+    ),
+    "claims of a size in a list": (
+        "class Mine(_Base):\n    claims = Claims(energy=[at_most(1.1)])  # here",
+        "Mine: in its claims energy is at_most.SIZE.",
+    ),
+    "claims of a size with an option that is not there": (
+        'class Mine(_Base):\n    claims = Claims(energy=at_most(1.1, form="x"))  # here',
+        "Mine: in its claims energy has form, which is no option",
+    ),
+    "claims of a place for a kink": (
+        "class Mine(_Base):\n    claims = Claims(kinks=Place.EQUAL_COSINES)  # here",
+        "Mine: in its claims kinks is kink.Place.EQUAL_COSINES.",
+    ),
+    "claims of a kink at a word": (
+        'class Mine(_Base):\n    claims = Claims(kinks=kink("mu_i"))  # here',
+        "or several in . ., not 'mu_i'",
+    ),
+    "claims of a furnace as a size": (
+        "class Mine(_Base):\n    claims = Claims(furnace=at_most(1e-3))  # here",
+        "Mine: in its claims furnace is white_furnace.within=1e-6, rho=1.",
+    ),
+    "claims of a furnace of another parameter": (
+        "class Mine(_Base):\n    claims = Claims(furnace=white_furnace(within=1e-6, rhoo=1))  # here",
+        "Mine: in its claims white_furnace has rhoo, which is no parameter",
+    ),
+    "claims of a name that falls as text": (
+        'class Mine(_Base):\n    claims = Claims(falls="rho")  # here',
+        "such as .'rho',., not 'rho'",
+    ),
+    "claims of another name that falls": (
+        'class Mine(_Base):\n    claims = Claims(falls=("gloss",))  # here',
+        "Mine: in its claims falls has 'gloss', which is no parameter",
     ),
     "an option with one value twice": (
         'class Mine(_Base):\n    form: str = option("a", "a", doc="form")  # here',
