@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support import no_numbers
 from support.no_numbers import PLANTED, written
 from support.replays import NO_NUMBER, hidden, replays
 from support.tolerances import DOUBLE, DOUBLE_DIVIDED, DOUBLE_SHORT, SINGLE, decimals
@@ -179,6 +180,7 @@ CAUGHT: dict[str, set[str]] = {
     "twisted": {"reciprocity"},
     "understated": {"energy"},
     "unnormalised_d": {"energy"},
+    "width_in_a_part": {"sampling"},
     "wrong_gradient": {"gradient"},
 }
 
@@ -286,6 +288,49 @@ def test_what_is_no_number_is_named_with_no_other_advice(
     assert not [text for text in texts if re.search("allowed|declares?|claims", text)]
     lines = replays(reports, again=long)
     assert not [wrong for line in lines if (wrong := hidden(*line))]
+
+
+@pytest.mark.parametrize(
+    ("planted", "said"),
+    [
+        ({"x_of_wi": "w.x * 1.25"}, r"sample = .*, wi of length 1\.\d+, where a direction has 1"),
+        ({"pdf": "x * select(wi.x > 0.5, -1, 1)"}, r"pdf = -\S+, a density below 0"),
+    ],
+)
+def test_finite_numbers_that_are_wrong_are_said_to_be_so(
+    planted: dict[str, str], said: str, tmp_path: Path
+) -> None:
+    """And the line shows them."""
+    path = tmp_path / "planted model.py"
+    path.write_text(no_numbers.TEXT.format(**no_numbers.SOUND | planted), encoding="utf-8")
+    (subject,) = check.subjects(model_file.load(path), label=str(path))
+    (report,) = check.check_subjects([subject], TINY, ["finite"])
+    (finding,) = (f for f in report.findings if f.what == "not finite")
+    assert re.search(said, finding.text)
+    assert not hidden(report, finding)
+
+
+def test_a_mean_that_is_wrong_everywhere_is_told_by_a_few_careful_integrals(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One of them is worst; the others take as long."""
+    path = tmp_path / "planted.py"
+    text = no_numbers.TEXT.format(**no_numbers.SOUND | {"mean": "x * 0.9"})
+    text = text.replace("    def albedo(self", "    def other(self")
+    path.write_text(text, encoding="utf-8")
+    (subject,) = check.subjects(model_file.load(path))
+    careful = []
+    off_mean = albedo._off_mean
+
+    def counted(subject: Any, rows: Any, own: Any, nodes: int, tolerance: float) -> Any:
+        if tolerance == albedo.CAREFULLY[0]:
+            careful.append(len(rows))
+        return off_mean(subject, rows, own, nodes, tolerance)
+
+    monkeypatch.setattr(albedo, "_off_mean", counted)
+    (report,) = check.check_subjects([subject], TINY, ["albedo"])
+    assert report.failed
+    assert 1 <= sum(careful) <= 3 * albedo.WORST
 
 
 def test_what_is_no_number_is_not_anisotropic(tmp_path: Path) -> None:

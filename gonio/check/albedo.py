@@ -51,6 +51,9 @@ FEW_NODES, LOOSELY = 6, 1e-3
 # What a mean may be off.
 MEAN = 2e-5
 
+# So many means at once are integrated again with care: each is a hundred integrals.
+WORST = 2
+
 # Rounds of the search for the worst mean of a closed form, whose own albedo tells what it should be; of
 # others some rows are integrated, of which half are those that seem worst: one in so many of
 # `Effort.confirmed`.
@@ -193,9 +196,14 @@ def _mean(subject: Subject, effort: Effort) -> Finding:
         rows = np.concatenate([rows, _suspicious(subject, effort)])
     own = kernels.mean_albedo(subject, rows)
     off = _off_mean(subject, rows, own, MEAN_NODES, ROUGHLY)
-    bad = np.flatnonzero(~(off <= MEAN))
-    if len(bad):
+    sure = np.zeros(len(rows), bool)
+    while True:  # until the worst ones have been integrated with care, or are none
+        order = np.argsort(-np.where(np.isnan(off), np.inf, off), kind="stable")
+        if sure[order[0]] or off[order[0]] <= MEAN:
+            break
+        bad = order[~sure[order] & ~(off[order] <= MEAN)][:WORST]
         off[bad] = _off_mean(subject, rows[bad], own[bad], FINER * MEAN_NODES, CAREFULLY[0])
+        sure[bad] = True
     if searched:
         points, found = rows[:1], _off_own_mean(subject, rows[:1])
         if subject.parameters:

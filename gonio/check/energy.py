@@ -480,6 +480,5 @@ def _furnace(claiming: Subject, subject: Subject, entry: WhiteFurnace, effort: E
     case = (parameters[0], wo[0], wo[0])
     # A furnace is one where its parameters and options are free
     replay = claiming.recheck("energy", case, free=entry.values)
-    return Finding(
-        "white furnace", measured, verdict, f"{text}; {setting}", subject.tag(), replay, case
-    )
+    text = f"{text}; {setting}" if setting else text
+    return Finding("white furnace", measured, verdict, text, subject.tag(), replay, case)

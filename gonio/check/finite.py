@@ -214,6 +214,7 @@ def not_finite(subject: Subject, cases: Cases, single_precision: bool) -> tuple[
     for what, (good, value) in results.items():
         for row in np.flatnonzero(~good)[:1]:
             shown = ", ".join(f"{x:.6g}" for x in np.atleast_1d(value[row]))
+            shown += _though_finite(what, value[row])
             wrong.append(
                 Wrong(
                     what,
@@ -226,6 +227,16 @@ def not_finite(subject: Subject, cases: Cases, single_precision: bool) -> tuple[
                 )
             )
     return wrong, sum(int(np.count_nonzero(~good)) for good, _ in results.values())
+
+
+def _though_finite(what: str, value: Array) -> str:
+    """What is wrong with numbers that are finite: a density, or a direction with its own."""
+    if what not in ("pdf", "sample") or not np.isfinite(value).all():
+        return ""
+    *direction, density = np.atleast_1d(value).astype(np.float64)
+    if density < 0:
+        return ", a density below 0"
+    return f", wi of length {np.linalg.norm(direction):.6g}, where a direction has 1"
 
 
 def largest(subject: Subject, cases: Cases) -> Array:

@@ -146,6 +146,10 @@ class Sampled:
         off -= self.integral_error
         return (off if off > 0 or np.isnan(off) else 0.0) / max(self.albedo, 1e-3)
 
+    def faults(self) -> str:
+        """What is no number of the integrals: at places that no sample need to meet."""
+        return said(("the integral of eval", self.albedo), ("the integral of pdf", self.integral))
+
     def suspicious(self, trusted: float) -> bool:
         """Whether it has to be repeated with other random numbers and finer integrals."""
         right = self.density_off() <= trusted and self.mean_off() <= trusted
@@ -275,7 +279,7 @@ def _judged(
 
     def finding(what: str, row: int, measured: float, verdict: str, text: str) -> Finding:
         if verdict == FAIL:
-            text = _faults(subject, points[row : row + 1]) or text
+            text = _faults(subject, points[row : row + 1]) or tests[row].faults() or text
         parameters, wo = viewer(subject, points[row : row + 1])
         case = (parameters[0], wo[0], wo[0])
         replay = subject.recheck("sampling", case)

@@ -12,6 +12,7 @@ from gonio.check.adversarial import hard_parameters
 from gonio.check.energy import dimensions, viewer
 from gonio.check.hemisphere import PDF, UNREACHED
 from gonio.check.kernels import evaluate
+from gonio.check.product_rules import albedos
 from gonio.check.report import Effort
 from gonio.check.subject import Array, Subject, repeated
 
@@ -20,6 +21,9 @@ EVEN = 24
 
 # The tolerance of the integrals; an error of 1e-5 is a tenth of the standard error of a test's counts.
 INTEGRALS = 2e-5
+
+# The tolerance of albedos that mean weights are compared with in a screening.
+LOOSELY = 1e-3
 
 # A density whose integral is off by this in a screening, beyond the error of the rule, is suspicious, and
 # so are cells that hold so many times more or fewer of the samples than they should.
@@ -139,15 +143,18 @@ def screen(subject: Subject, points: Array) -> Screened:
     # The rule's own error, of which this is four times an estimate
     error = 4 * found.error
     integral = np.abs(total[:, PDF] - kept) - error - np.where(kept < 1, QUASI, 0)
-    albedo = total[:, :3].mean(axis=1) - total[:, UNREACHED]
-    weight = np.abs(mean - albedo) - error - QUASI * 10 * scatter
+    # One look at each cell tells an albedo to a few percent only
+    known = albedos(subject, parameters, wo, LOOSELY)
+    albedo = known.total.mean(axis=1) - total[:, UNREACHED]
+    noise = QUASI * 10 * scatter + SUSPICIOUS * np.maximum(albedo, 1e-3)
+    weight = (np.abs(mean - albedo) - known.error) / noise
     cells = 2**hemisphere.FEWER
     # A quarter of the probes is spread evenly, whatever the sampler does
     drawn = np.bincount(cut.cell, minlength=n * cells).reshape(n, cells) / (0.75 * SCREEN_SAMPLES)
     shape = np.abs(drawn - found.cells[:, :, PDF]).max(axis=1) * cells - error * cells
     scores = [
         integral / SUSPICIOUS,
-        weight / (SUSPICIOUS * np.maximum(albedo, 1e-3)),
+        weight,
         shape / CROWDED,
         total[:, UNREACHED],
         few.different,

@@ -65,6 +65,11 @@ PLANTED: dict[str, tuple[dict[str, str], set[str]]] = {
         {"eval": _where(AZIMUTH, NAN)},
         {"energy", "reciprocity", "gradient", "sampling", "albedo", "isotropy", "monotonicity"},
     ),
+    # No sample meets it
+    "eval_nan_in_a_plane": (
+        {"eval": _where("wi.x * wo.y == wi.y * wo.x", NAN)},
+        {"energy", "reciprocity", "gradient", "sampling", "albedo", "isotropy"},
+    ),
     "eval_infinite": (
         {"eval": _where(VEIL, INFINITE)},
         {"energy", "reciprocity", "gradient", "sampling", "albedo", "isotropy", "monotonicity"},

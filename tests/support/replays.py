@@ -76,8 +76,10 @@ def _shown(data: Any, finding: Finding) -> bool:
         return _near(-math.pi * min(data["eval"]), finding)
     if finding.what == "largest albedo":
         return _near(max(data["albedo"]), finding)
-    # Directions that are not of length one
-    return finding.what == "not finite" and abs(np.linalg.norm(data["wi"]) - 1) > LENGTH
+    # Directions that are not of length one, and densities below zero
+    return finding.what == "not finite" and (
+        abs(np.linalg.norm(data["wi"]) - 1) > LENGTH or data["pdf"] < 0
+    )
 
 
 def _near(measured: float, finding: Finding) -> bool:
