@@ -393,6 +393,13 @@ def test_doctor_ends_with_1_when_nothing_computes(monkeypatch):
         (("show", "eonn"), 1, "file 'eonn'; did you mean the model 'eon'?"),
         (("lst",), 2, "no command 'lst'; did you mean 'list'? 'gonio --help' shows all."),
         (("eval", "eon", "--roughness", "1"), 2, "given as --param roughness=VALUE."),
+        (("eval", "eon", "--theta-o", "4", "--u", "0.3", "1.2"), 2, "numbers lie from 0 to 1"),
+        (("eval", "eon", "--u", "0.3", "--theta-o", "4"), 2, "too few numbers stand before it"),
+        (
+            ("eval", "eon", "--theta-i", "3", "--theta-o", "4", "--normalize"),
+            2,
+            "--normalize scales --wi and --wo; leave it out beside angles",
+        ),
         (("eval", "eon"), 1, "give both directions, either as vectors, --wi X Y Z --wo X Y Z"),
         (("eval", "eon", "--wi", "0", "0", "1"), 1, "give both directions"),
         (("eval", "eon", "--theta-i", "1", "--wo", "0", "0", "1"), 1, "give both directions"),

@@ -36,6 +36,7 @@ from gonio.check.subject import (
 )
 from gonio.claims import Claims, Kink, WhiteFurnace
 from gonio.fields import Parameter
+from gonio.model import models
 
 # Hair's plug-ins are called so.
 FIBRES = "hair"
@@ -112,7 +113,8 @@ class MitsubaSubject:
             varies = flags & int(mi.BSDFFlags.SpatiallyVarying) or self._varies()
         except RuntimeError as error:
             raise self.fault(error) from error
-        self.textured = bool(varies) and place is None
+        self.varies = bool(varies)
+        self.textured = self.varies and place is None
         if self.textured:
             self.parameters = tuple(
                 FreeNumber(name, 0, Parameter(0.5, 0, 1, name), ()) for name in UV
@@ -331,7 +333,13 @@ def sides_of(description: str, params: Iterable[str] = ()) -> list[MitsubaSubjec
     front = not back or any(part & int(flags.FrontSide) for part in reflecting)
     both = front and back
     sides = [side for side, looked_at in (("front", front), ("back", back)) if looked_at]
-    return [MitsubaSubject(mi, name, bsdf, side, both, description, place) for side in sides]
+    found = [MitsubaSubject(mi, name, bsdf, side, both, description, place) for side in sides]
+    if place is not None and not any(subject.varies for subject in found):
+        raise ValueError(
+            f"{name} has no texture, and is the same at every u and v; leave --param out, or give a BSDF "
+            "with a texture as XML or JSON."
+        )
+    return found
 
 
 def _place(params: list[str]) -> tuple[float, float] | None:
@@ -356,6 +364,16 @@ def _place(params: list[str]) -> tuple[float, float] | None:
 def _load(mi: Any, description: str) -> tuple[str, Any]:
     with ExitStack() as stack:
         return _loaded(mi, description, stack)
+
+
+def _of_gonio(text: str) -> str:
+    """What to write where a plug-in is named as gonio's models are."""
+    name, _, values = text.partition(":")
+    if name in models():
+        return f"; {name} is a model of gonio's, and goes without --mitsuba"
+    if values and name.isidentifier():
+        return f'; parameters stand in JSON: \'{{"type": "{name}", ...}}\''
+    return ""
 
 
 def _loaded(mi: Any, description: str, stack: ExitStack) -> tuple[str, Any]:
@@ -387,7 +405,10 @@ def _loaded(mi: Any, description: str, stack: ExitStack) -> tuple[str, Any]:
         else:
             found = mi.load_dict({"type": text})
     except (RuntimeError, ValueError, TypeError) as error:
-        raise ValueError(f"Mitsuba cannot load {name!r} as a BSDF: {reason(error)}") from None
+        advice = _of_gonio(text)
+        raise ValueError(
+            f"Mitsuba cannot load {name!r} as a BSDF: {reason(error)}{advice}"
+        ) from None
     if not isinstance(found, mi.BSDF):
         raise ValueError(f"{name!r} is no BSDF but a {type(found).__name__}.")
     return name, found

@@ -53,6 +53,17 @@ class Code:
         """The text with the function of --function, where a file of Python is code because of it."""
         return f"{text}#{self.function}" if self.function and text.endswith(".py") else text
 
+    def refuse(self) -> None:
+        """There is no code that the options could be about.
+
+        Raises:
+            ForeignError: one of them was given.
+        """
+        if self.given:
+            raise ForeignError(
+                "--function, --map and the like belong to a FILE of code, such as x.glsl#eval."
+            )
+
     def models(self, texts: Iterable[str], params: Iterable[str] = ()) -> list[Model]:
         """The models that texts name, and code as a model: x.glsl#ggx:roughness=0.3.
 
@@ -70,10 +81,8 @@ class Code:
         """
         texts = [self.named(text) for text in texts]
         code = [_code_in(text) for text in texts]
-        if self.given and not any(code):
-            raise ForeignError(
-                "--function, --map and the like belong to a FILE of code, such as x.glsl#eval."
-            )
+        if not any(code):
+            self.refuse()
         found: list[Model | Material] = []
         loaded: dict[str, Model] = {}
         for text, name in zip(texts, code, strict=True):

@@ -28,7 +28,8 @@ class Number(click.ParamType[float]):
         except ValueError:
             number = math.nan
         if not math.isfinite(number) or not self._has(number):
-            self.fail(f"{value} is not {self._allowed()}", param, ctx)
+            few = "; too few numbers stand before it" if str(value).startswith("--") else ""
+            self.fail(f"{value} is not {self._allowed()}{few}", param, ctx)
         return number
 
     def _has(self, number: float) -> bool:

@@ -59,8 +59,8 @@ def evaluate(model: Model, wi: Any, wo: Any, *, double: bool = False, u: Any = N
                 [math.nan] * 3,
                 math.nan,
                 None,
-                _floats(exact.albedo(wo)),
-                _floats(exact.mean_albedo()),
+                _albedo(exact.albedo, wo),
+                _albedo(exact.mean_albedo),
                 _floats(u),
                 reported,
             )
@@ -79,6 +79,14 @@ def evaluate(model: Model, wi: Any, wo: Any, *, double: bool = False, u: Any = N
         u=None if u is None else _floats(u),
         sampled_pdf=reported,
     )
+
+
+def _albedo(method: Callable[..., Any], *given: Any) -> list[float]:
+    """NaN where it would be made of samples that are no directions, as one is."""
+    try:
+        return _floats(method(*given))
+    except ValueError:
+        return [math.nan] * 3
 
 
 Evaluate = Callable[..., Evaluation]
@@ -130,6 +138,7 @@ def _evaluating(
 ) -> tuple[Evaluate, Model | None]:
     """What evaluates the model or the plug-in, and the model."""
     if plugin is not None:
+        code.refuse()
         from gonio.cli._plugin import Plugin  # with Mitsuba
 
         found = Plugin(plugin, params)
@@ -204,7 +213,8 @@ def _normalized(name: str, vector: Sequence[float]) -> npt.NDArray[np.float64]:
     "--mitsuba",
     "plugin",
     metavar="NAME|XML|JSON",
-    help="Instead of a model: a Mitsuba BSDF, as 'gonio check' takes it.",
+    help="Instead of a model: a Mitsuba BSDF, as 'gonio check' takes it; -p u=0.3 -p v=0.7 is a place in "
+    "its textures.",
 )
 @click.option(
     "--wi", type=Number(), nargs=3, metavar="X Y Z", help="Unit vector towards the light."
@@ -283,7 +293,11 @@ def command(
     if u is not None:
         if wi is not None or theta_i is not None or phi is not None:
             raise click.UsageError("--u makes wi; it goes with --wo or --theta-o alone")
+        if not all(0 <= x <= 1 for x in u):
+            raise click.UsageError(f"--u {u[0]:g} {u[1]:g}: random numbers lie from 0 to 1")
         wi, theta_i = (wo, None) if wo is not None else (None, 0.0)
+    if normalize and wo is None:
+        raise click.UsageError("--normalize scales --wi and --wo; leave it out beside angles")
     wi_vector, wo_vector = directions(wi, wo, theta_i, theta_o, phi, normalize)
     try:
         result = evaluated(wi_vector, wo_vector, double=double, u=u)
