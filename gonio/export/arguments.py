@@ -5,15 +5,15 @@ from __future__ import annotations
 import ast
 import inspect
 import types
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from gonio.export import library
 from gonio.export.expressions import UndecidedError
 from gonio.export.operators import Operators
-from gonio.export.tree import Access, Call, ExportError, Expr, Struct, Type, Variable, inside
+from gonio.export.tree import Call, ExportError, Expr, Struct, Type, Variable, inside
 from gonio.export.values import Changed, Many, Static, Value, exact, is_number, shown_kind, truth
-from gonio.export.worked_out import member
+from gonio.export.worked_out import expanded, put
 
 
 class Arguments(Operators):
@@ -115,8 +115,11 @@ class Arguments(Operators):
                 wanted = [i for i in made.exponents if self._is_whole(node, passed[i])]
                 computed = made.in_exponents - set(wanted)
                 wanted += [i for i in computed if self._is_known(node, passed[i])]
-                for i, name in sorted(made.member_exponents):
-                    self._check_member(node, passed[i], name)
+                for exponent in made.struct_exponents:
+                    names = [name for name, _ in made.parameters]
+                    given = (*(() if model is None else (model,)), *passed)
+                    values = dict(zip(names, given, strict=True))
+                    self._check_struct(node, function.__name__, exponent, values)
                 if not wanted:
                     before = () if model is None else (model,)
                     return Call(made, (*before, *passed), made.result)
@@ -169,16 +172,17 @@ class Arguments(Operators):
         self._exponent(node, passed, computed=True)
         return False
 
-    def _check_member(self, node: ast.AST, passed: Expr, name: str) -> None:
-        """Refuse a whole number in a struct, of which the function that is called makes an exponent."""
-        found = member(passed, name)
+    def _check_struct(
+        self, node: ast.AST, function: str, exponent: Expr, given: Mapping[str, Expr]
+    ) -> None:
+        """Refuse structs of which the function that is called makes an exponent that is whole here."""
+        found = put(exponent, given)
         if _whole(self._number_of(found)):
-            kind = passed.type
-            assert isinstance(kind, Struct)
+            names = {e.type.name for e in inside(exponent) if isinstance(e.type, Struct)}
             self.refuse(
                 node,
-                f"{name} of {kind.name} is a whole number here and an exponent in what is called: Python "
-                "allows negative bases then, a shader does not; pass it as an argument of its own.",
+                f"a whole exponent in {function} is made of {' and '.join(sorted(names))}: Python allows "
+                "negative bases then, a shader does not; pass the exponent as an argument of its own.",
             )
         self._exponent(node, found, computed=True)
 
@@ -191,13 +195,11 @@ class Arguments(Operators):
         origins = {e.name for e in inside(resolved) if isinstance(e, Variable)}
         found = origins & self.arguments
         found = found.union(*(self.made_of.get(n, ()) for n in origins - found))
-        for part in inside(resolved):
-            if (
-                isinstance(part, Access)
-                and isinstance(part.value, Variable)
-                and self._is_record(part.value)
-            ):
-                self.member_exponents.add((part.value.name, part.name))
+        whole = expanded(exponent, self.made)
+        leaves = [e for e in inside(whole) if isinstance(e, Variable)]
+        ours = {name for name, _ in self.parameters}
+        if any(map(self._is_record, leaves)) and all(e.name in ours for e in leaves):
+            self.struct_exponents.append(whole)
         if computed or not isinstance(resolved, Variable):
             self.in_exponents |= found
         else:

@@ -21,7 +21,7 @@ from gonio.export.tree import (
     Type,
     Variable,
 )
-from gonio.export.values import Static, exact, spoken
+from gonio.export.values import Static, Value, exact, spoken
 from gonio.export.vocabulary import RULES, widest
 from gonio.polynomials import terms_in_single
 
@@ -40,6 +40,8 @@ class BuiltinCalls(Arguments):
         if name == "polynomial":
             return self._polynomial(node)
         arguments = self._arguments(node, getattr(lang, name), 0)
+        if name == "select" and isinstance(arguments[0][1], Static):
+            arguments[0] = (arguments[0][0], self._known_mask(arguments[0][1]))
         values = [self._expr(n, v) for n, v in arguments]
         if name in ("vec2", "vec3"):
             kind: Type = "vec2" if name == "vec2" else "vec3"
@@ -60,6 +62,14 @@ class BuiltinCalls(Arguments):
         if rule.splat:
             values = [self._coerce(node, v, widest(kinds)) for v in values]
         return Builtin(name, tuple(values), rule.result(kinds))
+
+    @staticmethod
+    def _known_mask(value: Static) -> Value:
+        """A comparison that comes out as Python knows."""
+        if not isinstance(value.value, bool):
+            return value
+        holds = int(value.value)
+        return Operation("<", Number(1 - holds), Number(holds), "bool")
 
     def _polynomial(self, node: ast.Call) -> Expr:
         """The first terms of a polynomial, those that single precision can tell, by Horner's rule."""

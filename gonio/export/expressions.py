@@ -70,6 +70,7 @@ class Expressions(ABC):
         self.self_name = ""  # what the method calls its model or NamedTuple
         self.self_variable = SELF  # what that is called in the shader
         self.scope: dict[str, Type | Static] = {}
+        self.parameters: list[tuple[str, Type]] = []
         self.arguments: frozenset[str] = frozenset()  # names of the function's own
         # Arguments that are directions above the horizon, and of these or in it
         self.tested: frozenset[str] = frozenset()
@@ -82,7 +83,7 @@ class Expressions(ABC):
         # Arguments that are exponents, where Python's own numbers mean more than a shader's
         self.exponents: set[str] = set()
         self.in_exponents: set[str] = set()  # and arguments that exponents are computed of
-        self.member_exponents: set[tuple[str, str]] = set()  # and members of them
+        self.struct_exponents: list[Expr] = []  # and exponents computed of structs
         # Names that get a value once, made of numbers and arguments alone: range(n) may ask for them
         self.given: dict[str, Expr] = {}
         # Whatever names get that are given a value once, and the arguments that others are made of alone

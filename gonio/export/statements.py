@@ -73,7 +73,6 @@ class Body(Assignments):
         super().__init__(reader, function, owner)
         self.method = method
         self.guarded = guarded
-        self.parameters: list[tuple[str, Type]] = []
         self.result: Type | None = SIGNATURES[method][1] if method in SIGNATURES else None
         self.done = False
         self.pending: tuple[str, ...] = ()  # comments for the next statement
@@ -157,19 +156,13 @@ class Body(Assignments):
             usual_name(self.python) if self.self_variable == SELF else self.python.__qualname__,
             self._places_of(self.exponents),
             self._places_of(self.in_exponents),
-            self._members_of(self.member_exponents),
+            tuple(self.struct_exponents),
         )
 
     def _places_of(self, names: set[str]) -> frozenset[int]:
         """Which of the arguments have these names."""
         own = self.parameters[self.owner is not None :]
         return frozenset(i for i, (name, _) in enumerate(own) if name in names)
-
-    def _members_of(self, found: set[tuple[str, str]]) -> frozenset[tuple[int, str]]:
-        """Members of arguments, with the places of these."""
-        return frozenset(
-            (place, member) for name, member in found for place in self._places_of({name})
-        )
 
     def _check_numbers(self) -> None:
         """Refuse numbers that Python computes by itself with more digits than a shader has."""

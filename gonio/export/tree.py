@@ -250,8 +250,8 @@ class Function:
     """Which arguments are exponents of `power`."""
     in_exponents: frozenset[int] = frozenset()
     """Which arguments exponents are computed of."""
-    member_exponents: frozenset[tuple[int, str]] = frozenset()
-    """Which members of arguments exponents are computed of."""
+    struct_exponents: tuple[Expr, ...] = ()
+    """Exponents that are computed of structs among the arguments, and of nothing but arguments."""
     kept: tuple[bool, ...] = ()
     """Which arguments are left, once some were dropped because nothing reads them."""
     external: bool = False

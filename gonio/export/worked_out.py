@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from gonio.export.evaluate import UNKNOWN, Known, Machine
-from gonio.export.tree import Access, Construction, Expr, Struct
+from gonio.export.tree import Access, Construction, Expr, Struct, Variable, inside, rebuilt
+
+# Names that stand for others, one after the other; expressions double with some of them.
+EXPANSIONS_MAX = 8
 
 
 class _Values(Mapping[str, Known]):
@@ -41,11 +44,24 @@ def number(expr: Expr, made: Mapping[str, Expr]) -> float | None:
     return None if value is UNKNOWN else float(value[0])
 
 
-def member(expr: Expr, name: str) -> Expr:
-    """A member of a struct: what it was made of, if it is made here."""
-    kind = expr.type
-    assert isinstance(kind, Struct)
-    names = [m.name for m in kind.members]
-    if isinstance(expr, Construction):
-        return expr.arguments[names.index(name)]
-    return Access(expr, name, kind.members[names.index(name)].type)
+def put(expr: Expr, values: Mapping[str, Expr]) -> Expr:
+    """An expression with others in the place of names, and of members of structs that these make."""
+    if isinstance(expr, Variable):
+        return values.get(expr.name, expr)
+    found = rebuilt(expr, lambda inner: put(inner, values))
+    if isinstance(found, Access) and isinstance(found.value, Construction):
+        kind = found.value.type
+        if isinstance(kind, Struct):
+            return found.value.arguments[[m.name for m in kind.members].index(found.name)]
+    return found
+
+
+def expanded(expr: Expr, made: Mapping[str, Expr]) -> Expr:
+    """An expression with what names were given in their places, down to those that have no value here."""
+    found = put(expr, made)
+    for _ in range(EXPANSIONS_MAX):
+        names = {e.name for e in inside(found) if isinstance(e, Variable)}
+        if not names & set(made):
+            break
+        found = put(found, made)
+    return found
