@@ -81,7 +81,11 @@ from gonio.lang import (
 )
 from gonio.materials import model_file
 from gonio.model import Model, child, option, param
+from gonio.parts.distribution import ALPHA_MIN, RoundGGX
+from gonio.parts.frame import half_vector
 from gonio.parts.hemisphere import pdf_cosine, sample_cosine
+from gonio.parts.lobes import pdf_ggx_lobe, sample_ggx_lobe
+from gonio.parts.masking import V_smith_correlated
 
 BROKEN = Path(__file__).parent / "broken"
 QUICK = EFFORTS["quick"]
@@ -308,6 +312,34 @@ def test_finite_numbers_that_are_wrong_are_said_to_be_so(
     (finding,) = (f for f in report.findings if f.what == "not finite")
     assert re.search(said, finding.text)
     assert not hidden(report, finding)
+
+
+def test_light_that_is_hardly_ever_sampled_is_not_passed() -> None:
+    """Diffuse light that only the tails of a sharp lobe meet: the samples seen miss it, or weigh 1e4."""
+
+    class GlossAlone(Model, register=False):
+        """A sharp highlight over a diffuse part that the sampler has forgotten."""
+
+        rho: Color = param((0.4, 0.4, 0.4), 0, 0.5, "colour")
+        alpha: Float = param(0.3, ALPHA_MIN, 1, "slope width")
+
+        def eval(self, wi: Vec3, wo: Vec3) -> Color:
+            facets = RoundGGX(self.alpha)
+            gloss = facets.D(half_vector(wi, wo)) * V_smith_correlated(facets, wi, wo)
+            return self.rho * INV_PI + 0.5 * gloss
+
+        def sample(self, wo: Vec3, u: Vec2) -> Sample:
+            wi = sample_ggx_lobe(RoundGGX(self.alpha), wo, u)
+            return Sample(wi, self.pdf(wi, wo))
+
+        def pdf(self, wi: Vec3, wo: Vec3) -> Float:
+            return pdf_ggx_lobe(RoundGGX(self.alpha), wi, wo)
+
+    (subject,) = check.subjects(GlossAlone)
+    (report,) = check.check_subjects([subject], "quick", ["sampling"])
+    (finding,) = (f for f in report.findings if f.what == "mean weight off albedo")
+    assert finding.verdict == UNSURE
+    assert "hardly ever sampled" in finding.text
 
 
 def test_a_mean_that_is_wrong_everywhere_is_told_by_a_few_careful_integrals(

@@ -23,7 +23,7 @@ from gonio.check.energy import dimensions, spread_out, starts, viewer
 from gonio.check.hemisphere import CELLS, COSINE_SECOND, PDF, SECOND, UNREACHED
 from gonio.check.kernels import draw, evaluate, reflect, sample
 from gonio.check.no_number import said
-from gonio.check.report import FAIL, NOTE, PASS, Effort, Finding, Report, judge
+from gonio.check.report import FAIL, NOTE, PASS, UNSURE, Effort, Finding, Report, judge
 from gonio.check.search import maximise
 from gonio.check.statistics import chi2_limit, chi2_tail, noncentral_tail
 from gonio.check.subject import (
@@ -70,6 +70,9 @@ FEW, MORE, MANY = 64, 1 << 10, 1 << 16
 # Standard errors that a mean may be off. They are estimated from REPLICATES numbers: Student's t with 15
 # degrees of freedom exceeds 7 once in 200,000 times.
 SIGMAS = 7.0
+
+# A mean weight that may be off by so large a part of the albedo is not judged; good samplers keep to 0.01.
+BLURRED = 0.1
 
 # Samples, and directions anywhere, of a place that fails, among which is looked for what is no number.
 PROBES = 1 << 12
@@ -145,6 +148,10 @@ class Sampled:
         off = abs(self.mean - (self.albedo - self.unreached)) - SIGMAS * self.mean_error
         off -= self.integral_error
         return (off if off > 0 or np.isnan(off) else 0.0) / max(self.albedo, 1e-3)
+
+    def blurred(self) -> float:
+        """Up to which part of the albedo the mean weight tells nothing."""
+        return SIGMAS * self.mean_error / max(self.albedo, 1e-3)
 
     def faults(self) -> str:
         """What is no number of the integrals: at places that no sample need to meet."""
@@ -312,9 +319,16 @@ def _judged(
     # The mean weight
     missed = [t.mean_off() for t in tests]
     row = _worst(missed)
-    t = tests[row]
+    blurred = [t.blurred() for t in tests]
     verdict = PASS if missed[row] <= trusted else FAIL
-    text = f"mean {t.mean:.6g} ± {t.mean_error:.2g}, albedo {t.albedo:.6g}"
+    hardly = ""
+    if verdict == PASS and max(blurred) > BLURRED:
+        row, verdict = _worst(blurred), UNSURE
+        hardly = (
+            f"; weights of up to {tests[row].largest:.2g}: some of the light is hardly ever sampled"
+        )
+    t = tests[row]
+    text = f"mean {t.mean:.6g} ± {t.mean_error:.2g}, albedo {t.albedo:.6g}{hardly}"
     findings.append(finding("mean weight off albedo", row, missed[row], verdict, text))
 
     # How good it is
