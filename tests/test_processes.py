@@ -120,9 +120,10 @@ def test_processes_are_started_where_they_are_worth_it(monkeypatch: pytest.Monke
 
     monkeypatch.setattr(checks.dr, "thread_count", lambda: 64)
     ward, lambert = (check.subjects(gonio.model(name)) for name in ("ward", "lambert"))
-    assert checks.worthwhile([ward], "quick") == checks.MOST
+    assert checks.worthwhile([ward], "quick") == len(ward) * len(check.CHECKS) // 4
     assert checks.worthwhile([lambert], "normal") == checks.MOST
-    assert checks.worthwhile([lambert], "quick") == 1
+    assert checks.worthwhile([lambert], "quick") == len(check.CHECKS) // 4
+    assert checks.worthwhile([lambert], "quick", ["energy", "sampling"]) == 1
     assert checks.worthwhile([ward], "normal", ["energy"]) == 1
     assert checks.worthwhile([ward], "thorough") == 1
     assert checks.worthwhile([check.subjects(Mine)], "normal") == 1

@@ -99,8 +99,9 @@ def check(
 
 # --- on the cores of this machine ----------------------------------------------------------------
 
-# With fewer checks than these a process that comes up in half a second gains little: by effort.
-ENOUGH = {"quick": 27, "normal": 5}
+# Checks that are worth a process, which comes up in half a second, by effort; with fewer than 5 none is.
+EACH = {"quick": 4, "normal": 1}
+ENOUGH = 5
 
 # More processes than these wait for the checks of the first variant, which are the longest.
 MOST = 8
@@ -109,7 +110,7 @@ MOST = 8
 def worthwhile(groups: Sequence[Sequence[Subject]], effort: str, only: Sequence[str] = ()) -> int:
     """How many processes are worth their start; with the thorough effort one, which has many threads."""
     steps = sum(map(len, groups)) * len(only or CHECKS)
-    if effort not in ENOUGH or steps < ENOUGH[effort] or backend.current() != "llvm":
+    if effort not in EACH or steps < ENOUGH or backend.current() != "llvm":
         return 1
     try:
         for group in groups:
@@ -117,7 +118,7 @@ def worthwhile(groups: Sequence[Sequence[Subject]], effort: str, only: Sequence[
     except NotPortableError:
         return 1
     cores: int = dr.thread_count()
-    return min(cores, MOST)
+    return min(cores, MOST, steps // EACH[effort])
 
 
 @contextlib.contextmanager
