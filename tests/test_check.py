@@ -335,11 +335,20 @@ def test_light_that_is_hardly_ever_sampled_is_not_passed() -> None:
         def pdf(self, wi: Vec3, wo: Vec3) -> Float:
             return pdf_ggx_lobe(RoundGGX(self.alpha), wi, wo)
 
-    (subject,) = check.subjects(GlossAlone)
-    (report,) = check.check_subjects([subject], "quick", ["sampling"])
-    (finding,) = (f for f in report.findings if f.what == "mean weight off albedo")
+    class Unbounded(GlossAlone, register=False):
+        claims = Claims(energy=at_most(UNBOUNDED))
+
+    def judged(model: type[Model]) -> Finding:
+        (subject,) = check.subjects(model)
+        (report,) = check.check_subjects([subject], "quick", ["sampling"])
+        (finding,) = (f for f in report.findings if f.what == "mean weight off albedo")
+        return finding
+
+    finding = judged(GlossAlone)
     assert finding.verdict == UNSURE
     assert "hardly ever sampled" in finding.text
+    # Such an albedo has such weights
+    assert judged(Unbounded).verdict == KNOWN
 
 
 def test_a_mean_that_is_wrong_everywhere_is_told_by_a_few_careful_integrals(

@@ -10,6 +10,7 @@ independent samples. The means are compared with the adaptive integral of the de
 from __future__ import annotations
 
 import functools
+import math
 import time
 from dataclasses import dataclass
 
@@ -23,7 +24,7 @@ from gonio.check.energy import dimensions, spread_out, starts, viewer
 from gonio.check.hemisphere import CELLS, COSINE_SECOND, PDF, SECOND, UNREACHED
 from gonio.check.kernels import draw, evaluate, reflect, sample
 from gonio.check.no_number import said
-from gonio.check.report import FAIL, NOTE, PASS, UNSURE, Effort, Finding, Report, judge
+from gonio.check.report import FAIL, KNOWN, NOTE, PASS, UNSURE, Effort, Finding, Report, judge
 from gonio.check.search import maximise
 from gonio.check.statistics import chi2_limit, chi2_tail, noncentral_tail
 from gonio.check.subject import (
@@ -323,10 +324,12 @@ def _judged(
     verdict = PASS if missed[row] <= trusted else FAIL
     hardly = ""
     if verdict == PASS and max(blurred) > BLURRED:
-        row, verdict = _worst(blurred), UNSURE
-        hardly = (
-            f"; weights of up to {tests[row].largest:.2g}: some of the light is hardly ever sampled"
-        )
+        row = _worst(blurred)
+        weights = f"; weights of up to {tests[row].largest:.2g}"
+        if _unbounded(subject):
+            verdict, hardly = KNOWN, f"{weights}, as the albedo is documented to have no bound"
+        else:
+            verdict, hardly = UNSURE, f"{weights}: some of the light is hardly ever sampled"
     t = tests[row]
     text = f"mean {t.mean:.6g} ± {t.mean_error:.2g}, albedo {t.albedo:.6g}{hardly}"
     findings.append(finding("mean weight off albedo", row, missed[row], verdict, text))
@@ -340,6 +343,12 @@ def _judged(
     )
     findings.append(finding("variance", row, t.variance / max(t.albedo, 1e-9) ** 2, NOTE, text))
     return findings
+
+
+def _unbounded(subject: Subject) -> bool:
+    """Whether the albedo is documented to have no bound: no weights with such a mean have one."""
+    documented = subject.size("energy")
+    return documented is not None and math.isinf(documented.size)
 
 
 def _reported(
