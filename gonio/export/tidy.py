@@ -186,13 +186,14 @@ def _without_arguments(expr: Expr) -> Expr:
 def _without_unused(statements: tuple[Statement, ...]) -> tuple[Statement, ...]:
     """Without variables that are not used any more."""
     while True:
-        used = {e.name for e in walk(statements) if isinstance(e, Variable)}
 
-        def kept(found: tuple[Statement, ...], used: set[str] = used) -> tuple[Statement, ...]:
+        def kept(found: tuple[Statement, ...], used: set[str]) -> tuple[Statement, ...]:
             left = []
             for s in found:
                 if isinstance(s, Repeat):
-                    s = replace(s, body=kept(s.body))
+                    # What a loop declares is read in it or nowhere: the same name after it is another one
+                    own = {a.name for a in s.body if isinstance(a, Assign) and a.declares}
+                    s = replace(s, body=kept(s.body, (used - own) | _read(s.body)))
                     if not any(not isinstance(inner, Remark) for inner in s.body):
                         continue
                 name = s.name if isinstance(s, Assign) else None
@@ -201,10 +202,15 @@ def _without_unused(statements: tuple[Statement, ...]) -> tuple[Statement, ...]:
                     left.append(s)
             return tuple(left)
 
-        after = kept(statements)
+        after = kept(statements, _read(statements))
         if len(list(_all(after))) == len(list(_all(statements))):
             return after
         statements = after
+
+
+def _read(statements: tuple[Statement, ...]) -> set[str]:
+    """The names of the variables that are read in some statements."""
+    return {e.name for e in walk(statements) if isinstance(e, Variable)}
 
 
 def _all(statements: tuple[Statement, ...]) -> Iterable[Statement]:
