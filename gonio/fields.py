@@ -148,6 +148,11 @@ def shown(value: Any) -> str:
     return f"{value:.7g}" if isinstance(value, float) else repr(value)
 
 
+def few_digits(values: Any) -> list[float]:
+    """Python numbers that print as few digits as the precision of an array, shape (n,), needs."""
+    return [float(str(x)) for x in np.asarray(values)]
+
+
 # Digits with which people write an end of a range that has no short decimal: 1.571, 1.5708 for pi / 2.
 ROUNDED_DIGITS = range(4, 9)
 

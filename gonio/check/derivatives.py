@@ -9,7 +9,8 @@ import numpy as np
 
 from gonio.check.adversarial import Cases
 from gonio.check.gradient import METHODS, central_differences, closed, gradients
-from gonio.check.subject import Array, ModelSubject
+from gonio.check.subject import ModelSubject
+from gonio.fields import few_digits
 from gonio.model import Model
 
 
@@ -28,6 +29,12 @@ def derivatives(model: Model, wi: Any, wo: Any, u: Any = None) -> list[Derivativ
     """Derivatives of eval, pdf and closed-form albedos; with `u` also of the sample made of it.
 
     Those of a sample are of its density and mixed coordinates together, as `gonio check` has them.
+
+    Args:
+        model: a model whose parameters are numbers.
+        wi: towards the light, shape (3,), unit, normal +z.
+        wo: towards the viewer, likewise.
+        u: two random numbers in [0, 1), shape (2,).
     """
     subject = ModelSubject(model)
     row = subject.default()[None]
@@ -50,11 +57,6 @@ def derivatives(model: Model, wi: Any, wo: Any, u: Any = None) -> list[Derivativ
         )
         for name, exact in high.items():
             words = f"d {method} / d {name}"
-            single, double = (_numbers(g[:, 0]) for g in (low[name], exact))
+            single, double = (few_digits(g[:, 0]) for g in (low[name], exact))
             found.append(Derivative(words, single, double, differences.get(words)))
     return found
-
-
-def _numbers(values: Array) -> list[float]:
-    """Python numbers that print as few digits as the array's precision needs."""
-    return [float(str(x)) for x in values]

@@ -12,8 +12,8 @@ from gonio.check.all_parts import MANY, means
 from gonio.check.energy import precise
 from gonio.check.kernels import draw, evaluate
 from gonio.check.mitsuba_bsdf import SIDES, MitsubaSubject, sides_of
-from gonio.check.subject import Array
 from gonio.cli._evaluation import Evaluation
+from gonio.fields import few_digits
 
 # Directions are as long as one to within what a float32 has.
 UNIT = 1e-5
@@ -50,14 +50,14 @@ class Plugin:
         return Evaluation(
             model=" ".join([subject.name, *([subject.tag()] if subject.tag() else [])]),
             precision="float32",
-            wi=_floats(light[0] * flip),
-            wo=_floats(wo),
-            eval=_single(f[0]),
-            pdf=_single(pdf)[0],
-            weight=None if weight is None else _single(weight),
-            albedo=_single(precise(subject, row, viewer)[0]),
+            wi=few_digits(light[0] * flip),
+            wo=few_digits(wo),
+            eval=few_digits(f[0].astype(np.float32)),
+            pdf=few_digits(pdf.astype(np.float32))[0],
+            weight=None if weight is None else few_digits(weight.astype(np.float32)),
+            albedo=few_digits(precise(subject, row, viewer)[0].astype(np.float32)),
             mean_albedo=None,
-            u=None if u is None else _floats(u),
+            u=None if u is None else few_digits(u),
             sampled_pdf=reported,
             all_parts=whole,
         )
@@ -80,12 +80,3 @@ class Plugin:
                 return subject
         side = next(name for name, z in SIDES.items() if z == sign)
         raise click.UsageError(f"{self.sides[0].name} reflects nothing on its {side}")
-
-
-def _floats(values: Any) -> list[float]:
-    return [float(x) for x in values]
-
-
-def _single(values: Array) -> list[float]:
-    """Python numbers that print as few digits as single precision needs."""
-    return [float(str(np.float32(x))) for x in values]

@@ -16,6 +16,7 @@ from gonio.cli._code import Code, code_options
 from gonio.cli._evaluation import Evaluation, data, lines
 from gonio.cli._numbers import Number
 from gonio.cli.program import complete, echo_json, json_option, param_option
+from gonio.fields import few_digits
 from gonio.model import Model
 
 if TYPE_CHECKING:
@@ -54,14 +55,14 @@ def evaluate(model: Model, wi: Any, wo: Any, *, double: bool = False, u: Any = N
             return Evaluation(
                 repr(model),
                 np.dtype(dtype).name,
-                _floats(wi),
-                _floats(wo),
+                few_digits(wi),
+                few_digits(wo),
                 [math.nan] * 3,
                 math.nan,
                 None,
                 _albedo(exact.albedo, wo),
                 _albedo(exact.mean_albedo),
-                _floats(u),
+                few_digits(u),
                 reported,
             )
     f, pdf = exact.eval(wi, wo), float(exact.pdf(wi, wo))
@@ -69,14 +70,14 @@ def evaluate(model: Model, wi: Any, wo: Any, *, double: bool = False, u: Any = N
     return Evaluation(
         model=repr(model),
         precision=np.dtype(dtype).name,
-        wi=_floats(wi),
-        wo=_floats(wo),
-        eval=_floats(f),
+        wi=few_digits(wi),
+        wo=few_digits(wo),
+        eval=few_digits(f),
         pdf=pdf,
-        weight=None if weight is None else _floats(weight),
-        albedo=_floats(exact.albedo(wo)),
-        mean_albedo=_floats(exact.mean_albedo()),
-        u=None if u is None else _floats(u),
+        weight=None if weight is None else few_digits(weight),
+        albedo=few_digits(exact.albedo(wo)),
+        mean_albedo=few_digits(exact.mean_albedo()),
+        u=None if u is None else few_digits(u),
         sampled_pdf=reported,
     )
 
@@ -84,7 +85,7 @@ def evaluate(model: Model, wi: Any, wo: Any, *, double: bool = False, u: Any = N
 def _albedo(method: Callable[..., Any], *given: Any) -> list[float]:
     """NaN where it would be made of samples that are no directions, as one is."""
     try:
-        return _floats(method(*given))
+        return few_digits(method(*given))
     except ValueError:
         return [math.nan] * 3
 
@@ -159,11 +160,6 @@ def _derivatives(model: Model, wi: Any, wo: Any, u: Any) -> list[Derivative]:
 
 def _triple(value: float | tuple[float, ...], width: int) -> Any:
     return (value,) * 3 if width == 3 and not isinstance(value, tuple) else value
-
-
-def _floats(array: npt.NDArray[Any]) -> list[float]:
-    """Python numbers that print as few digits as the array's precision needs."""
-    return [float(str(x)) for x in np.asarray(array)]
 
 
 def directions(
